@@ -57,7 +57,7 @@ ERRORS = (Exception, KeyboardInterrupt, LimitStruck)
 
 
 @dataclass
-class _Run:
+class _CommandState:
     """The command of this process: its limits, its stage, and the signal that it has received."""
 
     pipe: int | None = None
@@ -68,14 +68,14 @@ class _Run:
     signal: int | None = None
 
 
-_run = _Run()
+_state = _CommandState()
 
 
 def begin(pipe: int) -> None:
     """Begin a command under a supervisor, which reads reports from `pipe` and passes on signals."""
-    global _run  # noqa: PLW0603  a process runs one command at a time
+    global _state  # noqa: PLW0603  a process runs one command at a time
     os.set_blocking(pipe, False)
-    _run = _Run(pipe)
+    _state = _CommandState(pipe)
     for number in SIGNALS:
         if number == signal.SIGALRM or signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, _on_signal)
@@ -84,11 +84,11 @@ def begin(pipe: int) -> None:
 @contextmanager
 def running() -> Iterator[None]:
     """Handle signals while a command runs without a supervisor; do nothing if it has one."""
-    global _run  # noqa: PLW0603
-    if _run.pipe is not None or current_thread() is not main_thread():
+    global _state  # noqa: PLW0603
+    if _state.pipe is not None or current_thread() is not main_thread():
         yield
         return
-    _run = _Run()
+    _state = _CommandState()
     usual = {number: signal.getsignal(number) for number in ENDS}
     for number, handler in usual.items():
         if handler is not signal.SIG_IGN:
@@ -105,24 +105,24 @@ def _on_signal(number: int, frame: FrameType | None) -> None:
 
     From then on Python reports no errors of objects that the exception left half-made.
     """
-    if _run.signal is not None and _run.pipe is not None:
+    if _state.signal is not None and _state.pipe is not None:
         return
-    _run.signal = number
+    _state.signal = number
     _report(SIGNALLED)
-    if _run.pipe is not None:
+    if _state.pipe is not None:
         sys.unraisablehook = lambda dropped: None
     raise SIGNALS[number]
 
 
 def interrupted() -> bool:
     """Return whether the command has received a signal that ends it."""
-    return _run.signal is not None
+    return _state.signal is not None
 
 
 def set_limits(seconds: float | None = None, memory: int | None = None) -> None:
     """Limit the command to seconds since it began, and to bytes of memory of all its processes."""
-    _run.seconds, _run.memory = seconds or _run.seconds, memory or _run.memory
-    _report(LIMITS, f"{_run.seconds or 0} {_run.memory or 0}")
+    _state.seconds, _state.memory = seconds or _state.seconds, memory or _state.memory
+    _report(LIMITS, f"{_state.seconds or 0} {_state.memory or 0}")
 
 
 def limits(*, cached: bool = True) -> Limits:
@@ -130,7 +130,7 @@ def limits(*, cached: bool = True) -> Limits:
     from prag_asp.processes.machine import usual_memory
     from prag_asp.space.limits import Limits
 
-    return Limits(_run.memory or usual_memory(), _run.seconds, cached, _run.begun)
+    return Limits(_state.memory or usual_memory(), _state.seconds, cached, _state.begun)
 
 
 def report_end(error: BaseException) -> int:
@@ -143,21 +143,21 @@ def report_end(error: BaseException) -> int:
     """
     _ignore_signals()
     lines: tuple[str, ...] = ()
-    if isinstance(error, LimitStruck) or _run.signal == signal.SIGALRM:
+    if isinstance(error, LimitStruck) or _state.signal == signal.SIGALRM:
         code = Exit.LIMIT  # the supervisor prints the line
-    elif isinstance(error, KeyboardInterrupt) or _run.signal is not None:
-        terminated = isinstance(error, Terminated) or _run.signal == signal.SIGTERM
+    elif isinstance(error, KeyboardInterrupt) or _state.signal is not None:
+        terminated = isinstance(error, Terminated) or _state.signal == signal.SIGTERM
         line, code = ENDS[signal.SIGTERM if terminated else signal.SIGINT]
         lines = (line,)
     elif isinstance(error, BrokenPipeError):
         sys.stdout = None  # Python would flush it at the end
         code = Exit.OUTPUT
     elif _out_of_memory(error) and not isinstance(error, LimitReached):
-        lines, code = (f"out of memory{while_(_run.stage)}; use a smaller problem, or free some memory",), Exit.LIMIT
+        lines, code = (f"out of memory{while_(_state.stage)}; use a smaller problem, or free some memory",), Exit.LIMIT
     elif isinstance(error, PragError):
         lines, code = error.lines, exit_of(error)
     elif isinstance(error, RecursionError):
-        lines, code = (f"the input is nested too deeply{while_(_run.stage)}; make it flatter",), Exit.BAD_INPUT
+        lines, code = (f"the input is nested too deeply{while_(_state.stage)}; make it flatter",), Exit.BAD_INPUT
     elif isinstance(error, OSError):
         lines = (f"{error.filename or 'stdout'}: {error.strerror or error}",)
         code = Exit.BAD_INPUT if error.filename else Exit.OUTPUT
@@ -176,8 +176,8 @@ def finish(code: int) -> None:
             sys.stdout.flush()
     except OSError:
         sys.stdout = None  # the error was reported when it was first met
-    if _run.pipe is not None and _run.signal != signal.SIGALRM:
-        os.set_blocking(_run.pipe, True)
+    if _state.pipe is not None and _state.signal != signal.SIGALRM:
+        os.set_blocking(_state.pipe, True)
         _report(DONE, str(int(code)))
 
 
@@ -201,7 +201,7 @@ def reopen_closed_streams() -> None:
 
 
 def _ignore_signals() -> None:
-    if _run.pipe is not None:
+    if _state.pipe is not None:
         for number in SIGNALS:
             signal.signal(number, signal.SIG_IGN)
 
@@ -217,17 +217,17 @@ def _out_of_memory(error: BaseException | None) -> bool:
 
 def _report(kind: str, text: str = "") -> None:
     """Tell the supervisor something; a report for which the pipe has no room is dropped."""
-    if _run.pipe is not None:
+    if _state.pipe is not None:
         try:
-            os.write(_run.pipe, f"{kind} {text}".encode(errors="replace")[:LONGEST_REPORT] + b"\n")
+            os.write(_state.pipe, f"{kind} {text}".encode(errors="replace")[:LONGEST_REPORT] + b"\n")
         except OSError:
             return
 
 
 def _set_stage(words: str) -> None:
     if not isinstance(words, Note):
-        _run.stage = " ".join(words.split())
-        _report(STAGE, _run.stage)
+        _state.stage = " ".join(words.split())
+        _report(STAGE, _state.stage)
 
 
 hear(_set_stage)

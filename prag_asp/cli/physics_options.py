@@ -100,7 +100,7 @@ max_draws = click.option(
     "--max-draws",
     type=whole(1),
     metavar="K",
-    help="Stop after sampling K tasks for a part.  [default: 1000 per task]",
+    help="Stop a part after K draws, feasible or not.  [default: 1000 per task]",
 )
 
 

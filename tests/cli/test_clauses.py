@@ -83,7 +83,7 @@ def test_explain_refuses_what_does_not_go_together() -> None:
         (["prag", "drop(panda,can_1)", "--length", "2"], "not a sequence of actions"),
         (["prag", "--length", "2", "--step", "1"], "name the action"),
         (["prag", "--length", "2", "--why-not", "fly"], "no action 'fly'"),
-        (["prag", "--length", "2", "--smallest", "--fewest-changes"], "give one of them"),
+        (["prag", "--length", "2", "--smallest", "--fewest-changes"], "leave one of them out"),
         (["prag", "--length", "1..2"], "a range"),
     ):
         done = run("explain", *words)

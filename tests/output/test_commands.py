@@ -106,7 +106,7 @@ def test_a_sample_that_is_broken_off_anywhere_goes_on_without_doing_physics_agai
     tmp_path: Path, physics: Physics, noted: None
 ) -> None:
     whole = run(*SAMPLE, "--count", "6", cwd=tmp_path)
-    assert whole.returncode == 0 and "9 drawn, 6 passed" in whole.stderr
+    assert whole.returncode == 0 and "9 sampled, 6 passed" in whole.stderr
     reference = content(tmp_path)
     assert len(reference) == 1 + 6 + 1
     draws = physics.asked
@@ -117,7 +117,7 @@ def test_a_sample_that_is_broken_off_anywhere_goes_on_without_doing_physics_agai
         physics.asked, physics.breaks = [], breaks
         broken = run(*SAMPLE, "--count", "6", cwd=tmp_path)
         assert broken.returncode == 130 and (tmp_path / "out.jsonl").read_text() == "old\n"
-        assert f"{breaks} drawn, " in broken.stderr
+        assert f"{breaks} sampled, " in broken.stderr
         physics.breaks = None
         again = run(*SAMPLE, "--count", "6", cwd=tmp_path)
         assert physics.asked == draws and content(tmp_path) == reference

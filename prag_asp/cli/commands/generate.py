@@ -61,7 +61,7 @@ if TYPE_CHECKING:
 @physics_options_without_folder
 @click.option(
     "--demonstrate",
-    "performed",
+    "with_demonstrations",
     is_flag=True,
     help="Let the robot execute each task in simulation, and store the episodes.",
 )
@@ -102,7 +102,7 @@ def generate(
     starts: int,
     physics: bool | None,
     validation: PhysicsOptions,
-    performed: bool,
+    with_demonstrations: bool,
     filming: CameraOptions,
     language: str,
     phrasings: str,
@@ -125,20 +125,20 @@ def generate(
 
     require_pyarrow()
     validation.parse_budget()
-    filming.check(output if performed else None)
+    filming.check(output if with_demonstrations else None)
     shares = None if split is None else parse_shares_option(split)
     with progress() as tell, warnings_as_lines():
         space = request.spaces(tell)
         with_physics = physics if physics is not None else bool(space.domain.settings.scene)
         if not with_physics:
-            validation.refuse_without_physics({"--demonstrate": performed, "--starts": starts > 1})
+            validation.refuse_without_physics({"--demonstrate": with_demonstrations, "--starts": starts > 1})
         staging = filming.staging(*([scene_of(space.domain)] if filming.any else []))
         print_existing(output)
         try:
             dataset = make(
                 space, output, tasks=tasks, seed=seed, split=shares, skeletons=skeletons, hold_out=held, starts=starts,
-                demonstrate=performed, evenly=evenly, **weighting.arguments(space.domain), physics=with_physics,
-                budget=validation.parse_budget() if with_physics else None, workers=validation.workers,
+                demonstrate=with_demonstrations, evenly=evenly, **weighting.arguments(space.domain),
+                physics=with_physics, budget=validation.parse_budget() if with_physics else None, workers=validation.workers,
                 shard=shard or SHARD, language=language, phrasings=phrasings, staging=staging, max_draws=max_draws,
                 part=part, on=on, progress=tell,
             )  # fmt: skip

@@ -34,7 +34,7 @@ Row = tuple[str, ...]
 @domain_options(*SPACE, options.trust)
 @click.option(
     "--count",
-    "wanted",
+    "number",
     type=whole(0),
     default=200,
     show_default=True,
@@ -46,7 +46,7 @@ Row = tuple[str, ...]
     "--write", is_flag=True,
     help="Write learned.lp into the domain's folder, and print the figures only.",
 )  # fmt: skip
-def learn(*, request: DomainOptions, wanted: int, seed: int, validation: PhysicsOptions, write: bool) -> None:
+def learn(*, request: DomainOptions, number: int, seed: int, validation: PhysicsOptions, write: bool) -> None:
     """Propose rules that exclude what physics proves impossible.
 
     Prints rules for the file learned.lp and their effect: the numbers of plans, tasks and skeletons of length N, and
@@ -64,7 +64,7 @@ def learn(*, request: DomainOptions, wanted: int, seed: int, validation: Physics
         path = _file(request, before.domain) if write else Path(LEARNED)
         rules = learn_rules(before.domain, path=path, progress=tell)
         after = request.space(tell, rules.domain) if rules.rules else before
-        figures = _figures(before, after, scene_of(before.domain), wanted, seed, validation, tell)
+        figures = _figures(before, after, scene_of(before.domain), number, seed, validation, tell)
         lines = [str(rules), *aligned(figures)]
     if write:
         replace_file(path, f"{rules.text.rstrip()}\n".encode(), follow=False)
@@ -95,7 +95,7 @@ def _file(request: DomainOptions, domain: Domain) -> Path:
 
 
 def _figures(
-    before: TaskSpace, after: TaskSpace, scene: Scene, wanted: int, seed: int, validation: PhysicsOptions,
+    before: TaskSpace, after: TaskSpace, scene: Scene, number: int, seed: int, validation: PhysicsOptions,
     tell: Callable[[str], None],
 ) -> Iterator[Row]:  # fmt: skip
     """Yield the rows of a table: the size of the space and how many tasks pass, before and after."""
@@ -104,7 +104,7 @@ def _figures(
     yield f"length {before.length}", "before", "after"
     for level in get_args(Level):
         yield f"{level}s", str(before.count(level)), str(after.count(level))
-    tallies = [_tally(space, scene, wanted, seed, validation, tell) for space in (before, after)]
+    tallies = [_tally(space, scene, number, seed, validation, tell) for space in (before, after)]
     yield "sampled", *(str(tally.seen) for tally in tallies)
     yield "passed", *(f"{tally.passed} ({100 * tally.passed / max(tally.seen, 1):.1f} %)" for tally in tallies)
     yield "proved infeasible", *(str(tally.proved) for tally in tallies)
@@ -113,7 +113,7 @@ def _figures(
 
 
 def _tally(
-    space: TaskSpace, scene: Scene, wanted: int, seed: int, validation: PhysicsOptions, tell: Callable[[str], None]
+    space: TaskSpace, scene: Scene, number: int, seed: int, validation: PhysicsOptions, tell: Callable[[str], None]
 ) -> Tally:
     """Return how many of some uniformly sampled tasks pass physics."""
     from prag_asp.cli.summary import tally_line
@@ -125,9 +125,9 @@ def _tally(
     def summary() -> str:
         return tally_line(tally, ("sampled", "sampled"), f"budget {validation.parse_budget()}")
 
-    if wanted == 0 or space.count() == 0:
+    if number == 0 or space.count() == 0:
         return tally
-    tasks = islice(space.draw(seed=seed, weights={}), wanted)
+    tasks = islice(space.draw(seed=seed, weights={}), number)
     with closing(
         validate_tasks(tasks, scene, seed=seed, workers=validation.workers, budget=validation.parse_budget())
     ) as verdicts:

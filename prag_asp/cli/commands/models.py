@@ -103,25 +103,25 @@ def count(*, program: ProgramOptions, approximation: Approximation) -> None:
 
 @models.command()
 @program_options
-@click.option("--count", "wanted", type=whole(0), default=10, show_default=True, help="Number of answer sets.")
+@click.option("--count", "number", type=whole(0), default=10, show_default=True, help="Number of answer sets.")
 @options.seed
-def sample(*, program: ProgramOptions, wanted: int, seed: int) -> None:
+def sample(*, program: ProgramOptions, number: int, seed: int) -> None:
     """Sample answer sets uniformly.
 
     With --weighted, samples them in proportion to their weights. Probabilities are exact. Each line has the shown atoms
     of an answer set. The same seed gives the same lines.
     """
     with program.answer_sets() as found:
-        _say_all(islice(found.sample(wanted, seed), wanted))
+        _say_all(islice(found.sample(number, seed), number))
 
 
 @models.command(name="list")
 @program_options
-@click.option("--count", "wanted", type=whole(0), metavar="K", help="Stop after K answer sets.")
-def list_(*, program: ProgramOptions, wanted: int | None) -> None:
+@click.option("--count", "number", type=whole(0), metavar="K", help="Stop after K answer sets.")
+def list_(*, program: ProgramOptions, number: int | None) -> None:
     """List all answer sets, one per line, always in the same order."""
     with program.answer_sets() as found:
-        _say_all(islice(found, wanted))
+        _say_all(islice(found, number))
 
 
 @models.command()

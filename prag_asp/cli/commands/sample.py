@@ -49,7 +49,9 @@ DRAWS_PER_TASK = 1000
 )
 @physics_options
 @camera_options
-@click.option("--max-draws", type=whole(1), metavar="K", help="Stop after sampling K tasks.  [default: 1000 per task]")
+@click.option(
+    "--max-draws", type=whole(1), metavar="K", help="Stop after K draws, feasible or not.  [default: 1000 per task]"
+)
 @format_options(LINE_FORMAT)
 @options.output
 def sample(
@@ -169,7 +171,7 @@ def _feasible(
         if folder is not None:
             remove_after(folder, tally.passed)
     if tally.passed < wanted:
-        found = f"only {tally.passed} of {plural(wanted, 'task')} found among {plural(tally.seen, 'sampled task')}"
+        found = f"only {tally.passed} of {plural(wanted, 'task')} found in {plural(tally.seen, 'draw')}"
         raise NotFound(f"{found}; raise --max-draws" if tally.seen == limit else found)
 
 
