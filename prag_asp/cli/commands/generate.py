@@ -138,7 +138,8 @@ def generate(
             dataset = make(
                 space, output, tasks=tasks, seed=seed, split=shares, skeletons=skeletons, hold_out=held, starts=starts,
                 demonstrate=with_demonstrations, evenly=evenly, **weighting.arguments(space.domain),
-                physics=with_physics, budget=validation.parse_budget() if with_physics else None, workers=validation.workers,
+                physics=with_physics, budget=validation.parse_budget() if with_physics else None,
+                workers=validation.workers,
                 shard=shard or SHARD, language=language, phrasings=phrasings, staging=staging, max_draws=max_draws,
                 part=part, on=on, progress=tell,
             )  # fmt: skip
