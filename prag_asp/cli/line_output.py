@@ -1,68 +1,67 @@
-"""Lines on stdout or in a file, which is written whole, and goes on where the same run was broken off."""
+"""Lines on stdout or in a file, which is written whole."""
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Protocol
 
-from prag_asp.cli.terminal import for_terminal, tell_line
+from prag_asp.cli.terminal import for_terminal
 from prag_asp.errors import OutputError
-from prag_asp.output import Lines
-from prag_asp.output.atomic_files import is_stream, told
-from prag_asp.wording import plural
+from prag_asp.output import new_folder, open_atomic
+from prag_asp.output.atomic_file import AtomicFile, is_stream, output_errors
+
+HELD = 1 << 20
+"""Bytes of lines that are held back before they are written to a file."""
 
 
 class Writer(Protocol):
-    """Takes lines; `lines` and `state` say what a run that was broken off has written."""
+    """Takes lines."""
 
-    @property
-    def lines(self) -> int:
-        """How many lines there are."""
-        ...
-
-    @property
-    def state(self) -> Any:
-        """The state after them, as it was written, or None."""
-        ...
-
-    def write(self, line: str | None, state: Any = None) -> None:
-        """Write a line, or none, and what the state is then."""
+    def write(self, line: str, *, flush: bool = False) -> None:
+        """Write a line; with `flush`, a stream shows it at once."""
         ...
 
 
-class _Stream:
-    """Lines that go out as they come, and are not taken back."""
-
-    lines, state = 0, None
+class _StreamWriter:
+    """Writes lines to a stream as they come."""
 
     def __init__(self, stream: Any, name: str) -> None:
         self._stream, self._name = stream, name
         self._shown = stream is not None and stream is sys.stdout and stream.isatty()
 
-    def write(self, line: str | None, state: Any = None) -> None:
+    def write(self, line: str, *, flush: bool = False) -> None:
         """Write a line."""
-        if line is not None:
-            with told(self._name):
-                self._stream.write(f"{for_terminal(line) if self._shown else line}\n")
-                if state is not None:  # what takes long is shown at once
-                    self._stream.flush()
+        with output_errors(self._name):
+            self._stream.write(f"{for_terminal(line) if self._shown else line}\n")
+            if flush:
+                self._stream.flush()
 
 
-Fits = Callable[[int, Any], bool]
-"""Tells whether a run can go on after so many lines, in a state."""
+class _FileWriter:
+    """Writes lines to a file, many together."""
+
+    def __init__(self, file: AtomicFile) -> None:
+        self._file, self._held = file, bytearray()
+
+    def write(self, line: str, *, flush: bool = False) -> None:
+        """Write a line."""
+        self._held += f"{line}\n".encode()
+        if len(self._held) >= HELD:
+            self.flush()
+
+    def flush(self) -> None:
+        """Write what was held back."""
+        self._file.write(bytes(self._held))
+        self._held.clear()
 
 
 @contextmanager
-def writer(output: str | None, run: str | None = None, fits: Fits = lambda lines, state: True) -> Iterator[Writer]:
-    """Yield what writes lines to a file, or to stdout.
-
-    The file is replaced at the end, as a whole. What is written until the block is broken off stays beside it for the
-    next run of the same name that it `fits`; without a `run`, nothing stays. What goes to stdout, to a device or to a
-    pipe is gone.
+def writer(output: str | None) -> Iterator[Writer]:
+    """Yield a writer of lines to a file, or to stdout; the file is replaced as a whole when the block ends.
 
     Raises:
         OutputError: the file cannot be written.
@@ -71,44 +70,38 @@ def writer(output: str | None, run: str | None = None, fits: Fits = lambda lines
         with _stream(output) as stream:
             yield stream
     else:
-        yield from _file(output, run, fits)
+        with open_atomic(output) as file:
+            lines = _FileWriter(file)
+            yield lines
+            lines.flush()
 
 
 @contextmanager
-def _stream(output: str | None) -> Iterator[_Stream]:
+def _stream(output: str | None) -> Iterator[_StreamWriter]:
     name = output or "stdout"
-    with told(name):
+    with output_errors(name):
         stream = open(output, "w", encoding="utf-8") if output else sys.stdout  # noqa: PTH123, SIM115
     try:
-        yield _Stream(stream, name)
+        yield _StreamWriter(stream, name)
     finally:
-        with told(name):
+        with output_errors(name):
             stream.flush()
             if output:
                 stream.close()
 
 
-def _file(output: str, run: str | None, fits: Fits) -> Iterator[Writer]:
-    from prag_asp.processes.workers import uninterrupted
+@contextmanager
+def recordings_folder(folder: str | None) -> Iterator[Path | None]:
+    """Yield a folder for recordings, which is written whole or not at all; without a name, None.
 
-    lines = Lines(output, run)
-    try:
-        if not fits(lines.lines, lines.state):
-            lines.restart()
-        if lines.lines:
-            tell_line(f"{output}: goes on after {plural(lines.lines, 'line')} of the same run")
-        yield lines
-        with uninterrupted():
-            lines.finish()
-    except BaseException:
-        with uninterrupted():
-            lines.suspend()
-        if lines.lines and run is not None:
-            kept = f"{lines.part} keeps {plural(lines.lines, 'line')}; the same command goes on from there"
-            tell_line(kept)
-        raise
-    finally:
-        lines.close()
+    Raises:
+        OutputError: it holds something already, or cannot be written.
+    """
+    if folder is None:
+        yield None
+        return
+    with new_folder(Path(folder)) as recordings:
+        yield recordings
 
 
 def require_writable(output: str | None) -> None:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from prag_asp.dataset.pass_rates import Tally
     from prag_asp.dataset.physics_filter import feasible
     from prag_asp.dataset.revalidation import Outcome, recheck
-    from prag_asp.dataset.store.entry import Entry
+    from prag_asp.dataset.store.entry import DatasetEntry
     from prag_asp.dataset.suites.counting import count_suite
     from prag_asp.dataset.suites.suite_builder import generate_suite
     from prag_asp.dataset.suites.suite_reader import load_suite
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from prag_asp.dataset.verification.finding import Finding
 
 __all__ = [
-    "Entry",
+    "DatasetEntry",
     "Finding",
     "Instructions",
     "Learned",
@@ -73,7 +73,7 @@ _HOMES = {
     "prag_asp.dataset.learned_rules": ("Learned", "learn"),
     "prag_asp.dataset.merging": ("merge",),
     "prag_asp.dataset.revalidation": ("Outcome", "recheck"),
-    "prag_asp.dataset.store.entry": ("Entry",),
+    "prag_asp.dataset.store.entry": ("DatasetEntry",),
     "prag_asp.dataset.suites.counting": ("count_suite",),
     "prag_asp.dataset.suites.suite_builder": ("generate_suite",),
     "prag_asp.dataset.suites.suite_reader": ("load_suite",),

@@ -1,103 +1,225 @@
-"""What a data set is to hold: all that identifies it, and how many tasks."""
+"""The request of a dataset as one value: everything that determines its bytes, besides its task space."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
-from prag_asp.dataset.store.manifest import Asked, BudgetNote, StagingNote
+import msgspec
+
 from prag_asp.errors import QueryError
+from prag_asp.fields import Whole
 from prag_asp.grammar.phrasings import Phrasings
+from prag_asp.physics.filming.episode_options import Staging
+from prag_asp.physics.verdict import Budget
 from prag_asp.space.sampling.sharding import ALL, Deal
-from prag_asp.space.without_replacement import Division, lengths_of
 
 if TYPE_CHECKING:
-    from prag_asp.physics import Budget, Staging
-    from prag_asp.space.task_space import TaskSpace
-    from prag_asp.space.task_spaces import TaskSpaces
+    from prag_asp.domain.load import Domain
     from prag_asp.space.weights.temperature import Temperature
     from prag_asp.space.weights.weights import Number
+    from prag_asp.space.without_replacement import Division
 
 SHARD = 1000
-"""Tasks of a full shard, if no other number is asked for."""
+"""Tasks of a full shard by default."""
 
 LARGEST_SHARD, MOST_STARTS = 20_000, 1000
-"""So many tasks, and witnesses of one of them, are held in memory at once."""
+"""The tasks of a shard, and the witnesses of one task, are in memory at once: some GB at these numbers."""
 
 DRAWS_FOR_EACH = 1000
-"""Draws after which a part is given up, for each task wanted."""
+"""Draws per requested task after which a part is given up by default."""
 
 LARGEST_SEED = 2**63 - 1
-"""The largest seed that a column of whole numbers holds."""
+"""The largest seed that a column of 64-bit integers holds."""
 
 
-@dataclass(frozen=True)
-class Wanted:
-    """What a data set is to hold, beside the space: what identifies it, but for the number of `tasks` and of draws."""
+class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
+    """The request of a dataset, as `generate` takes it and as dataset.json holds it.
 
-    tasks: int
-    seed: int
-    division: Division
-    budget: Budget | None
-    starts: int = 1
+    `split` has the exact share of each part. `weights` and `temperature` are exact numbers as text. Without a `budget`,
+    physics is not asked. `part` is such as ``3/64`` where other machines make the rest: only every 64th draw, from the
+    third on, belongs to the dataset then.
+
+    Raises:
+        QueryError: a number is out of range.
+    """
+
+    tasks: Whole
+    seed: Whole = 0
+    split: dict[str, str]
+    skeletons: bool = False
+    hold_out: str | None = None
+    starts: Whole = 1
     demonstrate: bool = False
     evenly: bool = False
-    weights: Mapping[str, Number] | None = None
-    temperature: Temperature = 1
-    shard: int = SHARD
+    weights: dict[str, str] = {}
+    temperature: str = "1"
+    budget: Budget | None = None
+    shard: Whole = SHARD
     language: str = "en"
-    staging: Staging | None = None
-    max_draws: int | None = None
-    deal: Deal = ALL
     phrasings: str = ""
+    staging: Staging | None = None
+    part: Annotated[str, msgspec.Meta(pattern="^[1-9][0-9]{0,6}/[1-9][0-9]{0,6}$")] | None = None
 
     def __post_init__(self) -> None:
         if self.tasks < 1:
-            raise QueryError(f"tasks {self.tasks}: a data set needs at least 1")
-        if self.max_draws is not None and self.max_draws < 1:
-            raise QueryError(f"max_draws {self.max_draws}: a data set needs at least 1 draw")
+            raise QueryError(f"tasks {self.tasks}: a dataset needs at least 1")
         for name, number, most in (("starts", self.starts, MOST_STARTS), ("shard", self.shard, LARGEST_SHARD)):
             if not 1 <= number <= most:
                 raise QueryError(f"{name} {number}: give a number from 1 to {most}")
         if not 0 <= self.seed <= LARGEST_SEED:
             raise QueryError(f"seed {self.seed}: give one from 0 to {LARGEST_SEED}")
 
-    def of(self, share: Fraction) -> int:
-        """Return how many tasks a part of some share is to have, rounded up, so that more never means fewer.
+    @classmethod
+    def of(
+        cls,
+        domain: Domain,
+        *,
+        tasks: int,
+        seed: int = 0,
+        split: Mapping[str, Number | float] | None = None,
+        skeletons: bool = False,
+        hold_out: str | None = None,
+        starts: int = 1,
+        demonstrate: bool = False,
+        evenly: bool = False,
+        weights: Mapping[str, Number] | None = None,
+        temperature: Temperature = 1,
+        physics: bool | None = None,
+        budget: Budget | None = None,
+        shard: int = SHARD,
+        language: str = "en",
+        phrasings: str = "",
+        staging: Staging | None = None,
+        part: str | None = None,
+    ) -> DatasetSpec:
+        """Return the request of a dataset of `tasks` different feasible tasks of a domain.
 
-        Of those that several make together, each makes as many.
+        Tasks are sampled without replacement, by the weights of the domain unless others are given; lengths have their
+        exact shares, or with `evenly` take turns. With `split`, each part gets its share of the tasks, and no two parts
+        have a task (with `skeletons`: a skeleton) in common; with `hold_out`, only ``test`` has what is held out.
+        `starts` is the number of initial states of each task that a witness is searched from. With `demonstrate`, the
+        robot performs each task as `staging` says: cameras that film, and what varies. Without `physics`, which is the
+        default where the domain has no scene, all sampled tasks are taken. Instructions are in a `language` of the
+        domain, and use some of its `phrasings`, such as ``1 of 2``. A `shard` holds at most that many tasks. With
+        ``part="3/64"``, only every 64th draw is validated, from the third on, for a 64th of the tasks.
+
+        Raises:
+            QueryError: a value is out of range, or two of them contradict each other.
+            SceneError: cameras are requested, and the domain has no scene.
+            PhysicsMissingError: PyBullet is not installed.
+        """
+        chosen = _budget(domain, physics, budget, demonstrate, starts)
+        if staging is not None:
+            require_staging(staging, domain, demonstrate, starts)
+        from prag_asp.space.without_replacement import Division
+
+        division = Division.parse(split, skeletons=skeletons, hold_out=hold_out)
+        given = domain.settings.weights if weights is None else weights
+        return cls(
+            tasks=tasks,
+            seed=seed,
+            split={name: str(share) for name, share in division.shares.items()},
+            skeletons=skeletons,
+            hold_out=hold_out,
+            starts=starts,
+            demonstrate=demonstrate,
+            evenly=evenly,
+            weights={key: str(weight) for key, weight in given.items()},
+            temperature=str(temperature),
+            budget=chosen,
+            shard=shard,
+            language=language,
+            phrasings=str(Phrasings.parse(phrasings)),
+            staging=staging,
+            part=None if part is None or Deal.parse(part) == ALL else str(Deal.parse(part)),
+        )
+
+    @property
+    def division(self) -> Division:
+        """How tasks are divided into parts.
+
+        Raises:
+            QueryError: the shares do not add up to 1, or do not fit the rest.
+        """
+        from prag_asp.space.without_replacement import Division
+
+        return Division.parse(self.split, skeletons=self.skeletons, hold_out=self.hold_out)
+
+    @property
+    def deal(self) -> Deal:
+        """Which draws belong to it, of those of all machines."""
+        return ALL if self.part is None else Deal.parse(self.part)
+
+    def tasks_of(self, share: Fraction) -> int:
+        """Return the number of tasks of a part with a share, rounded up: a larger request never has fewer.
+
+        Of several machines, each makes the same number.
         """
         return ceil(Fraction(ceil(self.tasks * share), self.deal.of))
 
-    def draws(self, share: Fraction) -> int:
-        """Return after how many draws a part of some share is given up."""
-        return self.max_draws or DRAWS_FOR_EACH * self.of(share)
+    def draws_of(self, share: Fraction, max_draws: int | None) -> int:
+        """Return the number of draws after which a part with a share is given up."""
+        return max_draws or DRAWS_FOR_EACH * self.tasks_of(share)
 
-    def asked(self, space: TaskSpace | TaskSpaces) -> Asked:
-        """Return all that identifies the data set of a space."""
-        weights = space.domain.settings.weights if self.weights is None else self.weights
-        division = self.division
-        budget = None if self.budget is None else BudgetNote(**self.budget.to_json())
-        staging = self.staging
-        return Asked(
-            lengths=list(lengths_of(space)),
-            where=[str(clause) for clause in space.condition.clauses],
-            seed=self.seed,
-            weights={key: str(weight) for key, weight in weights.items()},
-            temperature=str(self.temperature),
-            evenly=self.evenly,
-            split={name: str(share) for name, share in division.shares.items()},
-            skeletons=division.skeletons,
-            hold_out=division.hold_out,
-            budget=budget,
-            starts=self.starts,
-            demonstrate=self.demonstrate,
-            shard=self.shard,
-            language=self.language,
-            staging=None if staging is None else StagingNote.of(staging),
-            part=None if self.deal == ALL else str(self.deal),
-            phrasings=str(Phrasings.parse(self.phrasings)),
+    def fixed(self) -> dict[str, Any]:
+        """Return the values that may not change when a dataset grows: all but the number of tasks."""
+        return {name: value for name, value in msgspec.to_builtins(self).items() if name != "tasks"}
+
+
+def _budget(
+    domain: Domain, physics: bool | None, requested: Budget | None, demonstrate: bool, starts: int
+) -> Budget | None:
+    """Return the budget of physics, with the tier of demonstrations where these are recorded; None without physics.
+
+    Raises:
+        QueryError: something is requested that only physics gives, and physics is not asked.
+        PhysicsMissingError: PyBullet is not installed.
+    """
+    from prag_asp.physics import require_physics
+
+    if not (domain.settings.scene if physics is None else physics):
+        if demonstrate or starts > 1 or requested is not None:
+            raise QueryError("demonstrations, initial states and a budget need physics; leave them out")
+        return None
+    require_physics()
+    return budget_of(requested, "" if demonstrate else None)
+
+
+def require_staging(staging: Staging, domain: Domain, demonstrate: bool, starts: int) -> None:
+    """Check what is staged before anything is written.
+
+    Raises:
+        QueryError: nothing is demonstrated, the scene has no such camera, or colours vary from one initial state of a
+            task to the next, while its instructions name the colours of one.
+        SceneError: the domain has no scene.
+    """
+    from prag_asp.dataset.scenes import scene_of
+
+    require_demonstrated(staging, "" if demonstrate else None)
+    if "colour" in staging.vary and starts > 1:
+        raise QueryError(
+            f"the instructions of a task name the colours of one recording, but {starts} starts have {starts}; "
+            "request 1 start, or leave colour out of what varies"
         )
+    staging.cameras_of(scene_of(domain))
+
+
+def budget_of(budget: Budget | None, demonstrate: str | Path | None) -> Budget:
+    """Return a budget with the tier of demonstrations where these are to be recorded."""
+    budget = budget or Budget()
+    return budget if demonstrate is None else Budget(budget.restarts, budget.samples, "demonstration")
+
+
+def require_demonstrated(staging: Staging, demonstrate: str | Path | None) -> None:
+    """Check that tasks are demonstrated where that is staged.
+
+    Raises:
+        QueryError: they are not.
+    """
+    if demonstrate is None and (staging.cameras or staging.vary):
+        what = "cameras film" if staging.cameras else f"{staging.vary[0]} varies in"
+        raise QueryError(f"{what} demonstrations; ask for them by `demonstrate`, the folder of the recordings")

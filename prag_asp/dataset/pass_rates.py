@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from prag_asp.physics import Verdict
@@ -34,17 +34,6 @@ class Tally:
         self.causes.update(causes or {})
         if status != "feasible":
             self.reasons[status, reason] += 1
-
-    def state(self) -> dict[str, Any]:
-        """Return it as a value of JSON."""
-        reasons = [[*reason, number] for reason, number in self.reasons.items()]
-        return {"seen": self.seen, "passed": self.passed, "reasons": reasons, "causes": dict(self.causes)}
-
-    def go_on(self, state: Mapping[str, Any] | None) -> None:
-        """Become what `state` has returned, or nothing counted where there is none."""
-        told = state or Tally().state()
-        self.seen, self.passed, self.causes = told["seen"], told["passed"], Counter(told["causes"])
-        self.reasons = Counter({(status, reason): number for status, reason, number in told["reasons"]})
 
     @property
     def proved(self) -> int:

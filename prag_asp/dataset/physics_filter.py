@@ -8,11 +8,11 @@ from itertools import islice, tee
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from prag_asp.dataset.dataset_spec import budget_of, require_demonstrated
 from prag_asp.dataset.episode_files import Recordings
 from prag_asp.dataset.jsonl import Record
 from prag_asp.dataset.pass_rates import Tally
 from prag_asp.dataset.scenes import scene_of
-from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Staging, Verdict, validate_numbered
 from prag_asp.space.without_replacement import drawn_tasks
 
@@ -42,8 +42,7 @@ def feasible(
     seed; with ``distinct=True`` (and weights alone), no task is drawn twice, and it ends with the last one. It ends
     after so many `draws`, feasible or not; `tally` counts all of them. With `demonstrate`, the robot performs each
     task, and recordings are written into that folder, which is made where it is missing, with what `staging` asks for:
-    cameras that film, and what varies. What is yielded depends on the seed alone, not on the number of `workers`. A
-    `tally` that has counted draws before goes on after those.
+    cameras that film, and what varies. What is yielded depends on the seed alone, not on the number of `workers`.
 
     Raises:
         SceneError: the domain has no scene, or a task speaks of something for which the scene has no shape.
@@ -81,10 +80,9 @@ def draws_looked_at(
         require_demonstrated(staging, demonstrate)
         staging.cameras_of(scene)
     budget, tally = budget_of(budget, demonstrate), Tally() if tally is None else tally
-    asked, kept = tee(islice(drawn_tasks(space, seed=seed, **drawing), tally.seen, draws))
-    numbered = enumerate(asked, tally.seen)
-    verdicts = validate_numbered(numbered, scene, seed=seed, workers=workers, budget=budget, staging=staging)
-    return _recorded(kept, verdicts, Recordings(demonstrate), tally)
+    tasks, again = tee(islice(drawn_tasks(space, seed=seed, **drawing), draws))
+    verdicts = validate_numbered(enumerate(tasks), scene, seed=seed, workers=workers, budget=budget, staging=staging)
+    return _recorded(again, verdicts, Recordings(demonstrate), tally)
 
 
 def _feasible(looked_at: Generator[Record | None, None, None]) -> Generator[Record, None, None]:
@@ -111,20 +109,3 @@ def _recorded(
             if name is not None:
                 told["demonstration"] = name
             yield Record(task, told, witness)
-
-
-def budget_of(budget: Budget | None, demonstrate: str | Path | None) -> Budget:
-    """Return a budget with the tier of demonstrations where these are to be recorded."""
-    budget = budget or Budget()
-    return budget if demonstrate is None else Budget(budget.restarts, budget.samples, "demonstration")
-
-
-def require_demonstrated(staging: Staging, demonstrate: str | Path | None) -> None:
-    """Check that tasks are demonstrated where that is staged.
-
-    Raises:
-        QueryError: they are not.
-    """
-    if demonstrate is None and (staging.cameras or staging.vary):
-        what = "cameras film" if staging.cameras else f"{staging.vary[0]} varies in"
-        raise QueryError(f"{what} demonstrations; ask for them by `demonstrate`, the folder of the recordings")

@@ -10,9 +10,9 @@ from itertools import chain, groupby, islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from prag_asp.dataset.dataset_spec import budget_of, require_demonstrated
 from prag_asp.dataset.episode_files import Recordings
 from prag_asp.dataset.jsonl import Record, read_tasks
-from prag_asp.dataset.physics_filter import budget_of, require_demonstrated
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.dataset.task_origin import foreign, index_of, named_domain, read_witness, told_with_place
 from prag_asp.domain.load import load_domain
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 TOLD_TOGETHER = 128
 """Tasks of which the states are worked out together; that many are read ahead."""
 
-Told = tuple[Record, str]
+CheckedRecord = tuple[Record, str]
 """A record, and what is wrong with its task as a value, or nothing."""
 
 
@@ -50,7 +50,7 @@ class Outcome:
 
 
 @dataclass(frozen=True)
-class _Search:
+class _RecheckOptions:
     """How physics looks at the tasks."""
 
     seed: int
@@ -72,7 +72,6 @@ def recheck(
     witness_only: bool = False,
     load: Callable[[Record, Path], Domain] | None = None,
     folder: Path = Path(),
-    done: int = 0,
 ) -> Generator[Outcome, None, None]:
     """Yield what becomes of each task of a file, or of records: is its plan valid, and can a robot do it.
 
@@ -81,7 +80,7 @@ def recheck(
     file (in `folder`, for records); `load` says how it is loaded where that takes more. Tasks have to satisfy the
     conditions `where`. With `demonstrate`, the robot performs each task, and recordings are written into that folder,
     with what `staging` asks for.
-    Records are read a little ahead; the first, so many as are `done`, are read and not checked.
+    Records are read a little ahead.
 
     Raises:
         QueryError: a line of the file is no task, or a domain that it names is not found; the message has the place.
@@ -94,9 +93,8 @@ def recheck(
         records = iter(tasks)
     if staging is not None:
         require_demonstrated(staging, demonstrate)
-    number, recordings = done, Recordings(demonstrate)
-    records = islice(records, done, None)
-    search = _Search(seed, workers, budget_of(budget, demonstrate), staging)
+    number, recordings = 0, Recordings(demonstrate)
+    search = _RecheckOptions(seed, workers, budget_of(budget, demonstrate), staging)
     load = load or (lambda record, folder: load_domain(named_domain(record, folder), constants=record.task.constants))
     for _, several in groupby(records, key=lambda record: (record.task.domain, record.task.constants)):
         group = iter(several)
@@ -112,7 +110,7 @@ def recheck(
             yield outcome
 
 
-def _told(records: Iterable[Record], space: TaskSpace) -> Iterator[Told]:
+def _told(records: Iterable[Record], space: TaskSpace) -> Iterator[CheckedRecord]:
     """Yield records with what is wrong with their tasks as values."""
     iterator, size = iter(records), 1
     while batch := list(islice(iterator, size)):
@@ -144,9 +142,9 @@ def _fault(task: Task, expected: Task) -> str:
     return f"its {', '.join(wrong)} {verb} not what its actions make" if wrong else ""
 
 
-def _anew(told: Iterator[Told], scene: Scene, search: _Search) -> Iterator[Outcome]:
+def _anew(told: Iterator[CheckedRecord], scene: Scene, search: _RecheckOptions) -> Iterator[Outcome]:
     """Yield what a new search says of each task, wherever it stands in the file."""
-    waiting: deque[Told] = deque()
+    waiting: deque[CheckedRecord] = deque()
 
     def valid() -> Iterator[tuple[int, Task]]:
         for record, fault in told:
@@ -165,14 +163,14 @@ def _anew(told: Iterator[Told], scene: Scene, search: _Search) -> Iterator[Outco
     yield from _invalid(waiting)
 
 
-def _invalid(waiting: deque[Told]) -> Iterator[Outcome]:
+def _invalid(waiting: deque[CheckedRecord]) -> Iterator[Outcome]:
     """Take the invalid tasks that come first, up to one that is valid."""
     while waiting and waiting[0][1]:
         record, fault = waiting.popleft()
         yield Outcome(record, "invalid", fault)
 
 
-def _witnesses(told: Iterator[Told], scene: Scene, search: _Search) -> Iterator[Outcome]:
+def _witnesses(told: Iterator[CheckedRecord], scene: Scene, search: _RecheckOptions) -> Iterator[Outcome]:
     """Yield what the witness of each record is worth, by the tiers of a budget."""
     waiting: deque[tuple[Record, Outcome | None]] = deque()
 

@@ -1,4 +1,4 @@
-"""What is known of a draw: what physics says of the task and of further first states of it, and its words."""
+"""Jobs of validation: what physics says of the task of a draw and of further initial states of it, and its texts."""
 
 from __future__ import annotations
 
@@ -11,49 +11,46 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
 
-from prag_asp.dataset.store.draw_results import Looked, Recorded, Start
+from prag_asp.dataset.store.draw_results import DrawResult, RecordingInfo, StartResult
 from prag_asp.task import Task
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.store.columns import Row
-    from prag_asp.dataset.store.instructions import Telling as Words
+    from prag_asp.dataset.store.columns import RowReference
+    from prag_asp.dataset.store.instructions import Captioner
     from prag_asp.domain.load import Domain
     from prag_asp.physics import Budget, Demonstration, Staging, Validator, Verdict, Witness
     from prag_asp.scene.scene import Scene
     from prag_asp.space.without_replacement import Placed
 
 START = 1 << 32
-"""How far the index of a search is from that of the same task's search for the next first state."""
+"""The difference between the indices of two searches in a row for the same task."""
 
 TRIES = 4
-"""How many searches are made for each first state that is wanted, at most: one that finds none is made up for."""
+"""Searches for each requested initial state, at most: one that finds none is replaced by the next."""
 
 
-class Draw(NamedTuple):
-    """What is to be looked at: its number in its part, the index of its first search, and the task, if it is told."""
+class ValidationJob(NamedTuple):
+    """A draw to validate: its number in its part, the index of its first search, and its task or where that is."""
 
     number: int
     search: int
     drawn: Task | Placed
 
 
-class Found(NamedTuple):
-    """What is known of a draw: a `Looked` as JSON, files of recordings by first states, and its row.
+class JobResult(NamedTuple):
+    """The result of a job: a `DrawResult` as JSON, files of recordings by initial states, and its row.
 
-    That is left out where the draw was a task that is told already.
+    The row is None where the job came with its task.
     """
 
-    looked: bytes
+    result: bytes
     recordings: tuple[bytes | None, ...] = ()
-    row: Row | None = None
+    row: RowReference | None = None
 
 
 @dataclass(frozen=True)
-class Look:
-    """How the draws of a part are looked at: by physics where there is a scene.
-
-    `scene` is there where physics looks, `telling` where draws are no tasks yet.
-    """
+class ValidationSetup:
+    """How the draws of a part are validated: by physics with a `scene`; `captions` make tasks and texts of draws."""
 
     part: str
     seed: int
@@ -61,12 +58,12 @@ class Look:
     scene: Scene | None = None
     starts: int = 1
     staging: Staging | None = None
-    telling: Telling | None = None
+    captions: CaptionSetup | None = None
 
 
 @dataclass(frozen=True)
-class Telling:
-    """What tells draws of a space of some lengths and conditions as tasks, and these in words."""
+class CaptionSetup:
+    """What makes tasks of the draws of a space of some lengths and conditions, and texts of the tasks."""
 
     domain: Domain
     lengths: tuple[int, ...]
@@ -76,145 +73,150 @@ class Telling:
     phrasings: str
 
 
-def answers(messages: Iterator[Any]) -> Iterator[list[Found]]:
-    """Yield what is known of numbered draws, many together; first of all comes how they are looked at.
+def answers(messages: Iterator[Any]) -> Iterator[list[JobResult]]:
+    """Yield the results of numbered jobs, many together; the first message is their `ValidationSetup`.
 
     Raises:
-        SceneError: the scene cannot be built, or a task speaks about something for which it has no shape.
+        SceneError: the scene cannot be built, or a task names something for which it has no shape.
     """
-    with looker(next(messages)) as looked_at:
+    with open_job_validator(next(messages)) as validate:
         for numbered in messages:
-            yield looked_at([draw for _, draw in numbered])
+            yield validate([job for _, job in numbered])
 
 
 @contextmanager
-def looker(look: Look) -> Iterator[Callable[[Sequence[Draw]], list[Found]]]:
-    """Yield what looks at draws that are tasks; search s of a draw has the index ``search + s * START``.
+def open_job_validator(setup: ValidationSetup) -> Iterator[Callable[[Sequence[ValidationJob]], list[JobResult]]]:
+    """Yield a function that validates jobs with tasks; search s of a draw has the index ``search + s * START``.
 
-    So what it finds depends on the seed and these two alone. A search that finds no witness, or one from a first state
-    that is there already, is made up for by the next one, up to `TRIES` for each first state.
+    So its results depend on the seed and these two alone. A search that finds no witness, or one from an initial state
+    that is there already, is replaced by the next one, up to `TRIES` for each initial state.
 
     Raises:
         SceneError: as `answers` does.
     """
-    with _validator(look) as validator:
+    with _validator(setup) as validator:
 
-        def found(draws: Sequence[Draw]) -> list[Found]:
-            return [_found(look, draw, draw.drawn, validator)[1] for draw in draws if isinstance(draw.drawn, Task)]
+        def results(jobs: Sequence[ValidationJob]) -> list[JobResult]:
+            return [_result(setup, job, job.drawn, validator)[1] for job in jobs if isinstance(job.drawn, Task)]
 
-        yield found
+        yield results
 
 
 @contextmanager
-def telling_looker(look: Look, telling: Telling) -> Iterator[Callable[[Sequence[Draw]], tuple[list[Found], bytes]]]:
-    """Yield what tells draws as tasks, and looks at them as `looker` does; with what is found come their packed rows.
+def open_draw_validator(
+    setup: ValidationSetup, captions: CaptionSetup
+) -> Iterator[Callable[[Sequence[ValidationJob]], tuple[list[JobResult], bytes]]]:
+    """Yield a function that makes tasks of draws and validates them; it returns results, and their rows as Arrow.
 
     Raises:
         SceneError: as `answers` does.
     """
-    from prag_asp.dataset.store.columns import Rows, packed
+    from prag_asp.dataset.store.columns import TableBuilder, packed
     from prag_asp.dataset.store.shard_writer import row_of
 
-    tasks, words = _teller(telling)
-    with _validator(look) as validator:
+    tasks, captioner = _tasks_and_texts(captions)
+    with _validator(setup) as validator:
 
-        def found(draws: Sequence[Draw]) -> tuple[list[Found], bytes]:
-            placed = [draw.drawn for draw in draws if not isinstance(draw.drawn, Task)]
-            every, rows = [], Rows("refused")  # whose columns tasks have, too
-            for draw, each, task in zip(draws, placed, tasks(placed), strict=True):
-                looked, known = _found(look, draw, task, validator)
-                every.append(known)
-                rows.add(row_of(each, task, looked, words(task, looked.colours)))
+        def results(jobs: Sequence[ValidationJob]) -> tuple[list[JobResult], bytes]:
+            placed = [job.drawn for job in jobs if not isinstance(job.drawn, Task)]
+            every, rows = [], TableBuilder("refused")  # all of its columns are columns of tasks, too
+            for job, each, task in zip(jobs, placed, tasks(placed), strict=True):
+                result, encoded = _result(setup, job, task, validator)
+                every.append(encoded)
+                rows.add(row_of(each, task, result, captioner(task, result.colours)))
             return every, packed(rows.table())
 
-        yield found
+        yield results
 
 
 @contextmanager
-def _validator(look: Look) -> Iterator[Validator | None]:
+def _validator(setup: ValidationSetup) -> Iterator[Validator | None]:
     """Yield a validator of the scene, where there is one.
 
     Raises:
         SceneError: the scene cannot be built.
     """
     with ExitStack() as resources:
-        if look.scene is None:
+        if setup.scene is None:
             yield None
             return
         from prag_asp.physics.worker import opened_validator
 
-        yield opened_validator(look.scene, resources)
+        yield opened_validator(setup.scene, resources)
 
 
-def _teller(telling: Telling) -> tuple[Callable[[Sequence[Placed]], list[Task]], Words]:
-    """Return what tells draws together as tasks, and what tells a task in words."""
-    from prag_asp.dataset.store.instructions import telling_of
+def _tasks_and_texts(setup: CaptionSetup) -> tuple[Callable[[Sequence[Placed]], list[Task]], Captioner]:
+    """Return a function that makes tasks of draws, many together, and one that makes the texts of a task."""
+    from prag_asp.dataset.store.instructions import captioner_of
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.space.task_spaces import TaskSpaces
     from prag_asp.space.without_replacement import tell
 
-    one = len(telling.lengths) == 1
-    domain = telling.domain
-    whole = TaskSpace(domain, telling.lengths[0]) if one else TaskSpaces(domain, telling.lengths)
-    space = whole.where(*telling.where)
+    one = len(setup.lengths) == 1
+    domain = setup.domain
+    whole = TaskSpace(domain, setup.lengths[0]) if one else TaskSpaces(domain, setup.lengths)
+    space = whole.where(*setup.where)
 
     def tasks(draws: Sequence[Placed]) -> list[Task]:
         return [task for _, task in tell(space, iter(draws), together=len(draws))]
 
-    return tasks, telling_of(domain, telling.language, telling.seed, telling.phrasings)
+    return tasks, captioner_of(domain, setup.language, setup.seed, setup.phrasings)
 
 
-def _found(look: Look, draw: Draw, task: Task, validator: Validator | None) -> tuple[Looked, Found]:
-    """Return what is known of a draw, as it is and as it travels."""
-    if validator is None:
-        looked, recordings = Looked(look.part, draw.number, None, []), tuple[bytes | None, ...]()
-    else:
-        looked, recordings = _searched(look, draw, task, validator)
-    return looked, Found(msgspec.json.encode(looked), recordings)
+def _result(
+    setup: ValidationSetup, job: ValidationJob, task: Task, validator: Validator | None
+) -> tuple[DrawResult, JobResult]:
+    """Return the result of a draw, as a value and encoded."""
+    result, recordings = DrawResult(setup.part, job.number, None, []), tuple[bytes | None, ...]()
+    if validator is not None:
+        verdicts = _verdicts(setup, job, task, validator)
+        recordings = tuple(None if each.demonstration is None else each.demonstration.packed() for each in verdicts)
+        starts = [
+            StartResult(each.index, _witness_json(each), _recording_info(each.demonstration, content))
+            for each, content in zip(verdicts, recordings, strict=True)
+        ]
+        result = DrawResult(setup.part, job.number, _without_witness(verdicts[0]), starts)
+    return result, JobResult(msgspec.json.encode(result), recordings)
 
 
-def _searched(look: Look, draw: Draw, task: Task, validator: Validator) -> tuple[Looked, tuple[bytes | None, ...]]:
-    """Return what physics says of a draw, and the files of its recordings by first states."""
-    verdicts = _verdicts(look, draw, task, validator)
-    first = verdicts[0].to_json()
-    texts = [first.pop("witness"), *(None if each.witness is None else each.witness.to_json() for each in verdicts[1:])]
-    recordings = tuple(None if each.demonstration is None else each.demonstration.packed() for each in verdicts)
-    starts = [
-        Start(each.index, msgspec.Raw(msgspec.json.encode(text)), _recorded(each.demonstration, content))
-        for each, text, content in zip(verdicts, texts, recordings, strict=True)
-    ]
-    return Looked(look.part, draw.number, first, starts), recordings
-
-
-def _verdicts(look: Look, draw: Draw, task: Task, validator: Validator) -> list[Verdict]:
-    """Return the verdict on a task, and where it passes one for each of its first states, by the order of searches."""
+def _verdicts(setup: ValidationSetup, job: ValidationJob, task: Task, validator: Validator) -> list[Verdict]:
+    """Return the verdict on a task, or if it is feasible one for each of its initial states, in order of searches."""
 
     def verdict(search: int) -> Verdict:
-        index = draw.search + search * START
-        return validator.validate(task, seed=look.seed, budget=look.budget, index=index, staging=look.staging)
+        index = job.search + search * START
+        return validator.validate(task, seed=setup.seed, budget=setup.budget, index=index, staging=setup.staging)
 
     different: dict[str, Verdict] = {}
     found = verdict(0)
-    if found.witness is None or look.starts == 1:
+    if found.witness is None or setup.starts == 1:
         return [found]
-    for search in range(1, TRIES * look.starts + 1):
+    for search in range(1, TRIES * setup.starts + 1):
         if found.witness is not None:
-            different.setdefault(first_state(found.witness), found)
-        if len(different) == look.starts or search == TRIES * look.starts:
+            different.setdefault(initial_state_key(found.witness), found)
+        if len(different) == setup.starts or search == TRIES * setup.starts:
             break
         found = verdict(search)
     return list(different.values())
 
 
-def first_state(witness: Witness) -> str:
-    """Return the first state of a witness as a text: two that are the same have the same."""
+def _witness_json(verdict: Verdict) -> msgspec.Raw:
+    return msgspec.Raw(msgspec.json.encode(None if verdict.witness is None else verdict.witness.to_json()))
+
+
+def _without_witness(verdict: Verdict) -> dict[str, Any]:
+    """Return a verdict as a value of JSON; its witness has a table of its own."""
+    return {name: value for name, value in verdict.to_json().items() if name != "witness"}
+
+
+def initial_state_key(witness: Witness) -> str:
+    """Return a text that two witnesses have in common if and only if they have the same initial state."""
     return json.dumps([witness.moments[0].to_json(), dict(witness.sizes)], sort_keys=True)
 
 
-def _recorded(demonstration: Demonstration | None, content: bytes | None) -> Recorded | None:
-    """Return what is told of a recording, which has no file yet."""
+def _recording_info(demonstration: Demonstration | None, content: bytes | None) -> RecordingInfo | None:
+    """Return the description of a recording, which has no file yet."""
     if demonstration is None or content is None:
         return None
     ends, seconds = [int(frame) for frame in demonstration.ends], float(demonstration.times[-1])
     colours = {} if demonstration.variation is None else dict(demonstration.variation.colours)
-    return Recorded("", sha256(content).hexdigest(), len(demonstration.times), seconds, ends, colours)
+    return RecordingInfo("", sha256(content).hexdigest(), len(demonstration.times), seconds, ends, colours)

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from prag_asp.errors import DomainError
-from prag_asp.output import building, replace_file
+from prag_asp.output import new_folder, replace_file
 from prag_asp.program.paths import shipped_domains
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
@@ -113,7 +113,7 @@ def write_new_domain(name: str, parent: Path = Path()) -> Path:
     if folder.exists():
         raise DomainError(f"{folder}: exists already; choose another name, or remove it first")
     texts = {"domain.lp": LOGIC, "domain.toml": SETTINGS}
-    with building(folder, texts) as part:
+    with new_folder(folder) as part:
         for file, text in texts.items():
             replace_file(part / file, text.format(name=folder.name).encode(), follow=False)
     return folder

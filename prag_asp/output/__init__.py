@@ -1,9 +1,7 @@
-"""Files that are written whole or not at all, and files of lines that go on where a run was broken off."""
+"""Files and folders that are written whole or not at all, and journals that a run is resumed from."""
 
-from prag_asp.output.atomic_files import replace_file
-from prag_asp.output.folders import building, file_in, make_folder
-from prag_asp.output.lines import Lines
-from prag_asp.output.steps import Steps
-from prag_asp.output.trees import growing, whole_file
+from prag_asp.output.atomic_file import open_atomic, replace_file, whole_file
+from prag_asp.output.atomic_folder import file_in, make_folder, new_folder
+from prag_asp.output.journal import Journal
 
-__all__ = ["Lines", "Steps", "building", "file_in", "growing", "make_folder", "replace_file", "whole_file"]
+__all__ = ["Journal", "file_in", "make_folder", "new_folder", "open_atomic", "replace_file", "whole_file"]

@@ -15,7 +15,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from prag_asp.errors import OutputError
-from prag_asp.output.atomic_files import replace_file
+from prag_asp.output.atomic_file import replace_file
 from prag_asp.safe_reading import open_binary
 
 CHECKSUM = 4

@@ -264,14 +264,14 @@ def test_an_array_that_the_system_has_no_addresses_for_is_one_line() -> None:
 def test_without_memory_no_file_is_cut(
     command: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from prag_asp.output.partial_file import Part
+    from prag_asp.output.atomic_file import AtomicFile
 
     def refuse(*arguments: object) -> None:
         raise MemoryError
 
     (tmp_path / "lamp.lp").write_text(LAMP)
     (tmp_path / "out.txt").write_text("before")
-    monkeypatch.setattr(Part, "replace", refuse)
+    monkeypatch.setattr(AtomicFile, "replace", refuse)
     done = run(command[0], "lamp.lp", "-n", "2", "-o", "out.txt", *command[1:], cwd=tmp_path)
     assert done.returncode == 3 and done.stderr.splitlines()[-1].startswith("out of memory")
     assert "Traceback" not in done.stderr and (tmp_path / "out.txt").read_text() == "before"

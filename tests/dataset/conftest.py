@@ -1,4 +1,4 @@
-"""Small data sets that several tests look at, and nobody changes."""
+"""Small datasets that several tests look at, and nobody changes."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def small(spaces: TaskSpaces, tmp_path_factory: pytest.TempPathFactory) -> Datas
 
 @pytest.fixture(scope="package")
 def numbers(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the folder of a data set without physics, of a domain that has weights."""
+    """Return the folder of a dataset without physics, of a domain that has weights."""
     folder = tmp_path_factory.mktemp("data") / "numbers"
     generate(TaskSpaces(load_domain("kitchen"), range(1, 4)), folder, tasks=6, seed=1, physics=False, shard=4)
     return folder

@@ -1,4 +1,4 @@
-"""Data sets as they are made: what is drawn, what is kept, and that it goes on where it was broken off."""
+"""Datasets as they are made: what is drawn, what is kept, and that it goes on where it was broken off."""
 
 from __future__ import annotations
 
@@ -13,13 +13,12 @@ import pytest
 from prag_asp import Dataset, OutputError, QueryError, TaskSpace, TaskSpaces, load_domain
 from prag_asp.dataset import Teller, generate, instruction, teller_of, validation_jobs, verify
 from prag_asp.dataset.language.appearance import BASIC, color_terms
-from prag_asp.dataset.making.executors import Processes
+from prag_asp.dataset.making.executors import LocalExecutor
 from prag_asp.dataset.making.preconditions import JOURNAL
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.dataset.store import instructions, shard_writer
-from prag_asp.dataset.validation_jobs import Draw, Found, Look, first_state
+from prag_asp.dataset.validation_jobs import JobResult, ValidationJob, ValidationSetup, initial_state_key
 from prag_asp.errors import NotFound
-from prag_asp.output import partial_file
 from prag_asp.physics import Budget, Staging, check_demonstration
 from tests.dataset.conftest import POOR
 from tests.output.faults import Disk, content, killed
@@ -40,7 +39,7 @@ def kitchen() -> TaskSpaces:
 
 @pytest.fixture(scope="module")
 def plain(kitchen: TaskSpaces, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
-    """Return what makes a data set without physics, in a folder."""
+    """Return what makes a dataset without physics, in a folder."""
 
     def make(folder: Path, tasks: int) -> Path:
         generate(
@@ -148,7 +147,7 @@ def test_a_task_is_told_by_the_colours_of_its_recording(spaces: TaskSpaces, tmp_
         assert teller.read(entry.task, entry.instruction["exact"]).actions == entry.task.actions
         other += usual.instructions(entry.task, seed=3).default != entry.instruction["default"]
     assert other and [*verify(tmp_path / "data")] == []
-    with pytest.raises(QueryError, match="2 starts have as many; ask for 1 start, or leave colour out"):
+    with pytest.raises(QueryError, match="2 starts have 2; request 1 start, or leave colour out"):
         generate(spaces, tmp_path / "none", tasks=1, demonstrate=True, staging=staging, starts=2)
     assert not (tmp_path / "none").exists()
 
@@ -166,7 +165,7 @@ def test_a_first_state_without_a_witness_is_made_up_for(spaces: TaskSpaces, tmp_
     for entry in data.entries():
         assert entry.number is not None
         rows = [*data.part("train").witnesses()]
-        states = [first_state(witness) for each, _, witness in rows if each.number == entry.number]
+        states = [initial_state_key(witness) for each, _, witness in rows if each.number == entry.number]
         numbers = [start for each, start, _ in rows if each.number == entry.number]
         assert len(set(states)) == len(states) == entry.starts and numbers == [*range(entry.starts)]
     assert {entry.starts for entry in data.entries()} == {6}
@@ -178,7 +177,7 @@ def test_a_first_state_without_a_witness_is_made_up_for(spaces: TaskSpaces, tmp_
 def test_a_task_with_fewer_first_states_than_are_wanted_says_how_many_there_are(
     spaces: TaskSpaces, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(validation_jobs, "first_state", lambda witness: "the same")
+    monkeypatch.setattr(validation_jobs, "initial_state_key", lambda witness: "the same")
     data = generate(spaces.at(1), tmp_path / "data", tasks=1, seed=5, starts=3)
     assert [entry.starts for entry in data.entries()] == [1] and data.manifest.rows("witnesses") == 1
 
@@ -191,7 +190,7 @@ def test_what_cannot_be_told_by_what_is_seen_is_told_by_names(
 
     task = spaces.at(1)[0]
     monkeypatch.setattr(Teller, "instructions", unsure)
-    found = instructions.telling_of(spaces.domain, "en", 0)(task, {})
+    found = instructions.captioner_of(spaces.domain, "en", 0)(task, {})
     assert found.whole == (("plain", instruction(task, spaces.domain.settings.language)),)
     assert found.subgoals == (found.whole[0][1],) and set(found.named) == set(task.entities)
 
@@ -229,7 +228,7 @@ def test_at_each_moment_of_a_kill_the_same_command_goes_on_to_the_same_bytes(
         folder = Path(shutil.copytree(tmp_path / "before", tmp_path / str(number)))
         assert killed(number, partial(plain, folder, 10))
         for name, text in content(folder).items():
-            assert name in whole or name.endswith((".part", ".run")) or first.get(name) == text
+            assert name in whole or name.endswith(".part") or first.get(name) == text
         assert content(plain(folder, 10)) == whole
         shutil.rmtree(folder)
 
@@ -238,26 +237,26 @@ def test_what_physics_said_before_a_run_was_broken_off_is_not_asked_again(
     small: Dataset, spaces: TaskSpaces, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[int] = []
-    really = Processes.look
+    really = LocalExecutor.run
 
-    def counted(self: Processes, draws: Iterator[Draw], look: Look) -> Iterator[Found]:
-        def noted() -> Iterator[Draw]:
-            for draw in draws:
-                asked.append(draw.number)
+    def counted(self: LocalExecutor, jobs: Iterator[ValidationJob], setup: ValidationSetup) -> Iterator[JobResult]:
+        def noted() -> Iterator[ValidationJob]:
+            for job in jobs:
+                asked.append(job.number)
                 if len(asked) == 10:
                     raise KeyboardInterrupt
-                yield draw
+                yield job
 
-        return really(self, noted(), look)
+        return really(self, noted(), setup)
 
-    monkeypatch.setattr(Processes, "look", counted)
+    monkeypatch.setattr(LocalExecutor, "run", counted)
 
     def make() -> None:
         generate(spaces, tmp_path / "broken", tasks=12, seed=5, split=SHARES, starts=2, budget=POOR, shard=4)
 
     with pytest.raises(KeyboardInterrupt):
         make()
-    assert list((tmp_path / "broken").glob("journal.jsonl.*"))
+    assert (tmp_path / "broken" / JOURNAL).is_file()
     with pytest.raises(QueryError, match="has not ended; the same command"):
         Dataset.open(tmp_path / "broken")
     make()
@@ -311,27 +310,26 @@ def test_what_is_asked_for_wrongly_is_told_in_one_line(kitchen: TaskSpaces, numb
     refused("write a name of letters", split={"../a": "0.5", "b": "0.5"})
     refused("nosuch", hold_out="nosuch")
     assert not (tmp_path / "none").exists()
-    refused("is a data set made with other seed .1.; give a new folder", numbers, tasks=6, seed=2, weights=None)
+    refused("is a dataset made with other seed .1.; give a new folder", numbers, tasks=6, seed=2, weights=None)
     refused("has 6 tasks already; ask for at least as many", numbers, seed=1, shard=4, weights=None)
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "letter.txt").write_text("dear")
-    refused("holds letter.txt, and is no data set; give a new folder", tmp_path / "mine")
+    refused("holds letter.txt, and is no dataset; give a new folder", tmp_path / "mine")
     refused("cannot be made", Path("/dev/null/folder"))
     refused("is no folder; give a new one", numbers / "dataset.json")
-    with pytest.raises(OutputError, match="is a data set of kitchen, not of blocks"):
+    with pytest.raises(OutputError, match="is a dataset of kitchen, not of blocks"):
         generate(TaskSpace(load_domain("blocks"), 2), numbers, tasks=1)
 
 
 def test_another_run_that_writes_the_same_folder_is_told(
     kitchen: TaskSpaces, numbers: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from prag_asp.output import Lines
+    from prag_asp.output import Journal
 
-    monkeypatch.setattr(partial_file, "PATIENCE", 0.0)
-    other = Lines(numbers / JOURNAL, "other")
+    monkeypatch.setattr("prag_asp.output.atomic_file.PATIENCE", 0.0)
+    other = Journal(numbers / JOURNAL, "other")
     try:
         with pytest.raises(OutputError, match="another run is writing it"):
             generate(kitchen, numbers, tasks=6, seed=1, physics=False, shard=4)
     finally:
-        other.suspend()
         other.close()

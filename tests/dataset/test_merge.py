@@ -1,4 +1,4 @@
-"""Parts of a data set that several machines make, and the whole that is merged of them: the bytes of one machine."""
+"""Parts of a dataset that several machines make, and the whole that is merged of them: the bytes of one machine."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ import pytest
 
 from prag_asp import Dataset, OutputError, QueryError, TaskSpaces, load_domain
 from prag_asp.dataset import generate, merge, verify
-from prag_asp.dataset.making.executors import Processes
-from prag_asp.dataset.validation_jobs import Draw, Found, Look
+from prag_asp.dataset.making.executors import LocalExecutor
+from prag_asp.dataset.validation_jobs import JobResult, ValidationJob, ValidationSetup
 from prag_asp.errors import NotFound
 from tests.dataset.conftest import POOR
 from tests.output.faults import Disk, content, killed
@@ -74,8 +74,8 @@ def test_a_part_says_which_it_is_is_found_by_rank_and_verified_by_itself(
 ) -> None:
     for number, folder in enumerate(plain(tmp_path, 2), 1):
         data = Dataset.open(folder)
-        assert data.manifest.asked.part == f"{number}/2"
-        assert f"This is part {number}/2 of a data set" in (folder / "README.md").read_text()
+        assert data.manifest.spec.part == f"{number}/2"
+        assert f"This is part {number}/2 of a dataset" in (folder / "README.md").read_text()
         assert data.count() == 6 and list(verify(folder)) == []
         for entry in data.entries():
             assert data.by_rank(len(entry.task), entry.rank) == entry
@@ -92,14 +92,14 @@ def test_with_physics_only_what_no_part_has_looked_at_is_looked_at_once_more(
             spaces, folder, tasks=12, seed=5, split=shares, starts=2, budget=POOR, shard=4, part=f"{number}/3",
         )  # fmt: skip
     looked: list[tuple[str, int]] = []
-    really = Processes.look
+    really = LocalExecutor.run
 
-    def counted(self: Processes, draws: Iterator[Draw], look: Look) -> Iterator[Found]:
-        for found, draw in zip(really(self, iter(given := list(_bounded(draws))), look), given, strict=True):
-            looked.append((look.part, draw.number))
+    def counted(self: LocalExecutor, jobs: Iterator[ValidationJob], setup: ValidationSetup) -> Iterator[JobResult]:
+        for found, job in zip(really(self, iter(given := list(_bounded(jobs))), setup), given, strict=True):
+            looked.append((setup.part, job.number))
             yield found
 
-    monkeypatch.setattr(Processes, "look", counted)
+    monkeypatch.setattr(LocalExecutor, "run", counted)
     merged = merge(parts, tmp_path / "merged")
     assert content(merged.folder) == content(small.folder)
     done = {
@@ -111,7 +111,7 @@ def test_with_physics_only_what_no_part_has_looked_at_is_looked_at_once_more(
     assert looked and not done & {*looked}
 
 
-def _bounded(draws: Iterator[Draw]) -> Iterator[Draw]:
+def _bounded(draws: Iterator[ValidationJob]) -> Iterator[ValidationJob]:
     """Yield a few draws: those that parts lack have no end, and a list is to be made of them."""
     for _, draw in zip(range(8), draws, strict=False):
         yield draw
@@ -126,7 +126,7 @@ def test_recordings_come_along_with_the_numbers_of_the_whole(spaces: TaskSpaces,
     merged = merge(parts, tmp_path / "merged")
     assert content(merged.folder) == content(make(tmp_path / "whole"))
     (parts[0] / "demonstrations" / "train" / "000001.npz").write_bytes(b"")
-    with pytest.raises(QueryError, match=r"000001.npz: is not the file that was written; make the data set anew"):
+    with pytest.raises(QueryError, match=r"000001.npz: is not the file that was written; make the dataset anew"):
         merge(parts, tmp_path / "damaged")
 
 
@@ -162,19 +162,19 @@ def test_what_cannot_be_merged_is_told_in_one_line(kitchen: TaskSpaces, plain: M
     refused("no parts to merge; name the folders of all of them", [])
     refused("2 parts missing: 1/3, 3/3; name the folders of all 3", [two])
     refused("is part 2/3, as .*; name each part once", [one, two, two])
-    refused("whole: is no part of a data set, but a whole one; leave it out", [one, whole])
-    refused("is a part of another data set than .*: it was made with other seed", [one, other, three])
+    refused("whole: is no part of a dataset, but a whole one; leave it out", [one, whole])
+    refused("is a part of another dataset than .*: it was made with other seed", [one, other, three])
     refused("it was made for 12 tasks, not 10; run the same --tasks for all", [one, more, three])
     refused("one of 2 parts, not of 3", [one, half])
     refused("is one of the parts; give a new folder", [one, two, three], two)
-    refused("is no data set, for it has no dataset.json", [one, two, tmp_path / "none"])
-    refused(r"holds 1-3, and is no data set; give a new folder", [one, two, three], whole.parent)
+    refused("is no dataset, for it has no dataset.json", [one, two, tmp_path / "none"])
+    refused(r"holds 1-3, and is no dataset; give a new folder", [one, two, three], whole.parent)
     shard = three / "data" / "train-00000.parquet"
     assert not (tmp_path / "merged").exists()
     shard.write_bytes(shard.read_bytes()[:-1] + b"?")
     refused("cannot be read|is not what dataset.json says", [one, two, three])
     told = json.loads((two / "dataset.json").read_text())
-    told["asked"]["part"] = "4/3"
+    told["spec"]["part"] = "4/3"
     (two / "dataset.json").write_text(json.dumps(told))
     refused("part 4/3: write K/N", [one, two])
 

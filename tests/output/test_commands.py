@@ -1,4 +1,4 @@
-"""Commands that write leave whole files whatever fails, and go on where a run of the same was broken off."""
+"""Commands that write leave whole files, old or new, whatever fails."""
 
 from __future__ import annotations
 
@@ -19,7 +19,6 @@ from prag_asp import TaskSpace, load_domain
 from prag_asp.cli.domain_options import DomainOptions
 from prag_asp.dataset import physics_filter
 from prag_asp.dataset.scenes import scene_of
-from prag_asp.output import lines
 from prag_asp.physics import Budget, Verdict, validate_task
 from tests.commands import PRAG, run
 from tests.output.faults import Disk, content
@@ -96,63 +95,31 @@ def _quick(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "fsync", lambda descriptor: None)
 
 
-@pytest.fixture
-def noted(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Note how far a run is after each line."""
-    monkeypatch.setattr(lines, "INTERVAL", 0.0)
-
-
-def test_a_sample_that_is_broken_off_anywhere_goes_on_without_doing_physics_again(
-    tmp_path: Path, physics: Physics, noted: None
-) -> None:
+def test_an_interrupted_sample_leaves_the_old_file_and_no_recordings(tmp_path: Path, physics: Physics) -> None:
     whole = run(*SAMPLE, "--count", "6", cwd=tmp_path)
     assert whole.returncode == 0 and "9 sampled, 6 passed" in whole.stderr
     reference = content(tmp_path)
-    assert len(reference) == 1 + 6 + 1
+    assert len(reference) == 1 + 6
     draws = physics.asked
     assert draws == list(range(9))
-    for breaks in (1, 2, 5, 8):
+    for breaks in (1, 5, 8):
         shutil.rmtree(tmp_path / "rec")
         (tmp_path / "out.jsonl").write_text("old\n")
         physics.asked, physics.breaks = [], breaks
         broken = run(*SAMPLE, "--count", "6", cwd=tmp_path)
-        assert broken.returncode == 130 and (tmp_path / "out.jsonl").read_text() == "old\n"
-        assert f"{breaks} sampled, " in broken.stderr
-        physics.breaks = None
+        assert broken.returncode == 130 and f"{breaks} sampled, " in broken.stderr
+        assert content(tmp_path) == {"out.jsonl": b"old\n"} and not [*tmp_path.glob("rec*")]
+        physics.asked, physics.breaks = [], None
         again = run(*SAMPLE, "--count", "6", cwd=tmp_path)
-        assert physics.asked == draws and content(tmp_path) == reference
-        assert [line for line in again.stderr.splitlines() if "goes on" not in line] == whole.stderr.splitlines()
+        assert physics.asked == draws and content(tmp_path) == reference and again.stderr == whole.stderr
 
 
-def test_a_run_that_is_to_be_longer_or_shorter_goes_on_too(tmp_path: Path, physics: Physics) -> None:
-    references = {}
-    for count in ("3", "9"):
-        home = tmp_path / count
-        home.mkdir()
-        assert run(*SAMPLE, "--count", count, "--workers", count, cwd=home).returncode == 0
-        references[count] = content(home)
-    for count, goes_on in (("9", True), ("3", False)):
-        home = tmp_path / f"broken {count}"
-        home.mkdir()
-        physics.asked, physics.breaks = [], 8
-        assert run(*SAMPLE, "--count", "6", cwd=home).returncode == 130
-        physics.breaks = None
-        done = run(*SAMPLE, "--count", count, cwd=home)
-        assert ("goes on after 5 lines" in done.stderr) is (physics.asked[8] == 8) is goes_on
-        assert content(home) == references[count]
-
-
-def test_another_run_begins_anew_and_recordings_of_another_are_not_mixed(tmp_path: Path, physics: Physics) -> None:
-    physics.breaks = 5
-    run(*SAMPLE, "--count", "6", cwd=tmp_path)
-    physics.asked, physics.breaks = [], None
-    other = [("8" if each == "7" else each) for each in SAMPLE]
-    done = run(*other, "--count", "6", cwd=tmp_path)
-    assert done.returncode == OUTPUT and "rec: has recordings already, of another run" in done.stderr
-    assert physics.asked == []
-    (tmp_path / "rec" / "000002.npz").unlink()  # one that the broken run had made
+def test_recordings_are_not_mixed_with_what_is_there(tmp_path: Path, physics: Physics) -> None:
+    (tmp_path / "rec").mkdir()
+    (tmp_path / "rec" / "000002.npz").write_bytes(b"old")
     done = run(*SAMPLE, "--count", "6", cwd=tmp_path)
-    assert done.returncode == 0 and physics.asked[0] == 0 and len(list((tmp_path / "rec").glob("*.npz"))) == 6
+    assert done.returncode == OUTPUT and "rec: is there already; remove it, or give a new folder" in done.stderr
+    assert physics.asked == [] and content(tmp_path) == {"rec/000002.npz": b"old"}
 
 
 def test_too_few_tasks_are_a_whole_file_and_an_exit_code_of_their_own(tmp_path: Path, physics: Physics) -> None:
@@ -191,7 +158,6 @@ def given(feasible: Verdict, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_at_each_failure_of_the_disk_no_file_is_cut_and_the_next_run_ends_well(
     tmp_path: Path, name: str, physics: Physics, given: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(lines, "INTERVAL", 1e9)  # no note while it runs, however long that takes
     monkeypatch.setattr("prag_asp.physics.still", lambda *_, **__: Image.new("RGB", (8, 8)))
     monkeypatch.setattr("prag_asp.physics.check_witness", lambda *_: [])  # they were found just now
 
@@ -216,18 +182,18 @@ def test_at_each_failure_of_the_disk_no_file_is_cut_and_the_next_run_ends_well(
             break
         assert done.returncode == OUTPUT, (number, disk.asked[number - 1], done.stderr)
         assert "cannot be" in done.stderr and "Traceback" not in done.stderr
-        found = {file: text for file, text in content(home).items() if not file.endswith((".part", ".run"))}
+        found = {file: text for file, text in content(home).items() if ".part" not in file}
         assert all(whole[file] == text for file, text in found.items())
         again = run(*WRITING[name], cwd=home)
-        if name == "new" and found:  # it is there already, whole
-            assert again.returncode == 2
+        if name in ("new", "feasible") and any("/" in file for file in found):  # the folder is there already, whole
+            assert again.returncode == (2 if name == "new" else OUTPUT)
         else:
             assert again.returncode == 0, (number, again.stderr)
         assert content(home) == whole
         shutil.rmtree(home)
 
 
-def test_a_disk_without_room_for_all_keeps_what_it_has_room_for(tmp_path: Path) -> None:
+def test_a_disk_without_room_leaves_the_old_file(tmp_path: Path) -> None:
     """The system itself says that there is no more room: a limit on the size of files, set in the process."""
     command = ["enumerate", "prag", "-n", "4", "-o", "out.txt"]
     assert run(*command, cwd=tmp_path).returncode == 0
@@ -235,7 +201,7 @@ def test_a_disk_without_room_for_all_keeps_what_it_has_room_for(tmp_path: Path) 
     (tmp_path / "out.txt").write_text("old\n")
     code = (
         "import resource, sys; sys.dont_write_bytecode = True;"  # which Python would cut, and believe
-        "from prag_asp.output import lines; lines.HELD = 100; lines.INTERVAL = 0.0;"
+        "from prag_asp.cli import line_output; line_output.HELD = 100;"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv.pop(1)),) * 2);"
         "from prag_asp.cli import main; main()"
     )
@@ -247,7 +213,7 @@ def test_a_disk_without_room_for_all_keeps_what_it_has_room_for(tmp_path: Path) 
         assert done.stderr.splitlines()[-1] == "out.txt: cannot be written: File too large; free some space"
         assert (tmp_path / "out.txt").read_text() == "old\n"
     done = run(*command, cwd=tmp_path)
-    assert "out.txt: goes on after" in done.stderr and content(tmp_path) == {"out.txt": whole}
+    assert done.returncode == 0 and content(tmp_path) == {"out.txt": whole}
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
@@ -277,7 +243,7 @@ def test_what_is_no_file_is_written_as_it_is(tmp_path: Path) -> None:
     assert (tmp_path / "piped.txt").read_text() == run("enumerate", "blocks", "-n", "1").stdout
 
 
-def test_validate_writes_what_it_prints_and_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_validate_writes_what_it_prints_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     drawn = ("sample", "tabletop", "-n", "1", "--no-physics", "--count", "6", "--format", "jsonl", "-o", "tasks.jsonl")
     assert run(*drawn, cwd=tmp_path).returncode == 0
     checked = ("validate", "tasks.jsonl", "--budget", "1x1")
@@ -285,10 +251,9 @@ def test_validate_writes_what_it_prints_and_goes_on(tmp_path: Path, monkeypatch:
     with monkeypatch.context() as patch:
         broken(patch, 4)
         first = run(*checked, "-o", "report.txt", cwd=tmp_path)
-    assert first.returncode == 130 and "report.txt.part keeps 3 lines" in first.stderr
+    assert first.returncode == 130 and set(content(tmp_path)) == {"tasks.jsonl"}
     done = run(*checked, "-o", "report.txt", cwd=tmp_path)
-    assert (done.returncode, done.stdout) == (printed.returncode, "")
-    assert done.stderr == "report.txt: goes on after 3 lines of the same run\n" + printed.stderr
+    assert (done.returncode, done.stdout, done.stderr) == (printed.returncode, "", printed.stderr)
     assert (tmp_path / "report.txt").read_text() == printed.stdout
     assert set(content(tmp_path)) == {"tasks.jsonl", "report.txt"}
 
@@ -307,29 +272,3 @@ def broken(monkeypatch: pytest.MonkeyPatch, time: int) -> None:
         return validate(*given, **more)
 
     monkeypatch.setattr(Validator, "validate", breaks)
-
-
-def test_pictures_that_are_drawn_already_are_not_drawn_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from prag_asp.physics.pictures import saving
-
-    drawn = ("sample", "tabletop", "-n", "1", "--count", "3", "--format", "jsonl", "-o", "tasks.jsonl")
-    assert run(*drawn, cwd=tmp_path).returncode == 0
-    shown = ("render", "tasks.jsonl", "--as", "state", "--size", "32x32", "-o")
-    whole = run(*shown, "whole", cwd=tmp_path)
-    written: list[Path] = []
-    write = saving.replace_file
-
-    def counted(path: Path, content: bytes) -> None:
-        if len(written) == 2:
-            raise KeyboardInterrupt
-        written.append(path)
-        write(path, content)
-
-    monkeypatch.setattr(saving, "replace_file", counted)
-    assert run(*shown, "pictures", cwd=tmp_path).returncode == 130
-    written[:] = []
-    done = run(*shown, "pictures", cwd=tmp_path)
-    assert [path.name for path in written] == ["000003.png"]
-    assert done.stdout == whole.stdout.replace("whole", "pictures")
-    assert content(tmp_path / "pictures") == content(tmp_path / "whole")
-    assert not list(tmp_path.glob("*.run"))

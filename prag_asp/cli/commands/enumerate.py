@@ -12,7 +12,6 @@ from prag_asp.cli import options
 from prag_asp.cli.domain_options import SPACES, DomainOptions, domain_options
 from prag_asp.cli.line_output import require_writable, writer
 from prag_asp.cli.options import whole
-from prag_asp.cli.run_fingerprint import run_of
 from prag_asp.cli.task_options import LINE_FORMAT, TaskFormat, format_options
 from prag_asp.cli.terminal import progress
 from prag_asp.errors import QueryError
@@ -48,9 +47,8 @@ def enumerate(
     require_writable(output)
     with progress() as tell:
         space = request.spaces(tell)
-        run = run_of(space.domain) if output else None
-        with writer(output, run, lambda lines, _: limit is None or lines <= limit) as out:
-            words = islice(space.words(by, first), out.lines, limit)
+        with writer(output) as out:
+            words = islice(space.words(by, first), limit)
             if form == "text":
                 for word in words:
                     out.write(" ".join(word))

@@ -93,7 +93,7 @@ def pddl(*, request: DomainOptions, selection: TaskSelection, positive: bool, un
     They have the same plans. Fluents that a task leaves open in its initial state are false in PDDL; a comment in the
     problem lists them.
     """
-    from prag_asp.output import building, replace_file
+    from prag_asp.output import new_folder, replace_file
     from prag_asp.planners import write
 
     folder = Path(output)
@@ -105,7 +105,7 @@ def pddl(*, request: DomainOptions, selection: TaskSelection, positive: bool, un
         selected = selection.of(request.space(tell, domain)) if selection.any else None
         files = ("domain{}.pddl", "problem{}.pddl", "plan{}.txt")[: 3 if selected else 2]
         suffixes, tasks = selected if selected is not None else ([""], repeat(None, 1))
-        with building(folder, [file.format(suffix) for suffix in suffixes for file in files]) as part:
+        with new_folder(folder) as part:
             for number, (suffix, task) in enumerate(zip(suffixes, tasks, strict=True)):
                 tell("tasks written", number, len(suffixes))
                 found = write(domain, task, negative=not positive, conditional=not unconditional)

@@ -175,9 +175,9 @@ def warnings_as_lines() -> Iterator[None]:
 
 def print_existing(output: str) -> None:
     """Print how many tasks an existing dataset has, and whether it is complete."""
-    from prag_asp.dataset.store.manifest import read_manifest
+    from prag_asp.dataset.store.manifest import DATASET
 
-    manifest = read_manifest(Path(output))
+    manifest = DATASET.read(Path(output))
     if manifest is not None and not manifest.complete:
         tell_line(f"{output}: continues an interrupted run, which has left {_count_tasks(manifest)}")
     elif manifest is not None:
@@ -198,8 +198,8 @@ def print_parts(dataset: Dataset) -> None:
         say(f"{part.name:<{width}}  {part.tasks} of {part.size}")
         for tally in part.lengths:
             rejected.update({reason.reason: reason.count for reason in tally.reasons})
-    wanted, found = manifest.asked.starts * manifest.rows("tasks"), manifest.rows("witnesses")
-    if manifest.asked.starts > 1 and found < wanted:
+    wanted, found = manifest.spec.starts * manifest.rows("tasks"), manifest.rows("witnesses")
+    if manifest.spec.starts > 1 and found < wanted:
         tell_line(f"only {found} of {plural(wanted, 'initial state')} have a witness; see the column starts")
     for reason, count in rejected.most_common():
         tell_line(f"{plural(count, 'task')} rejected: {reason}")

@@ -33,7 +33,7 @@ def import_(domain: str, problem: str, cost_factor: str | None, output: str) -> 
 
     Its tasks are the plans of the problem, of every length. The other commands also take the two PDDL files directly.
     """
-    from prag_asp.output import building, replace_file
+    from prag_asp.output import new_folder, replace_file
     from prag_asp.pddl import read
 
     folder = Path(output)
@@ -43,7 +43,7 @@ def import_(domain: str, problem: str, cost_factor: str | None, output: str) -> 
     title = f'title = "{imported.name}"\ndescription = "Imported from PDDL."\n'
     table = "" if cost_factor is None else f"\n{_weights(imported, cost_factor)}"
     texts = {"domain.lp": imported.text, "domain.toml": title + table}
-    with building(folder, texts) as part:
+    with new_folder(folder) as part:
         for file, text in texts.items():
             replace_file(part / file, text.encode(), follow=False)
     tell_line(f"wrote {folder}; try: prag-asp check {folder}")

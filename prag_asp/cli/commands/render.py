@@ -14,13 +14,12 @@ from prag_asp.cli.domain_options import OF_FILE, DomainOptions, domain_options
 from prag_asp.cli.line_output import require_writable
 from prag_asp.cli.options import whole
 from prag_asp.cli.physics_options import parse_pixels
-from prag_asp.cli.run_fingerprint import run_on_file
 from prag_asp.cli.terminal import progress, say
 from prag_asp.dataset.task_origin import MEND, index_of, read_witness, told_with_place
 from prag_asp.errors import QueryError
-from prag_asp.output import Steps, file_in, make_folder
+from prag_asp.output import file_in, make_folder
 from prag_asp.processes.progress_events import stage
-from prag_asp.safe_reading import lines_of, open_text, read_bytes
+from prag_asp.safe_reading import lines_of, open_text
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
@@ -91,7 +90,7 @@ def render(
 
     Draws all tasks, or those with the given NUMBERs, which count the lines of the file from 1. Prints the names of the
     files written. A task without a witness is validated first. For an animation the robot executes the task, unless
-    --recordings has an episode of it. If the command is interrupted, run it again: it continues.
+    --recordings has an episode of it.
     """
     from prag_asp.dataset.jsonl import read_lines
     from prag_asp.physics import require_physics
@@ -110,26 +109,20 @@ def render(
         if number > len(records):
             raise QueryError(f"{file}: it has {plural(len(records), 'task')}, so none has the number {number}")
     targets = _targets(Path(output), chosen, form)
-    steps = None if len(chosen) == 1 else _steps(request, file, drawing, Path(output), [targets[n] for n in chosen])
     tellers: dict[str, Teller] = {}
     with progress() as show:
         for done, number in enumerate(chosen):
-            if steps is None or done >= steps.done:
-                record = records[number - 1]
-                named = repr((record.task.domain, record.task.constants))
-                if named not in tellers:
-                    tellers[named] = _teller(request, record, Path(file).parent)
+            record = records[number - 1]
+            named = repr((record.task.domain, record.task.constants))
+            if named not in tellers:
+                tellers[named] = _teller(request, record, Path(file).parent)
 
-                def tell(share: float, done: int = done) -> None:
-                    show("pictures", done + share, len(chosen))
+            def tell(share: float, done: int = done) -> None:
+                show("pictures", done + share, len(chosen))
 
-                drawing.draw(record, number, tellers[named], targets[number], tell)
-                tell(1.0)
-                if steps is not None:
-                    steps.do(done + 1)
+            drawing.draw(record, number, tellers[named], targets[number], tell)
+            tell(1.0)
             say(targets[number])
-    if steps is not None:
-        steps.finish()
 
 
 def _teller(request: DomainOptions, record: Record, folder: Path) -> Teller:
@@ -143,23 +136,6 @@ def _teller(request: DomainOptions, record: Record, folder: Path) -> Teller:
     domain = request.of(record, folder).domain()
     with told_with_place(record, domain):
         return teller_of(domain)
-
-
-def _steps(
-    request: DomainOptions, file: str, drawing: _Renderer, output: Path, pictures: Sequence[Path]
-) -> Steps | None:
-    """Return the progress of the same run, if it was interrupted; None if the file can be read only once."""
-    from hashlib import blake2b
-
-    recordings = () if drawing.recordings is None else sorted(drawing.recordings.glob("*.npz"))
-    shown = [(path.name, blake2b(read_bytes(path, within=drawing.recordings)).hexdigest()) for path in recordings]
-    run = run_on_file(request, file, told=[str(output), shown])
-    if run is None:
-        return None
-    steps = Steps(output.with_name(f"{output.name}.run"), run)
-    if not all(picture.is_file() for picture in pictures[: steps.done]):
-        steps.done = 0
-    return steps
 
 
 @dataclass(frozen=True)

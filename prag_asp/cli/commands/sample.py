@@ -12,10 +12,9 @@ import click
 
 from prag_asp.cli import options
 from prag_asp.cli.domain_options import SPACES, DomainOptions, domain_options
-from prag_asp.cli.line_output import require_writable, writer
+from prag_asp.cli.line_output import recordings_folder, require_writable, writer
 from prag_asp.cli.options import WeightOptions, whole
 from prag_asp.cli.physics_options import CameraOptions, PhysicsOptions, camera_options, physics_options
-from prag_asp.cli.run_fingerprint import run_of
 from prag_asp.cli.task_options import LINE_FORMAT, TaskFormat, format_options
 from prag_asp.cli.terminal import Tell, progress
 from prag_asp.errors import NotFound, QueryError
@@ -93,13 +92,12 @@ def sample(
         line = task_format.line(space.domain, seed)
         drawing = _distinct(over, by) if distinct else {"by": by, "over": over}
         drawing.update(weighting.arguments(space.domain))
-        run = run_of(space.domain, told=[physics]) if output or validation.demonstrate else None
         if not physics:
             validation.refuse_without_physics({"--max-draws": max_draws is not None})
             drawn = drawn_tasks(space, seed=seed, **drawing) if wanted else iter(())
-            with writer(output, run, lambda lines, _: lines <= wanted) as out:
-                found = out.lines
-                for task in islice(drawn, out.lines, wanted):
+            found = 0
+            with writer(output) as out:
+                for task in islice(drawn, wanted):
                     out.write(line(Record(task)))
                     found += 1
             if found < wanted:
@@ -109,7 +107,7 @@ def sample(
 
         staging, limit = filming.staging(scene_of(space.domain)), max_draws or DRAWS_PER_TASK * wanted
         sample_request = _SampleRequest(space, wanted, limit, seed, {**drawing, "staging": staging})
-        _feasible(sample_request, validation, output, run, line, tell)
+        _feasible(sample_request, validation, output, line, tell)
 
 
 def _distinct(over: str | None, by: str) -> dict[str, Any]:
@@ -136,7 +134,7 @@ class _SampleRequest:
 
 
 def _feasible(
-    drawing: _SampleRequest, validation: PhysicsOptions, output: str | None, run: str | None,
+    drawing: _SampleRequest, validation: PhysicsOptions, output: str | None,
     line: Callable[[Record], str], tell: Tell,
 ) -> None:  # fmt: skip
     """Write the feasible ones of sampled tasks.
@@ -145,43 +143,26 @@ def _feasible(
         NotFound: there are too few.
     """
     from prag_asp.cli.summary import tallied, tally_line
-    from prag_asp.dataset.episode_files import claim, remove_after
     from prag_asp.dataset.pass_rates import Tally
     from prag_asp.dataset.physics_filter import draws_looked_at
 
     tally, wanted, limit = Tally(), drawing.wanted, drawing.limit
-    folder = validation.demonstrate
 
     def summary() -> str:
         return tally_line(tally, ("sampled", "sampled"), f"budget {validation.parse_budget()}")
 
-    if folder is not None:
-        claim(folder, run)
-    with tallied(tally, summary), writer(output, run, lambda _, state: _fits(state, drawing, folder)) as out:
-        tally.go_on(out.state)
+    with tallied(tally, summary), recordings_folder(validation.demonstrate) as folder, writer(output) as out:
+        arguments = {**validation.arguments(), "demonstrate": folder}
         looked_at = draws_looked_at(
-            drawing.space, seed=drawing.seed, draws=limit, tally=tally, **validation.arguments(), **drawing.how
+            drawing.space, seed=drawing.seed, draws=limit, tally=tally, **arguments, **drawing.how
         )
         with closing(looked_at):
             for record in looked_at if tally.passed < wanted else ():
-                out.write(line(record) if record is not None else None, tally.state())
+                if record is not None:
+                    out.write(line(record), flush=True)
                 tell(summary(), tally.passed, wanted)
                 if tally.passed == wanted:
                     break
-        if folder is not None:
-            remove_after(folder, tally.passed)
     if tally.passed < wanted:
         found = f"only {tally.passed} of {plural(wanted, 'task')} found in {plural(tally.seen, 'draw')}"
         raise NotFound(f"{found}; raise --max-draws" if tally.seen == limit else found)
-
-
-def _fits(state: Any, drawing: _SampleRequest, folder: str | None) -> bool:
-    """Tell whether a broken run has come no further than this one is to, and has left its recordings."""
-    from prag_asp.dataset.episode_files import recorded
-    from prag_asp.dataset.pass_rates import Tally
-
-    tally = Tally()
-    tally.go_on(state)
-    if tally.passed > drawing.wanted or tally.seen > drawing.limit:
-        return False
-    return folder is None or recorded(folder, tally.passed) == tally.passed

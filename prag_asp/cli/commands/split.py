@@ -6,7 +6,6 @@ import warnings
 from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import replace
-from itertools import islice
 from typing import TYPE_CHECKING
 
 import click
@@ -16,7 +15,6 @@ from prag_asp.cli.arguments import domain_and_others
 from prag_asp.cli.domain_options import ENGINE, LENGTH, PROGRAM, DomainOptions, domain_options
 from prag_asp.cli.line_output import writer
 from prag_asp.cli.options import whole
-from prag_asp.cli.run_fingerprint import run_of
 from prag_asp.cli.task_options import LINE_FORMAT, TaskFormat, format_options
 from prag_asp.cli.terminal import progress, say, tell_line
 from prag_asp.errors import QueryError
@@ -78,8 +76,8 @@ def split(
         with ExitStack() as files:
             for name, part in parts.items():
                 file = file_in(folder, f"{name}.{'jsonl' if task_format.form == 'jsonl' else 'txt'}")
-                out = files.enter_context(writer(str(file), run_of(space.domain, told=[name, wanted])))
-                for task in islice(_sampled(part, min(wanted, part.count()), seed), out.lines, None):
+                out = files.enter_context(writer(str(file)))
+                for task in _sampled(part, min(wanted, part.count()), seed):
                     out.write(line(Record(task)))
 
 

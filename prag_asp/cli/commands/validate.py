@@ -5,22 +5,22 @@ from __future__ import annotations
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, TextIO
 
 import click
 
 from prag_asp.cli import options, shell_completion
 from prag_asp.cli.domain_options import OF_FILE, WHERE, DomainOptions, domain_options
 from prag_asp.cli.exits import Exit
-from prag_asp.cli.line_output import require_writable, writer
+from prag_asp.cli.line_output import recordings_folder, require_writable, writer
 from prag_asp.cli.physics_options import BUDGET, CameraOptions, PhysicsOptions, camera_options, physics_options
-from prag_asp.cli.run_fingerprint import domains_of, run_on_file
 from prag_asp.cli.terminal import Tell, progress
-from prag_asp.errors import QueryError
-from prag_asp.safe_reading import lines_of, open_text
+from prag_asp.errors import PragError, QueryError
+from prag_asp.safe_reading import lines_of, open_binary, open_text
 
 if TYPE_CHECKING:
-    from prag_asp.dataset import Tally
+    from prag_asp.dataset import Record, Tally
+    from prag_asp.domain.load import Domain
     from prag_asp.scene.scene import Scene
 
 
@@ -85,33 +85,29 @@ class _Validation:
         """
         from prag_asp.cli.summary import tallied, tally_line
         from prag_asp.dataset import Tally, read_lines, recheck
-        from prag_asp.dataset.episode_files import claim, recorded
 
-        total, folder, tally = self._tasks_in(stream), self.validation.demonstrate, Tally()
-
-        def fits(_: int, state: Any) -> bool:
-            tally.go_on(state)
-            return folder is None or recorded(folder, tally.seen) == tally.passed
+        total, tally = self._tasks_in(stream), Tally()
 
         def summary() -> str:
             return tally_line(tally, ("task", "tasks"), limits)
 
-        run = run_on_file(self.request, self.file) if self.output or folder else None
         staging = self.filming.staging(*self._scenes() if self.filming.any else ())
-        if folder is not None:
-            claim(folder, run)
-        with tallied(tally, summary), writer(self.output, run, fits) as out:
-            tally.go_on(out.state)
+        with (
+            tallied(tally, summary),
+            recordings_folder(self.validation.demonstrate) as folder,
+            writer(self.output) as out,
+        ):
+            arguments = {**self.validation.arguments(), "demonstrate": folder}
             outcomes = recheck(
                 read_lines(lines_of(stream), self.file), where=self.request.conditions(), seed=self.seed,
                 witness_only=self.witness_only, load=lambda record, of: self.request.of(record, of).domain(),
-                folder=Path(self.file).parent, done=tally.seen, staging=staging, **self.validation.arguments(),
+                folder=Path(self.file).parent, staging=staging, **arguments,
             )  # fmt: skip
             with closing(outcomes):
                 for outcome in outcomes:
                     tally.count(outcome.status, outcome.reason, outcome.causes)
                     line = f"{tally.seen}\t{outcome.status}\t{outcome.reason}\t{outcome.detail}".rstrip()
-                    out.write(line, tally.state())
+                    out.write(line, flush=True)
                     tell(summary(), tally.seen, total)
         return tally
 
@@ -125,7 +121,7 @@ class _Validation:
 
         if not Path(self.file).is_file():
             return []
-        return [scene_of(domain) for domain in domains_of(self.request, self.file)[0]]
+        return [scene_of(domain) for domain in _domains_of(self.request, self.file)]
 
     def _tasks_in(self, stream: TextIO) -> int | None:
         """Return the number of lines that are not empty, None if the file can be read only once.
@@ -142,3 +138,31 @@ class _Validation:
         raise QueryError(
             f"{self.file}:1: no tasks in it; write some with prag-asp sample --format jsonl -o {self.file}"
         )
+
+
+def _domains_of(request: DomainOptions, file: str) -> list[Domain]:
+    """Return the domains that the tasks of a file are of.
+
+    Raises:
+        PragError: a domain that the file names cannot be loaded.
+    """
+    firsts: dict[tuple[bytes, bytes], Record] = {}
+    with open_binary(file) as lines:
+        for line in lines:
+            _take_first(line, file, firsts)
+    return [request.of(record, Path(file).parent).domain(tell=False) for record in firsts.values()]
+
+
+def _take_first(line: bytes, file: str, firsts: dict[tuple[bytes, bytes], Record]) -> None:
+    """Add the record of a line where it is the first of its domain and constants; `recheck` reports a damaged line."""
+    import msgspec
+
+    from prag_asp.dataset.jsonl import read_lines
+
+    try:
+        named = msgspec.json.decode(line, type=dict[str, msgspec.Raw])
+        key = (bytes(named["domain"]), bytes(named.get("constants", msgspec.Raw(b""))))
+        if key not in firsts:
+            firsts[key] = next(read_lines([line.decode(errors="replace")], file))
+    except (msgspec.MsgspecError, KeyError, RecursionError, PragError, StopIteration):
+        return

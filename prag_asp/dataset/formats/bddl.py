@@ -14,18 +14,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from prag_asp.dataset.formats.episode_source import NO_TASK, Source
-from prag_asp.dataset.formats.export_format import Told
-from prag_asp.dataset.formats.provenance import MARK, mark_of
+from prag_asp.dataset.formats.episode_source import NO_TASK, EpisodeSource
+from prag_asp.dataset.formats.export_format import Progress
+from prag_asp.dataset.formats.provenance import write_provenance
 from prag_asp.errors import QueryError
-from prag_asp.output import file_in, growing, replace_file
+from prag_asp.output import file_in, new_folder, replace_file
 from prag_asp.scene.geometry import yaw_of
 from prag_asp.scene.variation import table_of
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.atom import Atom
-    from prag_asp.dataset.store.entry import Entry
+    from prag_asp.dataset.store.entry import DatasetEntry
     from prag_asp.physics import Witness
     from prag_asp.scene.geometry import Pose
 
@@ -42,7 +42,7 @@ Region = tuple[str, tuple[float, float, float, float], float]
 class Bddl:
     """Writes a folder with a file for each task, ``PART-NUMBER.bddl``."""
 
-    def write(self, source: Source, target: Path, progress: Told) -> None:
+    def write(self, source: EpisodeSource, target: Path, progress: Progress) -> None:
         """Write the folder; regions are there where the domain has a scene.
 
         Raises:
@@ -50,7 +50,7 @@ class Bddl:
             OutputError: it cannot be written.
         """
         total = sum(note.rows("tasks") for note in source.data.manifest.parts if note.name in source.data.parts)
-        with growing(target, MARK, mark_of(source, "bddl")) as folder:
+        with new_folder(target) as folder:
             count = 0
             for count, (entry, witness) in enumerate(_tasks(source), 1):
                 text = problem(source, entry, witness)
@@ -58,9 +58,10 @@ class Bddl:
                 progress(plural(count, "task"), count, total)
             if not count:
                 raise QueryError(f"{source.data.folder}: {NO_TASK}")
+            write_provenance(folder, source, "bddl")
 
 
-def _tasks(source: Source) -> Iterator[tuple[Entry, Witness | None]]:
+def _tasks(source: EpisodeSource) -> Iterator[tuple[DatasetEntry, Witness | None]]:
     """Yield each task with its witness from the first of its first states, where there is one."""
     witnesses = ((entry, found) for entry, start, found in source.data.witnesses() if start == 0)
     waiting = next(witnesses, None)
@@ -72,7 +73,7 @@ def _tasks(source: Source) -> Iterator[tuple[Entry, Witness | None]]:
             yield entry, None
 
 
-def problem(source: Source, entry: Entry, witness: Witness | None = None) -> str:
+def problem(source: EpisodeSource, entry: DatasetEntry, witness: Witness | None = None) -> str:
     """Return a task as a problem of BDDL.
 
     Raises:
@@ -111,7 +112,7 @@ def problem(source: Source, entry: Entry, witness: Witness | None = None) -> str
     return "\n".join(lines) + "\n"
 
 
-def _fixtures(source: Source, entry: Entry) -> dict[str, str]:
+def _fixtures(source: EpisodeSource, entry: DatasetEntry) -> dict[str, str]:
     """Return what stands still: robots, tables, zones, and what has its place in the scene."""
     if not source.data.domain.settings.scene:
         return {}
@@ -121,7 +122,7 @@ def _fixtures(source: Source, entry: Entry) -> dict[str, str]:
     return {table_of(scene): "table", **named}
 
 
-def _regions(source: Source, witness: Witness | None) -> Iterator[str]:
+def _regions(source: EpisodeSource, witness: Witness | None) -> Iterator[str]:
     """Yield the lines of the regions: zones of the table, and where objects are at first."""
     if not source.data.domain.settings.scene:
         return
@@ -135,7 +136,7 @@ def _regions(source: Source, witness: Witness | None) -> Iterator[str]:
         yield "    )"
 
 
-def _zones(source: Source) -> Iterator[Region]:
+def _zones(source: EpisodeSource) -> Iterator[Region]:
     for name, (x, y, yaw) in source.scene.fixed.items():
         shape = source.scene.shapes.get(name)
         if shape is not None and shape.traits.surface:

@@ -11,7 +11,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from prag_asp.output import make_folder
-from prag_asp.output.atomic_files import told
+from prag_asp.output.atomic_file import output_errors
 
 CHUNK = 1000
 """Files of a chunk."""
@@ -32,7 +32,7 @@ def places() -> Iterator[Place]:
         chunk += 1
 
 
-class Tables:
+class ChunkedTable:
     """Files with the rows of one table, each of which is full at so many megabytes."""
 
     def __init__(self, folder: Path, pattern: str, schema: pa.Schema, megabytes: int) -> None:
@@ -54,7 +54,7 @@ class Tables:
             self.close()
             self._place = next(self._places)
             path = self._path
-        with told(path):
+        with output_errors(path):
             if self._writer is None:
                 make_folder(path.parent)
                 self._writer = pq.ParquetWriter(path, rows.schema, compression="snappy")
@@ -81,7 +81,7 @@ class Tables:
             self._pour()
         if self._writer is not None:
             writer, self._writer = self._writer, None
-            with told(self._path):
+            with output_errors(self._path):
                 writer.close()
 
     @property
@@ -118,5 +118,5 @@ def write_table(path: Path, table: pa.Table) -> None:
     Raises:
         OutputError: it cannot be written.
     """
-    with told(path):
+    with output_errors(path):
         pq.write_table(table, path, compression="snappy")

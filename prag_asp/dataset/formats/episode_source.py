@@ -1,4 +1,4 @@
-"""What all forms are written from: the recordings of a data set as episodes, with one shape for all of them."""
+"""What all forms are written from: the recordings of a dataset as episodes, with one shape for all of them."""
 
 from __future__ import annotations
 
@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.dataset.store.dataset import Dataset
-from prag_asp.dataset.store.entry import Entry
+from prag_asp.dataset.store.entry import DatasetEntry
 from prag_asp.dataset.store.instructions import LEVELS, PLAIN
 from prag_asp.domain.load import load_scene
 from prag_asp.errors import QueryError
 from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration
 from prag_asp.physics.demonstration.footage import NOTHING, Film
-from prag_asp.physics.filming.episode_options import Staging
 from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.variation import table_of
@@ -28,16 +27,16 @@ NO_TASK = "has no task that is asked for; ask for others"
 
 
 @dataclass(frozen=True, eq=False)
-class Episode:
+class ExportEpisode:
     """A recording as N moments, a picture or else a frame each, and the actions between them; R robots.
 
     `frames` (N,) are the frames of the recording at these moments; `state` (N, 8R) has the joint angles in radians and
-    the opening in metres of each robot, in the order of `Source.joints`; `action` (N, 8R) what its motors drive to when
-    the next moment comes, after the last one still the same. `subgoal` (N,) is which of the task's actions is being
-    done, 0 the first; `subgoals` tells each in words.
+    the opening in metres of each robot, in the order of `EpisodeSource.joints`; `action` (N, 8R) what its motors drive
+    to when the next moment comes, after the last one still the same. `subgoal` (N,) is which of the task's actions is
+    being done, 0 the first; `subgoals` tells each in words.
     """
 
-    entry: Entry
+    entry: DatasetEntry
     start: int
     instruction: str
     demonstration: Demonstration
@@ -93,8 +92,8 @@ class Episode:
 
 
 @dataclass(frozen=True)
-class Source:
-    """A data set to be written in another form; `level` is how much the instructions say, one of `LEVELS`."""
+class EpisodeSource:
+    """A dataset to be written in another form; `level` is how much the instructions say, one of `LEVELS`."""
 
     data: Dataset
     level: str = "default"
@@ -134,18 +133,14 @@ class Source:
         Raises:
             QueryError: the scene has none of this name, or a size or a rate cannot be.
         """
-        noted = self.data.manifest.asked.staging
-        if noted is None:
-            return {}
-        width, height = noted.size if noted.size and len(noted.size) == 2 else (0, 0)
-        staging = Staging(tuple(noted.cameras), None if noted.size is None else (width, height), noted.rate)
-        return {name: camera.size for name, camera in staging.cameras_of(self.scene).items()}
+        staging = self.data.manifest.spec.staging
+        return {} if staging is None else {name: each.size for name, each in staging.cameras_of(self.scene).items()}
 
     @property
     def rate(self) -> int:
         """How many moments an episode has in a second."""
-        staged = self.data.manifest.asked.staging
-        return staged.rate if staged and self.cameras else FRAMES_A_SECOND
+        staging = self.data.manifest.spec.staging
+        return staging.rate if staging and self.cameras else FRAMES_A_SECOND
 
     @cached_property
     def objects(self) -> list[str]:
@@ -174,16 +169,16 @@ class Source:
         return sum(note.rows("recordings") for note in self.data.manifest.parts if note.name in self.data.parts)
 
     def require_recordings(self) -> None:
-        """Check that the data set was made with recordings.
+        """Check that the dataset was made with recordings.
 
         Raises:
             QueryError: it was not.
         """
-        if not self.data.manifest.asked.demonstrate:
-            wanted = "make a data set that has, with prag-asp generate --demonstrate"
+        if not self.data.manifest.spec.demonstrate:
+            wanted = "make a dataset that has, with prag-asp generate --demonstrate"
             raise QueryError(f"{self.data.folder}: has no recordings; {wanted}")
 
-    def episodes(self) -> Iterator[Episode]:
+    def episodes(self) -> Iterator[ExportEpisode]:
         """Yield the episodes, in the order of the tasks and their first states.
 
         Raises:
@@ -196,11 +191,11 @@ class Source:
         if not found:
             raise QueryError(f"{self.data.folder}: {NO_TASK}")
 
-    def instruction(self, entry: Entry) -> str:
+    def instruction(self, entry: DatasetEntry) -> str:
         """Return the words for a task; a task that can be told plainly alone is."""
         return entry.instruction.get(self.level, entry.instruction.get(PLAIN, ""))
 
-    def objects_of(self, episode: Episode) -> Floats:
+    def objects_of(self, episode: ExportEpisode) -> Floats:
         """Return where the objects are, shape (N, objects, 8): 1 where the task has it, then its pose; else zeros."""
         shown = episode.demonstration
         found = np.zeros((episode.length, len(self.objects), 1 + len(POSE)), dtype=np.float32)
@@ -209,7 +204,7 @@ class Source:
             found[:, at, 0], found[:, at, 1:] = 1.0, shown.poses[episode.frames, number]
         return found
 
-    def openings_of(self, episode: Episode) -> Floats:
+    def openings_of(self, episode: ExportEpisode) -> Floats:
         """Return how far furniture is open in metres or radians, shape (N, furniture); 0 where the task has it not."""
         shown = episode.demonstration
         found = np.zeros((episode.length, len(self.furniture)), dtype=np.float32)
@@ -217,7 +212,7 @@ class Source:
             found[:, self.furniture.index(entity)] = shown.openings[episode.frames, number]
         return found
 
-    def segmentation_of(self, episode: Episode, camera: str) -> NDArray[np.unsignedinteger]:
+    def segmentation_of(self, episode: ExportEpisode, camera: str) -> NDArray[np.unsignedinteger]:
         """Return which entity each pixel shows, as positions in `legend`, shape (N, H, W)."""
         footage = episode.demonstration.footage
         assert footage is not None
@@ -225,17 +220,17 @@ class Source:
         found: NDArray[np.unsignedinteger] = numbers[episode.films[camera].segmentation]
         return found
 
-    def _episode(self, entry: Entry, start: int, shown: Demonstration) -> Episode:
+    def _episode(self, entry: DatasetEntry, start: int, shown: Demonstration) -> ExportEpisode:
         name = f"{self.data.folder}: the recording of task {entry.number} of {entry.part}"
         named = (*shown.objects, *(shown.footage.legend if shown.footage else ()))
         strange = [each for each in named if each not in self.legend]
         if shown.robots != self.robots or strange:
             what = strange[0] if strange else ", ".join(shown.robots)
-            raise QueryError(f"{name}: has {what}, of which the scene knows nothing; copy the data set once more")
+            raise QueryError(f"{name}: has {what}, of which the scene knows nothing; copy the dataset once more")
         if len(shown.ends) != len(entry.task) + 1 or len(entry.subgoals) != len(entry.task):
-            raise QueryError(f"{name}: does not show the states of its task; copy the data set once more")
+            raise QueryError(f"{name}: does not show the states of its task; copy the dataset once more")
         sizes = {camera: film.size for camera, film in shown.footage.films.items()} if shown.footage else {}
         if sizes != dict(self.cameras):
-            raise QueryError(f"{name}: is not of the cameras that dataset.json names; copy the data set once more")
+            raise QueryError(f"{name}: is not of the cameras that dataset.json names; copy the dataset once more")
         frames = shown.footage.frames if shown.footage else np.arange(len(shown.times))
-        return Episode(entry, start, self.instruction(entry), shown, frames.astype(np.int64))
+        return ExportEpisode(entry, start, self.instruction(entry), shown, frames.astype(np.int64))

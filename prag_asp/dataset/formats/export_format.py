@@ -1,4 +1,4 @@
-"""What a form of data sets is, and the list of them."""
+"""What a form of datasets is, and the list of them."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
-from prag_asp.dataset.formats.episode_source import Source
+from prag_asp.dataset.formats.episode_source import EpisodeSource
 
-Told = Callable[[str, int, int], None]
+Progress = Callable[[str, int, int], None]
 """Is told how far things are: in words, how many are done, and how many there are."""
 
 
-class Form(Protocol):
-    """A form of data sets."""
+class ExportFormat(Protocol):
+    """A form of datasets."""
 
-    def write(self, source: Source, target: Path, progress: Told) -> None:
-        """Write a data set, whole or not at all, in the memory of one episode.
+    def write(self, source: EpisodeSource, target: Path, progress: Progress) -> None:
+        """Write a dataset, whole or not at all, in the memory of one episode.
 
         Raises:
             QueryError: it lacks something that this form needs.
@@ -24,7 +24,7 @@ class Form(Protocol):
         """
 
 
-class Known(NamedTuple):
+class FormatInfo(NamedTuple):
     """A form that there is: the name of its class, the packages that it needs, and whether it is of recordings."""
 
     title: str
@@ -32,10 +32,10 @@ class Known(NamedTuple):
     recorded: bool = True
 
 
-FORMS: Mapping[str, Known] = {
-    "lerobot": Known("LeRobot", ("pyarrow", "av")),
-    "minari": Known("Minari", ("pyarrow", "h5py", "PIL")),
-    "robomimic": Known("Robomimic", ("pyarrow", "h5py")),
-    "bddl": Known("Bddl", ("pyarrow",), recorded=False),
+FORMS: Mapping[str, FormatInfo] = {
+    "lerobot": FormatInfo("LeRobot", ("pyarrow", "av")),
+    "minari": FormatInfo("Minari", ("pyarrow", "h5py", "PIL")),
+    "robomimic": FormatInfo("Robomimic", ("pyarrow", "h5py")),
+    "bddl": FormatInfo("Bddl", ("pyarrow",), recorded=False),
 }
 """The forms: each is a file here of that name, with a class of this one."""

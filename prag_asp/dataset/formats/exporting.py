@@ -1,12 +1,12 @@
-"""Write a data set in the form of another program."""
+"""Write a dataset in the form of another program."""
 
 from __future__ import annotations
 
 from importlib import import_module
 from pathlib import Path
 
-from prag_asp.dataset.formats.episode_source import Source
-from prag_asp.dataset.formats.export_format import FORMS, Form, Told
+from prag_asp.dataset.formats.episode_source import EpisodeSource
+from prag_asp.dataset.formats.export_format import FORMS, ExportFormat, Progress
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.errors import OutputError, QueryError
 from prag_asp.missing import require_packages
@@ -20,17 +20,17 @@ def export(
     target: str | Path,
     *,
     level: str = "default",
-    progress: Told = lambda words, done, total: None,
+    progress: Progress = lambda words, done, total: None,
 ) -> Path:
-    """Write a data set, or some parts or tasks of it, in another form, and return where that is.
+    """Write a dataset, or some parts or tasks of it, in another form, and return where that is.
 
     `form` is one of ``lerobot``, ``minari``, ``robomimic`` and ``bddl``; `target` a new folder, of ``robomimic`` a
-    file. It is there when it is whole, and has the same bytes for the same data set. `level` is how much the
+    file. It is there when it is whole, and has the same bytes for the same dataset. `level` is how much the
     instructions say: ``vague``, ``default`` or ``exact``.
 
     Raises:
-        QueryError: there is no such form, or the data set has no recordings, or no task that is asked for.
-        DomainError: the domain of the data set is not what dataset.json says.
+        QueryError: there is no such form, or the dataset has no recordings, or no task that is asked for.
+        DomainError: the domain of the dataset is not what dataset.json says.
         OutputError: it cannot be written, or is there already.
         DatasetsMissingError: a package that the form needs is not installed.
     """
@@ -38,12 +38,12 @@ def export(
         raise QueryError(unknown(form, FORMS, "form"))
     known = FORMS[form]
     require_packages(form, known.packages)
-    source = Source(data if isinstance(data, Dataset) else Dataset.open(data), level)
+    source = EpisodeSource(data if isinstance(data, Dataset) else Dataset.open(data), level)
     if known.recorded:
         source.require_recordings()
     path = Path(target)
     if is_inside(path, source.data.folder):
-        raise OutputError(f"{path}: lies in the data set {source.data.folder}; choose another place")
-    writer: Form = getattr(import_module(f"prag_asp.dataset.formats.{form}"), known.title)()
+        raise OutputError(f"{path}: lies in the dataset {source.data.folder}; choose another place")
+    writer: ExportFormat = getattr(import_module(f"prag_asp.dataset.formats.{form}"), known.title)()
     writer.write(source, path, progress)
     return path

@@ -12,9 +12,9 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.dataset.formats.episode_source import Episode, Source
+from prag_asp.dataset.formats.episode_source import EpisodeSource, ExportEpisode
 from prag_asp.errors import QueryError
-from prag_asp.output.atomic_files import told
+from prag_asp.output.atomic_file import output_errors
 from prag_asp.processes.workers import uninterrupted
 
 PACKED, STRENGTH = "gzip", 6
@@ -106,7 +106,7 @@ def written(path: Path, shown: Path) -> Iterator[tuple[h5py.File, Callable[[], N
     Raises:
         OutputError: it cannot be written.
     """
-    with told(shown):
+    with output_errors(shown):
         disk = _Disk(path)
         try:
             with uninterrupted():
@@ -140,7 +140,7 @@ def group_in(group: h5py.Group, name: str) -> h5py.Group:
         return group.create_group(name)
 
 
-def numbers_of(source: Source, episode: Episode) -> dict[str, NDArray[np.float32]]:
+def numbers_of(source: EpisodeSource, episode: ExportEpisode) -> dict[str, NDArray[np.float32]]:
     """Return what an episode shows but for pictures: `tools` are there where cameras are."""
     found = {"state": episode.state, "objects": source.objects_of(episode)}
     if source.furniture:
@@ -149,7 +149,7 @@ def numbers_of(source: Source, episode: Episode) -> dict[str, NDArray[np.float32
     return found if footage is None else {**found, "tools": footage.tools}
 
 
-def pictures_of(source: Source, episode: Episode) -> Iterator[tuple[str, str, NDArray[Any]]]:
+def pictures_of(source: EpisodeSource, episode: ExportEpisode) -> Iterator[tuple[str, str, NDArray[Any]]]:
     """Yield the camera, ``rgb``, ``depth`` or ``segmentation``, and the pictures, one such film at a time."""
     for camera, film in episode.films.items():
         yield camera, "rgb", film.rgb
@@ -157,7 +157,7 @@ def pictures_of(source: Source, episode: Episode) -> Iterator[tuple[str, str, ND
         yield camera, "segmentation", source.segmentation_of(episode, camera)
 
 
-def require_steps(source: Source, episode: Episode) -> int:
+def require_steps(source: EpisodeSource, episode: ExportEpisode) -> int:
     """Return how many actions there are between the moments of an episode.
 
     Raises:
@@ -182,8 +182,8 @@ def note(group: h5py.Group, values: Mapping[str, Any]) -> None:
             group.attrs[name] = value
 
 
-def origin(episode: Episode) -> Mapping[str, Any]:
-    """Return what is noted of an episode: its words, its plan, and where in the data set it stands."""
+def origin(episode: ExportEpisode) -> Mapping[str, Any]:
+    """Return what is noted of an episode: its words, its plan, and where in the dataset it stands."""
     entry = episode.entry
     return {
         "instruction": episode.instruction,

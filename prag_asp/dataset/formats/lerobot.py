@@ -17,9 +17,9 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from prag_asp.dataset.formats.chunks import CHUNK, MEGABYTE, Tables, places, texts_table, write_table
-from prag_asp.dataset.formats.episode_source import Episode, Source
-from prag_asp.dataset.formats.export_format import Told
+from prag_asp.dataset.formats.chunks import CHUNK, MEGABYTE, ChunkedTable, places, texts_table, write_table
+from prag_asp.dataset.formats.episode_source import EpisodeSource, ExportEpisode
+from prag_asp.dataset.formats.export_format import Progress
 from prag_asp.dataset.formats.feature_statistics import (
     NAMES,
     Aggregate,
@@ -29,9 +29,9 @@ from prag_asp.dataset.formats.feature_statistics import (
     flattened,
     statistics_of,
 )
-from prag_asp.dataset.formats.provenance import MARK, mark_of
+from prag_asp.dataset.formats.provenance import write_provenance
 from prag_asp.dataset.formats.video import Video, described
-from prag_asp.output import growing, make_folder, replace_file
+from prag_asp.output import make_folder, new_folder, replace_file
 from prag_asp.wording import plural
 
 VERSION = "v3.0"
@@ -60,24 +60,25 @@ class LeRobot:
     data_megabytes: int = 100
     video_megabytes: int = 200
 
-    def write(self, source: Source, target: Path, progress: Told) -> None:
+    def write(self, source: EpisodeSource, target: Path, progress: Progress) -> None:
         """Write a folder with ``meta``, ``data`` and, where there are cameras, ``videos``.
 
         Raises:
             QueryError: there are no recordings.
             OutputError: it cannot be written.
         """
-        with growing(target, MARK, mark_of(source, "lerobot")) as folder, closing(_Run(self, source, folder)) as run:
+        with new_folder(target) as folder, closing(_LeRobotWriter(self, source, folder)) as run:
             for episode in source.episodes():
                 run.add(episode)
                 progress(plural(run.episodes, "episode"), run.episodes, source.count)
             run.finish()
+            write_provenance(folder, source, "lerobot")
 
 
-class _Run:
-    """One data set that is being written."""
+class _LeRobotWriter:
+    """One dataset that is being written."""
 
-    def __init__(self, form: LeRobot, source: Source, folder: Path) -> None:
+    def __init__(self, form: LeRobot, source: EpisodeSource, folder: Path) -> None:
         self._form, self._source, self._folder = form, source, folder
         self.episodes = self._frames = 0
         self._tasks: dict[str, int] = {}
@@ -85,11 +86,13 @@ class _Run:
         self._splits: dict[str, tuple[int, int]] = {}
         self._statistics: dict[str, Aggregate] = {}
         self._features = _features(source)
-        self._data = Tables(folder, DATA, _columns(self._features), form.data_megabytes)
-        self._rows = Tables(folder, EPISODES, _about(self._features), form.data_megabytes)
-        self._reels = {f"observation.images.{name}": _Reel(form, source, folder, name) for name in source.cameras}
+        self._data = ChunkedTable(folder, DATA, _columns(self._features), form.data_megabytes)
+        self._rows = ChunkedTable(folder, EPISODES, _about(self._features), form.data_megabytes)
+        self._reels = {
+            f"observation.images.{name}": _VideoFeature(form, source, folder, name) for name in source.cameras
+        }
 
-    def add(self, episode: Episode) -> None:
+    def add(self, episode: ExportEpisode) -> None:
         """Write an episode."""
         values = self._values(episode)
         found: dict[str, Statistics] = {name: statistics_of(value) for name, value in values.items()}
@@ -135,7 +138,7 @@ class _Run:
         for reel in self._reels.values():
             reel.close()
 
-    def _values(self, episode: Episode) -> dict[str, NDArray[Any]]:
+    def _values(self, episode: ExportEpisode) -> dict[str, NDArray[Any]]:
         """Return what is said of each frame of an episode, by the names of the features."""
         length = episode.length
         frame = np.arange(length)
@@ -174,16 +177,16 @@ class _Run:
         }
 
 
-class _Reel:
+class _VideoFeature:
     """The videos of one camera, one after the other."""
 
-    def __init__(self, form: LeRobot, source: Source, folder: Path, camera: str) -> None:
+    def __init__(self, form: LeRobot, source: EpisodeSource, folder: Path, camera: str) -> None:
         self._form, self._source, self._folder, self._camera = form, source, folder, camera
         self._places = places()
         self._place = next(self._places)
         self._video: Video | None = None
 
-    def add(self, episode: Episode) -> tuple[dict[str, Any], Statistics]:
+    def add(self, episode: ExportEpisode) -> tuple[dict[str, Any], Statistics]:
         """Add the film of an episode, and return where it is, and the statistics of its colours."""
         if self._video is not None and self._video.size >= self._form.video_megabytes * MEGABYTE:
             self.close()
@@ -212,7 +215,7 @@ class _Reel:
             video.close()
 
 
-def _features(source: Source) -> dict[str, Any]:
+def _features(source: EpisodeSource) -> dict[str, Any]:
     """Return what info.json says of each feature."""
     joints = source.joints
     vector = {"dtype": "float32", "shape": [len(joints)], "names": joints}
@@ -277,7 +280,7 @@ def _table(values: Mapping[str, NDArray[Any]], schema: pa.Schema) -> pa.Table:
     return pa.Table.from_arrays(arrays, schema=schema)
 
 
-def _origin(episode: Episode) -> dict[str, Any]:
+def _origin(episode: ExportEpisode) -> dict[str, Any]:
     """Return where an episode comes from, which LeRobot does not ask for."""
     entry = episode.entry
     return {

@@ -1,6 +1,6 @@
-"""Minari: a local data set that `minari.load_dataset` finds, as https://minari.farama.org tells of it.
+"""Minari: a local dataset that `minari.load_dataset` finds, as https://minari.farama.org tells of it.
 
-There is no environment to be made, so the data set has its spaces itself.
+There is no environment to be made, so the dataset has its spaces itself.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.dataset.formats.episode_source import POSE, Episode, Source
-from prag_asp.dataset.formats.export_format import Told
+from prag_asp.dataset.formats.episode_source import POSE, EpisodeSource, ExportEpisode
+from prag_asp.dataset.formats.export_format import Progress
 from prag_asp.dataset.formats.hdf5 import group_in, note, numbers_of, origin, pictures_of, put, require_steps, written
-from prag_asp.dataset.formats.provenance import MARK, mark_of
-from prag_asp.output import growing, make_folder, replace_file
+from prag_asp.dataset.formats.provenance import write_provenance
+from prag_asp.output import make_folder, new_folder, replace_file
 from prag_asp.wording import plural
 
 LAYOUT = "0.5.0"
@@ -36,9 +36,9 @@ QUALITY = 95
 
 @dataclass(frozen=True)
 class Minari:
-    """Writes a folder for ``MINARI_DATASETS_PATH``, with one data set, ``prag_asp/DOMAIN-v0``."""
+    """Writes a folder for ``MINARI_DATASETS_PATH``, with one dataset, ``prag_asp/DOMAIN-v0``."""
 
-    def write(self, source: Source, target: Path, progress: Told) -> None:
+    def write(self, source: EpisodeSource, target: Path, progress: Progress) -> None:
         """Write the folder.
 
         Raises:
@@ -46,7 +46,7 @@ class Minari:
             OutputError: it cannot be written.
         """
         name = dataset_name(source)
-        with growing(target, MARK, mark_of(source, "minari")) as folder:
+        with new_folder(target) as folder:
             inner = make_folder(folder / name / "data")
             steps = count = 0
             with written(inner / MAIN, target) as (file, check):
@@ -72,14 +72,15 @@ class Minari:
                 "rate": source.rate,
             }
             replace_file(inner / "metadata.json", json.dumps(content, ensure_ascii=False).encode())
+            write_provenance(folder, source, "minari")
 
 
-def dataset_name(source: Source) -> str:
-    """Return the name by which Minari knows a data set; signs that it does not allow become ``_``."""
+def dataset_name(source: EpisodeSource) -> str:
+    """Return the name by which Minari knows a dataset; signs that it does not allow become ``_``."""
     return f"prag_asp/{re.sub(r'[^-a-zA-Z0-9_]', '_', source.data.domain.name)}-v0"
 
 
-def _write(group: h5py.Group, source: Source, episode: Episode, number: int) -> int:
+def _write(group: h5py.Group, source: EpisodeSource, episode: ExportEpisode, number: int) -> int:
     """Write an episode, and return how many steps it has."""
     steps = require_steps(source, episode)
     told = {
@@ -120,11 +121,11 @@ def _as_jpeg(pictures: Iterable[NDArray[np.uint8]]) -> NDArray[np.uint8]:
     return rows
 
 
-def _observation_space(source: Source) -> dict[str, Any]:
+def _observation_space(source: EpisodeSource) -> dict[str, Any]:
     return {"type": "Dict", "subspaces": dict(_observed(source))}
 
 
-def _observed(source: Source) -> Iterator[tuple[str, dict[str, Any]]]:
+def _observed(source: EpisodeSource) -> Iterator[tuple[str, dict[str, Any]]]:
     """Yield the space of each observation; what is measured has no bounds."""
     yield "state", _free(len(source.joints))
     yield "objects", _free(len(source.objects), 1 + len(POSE))

@@ -1,18 +1,20 @@
-"""What stands beside a data set in another form: of which one it is, and what has written it."""
+"""What stands beside a dataset in another form: of which one it is, and what has written it."""
 
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
-from prag_asp.dataset.formats.episode_source import Source
+from prag_asp.dataset.formats.episode_source import EpisodeSource
+from prag_asp.output import replace_file
 from prag_asp.versions import versions
 
-MARK = "export.json"
-"""The file that says it."""
+PROVENANCE = "export.json"
+"""The file with the provenance of an export."""
 
 
-def told_of(source: Source, form: str) -> dict[str, object]:
-    """Return of which data set something is, and what has written it."""
+def provenance_of(source: EpisodeSource, form: str) -> dict[str, object]:
+    """Return of which dataset something is, and what has written it."""
     manifest = source.data.manifest
     return {
         "form": form,
@@ -25,6 +27,11 @@ def told_of(source: Source, form: str) -> dict[str, object]:
     }
 
 
-def mark_of(source: Source, form: str) -> bytes:
-    """Return the content of that file."""
-    return f"{json.dumps(told_of(source, form), indent=1, ensure_ascii=False)}\n".encode()
+def write_provenance(folder: Path, source: EpisodeSource, form: str) -> None:
+    """Write the provenance of an export into its folder.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    text = json.dumps(provenance_of(source, form), indent=1, ensure_ascii=False)
+    replace_file(folder / PROVENANCE, f"{text}\n".encode())

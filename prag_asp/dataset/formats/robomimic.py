@@ -15,10 +15,10 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.dataset.formats.episode_source import Episode, Source
-from prag_asp.dataset.formats.export_format import Told
+from prag_asp.dataset.formats.episode_source import EpisodeSource, ExportEpisode
+from prag_asp.dataset.formats.export_format import Progress
 from prag_asp.dataset.formats.hdf5 import group_in, note, numbers_of, origin, pictures_of, put, require_steps, written
-from prag_asp.dataset.formats.provenance import told_of
+from prag_asp.dataset.formats.provenance import provenance_of
 from prag_asp.output import whole_file
 from prag_asp.wording import plural
 
@@ -33,7 +33,7 @@ IMAGES = {"rgb": "image", "depth": "depth", "segmentation": "segmentation"}
 class Robomimic:
     """Writes one file for robomimic."""
 
-    def write(self, source: Source, target: Path, progress: Told) -> None:
+    def write(self, source: EpisodeSource, target: Path, progress: Progress) -> None:
         """Write a file with ``data`` and ``mask``.
 
         Raises:
@@ -53,7 +53,7 @@ class Robomimic:
                 put(file, f"mask/{part}", np.array(names, dtype="S"))
 
 
-def _write(demo: h5py.Group, source: Source, episode: Episode) -> int:
+def _write(demo: h5py.Group, source: EpisodeSource, episode: ExportEpisode) -> int:
     """Write an episode, and return how many samples it has."""
     steps = require_steps(source, episode)
     lower, upper = source.limits
@@ -72,13 +72,13 @@ def _write(demo: h5py.Group, source: Source, episode: Episode) -> int:
     return steps
 
 
-def _states(source: Source, episode: Episode) -> Iterator[NDArray[np.float32]]:
+def _states(source: EpisodeSource, episode: ExportEpisode) -> Iterator[NDArray[np.float32]]:
     """Yield what the state of the world is made of."""
     numbers = numbers_of(source, episode)
     yield from (numbers[name] for name in ("state", "objects", "openings") if name in numbers)
 
 
-def _observed(source: Source, episode: Episode) -> Iterator[tuple[str, NDArray[Any]]]:
+def _observed(source: EpisodeSource, episode: ExportEpisode) -> Iterator[tuple[str, NDArray[Any]]]:
     """Yield the keys of observations with their values at each moment."""
     numbers = numbers_of(source, episode)
     for at, robot in enumerate(source.robots):
@@ -96,11 +96,11 @@ def _observed(source: Source, episode: Episode) -> Iterator[tuple[str, NDArray[A
         yield f"{camera}_{IMAGES[kind]}", shaped.astype(np.float32) if kind == "depth" else shaped
 
 
-def _environment(source: Source) -> dict[str, Any]:
+def _environment(source: EpisodeSource) -> dict[str, Any]:
     """Return what is told of the environment: there is none to be made, so what would make it is what there is."""
     lower, upper = source.limits
     told = {
-        **told_of(source, "robomimic"),
+        **provenance_of(source, "robomimic"),
         "rate": source.rate,
         "joints": source.joints,
         "lower": lower.tolist(),

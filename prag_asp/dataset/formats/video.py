@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.output.atomic_files import told
+from prag_asp.output.atomic_file import output_errors
 
 CODEC, PIXELS = "av1", "yuv420p"
 OPTIONS = {"g": "10", "crf": "30", "preset": "8", "svtav1-params": "lp=1"}
@@ -33,7 +33,7 @@ class Video:
         import av
 
         self.path, self._rate, self._pictures = path, rate, 0
-        with told(path):
+        with output_errors(path):
             path.parent.mkdir(parents=True, exist_ok=True)
             self._file = av.open(str(path), "w", format="mp4")
         stream: Any = self._file.add_stream("libsvtav1", rate=rate, options=OPTIONS)
@@ -70,11 +70,11 @@ class Video:
             OutputError: it cannot be written.
         """
         self._write(self._stream.encode())
-        with told(self.path):
+        with output_errors(self.path):
             self._file.close()
 
     def _write(self, packets: Iterable[Any]) -> None:
-        with told(self.path):
+        with output_errors(self.path):
             for packet in packets:
                 self._file.mux(packet)
 

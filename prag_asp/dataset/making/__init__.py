@@ -1,1 +1,1 @@
-"""A data set being made: the run that writes it, where draws are looked at, and what others have made of it."""
+"""A dataset being made: the run that writes it, where draws are looked at, and what others have made of it."""

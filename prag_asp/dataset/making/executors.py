@@ -1,4 +1,4 @@
-"""Where draws are looked at: in this process, in others of this machine, or on the nodes of a Ray cluster."""
+"""Executors that validate draws: this process, several of this machine, or the nodes of a Ray cluster."""
 
 from __future__ import annotations
 
@@ -7,73 +7,73 @@ from contextlib import closing
 from dataclasses import dataclass
 from typing import Protocol
 
-from prag_asp.dataset.validation_jobs import Draw, Found, Look, looker
+from prag_asp.dataset.validation_jobs import JobResult, ValidationJob, ValidationSetup, open_job_validator
 from prag_asp.errors import QueryError
 from prag_asp.missing import require_ray
 
 CHUNK = 4
-"""Searches that a process of this machine is handed together."""
+"""Searches that a process of this machine gets together: some seconds of work, much more than sending them."""
 
 RAY = "ray"
-"""The name of the places that are not on this machine."""
+"""The name of the executor that is not on this machine."""
 
 
-class Place(Protocol):
-    """Looks at draws, and tells what it finds in their order; that does not depend on the place."""
+class Executor(Protocol):
+    """Validates draws, with the same results in the same order as any other executor."""
 
     @property
-    def tells(self) -> bool:
-        """Whether draws come without their tasks, which are told there, and found with their rows."""
+    def captions(self) -> bool:
+        """Whether jobs come as draws, whose tasks, texts and rows are made there."""
         ...
 
-    def look(self, draws: Iterator[Draw], look: Look) -> Generator[Found, None, None]:
-        """Yield what is known of draws, in their order; closing the iterator ends the work at once.
+    def run(self, jobs: Iterator[ValidationJob], setup: ValidationSetup) -> Generator[JobResult, None, None]:
+        """Yield the results of jobs, in their order; closing the iterator ends the work at once.
 
         Raises:
-            SceneError: a task speaks of something for which the scene has no shape.
+            SceneError: a task names something for which the scene has no shape.
             WorkerError: workers died again and again, or there are none.
         """
         ...
 
 
 @dataclass(frozen=True)
-class Processes:
-    """Processes of this machine: so many, or this one alone, as where physics is not asked."""
+class LocalExecutor:
+    """A number of processes of this machine, or this one alone with one worker or without physics."""
 
     workers: int
-    tells: bool = False
+    captions: bool = False
 
-    def look(self, draws: Iterator[Draw], look: Look) -> Generator[Found, None, None]:
-        """Yield what is known of draws, in their order."""
-        if self.workers == 1 or look.scene is None:
-            with looker(look) as looked_at:
-                for draw in draws:
-                    yield looked_at([draw])[0]
+    def run(self, jobs: Iterator[ValidationJob], setup: ValidationSetup) -> Generator[JobResult, None, None]:
+        """Yield the results of jobs, in their order."""
+        if self.workers == 1 or setup.scene is None:
+            with open_job_validator(setup) as validate:
+                for job in jobs:
+                    yield validate([job])[0]
             return
         from prag_asp.physics.pool import pooled
 
-        numbered = ((draw.search, draw) for draw in draws)
-        chunk = max(CHUNK // look.starts, 1)
-        with closing(pooled(numbered, "prag_asp.dataset.validation_jobs", look, self.workers, chunk=chunk)) as found:
+        numbered = ((job.search, job) for job in jobs)
+        chunk = max(CHUNK // setup.starts, 1)
+        with closing(pooled(numbered, "prag_asp.dataset.validation_jobs", setup, self.workers, chunk=chunk)) as found:
             yield from found
 
 
-def place_of(workers: int, on: str | None) -> Place:
-    """Return the place that is asked for.
+def executor_of(workers: int, on: str | None) -> Executor:
+    """Return the executor that is requested.
 
     Raises:
-        QueryError: there is none of that name, no worker, or workers are asked for of Ray, which has its own.
+        QueryError: there is none of that name, no worker, or workers are requested of Ray, which has its own.
         RayMissingError: Ray is not installed.
     """
     if workers < 1:
         raise QueryError(f"validation needs at least 1 worker; got {workers}")
     if on is None:
-        return Processes(workers)
+        return LocalExecutor(workers)
     if on != RAY:
-        raise QueryError(f"no place {on!r} to look at tasks; there is {RAY}")
+        raise QueryError(f"no executor {on!r}; there is {RAY}")
     if workers > 1:
         raise QueryError("a Ray cluster has as many workers as it has processors; leave the number of workers out")
     require_ray()
-    from prag_asp.dataset.making.on_ray import Cluster
+    from prag_asp.dataset.making.on_ray import RayExecutor
 
-    return Cluster()
+    return RayExecutor()

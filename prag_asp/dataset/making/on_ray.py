@@ -20,7 +20,7 @@ from itertools import islice
 from time import monotonic, sleep
 from typing import Any
 
-from prag_asp.dataset.validation_jobs import Draw, Found, Look, telling_looker
+from prag_asp.dataset.validation_jobs import JobResult, ValidationJob, ValidationSetup, open_draw_validator
 from prag_asp.errors import WorkerError
 from prag_asp.processes.progress_events import stage
 from prag_asp.processes.workers import Child, Children, Ended, uninterrupted
@@ -51,33 +51,35 @@ QUIET = {"RAY_USAGE_STATS_ENABLED": "0", "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "
 
 
 @dataclass(frozen=True)
-class Cluster:
+class RayExecutor:
     """The cluster that ``RAY_ADDRESS`` names, or this machine as one."""
 
-    tells: bool = True
+    captions: bool = True
 
-    def look(self, draws: Iterator[Draw], look: Look) -> Generator[Found, None, None]:
+    def run(self, jobs: Iterator[ValidationJob], setup: ValidationSetup) -> Generator[JobResult, None, None]:
         """Yield what is known of draws, in their order; closing the iterator ends the work at once.
 
         Raises:
             SceneError: a task speaks of something for which the scene has no shape.
             WorkerError: there is no cluster, or nodes were lost again and again.
         """
-        from prag_asp.dataset.store.columns import Row, unpacked
+        from prag_asp.dataset.store.columns import RowReference, unpacked
 
         stage("looking at tasks on the cluster")
         with Children(__name__, complaints=subprocess.DEVNULL) as children:
             try:
                 talker = children.start()
                 try:
-                    talker.send(look)
+                    talker.send(setup)
                     while (answer := talker.receive()) is not None:
                         if isinstance(answer, int):
-                            talker.send(list(islice(draws, answer)))
+                            talker.send(list(islice(jobs, answer)))
                         else:
                             every, rows = pickle.loads(answer)
                             table = unpacked(rows)
-                            yield from (each._replace(row=Row(table, place)) for place, each in enumerate(every))
+                            yield from (
+                                each._replace(row=RowReference(table, place)) for place, each in enumerate(every)
+                            )
                 finally:
                     with uninterrupted():
                         _let_go(talker)
@@ -96,20 +98,20 @@ def _let_go(talker: Child) -> None:
 def answers(messages: Iterator[Any]) -> Iterator[int | bytes | None]:
     """Yield how many draws are wanted, and get them, fewer where there are no more; yield what is known of some.
 
-    That passes through as the node has pickled it: a list of `Found`, and their rows.
+    That passes through as the node has pickled it: a list of `JobResult`, and their rows.
 
     First of all comes how they are looked at; None comes last.
 
     Raises:
-        SceneError: as `Cluster.look` does.
+        SceneError: as `RayExecutor.look` does.
         WorkerError: so, too.
     """
     import ray
 
     _begin(ray)
-    look = ray.put(next(messages))
+    setup = ray.put(next(messages))
     run, size, more = os.urandom(8).hex(), 1, True
-    remote = ray.remote(looked_at).options(num_cpus=1, max_retries=LOST)
+    remote = ray.remote(validated).options(num_cpus=1, max_retries=LOST)
     waiting: deque[tuple[Any, int]] = deque()
     while more or waiting:
         room = AHEAD * _processors(ray) - len(waiting)
@@ -118,7 +120,7 @@ def answers(messages: Iterator[Any]) -> Iterator[int | bytes | None]:
             draws = next(messages)
             more = len(draws) == room * size
             groups = [draws[first : first + size] for first in range(0, len(draws), size)]
-            waiting.extend((remote.remote(run, look, group), len(group)) for group in groups)
+            waiting.extend((remote.remote(run, setup, group), len(group)) for group in groups)
             continue
         reference, number = waiting.popleft()
         found, seconds = _answer(ray, reference)
@@ -195,14 +197,14 @@ class _Kept:
     """What a process of Ray keeps from one task to the next of the same run."""
 
     run: str = ""
-    look: Any = None
+    validate: Any = None
     resources: ExitStack = field(default_factory=ExitStack)
 
 
 _KEPT = _Kept()
 
 
-def looked_at(run: str, look: Look, draws: list[Draw]) -> tuple[bytes, Exception | None, float]:
+def validated(run: str, setup: ValidationSetup, jobs: list[ValidationJob]) -> tuple[bytes, Exception | None, float]:
     """Return what is known of draws, pickled, or the error that was met, and how many seconds it took.
 
     This is run on a node.
@@ -212,9 +214,9 @@ def looked_at(run: str, look: Look, draws: list[Draw]) -> tuple[bytes, Exception
         if _KEPT.run != run:
             _KEPT.resources.close()
             _KEPT.run, _KEPT.resources = "", ExitStack()
-            assert look.telling is not None
-            _KEPT.look, _KEPT.run = _KEPT.resources.enter_context(telling_looker(look, look.telling)), run
+            assert setup.captions is not None
+            _KEPT.validate, _KEPT.run = _KEPT.resources.enter_context(open_draw_validator(setup, setup.captions)), run
             begun = monotonic()
-        return pickle.dumps(_KEPT.look(draws)), None, monotonic() - begun
+        return pickle.dumps(_KEPT.validate(jobs)), None, monotonic() - begun
     except Exception as error:
         return b"", error, monotonic() - begun

@@ -1,13 +1,11 @@
-"""Why a data set is not written into a folder, or has fewer tasks than were wanted."""
+"""Why a dataset is not written into a folder, or has fewer tasks than requested."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import msgspec
-
-from prag_asp.dataset.store.manifest import NAME, Asked, Manifest, PartNote
+from prag_asp.dataset.store.manifest import DATASET, Manifest, PartManifest
 from prag_asp.errors import OutputError
 from prag_asp.fields import shown
 from prag_asp.wording import plural
@@ -15,42 +13,42 @@ from prag_asp.wording import plural
 if TYPE_CHECKING:
     from prag_asp.space.without_replacement import Ordered
 
-JOURNAL = "journal.jsonl"
-"""What physics has said since the last shard, so that a run that was broken off goes on there. It goes at the end."""
+JOURNAL = "journal.part"
+"""The results of the draws since the last shard, from which an interrupted run is resumed; it is removed at the end."""
 
 
-def require_ours(folder: Path) -> None:
-    """Check that a folder is new, empty, or a data set, before anything is written.
+def require_dataset_folder(folder: Path) -> None:
+    """Check that a folder is new, empty, or a dataset, before anything is written.
 
     Raises:
         OutputError: it holds something else.
     """
     if folder.exists() and not folder.is_dir():
         raise OutputError(f"{folder}: is no folder; give a new one")
-    if not folder.is_dir() or (folder / NAME).is_file():
+    if not folder.is_dir() or (folder / DATASET.name).is_file():
         return
-    begun = {f"{name}{end}" for name in (NAME, JOURNAL) for end in (".part", ".run", ".run.part")}
-    other = sorted(path.name for path in folder.iterdir() if path.name not in begun)
+    other = sorted({path.name for path in folder.iterdir()} - {f"{DATASET.name}.part", JOURNAL})
     if other:
-        raise OutputError(f"{folder}: holds {other[0]}, and is no data set; give a new folder")
+        raise OutputError(f"{folder}: holds {other[0]}, and is no dataset; give a new folder")
 
 
-def difference(manifest: Manifest, name: str, asked: Asked) -> str:
-    """Return in what a data set differs from the one that is asked for."""
-    if manifest.domain.name != name:
-        return f"is a data set of {manifest.domain.name}, not of {name}"
-    for key, value in msgspec.structs.asdict(asked).items():
-        before = getattr(manifest.asked, key)
-        if before != value:
-            return f"is a data set made with other {key.replace('_', ' ')} ({shown(msgspec.to_builtins(before))})"
-    return "is a data set of another state of the domain or of the encodings"
+def difference(one: Manifest, other: Manifest) -> str:
+    """Return how the dataset of one manifest differs from that of another, which has another identity."""
+    if one.domain.name != other.domain.name:
+        return f"is a dataset of {one.domain.name}, not of {other.domain.name}"
+    before = one.request
+    for name, value in other.request.items():
+        if before[name] != value:
+            return f"is a dataset made with other {name.replace('_', ' ')} ({shown(before[name])})"
+    return "is a dataset of another state of the domain or of the encodings"
 
 
-def too_few(note: PartNote, part: Ordered, limit: int) -> str:
-    """Return that there are fewer tasks than wanted, and why."""
-    told = f"only {note.tasks} of {plural(note.wanted, 'task')} for {note.name} found in {plural(note.draws, 'draw')}"
-    if note.draws >= limit:
-        return f"{told}; raise --max-draws"
-    if note.draws >= part.size:
-        return f"{told}, which are all that there are"
-    return f"{told}; those left weigh next to nothing: give other weights, or --uniform"
+def too_few(part: PartManifest, available: Ordered, limit: int) -> str:
+    """Return in words that a part has fewer tasks than requested, and why."""
+    found = f"only {part.tasks} of {plural(part.requested, 'task')} for {part.name} found in"
+    found = f"{found} {plural(part.draws, 'draw')}"
+    if part.draws >= limit:
+        return f"{found}; raise --max-draws"
+    if part.draws >= available.size:
+        return f"{found}, which are all that there are"
+    return f"{found}; those left weigh next to nothing: give other weights, or --uniform"

@@ -1,4 +1,4 @@
-"""One run that makes a data set, or goes on with it: draws are looked at somewhere, and written here alone."""
+"""One run that makes a dataset, or resumes it: draws are validated by an executor, and written here alone."""
 
 from __future__ import annotations
 
@@ -13,31 +13,29 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from prag_asp.dataset.dataset_spec import Wanted
+from prag_asp.dataset.dataset_spec import DatasetSpec
 from prag_asp.dataset.episode_files import name_of, remove_after
-from prag_asp.dataset.making.executors import Place
-from prag_asp.dataset.making.preconditions import JOURNAL, difference, require_ours, too_few
+from prag_asp.dataset.making.draw_plan import DrawPlan
+from prag_asp.dataset.making.executors import Executor
+from prag_asp.dataset.making.preconditions import JOURNAL, difference, require_dataset_folder, too_few
 from prag_asp.dataset.pages.dataset_card import write_card
 from prag_asp.dataset.store.dataset import Dataset
-from prag_asp.dataset.store.domain_snapshot import MEND, KeptDomain, write_kept
-from prag_asp.dataset.store.draw_results import Looked
-from prag_asp.dataset.store.instructions import Told, telling_of
+from prag_asp.dataset.store.domain_snapshot import MEND, DomainSnapshot, write_snapshot
+from prag_asp.dataset.store.draw_results import DrawResult
+from prag_asp.dataset.store.instructions import TaskTexts, captioner_of
 from prag_asp.dataset.store.manifest import (
-    FORMAT,
-    VERSION,
-    Asked,
+    DATASET,
     Manifest,
-    PartNote,
-    SpaceNote,
-    read_manifest,
-    require_parts,
+    PartManifest,
+    SpaceSize,
+    identity_of,
+    request_of,
     write_manifest,
-)  # fmt: skip
-from prag_asp.dataset.validation_jobs import Draw, Found, Look, Telling
-from prag_asp.domain.identity import digest
+)
+from prag_asp.dataset.validation_jobs import CaptionSetup, JobResult, ValidationJob, ValidationSetup
 from prag_asp.errors import NotFound, OutputError, QueryError
 from prag_asp.integers import digits_of, number_of
-from prag_asp.output import Lines, file_in, make_folder, replace_file
+from prag_asp.output import Journal, file_in, make_folder, replace_file
 from prag_asp.processes.workers import uninterrupted
 from prag_asp.safe_reading import read_bytes
 from prag_asp.space.without_replacement import Ordered, at, lengths_of, ordered_parts, tell
@@ -45,7 +43,7 @@ from prag_asp.versions import versions
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.making.part_merge import Jobs
+    from prag_asp.dataset.making.machine_parts import MachineParts
     from prag_asp.dataset.store.shard_writer import PartWriter
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.space.task_spaces import TaskSpaces
@@ -56,241 +54,254 @@ RECORDINGS = "demonstrations"
 """The folder of recordings, beside that of the table that has one row for each."""
 
 Progress = Callable[[str, int, int], None]
-"""Is told how far things are: in words, how many tasks there are, and how many there are to be."""
+"""Takes the progress: in words, the number of tasks so far, and the number requested."""
 
 
 @dataclass(frozen=True)
-class Content:
-    """What is known of a draw, as it is written, and what was found just now, None where the journal has had it.
+class DrawRecord:
+    """A draw as it is written: its result, with a `job_result` unless the journal had it.
 
-    It is told as a task, in words, or has a row already.
+    It has a task and its texts, or a row of them in the job result.
     """
 
     placed: Placed
-    looked: Looked
-    told: tuple[Task, Told] | None
-    found: Found | None = None
+    result: DrawResult
+    task: tuple[Task, TaskTexts] | None
+    job_result: JobResult | None = None
 
 
-class Run:
-    """Makes the data set of a space in a folder; with `jobs`, of what others have looked at, as far as that goes."""
+class DatasetRun:
+    """Makes the dataset of a space in a folder; with machine `parts`, from what these have validated."""
 
     def __init__(
         self,
         space: TaskSpace | TaskSpaces,
         folder: Path,
-        wanted: Wanted,
-        kept: tuple[KeptDomain, dict[str, bytes]],
-        place: Place,
+        spec: DatasetSpec,
+        snapshot: tuple[DomainSnapshot, dict[str, bytes]],
+        executor: Executor,
         progress: Progress,
-        jobs: Jobs | None = None,
+        max_draws: int | None = None,
+        parts: MachineParts | None = None,
     ) -> None:
-        self._space, self._folder, self._wanted, self._place = space, folder, wanted, place
-        self._told, self._files = kept
-        self._progress, self._jobs = progress, jobs
+        if max_draws is not None and max_draws < 1:
+            raise QueryError(f"max_draws {max_draws}: a dataset needs at least 1 draw")
+        self._space, self._folder, self._spec, self._executor = space, folder, spec, executor
+        self._snapshot, self._files = snapshot
+        self._progress, self._max_draws, self._parts = progress, max_draws, parts
+        self._shares = spec.division.shares
 
     def done(self) -> Dataset:
-        """Make the data set and open it.
+        """Make the dataset and open it.
 
         Raises:
             PragError: as `generate` does.
         """
-        wanted, shares = self._wanted, self._wanted.division.shares
-        asked = wanted.asked(self._space)
-        self._telling = telling_of(self._space.domain, wanted.language, wanted.seed, wanted.phrasings)
-        identity = digest([msgspec.to_builtins(self._told), msgspec.to_builtins(asked)])
-        require_ours(self._folder)
+        spec = self._spec
+        self._captioner = captioner_of(self._space.domain, spec.language, spec.seed, spec.phrasings)
+        require_dataset_folder(self._folder)
         parts = ordered_parts(
-            self._space, wanted.division, seed=wanted.seed, weights=wanted.weights, temperature=wanted.temperature,
-            evenly=wanted.evenly, deal=wanted.deal,
+            self._space, spec.division, seed=spec.seed, weights=spec.weights, temperature=spec.temperature,
+            evenly=spec.evenly, deal=spec.deal,
         )  # fmt: skip
         make_folder(self._folder)
-        self._journal = Lines(self._folder / JOURNAL, identity)
+        request = self._new_manifest(parts)
+        self._journal = Journal(self._folder / JOURNAL, request.identity)
         try:
-            self._manifest = self._taken_up(parts, identity, asked)
+            self._manifest = self._resumed(request)
             if not self._manifest.complete:
                 self._make(parts)
             with uninterrupted():
-                self._journal.restart()
+                self._journal.clear()
         finally:
             with uninterrupted():
-                self._journal.suspend()
                 self._journal.close()
         for note in self._manifest.parts:
-            dealt_out = asked.part is not None and note.draws >= number_of(note.size)  # others may have what is missing
-            if note.tasks < note.wanted and not dealt_out:
-                raise NotFound(too_few(note, parts[note.name], wanted.draws(shares[note.name])))
+            dealt_out = spec.part is not None and note.draws >= number_of(note.size)  # other machines may have the rest
+            if note.tasks < note.requested and not dealt_out:
+                raise NotFound(too_few(note, parts[note.name], self._limit(note.name)))
         return Dataset.open(self._folder)
 
-    def _taken_up(self, parts: Mapping[str, Ordered], identity: str, asked: Asked) -> Manifest:
-        """Return what dataset.json says, which is complete where nothing is to be done.
+    def _limit(self, name: str) -> int:
+        """Return the number of draws after which a part is given up."""
+        return self._spec.draws_of(self._shares[name], self._max_draws)
+
+    def _new_manifest(self, parts: Mapping[str, Ordered]) -> Manifest:
+        """Return the manifest of the dataset before anything is made."""
+        request = request_of(self._space, self._spec)
+        return Manifest(
+            complete=False,
+            identity=identity_of(self._snapshot, request),
+            spec=self._spec,
+            lengths=request["lengths"],
+            where=request["where"],
+            domain=self._snapshot,
+            spaces=[SpaceSize(length, digits_of(at(self._space, length).count())) for length in request["lengths"]],
+            parts=[PartManifest(name, digits_of(part.size), 0) for name, part in parts.items()],
+        )
+
+    def _resumed(self, request: Manifest) -> Manifest:
+        """Return the manifest that the run continues with, which is complete where nothing is to be done.
 
         Raises:
-            OutputError: it is of another data set.
-            QueryError: it is damaged, or has more tasks than are wanted.
+            OutputError: the folder has another dataset.
+            QueryError: it is damaged, or has more tasks than requested.
         """
-        wanted, shares = self._wanted, self._wanted.division.shares
-        manifest = read_manifest(self._folder)
-        if manifest is None:
-            spaces = [SpaceNote(length, digits_of(at(self._space, length).count())) for length in asked.lengths]
-            notes = [PartNote(name, digits_of(part.size), 0) for name, part in parts.items()]
-            manifest = Manifest(FORMAT, VERSION, False, identity, 0, asked, self._told, spaces, notes)
-        elif manifest.identity != identity:
-            raise OutputError(f"{self._folder}: {difference(manifest, self._told.name, asked)}; give a new folder")
-        else:
-            require_parts(manifest, self._folder)
+        spec, shares = self._spec, self._shares
+        manifest = DATASET.read(self._folder) or request
+        if manifest.identity != request.identity:
+            raise OutputError(f"{self._folder}: {difference(manifest, request)}; give a new folder")
         for note in manifest.parts:
             rows = note.rows("tasks") + (note.tail.rows("tasks") if note.tail else 0)
-            if rows > wanted.of(shares[note.name]):
-                told = f"has {plural(manifest.rows('tasks'), 'task')} already; ask for at least as many"
-                raise QueryError(f"{self._folder}: {told}, or give a new folder")
+            if rows > spec.tasks_of(shares[note.name]):
+                has = f"has {plural(manifest.rows('tasks'), 'task')} already; ask for at least as many"
+                raise QueryError(f"{self._folder}: {has}, or give a new folder")
         for note in manifest.parts:
-            note.wanted = wanted.of(shares[note.name])
-            more = note.rows("tasks") < note.wanted and note.draws < wanted.draws(shares[note.name])
+            note.requested = spec.tasks_of(shares[note.name])
+            more = note.rows("tasks") < note.requested and note.draws < self._limit(note.name)
             if more and note.draws < number_of(note.size):
                 manifest.complete = False
                 if note.shards and not note.shards[-1].full:
                     note.tail = note.shards.pop()
-        manifest.complete = manifest.complete and manifest.wanted == wanted.tasks
+        manifest.complete = manifest.complete and manifest.spec.tasks == spec.tasks
         if not manifest.complete:
-            manifest.wanted, manifest.versions = wanted.tasks, versions()
+            manifest.spec, manifest.versions = spec, versions()
             write_manifest(self._folder, manifest)
-            write_kept(self._folder, self._files)
+            write_snapshot(self._folder, self._files)
         return manifest
 
     def _make(self, parts: Mapping[str, Ordered]) -> None:
         """Write what is missing."""
         from prag_asp.dataset.store.shard_writer import PartWriter
 
-        wanted = self._wanted
+        spec = self._spec
         left = list(self._left())
         for note in self._manifest.parts:
-            writer = PartWriter(self._folder, note, wanted.shard)
-            self._fill(writer, parts[note.name], [looked for looked in left if looked.part == note.name])
+            writer = PartWriter(self._folder, note, spec.shard)
+            self._fill(writer, parts[note.name], [result for result in left if result.part == note.name])
             if not writer.empty:
                 writer.write()
                 write_manifest(self._folder, self._manifest)
-            remove_after(self._folder / RECORDINGS / note.name, note.rows("tasks") * wanted.starts)
+            remove_after(self._folder / RECORDINGS / note.name, note.rows("tasks") * spec.starts)
         write_card(self._folder, self._manifest, self._space.domain)
         self._manifest.complete = True
         write_manifest(self._folder, self._manifest)
 
-    def _left(self) -> Iterator[Looked]:
-        """Yield what a run that was broken off has noted of draws since the last shard."""
-        with suppress(FileNotFoundError), self._journal.part.open("rb") as lines:
-            for line in lines:
-                with suppress(msgspec.MsgspecError):
-                    yield msgspec.json.decode(line, type=Looked)
+    def _left(self) -> Iterator[DrawResult]:
+        """Yield the results of draws that an interrupted run has noted since the last shard."""
+        for line in self._journal.lines:
+            with suppress(msgspec.MsgspecError):
+                yield msgspec.json.decode(line, type=DrawResult)
 
-    def _fill(self, writer: PartWriter, part: Ordered, left: list[Looked]) -> None:
+    def _fill(self, writer: PartWriter, part: Ordered, left: list[DrawResult]) -> None:
         """Add draws to a part until it has its tasks, or is given up."""
-        wanted, note, jobs = self._wanted, writer.note, self._jobs
-        limit = min(wanted.draws(wanted.division.shares[note.name]), part.size)
-        with closing(self._contents(writer, part, left, limit)) as contents:
-            while writer.tasks < note.wanted and writer.next < limit:
-                if jobs is not None and jobs.have(note.name, writer.next):
-                    given = jobs.draw(note.name, writer.next)
-                    rows = [self._copied(writer, row, jobs.folder(writer.next)) for row in given.recordings]
-                    writer.take(given._replace(recordings=rows))
-                elif (content := next(contents, None)) is not None:
-                    looked = self._noted(writer, content)
-                    if content.told is not None:
-                        writer.add(content.placed, content.told[0], looked, content.told[1])
-                    elif content.found is not None and content.found.row is not None:
-                        writer.add_row(content.placed, content.found.row, looked)
+        note, parts = writer.note, self._parts
+        plan = DrawPlan(self._spec.deal) if parts is None else parts.plan(note.name)
+        limit = min(self._limit(note.name), part.size)
+        with closing(self._records(writer, part, plan, left, limit)) as records:
+            while writer.tasks < note.requested and writer.next < limit:
+                holder = plan.holder(writer.next)
+                if holder is not None and parts is not None:
+                    rows = parts.draw(note.name, holder)
+                    copied = [self._copied(writer, row, parts.folder(holder)) for row in rows.recordings]
+                    writer.take(rows._replace(recordings=copied))
+                elif (record := next(records, None)) is not None:
+                    result = self._noted(writer, record)
+                    if record.task is not None:
+                        writer.add(record.placed, record.task[0], result, record.task[1])
+                    elif record.job_result is not None and record.job_result.row is not None:
+                        writer.add_row(record.placed, record.job_result.row, result)
                 else:
                     return
                 self._added(writer)
 
     def _added(self, writer: PartWriter) -> None:
-        """Tell of a draw that was added to a part, and write a shard that is full."""
+        """Report a draw that was added to a part, and write a shard that is full."""
         done = sum(note.rows("tasks") for note in self._manifest.parts if note is not writer.note) + writer.tasks
         words = f"{plural(done, 'task')} of {plural(writer.next, 'draw')}"
-        self._progress(words, done, sum(note.wanted for note in self._manifest.parts))
+        self._progress(words, done, sum(note.requested for note in self._manifest.parts))
         if writer.full:
             writer.write()
             write_manifest(self._folder, self._manifest)
-            self._journal.restart()
+            self._journal.clear()
 
-    def _contents(
-        self, writer: PartWriter, part: Ordered, left: list[Looked], limit: int
-    ) -> Generator[Content, None, None]:
-        """Yield what is known of the draws of a part that nobody else has looked at: some is `left` in the journal."""
-        name, jobs = writer.note.name, self._jobs
-        lacking = [range(writer.next, limit)] if jobs is None else jobs.lacking(name, writer.next, limit)
-        numbers, again = tee(chain.from_iterable(lacking))
+    def _records(
+        self, writer: PartWriter, part: Ordered, plan: DrawPlan, left: list[DrawResult], limit: int
+    ) -> Generator[DrawRecord, None, None]:
+        """Yield the draws of a part that this run validates; the results of some are `left` in the journal."""
+        numbers, again = tee(plan.missing(writer.next, limit))
         drawn = zip(numbers, part.picked(again), strict=False)
         first = list(islice(drawn, len(left)))
         known = list(takewhile(lambda pair: pair[0][0] == pair[1].draw, zip(first, left, strict=False)))
-        for ((_, placed), looked), task in zip(known, self._tasks(placed for (_, placed), _ in known), strict=True):
-            yield Content(placed, looked, (task, self._telling(task, looked.colours)))
-        yield from self._found(name, chain(first[len(known) :], drawn))
+        for ((_, placed), result), task in zip(known, self._tasks(placed for (_, placed), _ in known), strict=True):
+            yield DrawRecord(placed, result, (task, self._captioner(task, result.colours)))
+        yield from self._validated(writer.note.name, plan, chain(first[len(known) :], drawn))
 
-    def _found(self, name: str, drawn: Iterator[tuple[int, Placed]]) -> Generator[Content, None, None]:
-        """Yield what is found of numbered draws of a part, where they are looked at."""
+    def _validated(
+        self, name: str, plan: DrawPlan, drawn: Iterator[tuple[int, Placed]]
+    ) -> Generator[DrawRecord, None, None]:
+        """Yield numbered draws of a part as the executor has validated them."""
         handed: deque[tuple[Placed, Task | None]] = deque()
-        whole = self._wanted.deal.whole
 
-        def draws() -> Iterator[Draw]:
-            if self._place.tells:
+        def jobs() -> Iterator[ValidationJob]:
+            if self._executor.captions:
                 for number, placed in drawn:
                     handed.append((placed, None))
-                    yield Draw(number, whole(number), placed)
+                    yield ValidationJob(number, plan.search_index(number), placed)
                 return
             ours, theirs = tee(drawn)
             for (number, placed), task in zip(ours, self._tasks(placed for _, placed in theirs), strict=True):
                 handed.append((placed, task))
-                yield Draw(number, whole(number), task)
+                yield ValidationJob(number, plan.search_index(number), task)
 
-        with closing(self._place.look(draws(), self._look(name))) as found:
-            for each in found:
+        with closing(self._executor.run(jobs(), self._setup(name))) as results:
+            for each in results:
                 placed, task = handed.popleft()
-                looked = msgspec.json.decode(each.looked, type=Looked)
-                told = None if task is None else (task, self._telling(task, looked.colours))
-                yield Content(placed, looked, told, each)
+                result = msgspec.json.decode(each.result, type=DrawResult)
+                texts = None if task is None else (task, self._captioner(task, result.colours))
+                yield DrawRecord(placed, result, texts, each)
 
     def _tasks(self, placed: Iterable[Placed]) -> Iterator[Task]:
-        """Yield draws as tasks, which are told many together."""
+        """Yield draws as tasks, of which the states are computed many together."""
         return (task for _, task in tell(self._space, iter(placed)))
 
-    def _look(self, part: str) -> Look:
-        """Return how the draws of a part are looked at.
+    def _setup(self, part: str) -> ValidationSetup:
+        """Return how the draws of a part are validated.
 
         Raises:
             SceneError: the domain has no scene, or a Python file of it is not trusted, or fails.
         """
         from prag_asp.dataset.scenes import scene_of
 
-        wanted, space = self._wanted, self._space
+        spec, space = self._spec, self._space
         domain, where = space.domain, tuple(str(clause) for clause in space.condition.clauses)
-        scene = None if wanted.budget is None else scene_of(domain)
-        telling = None
-        if self._place.tells:
+        scene = None if spec.budget is None else scene_of(domain)
+        captions = None
+        if self._executor.captions:
             lengths = tuple(lengths_of(space))
-            telling = Telling(domain, lengths, where, wanted.language, wanted.seed, wanted.phrasings)
-        return Look(part, wanted.seed, wanted.budget, scene, wanted.starts, wanted.staging, telling)
+            captions = CaptionSetup(domain, lengths, where, spec.language, spec.seed, spec.phrasings)
+        return ValidationSetup(part, spec.seed, spec.budget, scene, spec.starts, spec.staging, captions)
 
-    def _noted(self, writer: PartWriter, content: Content) -> Looked:
-        """Return what is known of a draw with the files of its recordings, and note it in the journal if it is new."""
-        looked, found = content.looked, content.found
+    def _noted(self, writer: PartWriter, record: DrawRecord) -> DrawResult:
+        """Return the result of a draw with the files of its recordings, and note it in the journal if it is new."""
+        result, found = record.result, record.job_result
         if found is None:
-            return looked
-        for number, (start, recording) in enumerate(zip(looked.starts, found.recordings, strict=False)):
+            return result
+        for number, (start, recording) in enumerate(zip(result.starts, found.recordings, strict=False)):
             if start.recording is not None and recording is not None:
                 start.recording.file = self._recorded(writer, number, recording)
-        line = msgspec.json.encode(looked) if any(found.recordings) else found.looked
-        self._journal.write(line.decode())
-        return looked
+        self._journal.write(msgspec.json.encode(result) if any(found.recordings) else found.result)
+        return result
 
     def _recorded(self, writer: PartWriter, start: int, content: bytes) -> str:
-        """Write the recording from a first state of the next task, and return the path of its file."""
+        """Write the recording from an initial state of the next task, and return the path of its file."""
         folder = f"{RECORDINGS}/{writer.note.name}"
-        name = name_of(writer.tasks * self._wanted.starts + start + 1)
+        name = name_of(writer.tasks * self._spec.starts + start + 1)
         replace_file(file_in(make_folder(self._folder / folder), name), content)
         return f"{folder}/{name}"
 
     def _copied(self, writer: PartWriter, row: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
-        """Copy the recording from a first state of the next task, and return its row.
+        """Copy the recording from an initial state of the next task, and return its row.
 
         Raises:
             QueryError: it cannot be read, or is not what its table says.

@@ -1,1 +1,1 @@
-"""Pages of a data set for people: its card, with film strips."""
+"""Pages of a dataset for people: its card, with film strips."""

@@ -1,4 +1,4 @@
-"""The card of a data set: README.md, as hubs show it, with film strips."""
+"""The card of a dataset: README.md, as hubs show it, with film strips."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from prag_asp.dataset.pages.strips import write_strips
-from prag_asp.dataset.store.manifest import Manifest, PartNote, summed
+from prag_asp.dataset.store.manifest import Manifest, PartManifest, summed
 from prag_asp.integers import grouped, number_of
 from prag_asp.output import file_in, replace_file
 from prag_asp.wording import plural
@@ -33,7 +33,7 @@ LARGEST_SIZE = "n>10M"
 
 
 def write_card(folder: Path, manifest: Manifest, domain: Domain) -> None:
-    """Write the card of a data set and its pictures, each whole, and note the pictures.
+    """Write the card of a dataset and its pictures, each whole, and note the pictures.
 
     Raises:
         OutputError: one cannot be written.
@@ -43,7 +43,7 @@ def write_card(folder: Path, manifest: Manifest, domain: Domain) -> None:
 
 
 def card_text(manifest: Manifest, domain: Domain) -> bytes:
-    """Return the card of a data set, as its file has it."""
+    """Return the card of a dataset, as its file has it."""
     lines = [*_front(manifest, domain), *_text(manifest, domain, [each.path for each in manifest.pictures])]
     return "".join(f"{line}\n" for line in lines).encode()
 
@@ -77,20 +77,20 @@ def _front(manifest: Manifest, domain: Domain) -> Iterator[str]:
 
 def _text(manifest: Manifest, domain: Domain, pictures: list[str]) -> Iterator[str]:
     """Yield the lines that people read."""
-    asked = manifest.asked
+    spec = manifest.spec
     yield f"# {_title(manifest, domain)}"
     yield ""
     if domain.settings.description:
         yield domain.settings.description
         yield ""
-    lengths = ", ".join(map(str, asked.lengths))
-    drawn = "by weight" if asked.weights else "uniformly"
-    where = "".join(f", where {clause}" for clause in asked.where)
-    yield f"Tasks of {lengths} actions{where}, drawn {drawn} and without replacement by seed {asked.seed}."
-    if asked.part is not None:
-        yield f"This is part {asked.part} of a data set: `prag-asp merge` makes it from all of them."
-    if asked.budget:
-        effort = f"{asked.budget.restarts} x {asked.budget.samples}, {asked.budget.tier}"
+    lengths = ", ".join(map(str, manifest.lengths))
+    drawn = "by weight" if spec.weights else "uniformly"
+    where = "".join(f", where {clause}" for clause in manifest.where)
+    yield f"Tasks of {lengths} actions{where}, drawn {drawn} and without replacement by seed {spec.seed}."
+    if spec.part is not None:
+        yield f"This is part {spec.part} of a dataset: `prag-asp merge` makes it from all of them."
+    if spec.budget:
+        effort = f"{spec.budget.restarts} x {spec.budget.samples}, {spec.budget.tier}"
         yield f"Each was found feasible by physics (budget {effort})."
     assert manifest.covered is not None
     yield f"The space has {grouped(manifest.size)} tasks; these are {_percent(manifest.covered.value)} of them."
@@ -137,7 +137,7 @@ def _reading(manifest: Manifest) -> Iterator[str]:
     """Yield how it is read."""
     yield "```python"
     yield "from datasets import load_dataset"
-    yield f'load_dataset("NAME OR FOLDER OF THIS DATA SET", "tasks")["{manifest.parts[0].name}"][0]["instruction"]'
+    yield f'load_dataset("NAME OR FOLDER OF THIS DATASET", "tasks")["{manifest.parts[0].name}"][0]["instruction"]'
     yield ""
     yield "from prag_asp import Dataset"
     yield 'dataset = Dataset.open("FOLDER")'
@@ -150,7 +150,7 @@ def _title(manifest: Manifest, domain: Domain) -> str:
     return f"{domain.settings.title or domain.label}: {plural(manifest.rows('tasks'), 'task')}"
 
 
-def _share(part: PartNote) -> str:
+def _share(part: PartManifest) -> str:
     assert part.covered is not None
     return _percent(part.covered.value)
 

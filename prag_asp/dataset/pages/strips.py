@@ -1,4 +1,4 @@
-"""Film strips of the first tasks of a data set, for its card."""
+"""Film strips of the first tasks of a dataset, for its card."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from prag_asp.dataset.language import sentence
 from prag_asp.dataset.store.dataset import Dataset
-from prag_asp.dataset.store.domain_snapshot import KeptFile
+from prag_asp.dataset.store.domain_snapshot import FileRecord
 from prag_asp.errors import PicturesMissingError
 from prag_asp.output import make_folder
 from prag_asp.processes.progress_events import stage
@@ -26,7 +26,7 @@ SIZE = (240, 210)
 """Pixels of a state."""
 
 
-def write_strips(folder: Path, manifest: Manifest, domain: Domain) -> list[KeptFile]:
+def write_strips(folder: Path, manifest: Manifest, domain: Domain) -> list[FileRecord]:
     """Write pictures of the first tasks that have a witness, each whole; none where Pillow is not installed.
 
     Raises:
@@ -53,5 +53,5 @@ def write_strips(folder: Path, manifest: Manifest, domain: Domain) -> list[KeptF
         name = f"{PICTURES}/{number:03d}.png"
         save_picture(strip, make_folder(folder / PICTURES) / Path(name).name)
         content = read_bytes(folder / name)
-        written.append(KeptFile(name, len(content), sha256(content).hexdigest()))
+        written.append(FileRecord(name, len(content), sha256(content).hexdigest()))
     return written

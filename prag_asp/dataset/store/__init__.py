@@ -1,1 +1,1 @@
-"""A data set as a folder: tables in Parquet, what they are of, and how they are read."""
+"""A dataset as a folder: tables in Parquet, what they are of, and how they are read."""

@@ -44,7 +44,7 @@ class Column(Protocol):
         ...
 
 
-class Plain:
+class PlainColumn:
     """Values that Arrow takes as they are."""
 
     def __init__(self, kind: pa.DataType) -> None:
@@ -59,7 +59,7 @@ class Plain:
         return array_of(self._values, self._kind)
 
 
-class Facts:
+class FactsColumn:
     """What is known of a state, for each row; `fluents` are those of all columns."""
 
     def __init__(self, fluents: Fluents) -> None:
@@ -89,11 +89,11 @@ class Facts:
         return lists_of(self._sizes, facts, FACTS)
 
 
-class States:
+class StatesColumn:
     """What is known of several states, for each row."""
 
     def __init__(self, fluents: Fluents) -> None:
-        self._sizes, self._facts = array("i"), Facts(fluents)
+        self._sizes, self._facts = array("i"), FactsColumn(fluents)
 
     def add(self, states: Sequence[Known]) -> None:
         """Add what is known of some states."""
@@ -106,14 +106,14 @@ class States:
         return lists_of(self._sizes, self._facts.array(), pa.list_(FACTS))
 
 
-class Row(NamedTuple):
+class RowReference(NamedTuple):
     """A row of a table that has others, too; its place there."""
 
     table: pa.Table
     place: int
 
 
-class Rows:
+class TableBuilder:
     """The rows of a table that are still to be written; some may have been before."""
 
     def __init__(self, table: str, before: pa.Table | None = None) -> None:
@@ -135,7 +135,7 @@ class Rows:
         if self._waiting == TOGETHER:
             self._gather()
 
-    def take(self, row: Row, rows: int = 1, **numbers: int) -> None:
+    def take(self, row: RowReference, rows: int = 1, **numbers: int) -> None:
         """Add some rows of another table, from one on, with other `numbers` in some columns, which it may lack."""
         if self._waiting and not self._taken:
             self._gather()
@@ -179,8 +179,8 @@ class Rows:
 
 def _column(kind: pa.DataType, fluents: Fluents) -> Column:
     if kind == FACTS:
-        return Facts(fluents)
-    return States(fluents) if kind == pa.list_(FACTS) else Plain(kind)
+        return FactsColumn(fluents)
+    return StatesColumn(fluents) if kind == pa.list_(FACTS) else PlainColumn(kind)
 
 
 def packed(table: pa.Table) -> bytes:

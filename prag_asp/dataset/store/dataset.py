@@ -1,4 +1,4 @@
-"""A data set that was made before, read as it is asked for."""
+"""A dataset that was made before, read as it is asked for."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from prag_asp.dataset.store.domain_snapshot import kept_domain
-from prag_asp.dataset.store.entry import Entry, entry_of, task_of
-from prag_asp.dataset.store.manifest import NAME, Manifest, PartNote, read_manifest, require_parts
+from prag_asp.dataset.store.domain_snapshot import load_snapshot
+from prag_asp.dataset.store.entry import DatasetEntry, entry_of, task_of
+from prag_asp.dataset.store.manifest import DATASET, NAME, Manifest, PartManifest
 from prag_asp.errors import QueryError
 from prag_asp.fields import decoded
 from prag_asp.integers import number_of
@@ -20,7 +20,7 @@ from prag_asp.safe_reading import is_inside
 from prag_asp.wording import unknown
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.store.tables import Tables
+    from prag_asp.dataset.store.tables import TableReader
     from prag_asp.domain.load import Domain
     from prag_asp.physics import Demonstration, Witness
     from prag_asp.space.task_space import TaskSpace
@@ -43,7 +43,7 @@ class Dataset:
 
     @classmethod
     def open(cls, folder: str | Path, *, trust: bool = False) -> Dataset:
-        """Open a data set; with `trust`, physics may run the Python files of its domain.
+        """Open a dataset; with `trust`, physics may run the Python files of its domain.
 
         Raises:
             QueryError: there is none, it is damaged, or the run that makes it has not ended.
@@ -51,12 +51,11 @@ class Dataset:
         """
         require_pyarrow()
         path = Path(folder)
-        manifest = read_manifest(path)
+        manifest = DATASET.read(path)
         if manifest is None:
-            raise QueryError(f"{path}: is no data set, for it has no {NAME}; make one with prag-asp generate -o {path}")
+            raise QueryError(f"{path}: is no dataset, for it has no {NAME}; make one with prag-asp generate -o {path}")
         if not manifest.complete:
             raise QueryError(f"{path}: the run that makes it has not ended; the same command, once more, goes on")
-        require_parts(manifest, path)
         return cls(path, manifest, trust, tuple(part.name for part in manifest.parts))
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -69,7 +68,7 @@ class Dataset:
         Raises:
             DomainError: they are not what dataset.json says.
         """
-        return kept_domain(self.folder, self.manifest.domain, trust=self.trust)
+        return load_snapshot(self.folder, self.manifest.domain, trust=self.trust)
 
     def part(self, name: str) -> Dataset:
         """Return the tasks of one part.
@@ -106,7 +105,7 @@ class Dataset:
         _, row = self._row(number)
         return task_of(row, self.manifest.domain.constants)
 
-    def entry(self, number: int) -> Entry:
+    def entry(self, number: int) -> DatasetEntry:
         """Return all that is told of the task of a number.
 
         Raises:
@@ -119,19 +118,19 @@ class Dataset:
         """Yield the tasks, in their order."""
         return (entry.task for entry in self.entries())
 
-    def entries(self) -> Iterator[Entry]:
+    def entries(self) -> Iterator[DatasetEntry]:
         """Yield all that is told of each task, in their order."""
         return (self._entry(note, row) for note, row in self._rows("tasks"))
 
-    def refused(self) -> Iterator[Entry]:
+    def refused(self) -> Iterator[DatasetEntry]:
         """Yield what is told of each task that was drawn and did not pass, in the order of the draws."""
         return (self._entry(note, row) for note, row in self._rows("refused"))
 
-    def by_rank(self, length: int, rank: int) -> Entry:
+    def by_rank(self, length: int, rank: int) -> DatasetEntry:
         """Return what is told of the task that has a rank among all tasks of its length.
 
         Raises:
-            QueryError: the data set does not have it.
+            QueryError: the dataset does not have it.
         """
         for note, row in self._ranked(length, rank):
             entry = self._entry(note, row)
@@ -149,7 +148,7 @@ class Dataset:
         row = self._start("witnesses", number, start)
         return _witness(row["witness"])
 
-    def witnesses(self) -> Iterator[tuple[Entry, int, Witness]]:
+    def witnesses(self) -> Iterator[tuple[DatasetEntry, int, Witness]]:
         """Yield each task, the number of a first state, and the witness from there, in their order."""
         for entry, row in self._starts("witnesses"):
             yield entry, row["start"], _witness(row["witness"])
@@ -163,19 +162,19 @@ class Dataset:
         """
         return self._recording(self._start("recordings", number, start)["file"])
 
-    def demonstrations(self) -> Iterator[tuple[Entry, int, Demonstration]]:
+    def demonstrations(self) -> Iterator[tuple[DatasetEntry, int, Demonstration]]:
         """Yield each task, the number of a first state, and the recording from there, in their order."""
         for entry, row in self._starts("recordings"):
             yield entry, row["start"], self._recording(row["file"])
 
     @cached_property
-    def _notes(self) -> list[PartNote]:
+    def _notes(self) -> list[PartManifest]:
         return [note for note in self.manifest.parts if note.name in self.parts]
 
-    def _entry(self, note: PartNote, row: Mapping[str, Any]) -> Entry:
+    def _entry(self, note: PartManifest, row: Mapping[str, Any]) -> DatasetEntry:
         return entry_of(row, note.name, self.manifest.domain.constants)
 
-    def _row(self, number: int) -> tuple[PartNote, Mapping[str, Any]]:
+    def _row(self, number: int) -> tuple[PartManifest, Mapping[str, Any]]:
         """Return the part and the row of the task of a number.
 
         Raises:
@@ -194,7 +193,7 @@ class Dataset:
         shard, place = self._tables.place(note, "tasks", number)
         return note, self._tables.row("tasks", shard, place)
 
-    def _rows(self, table: str) -> Iterator[tuple[PartNote, Mapping[str, Any]]]:
+    def _rows(self, table: str) -> Iterator[tuple[PartManifest, Mapping[str, Any]]]:
         """Yield the rows of a table of tasks that satisfy the conditions."""
         for note in self._notes:
             for row in self._tables.rows(note, table):
@@ -217,25 +216,24 @@ class Dataset:
         plans = chain.from_iterable(self._tables.rows(note, "tasks", ["plan"]) for note in self._notes)
         return [number for number, row in enumerate(plans) if self._fits(row["plan"])]
 
-    def _ranked(self, length: int, rank: int) -> Iterator[tuple[PartNote, Mapping[str, Any]]]:
+    def _ranked(self, length: int, rank: int) -> Iterator[tuple[PartManifest, Mapping[str, Any]]]:
         """Yield the row of the task of a rank, where there is one.
 
         Where the draw is uniform, and parts differ by tasks alone, it is known which draw it was.
         """
-        from prag_asp.space.without_replacement import Division, order_of
+        from prag_asp.space.without_replacement import order_of
 
-        asked, lengths = self.manifest.asked, [space.length for space in self.manifest.spaces if space.tasks != "0"]
-        known = not asked.weights and not asked.skeletons and asked.hold_out is None
+        spec, lengths = self.manifest.spec, [space.length for space in self.manifest.spaces if space.tasks != "0"]
+        known = not spec.weights and not spec.skeletons and spec.hold_out is None
         if known and (length not in lengths or not 0 <= rank < int(self._sizes[length])):
             return
         for note in self._notes:
             draw = None
             if known:
-                division = Division.parse(asked.split)
                 sizes = [self._sizes[each] for each in lengths]
-                order = order_of(sizes, division, note.name, asked.seed, evenly=asked.evenly)
+                order = order_of(sizes, spec.division, note.name, spec.seed, evenly=spec.evenly)
                 whole = order.number(lengths.index(length), rank)
-                draw = None if whole is None else asked.deal.own(whole)
+                draw = None if whole is None else spec.deal.own(whole)
                 if draw is None:
                     continue
             yield from ((note, row) for row in self._tables.found(note, length, rank, draw))
@@ -257,7 +255,7 @@ class Dataset:
                 return found
         raise QueryError(f"{self.folder}: task {number} has nothing of the first state {start} in {table}")
 
-    def _starts(self, table: str) -> Iterator[tuple[Entry, Mapping[str, Any]]]:
+    def _starts(self, table: str) -> Iterator[tuple[DatasetEntry, Mapping[str, Any]]]:
         """Yield tasks with each of their rows in a table of first states."""
         for note in self._notes:
             rows = self._tables.rows(note, table)
@@ -275,14 +273,14 @@ class Dataset:
 
         path = self.folder / name
         if not is_inside(path, self.folder):
-            raise QueryError(f"{path}: leads out of the data set; copy it once more")
+            raise QueryError(f"{path}: leads out of the dataset; copy it once more")
         return Demonstration.load(path)
 
     @cached_property
-    def _tables(self) -> Tables:
-        from prag_asp.dataset.store.tables import Tables
+    def _tables(self) -> TableReader:
+        from prag_asp.dataset.store.tables import TableReader
 
-        return Tables(self.folder)
+        return TableReader(self.folder)
 
 
 def _witness(text: str) -> Witness:

@@ -1,4 +1,4 @@
-"""The domain of a data set, kept with it: all files that its tasks and verdicts depend on."""
+"""The domain of a dataset, kept with it: all files that its tasks and verdicts depend on."""
 
 from __future__ import annotations
 
@@ -20,37 +20,37 @@ if TYPE_CHECKING:
     from prag_asp.program.sources import Source
 
 DOMAIN, ENCODINGS = "domain", "encodings"
-"""The folders of a data set that hold its domain and the encodings that this was read with."""
+"""The folders of a dataset that hold its domain and the encodings that this was read with."""
 
 
-MEND = "make the data set anew, or copy it once more"
+MEND = "make the dataset anew, or copy it once more"
 """What to do where a file of one is damaged."""
 
 BLOCK = 1 << 20
 """Bytes of a file that are read at once."""
 
 
-class KeptFile(msgspec.Struct):
-    """A file of a data set: its path in the folder, its size and its SHA-256."""
+class FileRecord(msgspec.Struct):
+    """A file of a dataset: its path in the folder, its size and its SHA-256."""
 
     path: str
     bytes: int
     sha256: str
 
 
-class KeptDomain(msgspec.Struct):
+class DomainSnapshot(msgspec.Struct):
     """A domain as dataset.json tells of it: how it is read from its files."""
 
     name: str
     label: str
     constants: dict[str, str]
     flat: bool
-    files: list[KeptFile]
-    encodings: list[KeptFile]
+    files: list[FileRecord]
+    encodings: list[FileRecord]
 
 
-def kept(domain: Domain) -> tuple[KeptDomain, dict[str, bytes]]:
-    """Return what is told of a domain, and the content of its files by their paths in a data set.
+def snapshot_of(domain: Domain) -> tuple[DomainSnapshot, dict[str, bytes]]:
+    """Return what is told of a domain, and the content of its files by their paths in a dataset.
 
     Raises:
         OSError: a file of it can no longer be read.
@@ -61,12 +61,12 @@ def kept(domain: Domain) -> tuple[KeptDomain, dict[str, bytes]]:
         f"{ENCODINGS}/{path.relative_to(folder).as_posix()}": read_bytes(path) for path in sorted(folder.rglob("*.lp"))
     }
     flat = not domain.facts.composites and any("composite" in source.text for source in _own_sources(domain))
-    told = KeptDomain(domain.name, domain.label, dict(domain.constants), flat, [*_told(own)], [*_told(encodings)])
+    told = DomainSnapshot(domain.name, domain.label, dict(domain.constants), flat, [*_told(own)], [*_told(encodings)])
     return told, {**own, **encodings}
 
 
-def write_kept(folder: Path, files: dict[str, bytes]) -> None:
-    """Write the files of a domain into the folder of a data set, each whole; those that are there stay.
+def write_snapshot(folder: Path, files: dict[str, bytes]) -> None:
+    """Write the files of a domain into the folder of a dataset, each whole; those that are there stay.
 
     Raises:
         OutputError: one cannot be written.
@@ -78,8 +78,8 @@ def write_kept(folder: Path, files: dict[str, bytes]) -> None:
             replace_file(path, content, follow=False)
 
 
-def kept_domain(folder: Path, told: KeptDomain, *, trust: bool = False) -> Domain:
-    """Load the domain of a data set from its folder alone.
+def load_snapshot(folder: Path, told: DomainSnapshot, *, trust: bool = False) -> Domain:
+    """Load the domain of a dataset from its folder alone.
 
     Raises:
         DomainError: a file is missing, is not what dataset.json says, or is read though that does not name it.
@@ -88,7 +88,7 @@ def kept_domain(folder: Path, told: KeptDomain, *, trust: bool = False) -> Domai
 
     for name in (DOMAIN, ENCODINGS):
         if not is_inside(folder / name, folder):
-            raise DomainError(f"{folder / name}: leads out of the data set; {MEND}")
+            raise DomainError(f"{folder / name}: leads out of the dataset; {MEND}")
     for file in (*told.files, *told.encodings):
         path = folder / file.path
         try:
@@ -130,9 +130,9 @@ def digest_of(path: Path, *, at_most: int | None = None) -> str:
     return found.hexdigest()
 
 
-def _told(files: dict[str, bytes]) -> Iterator[KeptFile]:
+def _told(files: dict[str, bytes]) -> Iterator[FileRecord]:
     for path, content in sorted(files.items()):
-        yield KeptFile(path, len(content), sha256(content).hexdigest())
+        yield FileRecord(path, len(content), sha256(content).hexdigest())
 
 
 def _own_sources(domain: Domain) -> list[Source]:

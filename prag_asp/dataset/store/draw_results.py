@@ -10,7 +10,7 @@ import msgspec
 NOTHING = msgspec.Raw(b"null")
 
 
-class Recorded(msgspec.Struct):
+class RecordingInfo(msgspec.Struct):
     """A recording of a first state, as its row says, and the colours that things have in it, where they vary."""
 
     file: str
@@ -21,12 +21,12 @@ class Recorded(msgspec.Struct):
     colours: dict[str, str] = {}
 
 
-class Start(msgspec.Struct):
+class StartResult(msgspec.Struct):
     """A first state of a task: the index of its search, and where there are some a witness as JSON and a recording."""
 
     index: int
     witness: msgspec.Raw = NOTHING
-    recording: Recorded | None = None
+    recording: RecordingInfo | None = None
 
     @property
     def text(self) -> str | None:
@@ -35,17 +35,17 @@ class Start(msgspec.Struct):
         return None if content == bytes(NOTHING) else content.decode()
 
 
-class Looked(msgspec.Struct):
+class DrawResult(msgspec.Struct):
     """What is known of a draw: the verdict on it, without the witness, and what was found for each first state."""
 
     part: str
     draw: int
     verdict: dict[str, Any] | None
-    starts: list[Start]
+    starts: list[StartResult]
 
     @property
     def passed(self) -> bool:
-        """Whether it is a task of the data set, and not one of those refused."""
+        """Whether it is a task of the dataset, and not one of those refused."""
         return self.verdict is None or self.verdict["status"] == "feasible"
 
     @property

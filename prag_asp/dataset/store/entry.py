@@ -1,4 +1,4 @@
-"""What a data set says of one task, and the way back from a row to values."""
+"""What a dataset says of one task, and the way back from a row to values."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Entry:
-    """A task of a data set: its part, its number there from 0 (None where it was refused), and its draw.
+class DatasetEntry:
+    """A task of a dataset: its part, its number there from 0 (None where it was refused), and its draw.
 
     `rank` is its place among all tasks of its length. `instruction` has it in words, by how much they say, and
     `subgoals` a sentence for each action; `named` are the entities that these call by their names, since nothing that
@@ -40,7 +40,7 @@ class Entry:
     starts: int = 0
 
 
-def entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) -> Entry:
+def entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) -> DatasetEntry:
     """Return what a row of a table of tasks says.
 
     Raises:
@@ -50,8 +50,8 @@ def entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) ->
         return _entry_of(row, part, constants)
 
 
-def _entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) -> Entry:
-    return Entry(
+def _entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) -> DatasetEntry:
+    return DatasetEntry(
         part,
         row.get("task"),
         row["draw"],

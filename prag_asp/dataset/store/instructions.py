@@ -1,4 +1,4 @@
-"""What a task is told as, in words: the one place where instructions come into a data set."""
+"""What a task is told as, in words: the one place where instructions come into a dataset."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 LEVELS, PLAIN = ("vague", "default", "exact"), "plain"
 
 
-class Told(NamedTuple):
+class TaskTexts(NamedTuple):
     """A task in words by how much they say, a sentence for each action, and what had to be called by its name."""
 
     whole: tuple[tuple[str, str], ...]
@@ -24,11 +24,11 @@ class Told(NamedTuple):
     named: tuple[str, ...]
 
 
-Telling = Callable[["Task", Mapping[str, str]], Told]
+Captioner = Callable[["Task", Mapping[str, str]], TaskTexts]
 """Tells a task by the colours that some things have in its picture, where they are other than the scene's."""
 
 
-def telling_of(domain: Domain, language: str, seed: int, phrasings: str = "") -> Telling:
+def captioner_of(domain: Domain, language: str, seed: int, phrasings: str = "") -> Captioner:
     """Return what tells tasks of a domain in a language; the seed chooses among its `phrasings`.
 
     A task that cannot be told without a sentence that means something else as well is told plainly, by the names of its
@@ -37,19 +37,19 @@ def telling_of(domain: Domain, language: str, seed: int, phrasings: str = "") ->
     Raises:
         QueryError: the domain does not speak the language, or has no such phrasings.
     """
-    return telling_by(teller_of(domain, language, phrasings=phrasings), domain, seed)
+    return captioner_with(teller_of(domain, language, phrasings=phrasings), domain, seed)
 
 
-def telling_by(teller: Teller, domain: Domain, seed: int) -> Telling:
-    """Return what tells tasks as `telling_of` does, by a teller that is there."""
+def captioner_with(teller: Teller, domain: Domain, seed: int) -> Captioner:
+    """Return what tells tasks as `captioner_of` does, by a teller that is there."""
 
-    def told(task: Task, colours: Mapping[str, str]) -> Told:
+    def told(task: Task, colours: Mapping[str, str]) -> TaskTexts:
         try:
             found = teller.recoloured(colours).instructions(task, seed)
         except QueryError:
             templates = domain.settings.language
             plain = tuple(sentence(action, templates) for action in task.actions)
-            return Told(((PLAIN, instruction(task, templates)),), plain, tuple(task.entities))
-        return Told(tuple((level, getattr(found, level)) for level in LEVELS), found.subgoals, found.named)
+            return TaskTexts(((PLAIN, instruction(task, templates)),), plain, tuple(task.entities))
+        return TaskTexts(tuple((level, getattr(found, level)) for level in LEVELS), found.subgoals, found.named)
 
     return told

@@ -1,46 +1,44 @@
-"""dataset.json: what a data set is of, how it was made, how much of the space it covers, and its files."""
+"""dataset.json: what a dataset is of, how it was made, how much of the space it covers, and its files."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import msgspec
 
-from prag_asp.dataset.store.description import read_description, write_description
-from prag_asp.dataset.store.domain_snapshot import KeptDomain, KeptFile
+from prag_asp.dataset.dataset_spec import DatasetSpec
+from prag_asp.dataset.store.domain_snapshot import DomainSnapshot, FileRecord
+from prag_asp.dataset.store.manifest_file import ManifestFile
 from prag_asp.errors import QueryError
 from prag_asp.fields import Whole
 from prag_asp.integers import digits_of, number_of
-from prag_asp.space.sampling.sharding import ALL, Deal
 
 if TYPE_CHECKING:
-    from prag_asp.physics import Staging
+    from prag_asp.space.task_space import TaskSpace
+    from prag_asp.space.task_spaces import TaskSpaces
 
-NAME, FORMAT = "dataset.json", "prag_asp dataset"
-VERSION = 1
-"""The form of dataset.json and of the tables; another one is not read."""
-
+NAME = "dataset.json"
 
 MOST_DIGITS = 1_000_000
-"""Digits of a number of tasks: how long it takes to read more grows with their square."""
+"""Digits of a number of tasks: the time to parse a number grows with the square of its digits."""
 
 Decimal = Annotated[str, msgspec.Meta(pattern="^[0-9]+$", max_length=MOST_DIGITS)]
 """A whole number that may outgrow 64 bits."""
 
 
-class Cause(msgspec.Struct):
-    """How many attempts failed for a cause."""
+class CauseCount(msgspec.Struct):
+    """The number of attempts that failed for a cause."""
 
     cause: str
     count: Whole
 
 
-class Reason(msgspec.Struct):
-    """How many tasks were refused for a reason."""
+class RefusalCount(msgspec.Struct):
+    """The number of tasks refused for a reason."""
 
     status: str
     reason: str
@@ -48,7 +46,7 @@ class Reason(msgspec.Struct):
 
 
 class LengthTally(msgspec.Struct):
-    """What became of the draws of one length; those that physics was not asked of count as feasible."""
+    """The outcomes of the draws of one length; without physics, all count as feasible."""
 
     length: Whole
     drawn: Whole = 0
@@ -57,8 +55,8 @@ class LengthTally(msgspec.Struct):
     infeasible: Whole = 0
     witnesses: Whole = 0
     pass_rate: float = 0.0
-    causes: list[Cause] = []
-    reasons: list[Reason] = []
+    causes: list[CauseCount] = []
+    reasons: list[RefusalCount] = []
 
 
 class ShardFile(msgspec.Struct):
@@ -71,7 +69,7 @@ class ShardFile(msgspec.Struct):
 
 
 class Shard(msgspec.Struct):
-    """The rows of some draws of a part, from `first` to before `end`, by their tables; one that is not full grows."""
+    """The rows of the draws of a part from `first` to before `end`, by tables; a shard that is not full may grow."""
 
     number: Whole
     first: Whole
@@ -82,7 +80,7 @@ class Shard(msgspec.Struct):
     versions: str
 
     def rows(self, table: str) -> int:
-        """Return how many rows of a table it has."""
+        """Return the number of its rows in a table."""
         return self.files[table].rows if table in self.files else 0
 
 
@@ -94,15 +92,15 @@ class Share(msgspec.Struct):
     value: float
 
 
-class PartNote(msgspec.Struct):
-    """A part: how many tasks there are to draw, how many were wanted, what came of them, and its shards.
+class PartManifest(msgspec.Struct):
+    """A part: the tasks that there are, the number requested, the number found, and its shards.
 
-    `tail` is a shard that was not full, while more rows are added to it.
+    `tail` is the last shard while more rows are added to it.
     """
 
     name: str
     size: Decimal
-    wanted: Whole
+    requested: Whole
     draws: Whole = 0
     tasks: Whole = 0
     covered: Share | None = None
@@ -111,115 +109,78 @@ class PartNote(msgspec.Struct):
     tail: Shard | None = None
 
     def rows(self, table: str) -> int:
-        """Return how many rows of a table it has."""
+        """Return the number of its rows in a table."""
         return sum(shard.rows(table) for shard in self.shards)
 
 
-class SpaceNote(msgspec.Struct):
+class SpaceSize(msgspec.Struct):
     """The exact number of tasks of a length."""
 
     length: Whole
     tasks: Decimal
 
 
-class BudgetNote(msgspec.Struct):
-    """How hard physics looked; see `Budget`."""
+class Manifest(msgspec.Struct):
+    """The contents of dataset.json.
 
-    restarts: Whole
-    samples: Whole
-    tier: str
-
-
-class StagingNote(msgspec.Struct):
-    """The cameras of demonstrations, and what varies."""
-
-    cameras: list[str]
-    size: list[Whole] | None
-    rate: Whole
-    vary: list[str]
-
-    @classmethod
-    def of(cls, staging: Staging) -> StagingNote:
-        """Return the note of what is staged."""
-        size = None if staging.size is None else list(staging.size)
-        return cls(list(staging.cameras), size, staging.rate, list(staging.vary))
-
-
-class Asked(msgspec.Struct, omit_defaults=True):
-    """All that identifies a data set, beside its domain: what `generate` was asked for.
-
-    `part` is such as ``3/64`` where others make the rest of it: only those draws are in it that are dealt to the third.
+    `lengths` and `where` are those of the space that its tasks are of, `spaces` its exact size by lengths.
     """
 
-    lengths: list[Whole]
-    where: list[str]
-    seed: Whole
-    weights: dict[str, str]
-    temperature: str
-    evenly: bool
-    split: dict[str, str]
-    skeletons: bool
-    hold_out: str | None
-    budget: BudgetNote | None
-    starts: Whole
-    demonstrate: bool
-    shard: Whole
-    language: str
-    staging: StagingNote | None
-    phrasings: str = ""
-    part: Annotated[str, msgspec.Meta(pattern="^[1-9][0-9]{0,6}/[1-9][0-9]{0,6}$")] | None = None
-
-    @property
-    def deal(self) -> Deal:
-        """Which draws are dealt to it."""
-        return ALL if self.part is None else Deal.parse(self.part)
-
-
-class Manifest(msgspec.Struct):
-    """What dataset.json says."""
-
-    format: str
-    version: Whole
     complete: bool
     identity: str
-    wanted: Whole
-    asked: Asked
-    domain: KeptDomain
-    spaces: list[SpaceNote]
-    parts: list[PartNote]
+    spec: DatasetSpec
+    lengths: list[Whole]
+    where: list[str]
+    domain: DomainSnapshot
+    spaces: list[SpaceSize]
+    parts: list[PartManifest]
     covered: Share | None = None
-    pictures: list[KeptFile] = []
+    pictures: list[FileRecord] = []
     versions: str = ""
 
+    def __post_init__(self) -> None:
+        names = [part.name for part in self.parts]
+        if not names or sorted(names) != sorted(self.spec.split):
+            raise QueryError("parts: are not those of spec.split; copy the dataset once more")
+
+    @property
+    def request(self) -> dict[str, Any]:
+        """The values that identify it besides its domain, by their names, as `request_of` returns them."""
+        return {"lengths": self.lengths, "where": self.where, **self.spec.fixed()}
+
     def rows(self, table: str) -> int:
-        """Return how many rows of a table there are in all parts."""
+        """Return the number of rows of a table in all parts."""
         return sum(part.rows(table) for part in self.parts)
 
     @property
     def size(self) -> int:
-        """How many tasks there are in the space."""
+        """The number of tasks of the space."""
         return sum(number_of(space.tasks) for space in self.spaces)
 
 
-def require_parts(manifest: Manifest, folder: Path) -> None:
-    """Check that a data set has the parts that were asked for.
+def request_of(space: TaskSpace | TaskSpaces, spec: DatasetSpec) -> dict[str, Any]:
+    """Return the values that identify a dataset besides its domain, by their names: the space and the fixed request."""
+    from prag_asp.space.without_replacement import lengths_of
 
-    Raises:
-        QueryError: it has others.
-    """
-    names = [part.name for part in manifest.parts]
-    if not names or sorted(names) != sorted(manifest.asked.split):
-        raise QueryError(f"{folder / NAME}: parts: are not those of asked.split; copy the data set once more")
+    where = [str(clause) for clause in space.condition.clauses]
+    return {"lengths": [*lengths_of(space)], "where": where, **spec.fixed()}
+
+
+def identity_of(domain: DomainSnapshot, request: Mapping[str, Any]) -> str:
+    """Return a digest of everything that a dataset depends on, except the number of its tasks."""
+    from prag_asp.domain.identity import digest
+
+    return digest([msgspec.to_builtins(domain), request])
 
 
 def share_of(some: int, whole: int) -> Share:
-    """Return which share some are of the whole."""
+    """Return a number as a share of the whole."""
     share = Fraction(some, whole) if whole else Fraction(0)
     return Share(digits_of(share.numerator), digits_of(share.denominator), rate_of(some, whole))
 
 
 def rate_of(some: int, whole: int) -> float:
-    """Return the same as a float; what a stranger claims may be beyond all floats."""
+    """Return a share as a float; a damaged manifest may claim one beyond all floats."""
     try:
         return some / whole if whole else 0.0
     except OverflowError:
@@ -237,22 +198,26 @@ def summed(tallies: Iterable[LengthTally]) -> list[LengthTally]:
         causes = {cause.cause: cause.count for cause in into.causes}
         for cause in each.causes:
             causes[cause.cause] = causes.get(cause.cause, 0) + cause.count
-        into.causes = [Cause(name, count) for name, count in sorted(causes.items())]
+        into.causes = [CauseCount(name, count) for name, count in sorted(causes.items())]
         reasons = {(reason.status, reason.reason): reason.count for reason in into.reasons}
         for reason in each.reasons:
             reasons[reason.status, reason.reason] = reasons.get((reason.status, reason.reason), 0) + reason.count
-        into.reasons = [Reason(*key, count) for key, count in sorted(reasons.items())]
+        into.reasons = [RefusalCount(*key, count) for key, count in sorted(reasons.items())]
     return [found[length] for length in sorted(found)]
 
 
 def derive(manifest: Manifest) -> None:
-    """Set what follows from the shards that are listed."""
+    """Set the figures that follow from the shards."""
     for part in manifest.parts:
         part.draws = part.shards[-1].end if part.shards else 0
         part.tasks = part.rows("tasks")
         part.covered = share_of(part.tasks, number_of(part.size))
         part.lengths = summed(tally for shard in part.shards for tally in shard.tally)
     manifest.covered = share_of(manifest.rows("tasks"), manifest.size)
+
+
+DATASET = ManifestFile(NAME, Manifest, "prag_asp dataset", 1, "dataset")
+"""The file of a dataset; version 1 of it and of the tables."""
 
 
 def write_manifest(folder: Path, manifest: Manifest) -> None:
@@ -262,13 +227,4 @@ def write_manifest(folder: Path, manifest: Manifest) -> None:
         OutputError: it cannot be written.
     """
     derive(manifest)
-    write_description(folder, NAME, manifest)
-
-
-def read_manifest(folder: Path) -> Manifest | None:
-    """Return what dataset.json says, None where there is none.
-
-    Raises:
-        QueryError: it is damaged, of another program, or of another version.
-    """
-    return read_description(folder, NAME, Manifest, (FORMAT, VERSION), "data set")
+    DATASET.write(folder, manifest)

@@ -1,4 +1,4 @@
-"""The tables of a data set: the same columns, of the same kinds, for every domain.
+"""The tables of a dataset: the same columns, of the same kinds, for every domain.
 
 No mapping is keyed by the name of an entity or a fluent, which would make the kind of a column depend on the domain:
 what is known of a state is a list of {fluent, value}.
@@ -86,7 +86,7 @@ FOLDERS: Mapping[str, str] = {
     "witnesses": "witnesses",
     "recordings": "recordings",
 }
-"""The folders of the tables in that of a data set."""
+"""The folders of the tables in that of a dataset."""
 
 ROW_GROUP: Mapping[str, int] = {"tasks": 256, "refused": 256, "witnesses": 64, "recordings": 1024}
 """Rows that are read at once, at least."""

@@ -1,4 +1,4 @@
-"""The draws of a data set once more, one after another, as the rows of another data set take them."""
+"""The draws of a dataset once more, one after another, as the rows of another dataset take them."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from prag_asp.dataset.store.shards import open_shard
 from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.store.manifest import PartNote, Shard
+    from prag_asp.dataset.store.manifest import PartManifest, Shard
 
 
-class Given(NamedTuple):
-    """A draw of another data set: its one row, what follows from that, and the rows of its first states."""
+class DrawRows(NamedTuple):
+    """A draw of another dataset: its one row, what follows from that, and the rows of its first states."""
 
     passed: bool
     row: pa.Table
@@ -30,10 +30,10 @@ class Given(NamedTuple):
     versions: str
 
 
-class GivenPart:
+class PartReader:
     """Reads the draws of a part in their order; a group of rows of each table is in memory at a time."""
 
-    def __init__(self, folder: Path, note: PartNote) -> None:
+    def __init__(self, folder: Path, note: PartManifest) -> None:
         self._folder, self._note = folder, note
         self._next, self._shard = 0, 0
         self._tables: dict[str, _Cursor] = {}
@@ -43,7 +43,7 @@ class GivenPart:
         """How many draws it has."""
         return self._note.draws
 
-    def draw(self, number: int) -> Given:
+    def draw(self, number: int) -> DrawRows:
         """Return a draw; none before it is asked for later.
 
         Raises:
@@ -64,7 +64,7 @@ class GivenPart:
                 return self._given(table == "tasks", found, shard)
         raise QueryError(f"{self._folder}: has no row of the draw {number} of {self._note.name}; {MEND}")
 
-    def _given(self, passed: bool, row: pa.Table, shard: Shard) -> Given:
+    def _given(self, passed: bool, row: pa.Table, shard: Shard) -> DrawRows:
         told = row.select(["length", "verdict"]).to_pylist()[0]
         verdict = told["verdict"]
         if verdict is not None:
@@ -77,7 +77,7 @@ class GivenPart:
             recorded = self._tables["recordings"].rows("task", task)
             recordings = [] if recorded is None else recorded.to_pylist()
         starts = 0 if witnesses is None else witnesses.num_rows
-        return Given(passed, row, told["length"], verdict, starts, witnesses, recordings, shard.versions)
+        return DrawRows(passed, row, told["length"], verdict, starts, witnesses, recordings, shard.versions)
 
 
 class _Cursor:

@@ -1,4 +1,4 @@
-"""The rows of a part of a data set while they are being written, shard by shard."""
+"""The rows of a part of a dataset while they are being written, shard by shard."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import pyarrow as pa
 
-from prag_asp.dataset.store.columns import Row, Rows
+from prag_asp.dataset.store.columns import RowReference, TableBuilder
 from prag_asp.dataset.store.domain_snapshot import digest_of
-from prag_asp.dataset.store.draw_results import Looked, Start
-from prag_asp.dataset.store.manifest import Cause, LengthTally, PartNote, Reason, Shard, summed
+from prag_asp.dataset.store.draw_results import DrawResult, StartResult
+from prag_asp.dataset.store.manifest import CauseCount, LengthTally, PartManifest, RefusalCount, Shard, summed
 from prag_asp.dataset.store.schema import SCHEMAS
 from prag_asp.dataset.store.shards import open_shard, write_shard
 from prag_asp.errors import PragError
@@ -22,8 +22,8 @@ from prag_asp.space.sampling.draws import log_probability
 from prag_asp.versions import versions
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.store.instructions import Told
-    from prag_asp.dataset.store.shard_reader import Given
+    from prag_asp.dataset.store.instructions import TaskTexts
+    from prag_asp.dataset.store.shard_reader import DrawRows
     from prag_asp.space.without_replacement import Placed
     from prag_asp.task import Task
 
@@ -41,7 +41,7 @@ SUMMED_TOGETHER = 256
 class PartWriter:
     """Takes the draws of a part in their order, and writes a shard whenever one is full."""
 
-    def __init__(self, folder: Path, note: PartNote, shard: int) -> None:
+    def __init__(self, folder: Path, note: PartManifest, shard: int) -> None:
         """Go on after the shards that a part has; `shard` is how many tasks a full one has at most."""
         self._folder, self._limit, self.note, self._ours = folder, shard, note, versions()
         self._begin()
@@ -67,7 +67,7 @@ class PartWriter:
         """Whether there is nothing to be written."""
         return not self._draws
 
-    def add(self, placed: Placed, task: Task, looked: Looked, words: Told) -> None:
+    def add(self, placed: Placed, task: Task, looked: DrawResult, words: TaskTexts) -> None:
         """Add a draw, and what is known of it."""
         row, witnesses = row_of(placed, task, looked, words), looked.witnesses
         if looked.passed:
@@ -76,7 +76,7 @@ class PartWriter:
             self._rows["refused"].add(row)
         self._looked_at(looked, len(task))
 
-    def add_row(self, placed: Placed, row: Row, looked: Looked) -> None:
+    def add_row(self, placed: Placed, row: RowReference, looked: DrawResult) -> None:
         """Add a draw whose row was made elsewhere, and what is known of it."""
         if looked.passed:
             self._rows["tasks"].take(row, task=self.tasks, starts=looked.witnesses)
@@ -84,24 +84,24 @@ class PartWriter:
             self._rows["refused"].take(row)
         self._looked_at(looked, len(placed.word))
 
-    def _looked_at(self, looked: Looked, length: int) -> None:
+    def _looked_at(self, looked: DrawResult, length: int) -> None:
         """Add the first states of the draw whose row was added last, and count it."""
         for start, each in enumerate(looked.starts) if looked.passed else ():
             self._add_start(self.tasks - 1, start, each)
         self._tally(_tally(length, looked.verdict, looked.witnesses), self._ours)
         self._draws += 1
 
-    def take(self, given: Given) -> None:
-        """Add a draw as another data set has it, with the numbers that it has here."""
+    def take(self, given: DrawRows) -> None:
+        """Add a draw as another dataset has it, with the numbers that it has here."""
         if given.passed:
             number = self.tasks
-            self._rows["tasks"].take(Row(given.row, 0), task=number, draw=self.next)
+            self._rows["tasks"].take(RowReference(given.row, 0), task=number, draw=self.next)
             if given.witnesses is not None:
-                self._rows["witnesses"].take(Row(given.witnesses, 0), given.witnesses.num_rows, task=number)
+                self._rows["witnesses"].take(RowReference(given.witnesses, 0), given.witnesses.num_rows, task=number)
             for row in given.recordings:
                 self._rows["recordings"].add({**row, "task": number})
         else:
-            self._rows["refused"].take(Row(given.row, 0), draw=self.next)
+            self._rows["refused"].take(RowReference(given.row, 0), draw=self.next)
         self._tally(_tally(given.length, given.verdict, given.starts), given.versions)
         self._draws += 1
 
@@ -111,7 +111,7 @@ class PartWriter:
         Raises:
             OutputError: it cannot be written.
         """
-        stage("writing the data set")
+        stage("writing the dataset")
         number = self.note.shards[-1].number + 1 if self.note.shards else 0
         files = {
             table: write_shard(self._folder, table, self.note.name, number, rows.table())
@@ -128,7 +128,7 @@ class PartWriter:
         """Begin a shard."""
         self._first = self.note.shards[-1].end if self.note.shards else 0
         self._draws = 0
-        self._rows = {table: Rows(table) for table in SCHEMAS}
+        self._rows = {table: TableBuilder(table) for table in SCHEMAS}
         self._tallies: list[LengthTally] = []
         self._versions: set[str] = set()
 
@@ -145,11 +145,11 @@ class PartWriter:
                     before[table] = opened.read()
         except (OSError, PragError, pa.ArrowException):
             return
-        self._rows = {table: Rows(table, before.get(table)) for table in SCHEMAS}
+        self._rows = {table: TableBuilder(table, before.get(table)) for table in SCHEMAS}
         self._draws, self._tallies = tail.end - tail.first, list(tail.tally)
         self._versions = {*tail.versions.split(TOGETHER)}
 
-    def _add_start(self, task: int, start: int, found: Start) -> None:
+    def _add_start(self, task: int, start: int, found: StartResult) -> None:
         """Add a first state of a task."""
         of_it, text = {"task": task, "start": start}, found.text
         if text is not None:
@@ -165,7 +165,7 @@ class PartWriter:
             self._tallies = summed(self._tallies)
 
 
-def row_of(placed: Placed, task: Task, looked: Looked, words: Told) -> dict[str, Any]:
+def row_of(placed: Placed, task: Task, looked: DrawResult, words: TaskTexts) -> dict[str, Any]:
     """Return what tables of tasks say of a draw."""
     return {
         "draw": looked.draw,
@@ -198,8 +198,8 @@ def _tally(length: int, told: Mapping[str, Any] | None, witnesses: int) -> Lengt
         not_found=status == "not_found",
         infeasible=status == "infeasible",
         witnesses=witnesses,
-        causes=[Cause(cause, count) for cause, count in verdict["causes"].items()],
-        reasons=[] if status == "feasible" else [Reason(status, reason, 1)],
+        causes=[CauseCount(cause, count) for cause, count in verdict["causes"].items()],
+        reasons=[] if status == "feasible" else [RefusalCount(status, reason, 1)],
     )
 
 

@@ -1,4 +1,4 @@
-"""The files of a data set's tables: each is written whole, and named by its part and number."""
+"""The files of a dataset's tables: each is written whole, and named by its part and number."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LARGEST_GROUP = 1_000_000_000
 
 
 def shard_name(table: str, part: str, number: int) -> str:
-    """Return the path of a shard in the folder of its data set."""
+    """Return the path of a shard in the folder of its dataset."""
     return f"{FOLDERS[table]}/{part}-{number:05d}.parquet"
 
 
@@ -62,7 +62,7 @@ def open_shard(folder: Path, table: str, shard: ShardFile) -> Iterator[pq.Parque
     """
     file = folder / shard.path
     if not is_inside(file, folder):
-        raise QueryError(f"{file}: leads out of the data set; {MEND}")
+        raise QueryError(f"{file}: leads out of the dataset; {MEND}")
     try:
         open_binary(file).close()  # a regular file; Arrow's threads must not need Python's lock when the program ends
         with pa.OSFile(str(file)) as stream, pq.ParquetFile(stream) as opened:

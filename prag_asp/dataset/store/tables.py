@@ -1,4 +1,4 @@
-"""Rows of the tables of a data set, read from the shards that have them and from no others."""
+"""Rows of the tables of a dataset, read from the shards that have them and from no others."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from prag_asp.errors import QueryError
 if TYPE_CHECKING:
     import pyarrow as pa
 
-    from prag_asp.dataset.store.manifest import PartNote, Shard
+    from prag_asp.dataset.store.manifest import PartManifest, Shard
 
 Row = Mapping[str, Any]
 
 
-class Tables:
-    """The tables of a data set in a folder."""
+class TableReader:
+    """The tables of a dataset in a folder."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self._kept: dict[str, list[tuple[int, str]]] = {}
 
-    def place(self, note: PartNote, table: str, number: int) -> tuple[Shard, int]:
+    def place(self, note: PartManifest, table: str, number: int) -> tuple[Shard, int]:
         """Return the shard of a row of a part, and its place there; there is such a row."""
         ends = list(accumulate(shard.rows(table) for shard in note.shards))
         at = bisect_right(ends, number)
@@ -41,7 +41,7 @@ class Tables:
             found: Row = file.read_row_group(group).slice(within, 1).to_pylist()[0]
         return found
 
-    def rows(self, note: PartNote, table: str, columns: Sequence[str] | None = None) -> Iterator[Row]:
+    def rows(self, note: PartManifest, table: str, columns: Sequence[str] | None = None) -> Iterator[Row]:
         """Yield the rows of a part, each with some columns or with all."""
         for shard in note.shards:
             yield from self.of_shard(table, shard, columns)
@@ -51,7 +51,7 @@ class Tables:
         for _, found in self._groups(table, shard, columns):
             yield from found.to_pylist()
 
-    def found(self, note: PartNote, length: int, rank: int, draw: int | None) -> Iterator[Row]:
+    def found(self, note: PartManifest, length: int, rank: int, draw: int | None) -> Iterator[Row]:
         """Yield the row of the task of a rank; where its draw is known, one shard alone is looked into.
 
         Otherwise the ranks of the part are read once, and kept: about a hundred bytes a task.
@@ -77,7 +77,7 @@ class Tables:
                 found += zip(keys["length"].to_pylist(), keys["rank"].to_pylist(), strict=True)
         return found
 
-    def starts(self, note: PartNote, table: str, task: Row) -> Iterator[Row]:
+    def starts(self, note: PartManifest, table: str, task: Row) -> Iterator[Row]:
         """Yield the rows of the first states of a task, which stand in one shard with it."""
         place = bisect_right([shard.end for shard in note.shards], task["draw"])
         if place == len(note.shards):

@@ -7,7 +7,11 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
 
+import msgspec
+
+from prag_asp.dataset.store.manifest import Decimal
 from prag_asp.errors import QueryError
+from prag_asp.integers import digits_of, number_of
 from prag_asp.space.limits import UNLIMITED
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.space.task_spaces import TaskSpaces
@@ -15,30 +19,28 @@ from prag_asp.space.without_replacement import at
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.suites.suite_spec import Part, Suite
+    from prag_asp.dataset.suites.suite_spec import Suite, SuitePart
     from prag_asp.space.limits import Limits
 
 Counted = Callable[[str, int, int], None]
 """Is told what is being counted, how much was counted, and how much there is to count."""
 
 
-@dataclass(frozen=True)
-class Shared:
+class Overlap(msgspec.Struct, frozen=True):
     """How many tasks two parts have in common, and whether one of them says that it may."""
 
     one: str
     other: str
-    tasks: int
+    tasks: Decimal
     declared: bool
 
 
-@dataclass(frozen=True)
-class Unseen:
+class HeldOutCount(msgspec.Struct, frozen=True):
     """How many tasks of a part have something that is held out from it."""
 
     what: str
     part: str
-    tasks: int
+    tasks: Decimal
 
 
 @dataclass(frozen=True)
@@ -46,20 +48,22 @@ class Figures:
     """The exact figures of a suite: the sizes of its parts by length, what parts share, and what is unseen in them."""
 
     sizes: Mapping[str, Mapping[int, int]]
-    shared: tuple[Shared, ...]
-    unseen: tuple[Unseen, ...]
+    shared: tuple[Overlap, ...]
+    unseen: tuple[HeldOutCount, ...]
 
     def size(self, part: str) -> int:
         """Return how many tasks there are of a part."""
         return sum(self.sizes[part].values())
 
     @property
-    def leaks(self) -> tuple[Shared, ...]:
+    def leaks(self) -> tuple[Overlap, ...]:
         """The parts that share tasks, and do not say so."""
-        return tuple(each for each in self.shared if each.tasks and not each.declared)
+        return tuple(each for each in self.shared if number_of(each.tasks) and not each.declared)
 
 
-def space_of(suite: Suite, part: Part, *, limits: Limits = UNLIMITED, engine: str = "auto") -> TaskSpace | TaskSpaces:
+def space_of(
+    suite: Suite, part: SuitePart, *, limits: Limits = UNLIMITED, engine: str = "auto"
+) -> TaskSpace | TaskSpaces:
     """Return the space of a part."""
     return _space(suite, part.where, part.lengths, limits, engine)
 
@@ -73,7 +77,7 @@ def count_suite(
         QueryError: a part has fewer tasks than it wants.
         LimitReached: a limit ended a count.
     """
-    count = _Counting(suite, limits, progress)
+    count = _SuiteCounter(suite, limits, progress)
     sizes = {}
     for name, part in suite.parts.items():
         sizes[name] = count.by_length(name, part.where, part.lengths)
@@ -85,17 +89,17 @@ def count_suite(
     for one, other in combinations(suite.parts.values(), 2):
         both = [length for length in one.lengths if length in other.lengths]
         tasks = count.by_length(f"{one.name} and {other.name}", (*one.where, *other.where), both)
-        shared.append(Shared(one.name, other.name, sum(tasks.values()), one.declares(other)))
+        shared.append(Overlap(one.name, other.name, digits_of(sum(tasks.values())), one.declares(other)))
     unseen = []
     for held in suite.held:
         for part in suite.parts.values():
             if held.what not in part.unseen:
                 tasks = count.by_length(f"{held.what} in {part.name}", (*part.where, held.having), part.lengths)
-                unseen.append(Unseen(held.what, part.name, sum(tasks.values())))
+                unseen.append(HeldOutCount(held.what, part.name, digits_of(sum(tasks.values()))))
     return Figures(sizes, tuple(shared), tuple(unseen))
 
 
-class _Counting:
+class _SuiteCounter:
     """Counts tasks under conditions, each number once."""
 
     def __init__(self, suite: Suite, limits: Limits, progress: Counted) -> None:
@@ -144,7 +148,7 @@ def refuse_leaks(suite: Suite, figures: Figures) -> None:
     """
     told = []
     for leak in figures.leaks:
-        what = f"{leak.one} and {leak.other} have {plural(leak.tasks, 'task')} in common"
+        what = f"{leak.one} and {leak.other} have {plural(number_of(leak.tasks), 'task')} in common"
         mend = f'tell them apart by conditions, or add shares = "{leak.one}" to [parts.{leak.other}]'
         told.append(f"{suite.place('parts', leak.other)}: {what}; {mend}")
     if told:

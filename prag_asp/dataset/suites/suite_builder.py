@@ -1,4 +1,4 @@
-"""Make a suite: count it, refuse leaks, and write one data set for each part, with a card of all."""
+"""Make a suite: count it, refuse leaks, and write one dataset for each part, with a card of all."""
 
 from __future__ import annotations
 
@@ -7,22 +7,21 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from prag_asp.dataset.dataset_spec import Wanted
-from prag_asp.dataset.generation import generate, require_staging
+from prag_asp.dataset.generation import generate
 from prag_asp.dataset.making.run import Progress
-from prag_asp.dataset.store.domain_snapshot import kept
+from prag_asp.dataset.store.domain_snapshot import snapshot_of
+from prag_asp.dataset.store.manifest import request_of
 from prag_asp.dataset.suites.counting import count_suite, refuse_leaks, space_of
 from prag_asp.dataset.suites.suite_card import NAME as CARD
 from prag_asp.dataset.suites.suite_card import card_text
 from prag_asp.dataset.suites.suite_manifest import (
     NAME,
     SPELLED,
-    SuiteNote,
-    SuitePart,
-    note_of,
-    read_note,
-    take_note,
-    write_note,
+    SUITE,
+    SuiteManifest,
+    SuitePartManifest,
+    manifest_of,
+    record_part,
 )
 from prag_asp.domain.identity import digest
 from prag_asp.errors import NotFound, OutputError, QueryError
@@ -30,13 +29,11 @@ from prag_asp.missing import require_pyarrow
 from prag_asp.output import file_in, make_folder, replace_file
 from prag_asp.physics import require_physics
 from prag_asp.space.limits import UNLIMITED
-from prag_asp.space.without_replacement import Division
 from prag_asp.versions import versions
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.store.manifest import Asked
-    from prag_asp.dataset.suites.suite_spec import Part, Suite
+    from prag_asp.dataset.suites.suite_spec import Suite
     from prag_asp.space.limits import Limits
 
 
@@ -47,8 +44,8 @@ def generate_suite(
     workers: int = 1,
     limits: Limits = UNLIMITED,
     progress: Progress = lambda words, done, total: None,
-) -> SuiteNote:
-    """Write a data set for each part of a suite, in a folder of its name, and return what suite.json says of all.
+) -> SuiteManifest:
+    """Write a dataset for each part of a suite, in a folder of its name, and return what suite.json says of all.
 
     What was begun goes on, and more tasks for a part add to what is there. All depends on the suite alone, not on the
     number of `workers`.
@@ -66,28 +63,28 @@ def generate_suite(
         require_physics()
     path = Path(folder)
     identity = identity_of(suite)
-    _require_ours(path, suite, identity)
+    _require_suite_folder(path, suite, identity)
     figures = count_suite(suite, limits=limits, progress=progress)
     refuse_leaks(suite, figures)
     for part in suite.parts.values():
-        _require_staging(suite, part)
-    note = note_of(suite, figures, identity, versions())
+        suite.dataset_spec(part)  # contradictions are reported before anything is written
+    note = manifest_of(suite, figures, identity, versions())
     make_folder(path)
-    write_note(path, note)
+    SUITE.write(path, note)
     replace_file(file_in(path, SPELLED), suite.text.encode(), follow=False)
     lacking = [line for part in note.parts for line in _made(suite, part, path, workers, limits, progress)]
     replace_file(file_in(path, CARD), card_text(note), follow=False)
     note.complete = True
-    write_note(path, note)
+    SUITE.write(path, note)
     if lacking:
         raise NotFound(*lacking)
     return note
 
 
 def _made(
-    suite: Suite, note: SuitePart, folder: Path, workers: int, limits: Limits, progress: Progress
+    suite: Suite, note: SuitePartManifest, folder: Path, workers: int, limits: Limits, progress: Progress
 ) -> tuple[str, ...]:
-    """Write the data set of a part, note it, and return what it lacks, in words."""
+    """Write the dataset of a part, note it, and return what it lacks, in words."""
     part, lacking = suite.parts[note.name], tuple[str, ...]()
 
     def told(words: str, done: int, total: int) -> None:
@@ -95,45 +92,22 @@ def _made(
 
     space = space_of(suite, part, limits=limits)
     try:
-        generate(space, folder / note.name, workers=workers, progress=told, **suite.drawing(part))
+        generate(space, folder / note.name, suite.dataset_spec(part), workers=workers, progress=told)
     except NotFound as error:
         lacking = tuple(f"{folder / note.name}: {line}" for line in error.lines)
-    take_note(folder, note)
+    record_part(folder, note)
     return lacking
 
 
-def _require_staging(suite: Suite, part: Part) -> None:
-    """Check that what is staged for a part can be, before anything is written.
-
-    Raises:
-        QueryError: it cannot.
-    """
-    told = suite.drawing(part)
-    if told.get("staging") is None:
-        return
-    try:
-        require_staging(told["staging"], suite.domain, told["demonstrate"], told["starts"])
-    except QueryError as error:
-        raise QueryError(f"{suite.name}: parts.{part.name}: {error}") from None
-
-
 def identity_of(suite: Suite) -> str:
-    """Return a digest of all that tasks of a suite depend on, but for how many there are."""
-    told, _ = kept(suite.domain)
-    parts = [[part.name, part.of, list(part.unseen), msgspec.to_builtins(asked_of(suite, part))]
+    """Return a digest of all that tasks of a suite depend on, except their number."""
+    snapshot, _ = snapshot_of(suite.domain)
+    parts = [[part.name, part.of, list(part.unseen), request_of(space_of(suite, part), suite.dataset_spec(part))]
              for part in suite.parts.values()]  # fmt: skip
-    return digest([msgspec.to_builtins(told), parts])
+    return digest([msgspec.to_builtins(snapshot), parts])
 
 
-def asked_of(suite: Suite, part: Part) -> Asked:
-    """Return what identifies the data set of a part."""
-    told = suite.drawing(part)
-    division = Division.parse(told.pop("split"), skeletons=told.pop("skeletons"))
-    told.pop("physics")
-    return Wanted(division=division, **told).asked(space_of(suite, part))
-
-
-def _require_ours(folder: Path, suite: Suite, identity: str) -> None:
+def _require_suite_folder(folder: Path, suite: Suite, identity: str) -> None:
     """Check that a folder is new, empty, or has this suite with no more tasks, before anything is written.
 
     Raises:
@@ -142,7 +116,7 @@ def _require_ours(folder: Path, suite: Suite, identity: str) -> None:
     """
     if folder.exists() and not folder.is_dir():
         raise OutputError(f"{folder}: is no folder; give a new one")
-    before = read_note(folder) if folder.is_dir() else None
+    before = SUITE.read(folder) if folder.is_dir() else None
     if before is None:
         other = sorted(path.name for path in folder.iterdir() if path.name != f"{NAME}.part") if folder.is_dir() else []
         if other:

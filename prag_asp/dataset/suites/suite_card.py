@@ -7,19 +7,19 @@ from collections.abc import Iterator
 
 from prag_asp.dataset.pages.dataset_card import TABLES
 from prag_asp.dataset.store.manifest import rate_of
-from prag_asp.dataset.suites.suite_manifest import SuiteNote, SuitePart
+from prag_asp.dataset.suites.suite_manifest import SuiteManifest, SuitePartManifest
 from prag_asp.integers import grouped, number_of
 from prag_asp.wording import plural
 
 NAME = "README.md"
 
 
-def card_text(note: SuiteNote) -> bytes:
+def card_text(note: SuiteManifest) -> bytes:
     """Return the card of a suite, as its file has it: it follows from suite.json alone."""
     return "".join(f"{line}\n" for line in (*_front(note), *_text(note))).encode()
 
 
-def _front(note: SuiteNote) -> Iterator[str]:
+def _front(note: SuiteManifest) -> Iterator[str]:
     """Yield the lines that hubs and loaders read: each part is a configuration."""
     yield "---"
     yield f"pretty_name: {json.dumps(_title(note))}"
@@ -36,7 +36,7 @@ def _front(note: SuiteNote) -> Iterator[str]:
     yield "---"
 
 
-def _text(note: SuiteNote) -> Iterator[str]:
+def _text(note: SuiteManifest) -> Iterator[str]:
     """Yield the lines that people read."""
     yield f"# {_title(note)}"
     yield ""
@@ -68,7 +68,7 @@ def _text(note: SuiteNote) -> Iterator[str]:
     yield "`prag-asp verify` counts all of it again."
 
 
-def _apart(note: SuiteNote) -> Iterator[str]:
+def _apart(note: SuiteManifest) -> Iterator[str]:
     """Yield how many tasks parts have in common, and what is unseen."""
     none = sum(not number_of(each.tasks) for each in note.shared)
     yield f"Counted exactly: {plural(none, 'pair')} of {len(note.shared)} of parts have no task in common."
@@ -85,10 +85,10 @@ def _apart(note: SuiteNote) -> Iterator[str]:
         yield ""
 
 
-def _lengths(part: SuitePart) -> str:
+def _lengths(part: SuitePartManifest) -> str:
     numbers = [space.length for space in part.spaces]
     return f"{numbers[0]}" if len(numbers) == 1 else f"{numbers[0]} to {numbers[-1]}"
 
 
-def _title(note: SuiteNote) -> str:
+def _title(note: SuiteManifest) -> str:
     return note.title or note.name

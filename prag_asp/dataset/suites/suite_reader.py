@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from prag_asp.atom import split_terms
-from prag_asp.dataset.suites.suite_spec import Held, Part, Suite
+from prag_asp.dataset.suites.suite_spec import HeldOut, Suite, SuitePart
 from prag_asp.dataset.suites.suite_tables import (
     KNOWN,
     OWN_OF_COPIES,
@@ -173,20 +173,20 @@ class _Reader:
             staging = Staging(tuple(table.cameras), _pixels(table.size), vary=tuple(table.vary), **rate)
         return budget, staging, True
 
-    def _held(self) -> dict[str, Held]:
+    def _held(self) -> dict[str, HeldOut]:
         """Return all that only some parts have, by its words.
 
         Raises:
             QueryError: one is nothing that can be held out.
         """
-        found: dict[str, Held] = {}
+        found: dict[str, HeldOut] = {}
         for name, table in self._table.parts.items():
             for what in texts(table.unseen):
                 with self._told("parts", name, "unseen"):
                     found[what] = self._held_out(what, name)
         return found
 
-    def _held_out(self, what: str, name: str) -> Held:
+    def _held_out(self, what: str, name: str) -> HeldOut:
         """Return the conditions of something that is held out: a start, or what `hold_out` takes."""
         space = TaskSpace(self._domain, max(self._lengths(name, self._table.parts[name])))
         if what.startswith(STARTS):
@@ -197,9 +197,9 @@ class _Reader:
             other = no if no != fluent else f"not {fluent}"
             given = str(Condition.parse(what)), str(Condition.parse(f"{STARTS}{other}"))
             space.where(given[0])
-            return Held(what, *given)
+            return HeldOut(what, *given)
         without, having = space.hold_out(what)
-        return Held(what, str(having.condition), str(without.condition))
+        return HeldOut(what, str(having.condition), str(without.condition))
 
     def _lengths(self, name: str, table: PartTable) -> range:
         """Return the lengths of a part, or those of the suite.
@@ -213,7 +213,7 @@ class _Reader:
                 raise QueryError(f"the part {name} has no lengths; write lengths = '1..3', for it or for all parts")
             return lengths_of(given)
 
-    def _part(self, name: str, table: PartTable, held: Mapping[str, Held]) -> Part:
+    def _part(self, name: str, table: PartTable, held: Mapping[str, HeldOut]) -> SuitePart:
         """Return a part that has tasks of its own.
 
         Raises:
@@ -239,7 +239,7 @@ class _Reader:
             with self._told("parts", name, "starts"):
                 raise QueryError(f"starts = {table.starts} needs physics")
         return self._worded(
-            Part(
+            SuitePart(
                 name, table.tasks, self._lengths(name, table), tuple(map(str, where.clauses)), own, None,
                 texts(table.shares), table.about, self._table.seed if table.seed is None else table.seed, table.starts,
                 shares, table.skeletons, table.evenly,
@@ -247,7 +247,7 @@ class _Reader:
             table, self._table.language, self._table.phrasings,
         )  # fmt: skip
 
-    def _copy(self, name: str, table: PartTable, parts: Mapping[str, Part]) -> Part:
+    def _copy(self, name: str, table: PartTable, parts: Mapping[str, SuitePart]) -> SuitePart:
         """Return a part that has the tasks of another one, in other words.
 
         Raises:
@@ -270,7 +270,7 @@ class _Reader:
                 raise QueryError(f"{told}; write phrasings = '1 of 2' for one and '2 of 2' for the other")
         return part
 
-    def _worded(self, part: Part, table: PartTable, language: str, phrasings: str) -> Part:
+    def _worded(self, part: SuitePart, table: PartTable, language: str, phrasings: str) -> SuitePart:
         """Return a part with its language and its phrasings.
 
         Raises:
@@ -286,7 +286,7 @@ class _Reader:
             teller_of(self._domain, language, phrasings=told)
         return replace(part, language=language, phrasings=told)
 
-    def _refuse_unknown_shares(self, part: Part, parts: Mapping[str, Part]) -> None:
+    def _refuse_unknown_shares(self, part: SuitePart, parts: Mapping[str, SuitePart]) -> None:
         """Refuse a part that declares tasks in common with none.
 
         Raises:

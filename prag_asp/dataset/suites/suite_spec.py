@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from prag_asp.dataset.dataset_spec import DatasetSpec
 from prag_asp.errors import QueryError
 from prag_asp.grammar.phrasings import Phrasings
 from prag_asp.program.settings import key_line
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Held:
+class HeldOut:
     """Something that only some parts have: the conditions that a task has it, and that it has nothing of it."""
 
     what: str
@@ -26,7 +27,7 @@ class Held:
 
 
 @dataclass(frozen=True)
-class Part:
+class SuitePart:
     """A part: which tasks it draws from, how many, and in which words they are told.
 
     `where` are all its conditions, those of the suite and of what is held out included. `unseen` are the things that
@@ -50,12 +51,12 @@ class Part:
     language: str = "en"
     phrasings: str = ""
 
-    def apart(self, other: Part) -> bool:
+    def apart(self, other: SuitePart) -> bool:
         """Tell whether no sentence of an action is one of both."""
         mine, others = Phrasings.parse(self.phrasings), Phrasings.parse(other.phrasings)
         return self.language != other.language or mine.disjoint(others)
 
-    def declares(self, other: Part) -> bool:
+    def declares(self, other: SuitePart) -> bool:
         """Tell whether one of two parts says that it may have tasks of the other."""
         return other.name in (*self.shares, self.of) or self.name in (*other.shares, other.of)
 
@@ -66,14 +67,14 @@ class Suite:
 
     name: str
     domain: Domain
-    parts: Mapping[str, Part]
+    parts: Mapping[str, SuitePart]
     title: str = ""
     description: str = ""
     uniform: bool = False
     budget: Budget | None = None
     staging: Staging | None = None
     demonstrate: bool = False
-    held: tuple[Held, ...] = ()
+    held: tuple[HeldOut, ...] = ()
     path: Path = field(default_factory=Path)
     text: str = field(default="", repr=False)
 
@@ -93,12 +94,18 @@ class Suite:
             self, parts={name: replace(part, tasks=min(tasks, part.tasks)) for name, part in self.parts.items()}
         )
 
-    def drawing(self, part: Part) -> dict[str, Any]:
-        """Return what `generate` is asked for a part, beside its space and folder."""
-        return {
-            "tasks": part.tasks, "seed": part.seed, "split": part.split, "skeletons": part.skeletons,
-            "starts": part.starts, "demonstrate": self.demonstrate, "evenly": part.evenly,
-            "weights": {} if self.uniform or part.evenly else self.domain.settings.weights,
-            "physics": self.budget is not None, "budget": self.budget, "language": part.language,
-            "phrasings": part.phrasings, "staging": self.staging,
-        }  # fmt: skip
+    def dataset_spec(self, part: SuitePart) -> DatasetSpec:
+        """Return the request of the dataset of a part.
+
+        Raises:
+            QueryError: values of the part contradict each other; the message names the part.
+        """
+        try:
+            return DatasetSpec.of(
+                self.domain, tasks=part.tasks, seed=part.seed, split=part.split, skeletons=part.skeletons,
+                starts=part.starts, demonstrate=self.demonstrate, evenly=part.evenly,
+                weights={} if self.uniform or part.evenly else None, physics=self.budget is not None,
+                budget=self.budget, language=part.language, phrasings=part.phrasings, staging=self.staging,
+            )  # fmt: skip
+        except QueryError as error:
+            raise QueryError(f"{self.name}: parts.{part.name}: {error}") from None

@@ -1,4 +1,4 @@
-"""Verify a suite: each data set, the exact figures, and that what is written keeps apart what was to be apart."""
+"""Verify a suite: each dataset, the exact figures, and that what is written keeps apart what was to be apart."""
 
 from __future__ import annotations
 
@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING
 
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.dataset.store.instructions import PLAIN
-from prag_asp.dataset.suites.counting import count_suite
-from prag_asp.dataset.suites.suite_builder import asked_of, identity_of
+from prag_asp.dataset.store.manifest import request_of
+from prag_asp.dataset.suites.counting import count_suite, space_of
+from prag_asp.dataset.suites.suite_builder import identity_of
 from prag_asp.dataset.suites.suite_card import NAME as CARD
 from prag_asp.dataset.suites.suite_card import card_text
-from prag_asp.dataset.suites.suite_manifest import NAME, SPELLED, SuiteNote, is_suite, note_of, read_note
+from prag_asp.dataset.suites.suite_manifest import NAME, SPELLED, SUITE, SuiteManifest, is_suite, manifest_of
 from prag_asp.dataset.suites.suite_reader import read_suite
 from prag_asp.dataset.verification.file_checks import UNSEEN, wrong_file
-from prag_asp.dataset.verification.finding import Finding, Looked
+from prag_asp.dataset.verification.finding import Finding, Progress
 from prag_asp.dataset.verification.verifier import wrong_dataset
 from prag_asp.errors import DomainError, PragError, QueryError
 from prag_asp.program.sources import Source
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from prag_asp.dataset.suites.suite_spec import Suite
 
 KNOWN = (NAME, SPELLED, CARD)
-"""The files of a suite beside its data sets."""
+"""The files of a suite beside its datasets."""
 
 
 def verify(
@@ -35,9 +36,9 @@ def verify(
     trust: bool = False,
     physics: bool = True,
     workers: int = 1,
-    progress: Looked = lambda words, done, total: None,
+    progress: Progress = lambda words, done, total: None,
 ) -> Iterator[Finding]:
-    """Yield what is wrong with a data set, or a suite of them; nothing where it is as it was written.
+    """Yield what is wrong with a dataset, or a suite of them; nothing where it is as it was written.
 
     Each file is as dataset.json says, and there are no others. Each exact size is counted again. Each draw is made
     again by its seed, and stands in one row, once in all parts; clingo, which drew nothing, takes its plan; its words
@@ -45,20 +46,20 @@ def verify(
     recordings show their tasks; several `workers` find the same, in the same order. With `trust`, physics may run the
     Python files of the domain.
 
-    Of a suite, all figures are counted again from its own text, and each data set is of the space that this says. No
+    Of a suite, all figures are counted again from its own text, and each dataset is of the space that this says. No
     task stands in two parts that do not say so, and no words in two whose phrasings are to differ.
 
     Raises:
-        QueryError: there is no data set, its files cannot be read, or the run that makes it has not ended.
+        QueryError: there is no dataset, its files cannot be read, or the run that makes it has not ended.
         DatasetsMissingError: pyarrow is not installed.
     """
     look = _wrong_suite if is_suite(folder) else wrong_dataset
     return look(Path(folder), trust, physics, workers, progress)
 
 
-def _wrong_suite(path: Path, trust: bool, physics: bool, workers: int, progress: Looked) -> Iterator[Finding]:
+def _wrong_suite(path: Path, trust: bool, physics: bool, workers: int, progress: Progress) -> Iterator[Finding]:
     """Yield what is wrong with a suite, as `verify` does."""
-    note = read_note(path)
+    note = SUITE.read(path)
     if note is None or not note.complete:
         what = f"is no suite, for it has no {NAME}" if note is None else "the run that makes it has not ended"
         raise QueryError(f"{path}: {what}; prag-asp suite makes one, and goes on with it")
@@ -75,7 +76,7 @@ def _wrong_suite(path: Path, trust: bool, physics: bool, workers: int, progress:
     apart = _Apart(suite)
     for part in note.parts:
         if part.dataset is None:
-            yield Finding(NAME, None, f"parts, {part.name}: does not say which data set it is")
+            yield Finding(NAME, None, f"parts, {part.name}: does not say which dataset it is")
         try:
             data = Dataset.open(path / part.name, trust=trust)
             yield from _wrong_part(suite, part.name, data)
@@ -99,13 +100,13 @@ def _text(folder: Path) -> str:
         raise DomainError(f"{folder / SPELLED}: cannot be read: {error}; copy the suite once more") from None
 
 
-def _of(name: str, progress: Looked) -> Looked:
+def _of(name: str, progress: Progress) -> Progress:
     """Return what tells how far a part is."""
     return lambda words, done, total: progress(f"{name}: {words}", done, total)
 
 
-def _wrong_files(folder: Path, note: SuiteNote) -> Iterator[Finding]:
-    """Yield what is wrong with the files beside the data sets, and with what is no part."""
+def _wrong_files(folder: Path, note: SuiteManifest) -> Iterator[Finding]:
+    """Yield what is wrong with the files beside the datasets, and with what is no part."""
     for file in (note.source, *(part.dataset for part in note.parts if part.dataset is not None)):
         yield from wrong_file(folder, file.path, file.sha256, file.bytes)
     known = {*KNOWN, *UNSEEN, *(part.name for part in note.parts)}
@@ -121,10 +122,10 @@ def _wrong_files(folder: Path, note: SuiteNote) -> Iterator[Finding]:
         yield Finding(CARD, None, f"does not say what {NAME} says")
 
 
-def _wrong_note(suite: Suite, note: SuiteNote, progress: Looked) -> Iterator[Finding]:
+def _wrong_note(suite: Suite, note: SuiteManifest, progress: Progress) -> Iterator[Finding]:
     """Yield which figures are not those that are counted now."""
     figures = count_suite(suite, progress=progress)
-    right = note_of(suite, figures, identity_of(suite), note.versions)
+    right = manifest_of(suite, figures, identity_of(suite), note.versions)
     right.name = note.name  # that of the file, which is called suite.toml now
     for name in ("identity", "title", "description", "domain", "source", "shared", "unseen"):
         if getattr(note, name) != getattr(right, name):
@@ -132,20 +133,21 @@ def _wrong_note(suite: Suite, note: SuiteNote, progress: Looked) -> Iterator[Fin
     if [part.name for part in note.parts] != [part.name for part in right.parts]:
         yield Finding(NAME, None, f"parts are not those of {SPELLED}")
         return
-    for found, wanted in zip(note.parts, right.parts, strict=True):
+    for found, right_part in zip(note.parts, right.parts, strict=True):
         for field_ in ("about", "of", "unseen", "where", "language", "phrasings", "spaces", "size"):
-            if getattr(found, field_) != getattr(wanted, field_):
+            if getattr(found, field_) != getattr(right_part, field_):
                 yield Finding(NAME, None, f"parts, {found.name}: {field_} is not what {SPELLED} says, counted again")
-        if found.wanted > wanted.wanted:
+        if found.requested > right_part.requested:
             yield Finding(NAME, None, f"parts, {found.name}: wants more tasks than {SPELLED} says")
     for leak in figures.leaks:
         yield Finding(NAME, None, f"{leak.one} and {leak.other} have {leak.tasks} tasks in common")
 
 
 def _wrong_part(suite: Suite, name: str, data: Dataset) -> Iterator[Finding]:
-    """Yield whether a data set is of another space or in other words than its part says."""
-    if data.manifest.asked != asked_of(suite, suite.parts[name]):
-        yield Finding(f"{name}/dataset.json", None, f"was made by other wishes than {SPELLED} says")
+    """Yield whether a dataset is of another space or in other words than its part says."""
+    part = suite.parts[name]
+    if data.manifest.request != request_of(space_of(suite, part), suite.dataset_spec(part)):
+        yield Finding(f"{name}/dataset.json", None, f"was made by another request than {SPELLED} says")
 
 
 @dataclass
@@ -157,7 +159,7 @@ class _Apart:
     words: dict[str, dict[str, int]] = field(default_factory=dict)
 
     def wrong(self, name: str, data: Dataset) -> Iterator[Finding]:
-        """Yield what a data set has in common with those before it."""
+        """Yield what a dataset has in common with those before it."""
         part, parts = self.suite.parts[name], self.suite.parts
         for row, entry in enumerate(data.entries()):
             key = (entry.task.actions, entry.task.initial)

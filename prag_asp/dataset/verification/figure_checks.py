@@ -7,11 +7,8 @@ from copy import deepcopy
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-import msgspec
-
-from prag_asp.dataset.store.manifest import NAME, Manifest, PartNote, Shard, derive
+from prag_asp.dataset.store.manifest import NAME, Manifest, PartManifest, Shard, derive, identity_of
 from prag_asp.dataset.verification.finding import Finding
-from prag_asp.domain.identity import digest
 from prag_asp.integers import grouped, number_of
 
 if TYPE_CHECKING:
@@ -31,17 +28,16 @@ def wrong_figures(manifest: Manifest) -> Iterator[Finding]:
                 yield Finding(NAME, None, f"parts, {part.name}: {name} is not what its shards add up to")
         if part.tail is not None:
             yield Finding(NAME, None, f"parts, {part.name}: a shard of it is not written to its end")
-        if part.tasks > part.wanted:
-            yield Finding(NAME, None, f"parts, {part.name}: has more tasks than the {part.wanted} that were wanted")
+        if part.tasks > part.requested:
+            yield Finding(NAME, None, f"parts, {part.name}: has more tasks than the {part.requested} requested")
         yield from _wrong_shards(part)
     if manifest.covered != again.covered:
         yield Finding(NAME, None, "covered is not the share of the space that the parts have")
-    identity = digest([msgspec.to_builtins(manifest.domain), msgspec.to_builtins(manifest.asked)])
-    if manifest.identity != identity:
-        yield Finding(NAME, None, "identity is not that of the domain and of what was asked for")
+    if manifest.identity != identity_of(manifest.domain, manifest.request):
+        yield Finding(NAME, None, "identity is not that of the domain and of the request")
 
 
-def _wrong_shards(part: PartNote) -> Iterator[Finding]:
+def _wrong_shards(part: PartManifest) -> Iterator[Finding]:
     for number, shard in enumerate(part.shards):
         if shard.number != number:
             yield Finding(NAME, None, f"parts, {part.name}: shard {number} has the number {shard.number}")
@@ -54,7 +50,7 @@ def _wrong_shards(part: PartNote) -> Iterator[Finding]:
         yield Finding(NAME, None, f"parts, {part.name}: the first shard begins at draw {part.shards[0].first}")
 
 
-def _wrong_shard(part: PartNote, shard: Shard) -> Iterator[Finding]:
+def _wrong_shard(part: PartManifest, shard: Shard) -> Iterator[Finding]:
     """Yield what the tally of a shard says otherwise than its files."""
     passed = sum(each.feasible for each in shard.tally)
     refused = sum(each.not_found + each.infeasible for each in shard.tally)

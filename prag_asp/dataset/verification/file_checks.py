@@ -1,4 +1,4 @@
-"""The files of a data set: each is there and as dataset.json says, and there are no others."""
+"""The files of a dataset: each is there and as dataset.json says, and there are no others."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from prag_asp.dataset.pages.dataset_card import NAME as CARD
 from prag_asp.dataset.pages.dataset_card import card_text
-from prag_asp.dataset.store.domain_snapshot import KeptFile, digest_of
+from prag_asp.dataset.store.domain_snapshot import FileRecord, digest_of
 from prag_asp.dataset.store.manifest import NAME, Manifest, ShardFile, derive
 from prag_asp.dataset.verification.finding import Finding
 from prag_asp.errors import PragError
@@ -22,7 +22,7 @@ LARGEST_RECORDING = 1_000_000_000
 """Bytes of a recording, of which no size is told, that are looked at."""
 
 UNSEEN = (".git", ".cache", ".gitattributes")
-"""What hubs put beside the files of a data set."""
+"""What hubs put beside the files of a dataset."""
 
 
 def wrong_files(folder: Path, manifest: Manifest, recordings: frozenset[str]) -> Iterator[Finding]:
@@ -37,14 +37,14 @@ def wrong_files(folder: Path, manifest: Manifest, recordings: frozenset[str]) ->
     for path in sorted(folder.rglob("*")):
         name = path.relative_to(folder).as_posix()
         if name.split("/")[0] not in UNSEEN and name not in known and (path.is_symlink() or not path.is_dir()):
-            yield Finding(name, None, "is no file of the data set")
+            yield Finding(name, None, "is no file of the dataset")
 
 
 def wrong_file(folder: Path, name: str, sha256: str, size: int | None = None) -> Iterator[Finding]:
     """Yield what is wrong with a file of which the digest is known, and perhaps the size."""
     path = folder / name
     if not is_inside(path, folder):
-        yield Finding(name, None, "leads out of the data set")
+        yield Finding(name, None, "leads out of the dataset")
         return
     try:
         bytes_ = path.stat().st_size
@@ -72,7 +72,7 @@ def wrong_card(folder: Path, manifest: Manifest, domain: Domain) -> Iterator[Fin
         yield Finding(CARD, None, "does not say what dataset.json says")
 
 
-def _listed(manifest: Manifest) -> Iterator[KeptFile | ShardFile]:
+def _listed(manifest: Manifest) -> Iterator[FileRecord | ShardFile]:
     yield from manifest.domain.files
     yield from manifest.domain.encodings
     yield from manifest.pictures

@@ -1,4 +1,4 @@
-"""What is wrong with a data set, and where."""
+"""What is wrong with a dataset, and where."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from prag_asp.errors import one_line
 
-Looked = Callable[[str, int, int], None]
+Progress = Callable[[str, int, int], None]
 """Is told what is being looked at, at how many was looked, and of how many."""
 
 

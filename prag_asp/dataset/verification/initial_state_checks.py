@@ -13,9 +13,9 @@ from prag_asp.dataset.revalidation import recheck
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.dataset.store.entry import entry_of
 from prag_asp.dataset.task_origin import read_witness
-from prag_asp.dataset.validation_jobs import START, TRIES, first_state
+from prag_asp.dataset.validation_jobs import START, TRIES, initial_state_key
 from prag_asp.dataset.verification.file_checks import wrong_file
-from prag_asp.dataset.verification.finding import Finding, Looked
+from prag_asp.dataset.verification.finding import Finding, Progress
 from prag_asp.dataset.verification.untrusted_rows import Row, whole_rows
 from prag_asp.errors import PragError
 from prag_asp.fields import decoded
@@ -23,8 +23,8 @@ from prag_asp.physics import TIERS, Budget, Demonstration, check_demonstration, 
 from prag_asp.safe_reading import is_inside
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.store.manifest import Manifest, PartNote, Shard
-    from prag_asp.dataset.store.tables import Tables
+    from prag_asp.dataset.store.manifest import Manifest, PartManifest, Shard
+    from prag_asp.dataset.store.tables import TableReader
     from prag_asp.domain.load import Domain
     from prag_asp.scene.scene import Scene
     from prag_asp.task import Task
@@ -34,28 +34,28 @@ TRANSIT = TIERS[-2]
 """The tier up to which witnesses are checked: what comes after it is in recordings."""
 
 
-class Starts:
-    """Looks at the witnesses and recordings of a data set, shard by shard."""
+class InitialStateChecks:
+    """Looks at the witnesses and recordings of a dataset, shard by shard."""
 
     def __init__(
         self,
         folder: Path,
         manifest: Manifest,
         domain: Domain,
-        tables: Tables,
+        tables: TableReader,
         workers: int,
-        progress: Looked,
+        progress: Progress,
     ) -> None:
         self._folder, self._manifest, self._domain, self._tables = folder, manifest, domain, tables
         self._workers, self._progress, self._done = workers, progress, 0
         self._scene: Scene = scene_of(domain)
-        self._where = manifest.asked.where
-        asked = manifest.asked.budget
-        assert asked is not None
-        tier = min(TIERS.index(asked.tier), TIERS.index(TRANSIT)) if asked.tier in TIERS else 0
-        self._budget = Budget(asked.restarts, asked.samples, TIERS[tier])
+        self._where = manifest.where
+        requested = manifest.spec.budget
+        assert requested is not None
+        tier = min(requested.tier, TRANSIT, key=TIERS.index)
+        self._budget = Budget(requested.restarts, requested.samples, tier)
 
-    def wrong(self, note: PartNote) -> Iterator[Finding]:
+    def wrong(self, note: PartManifest) -> Iterator[Finding]:
         """Yield what is wrong with the first states of a part's tasks."""
         for shard in note.shards:
             try:
@@ -80,7 +80,7 @@ class Starts:
                 yield Finding(
                     shard.files["tasks"].path, place, f"says that {row['starts']} first states have a witness"
                 )
-        whole = self._manifest.asked.deal.whole
+        whole = self._manifest.spec.deal.whole
         draws = {row["task"]: whole(row["draw"]) for _, row in rows}
         before: dict[int, tuple[int, int]] = {}  # of each task: the first state that is due, and the last search
         for place, row in found:
@@ -92,7 +92,7 @@ class Starts:
             search, lacks = divmod(row["index"] - draws[row["task"]], START)
             if row["start"] != due:
                 yield Finding(file, place, f"is of the first state {row['start']}; the next one is {due}")
-            if lacks or not last < search < TRIES * self._manifest.asked.starts or (search > 0) != (due > 0):
+            if lacks or not last < search < TRIES * self._manifest.spec.starts or (search > 0) != (due > 0):
                 yield Finding(file, place, f"is of the index {row['index']}, not of its draw and first state")
             before[row["task"]] = due + 1, search
 
@@ -105,7 +105,7 @@ class Starts:
                 continue
             try:
                 record = Record(tasks[row["task"]], None, decoded(row["witness"]))
-                begins = row["task"], first_state(read_witness(record, self._scene))
+                begins = row["task"], initial_state_key(read_witness(record, self._scene))
             except PragError as error:
                 yield Finding(file, place, f"is no witness: {error}")
                 continue
@@ -131,7 +131,7 @@ class Starts:
                 yield Finding(table, place, f"is of a task {row['task']}, which the shard does not have")
                 continue
             if not is_inside(path, self._folder):
-                yield Finding(table, place, f"{row['file']} leads out of the data set")
+                yield Finding(table, place, f"{row['file']} leads out of the dataset")
                 continue
             yield from wrong_file(self._folder, row["file"], row["sha256"])
             try:

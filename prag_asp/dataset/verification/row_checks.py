@@ -1,4 +1,4 @@
-"""The rows of a data set's tables of tasks, beside what is drawn now by the same seed."""
+"""The rows of a dataset's tables of tasks, beside what is drawn now by the same seed."""
 
 from __future__ import annotations
 
@@ -7,14 +7,21 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-import msgspec
-
 from prag_asp.dataset.language import teller_of
 from prag_asp.dataset.language.instruction_reader import LONGEST
 from prag_asp.dataset.store.entry import entry_of
-from prag_asp.dataset.store.instructions import PLAIN, telling_by
-from prag_asp.dataset.store.manifest import NAME, Cause, LengthTally, Manifest, PartNote, Reason, Shard, summed
-from prag_asp.dataset.verification.finding import Finding, Looked
+from prag_asp.dataset.store.instructions import PLAIN, captioner_with
+from prag_asp.dataset.store.manifest import (
+    NAME,
+    CauseCount,
+    LengthTally,
+    Manifest,
+    PartManifest,
+    RefusalCount,
+    Shard,
+    summed,
+)
+from prag_asp.dataset.verification.finding import Finding, Progress
 from prag_asp.dataset.verification.untrusted_rows import Row, whole_rows
 from prag_asp.errors import PragError
 from prag_asp.physics.demonstration.demonstration import drawn_for
@@ -22,8 +29,8 @@ from prag_asp.space.sampling.draws import log_probability
 from prag_asp.space.task_space import TaskSpace
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.store.entry import Entry
-    from prag_asp.dataset.store.tables import Tables
+    from prag_asp.dataset.store.entry import DatasetEntry
+    from prag_asp.dataset.store.tables import TableReader
     from prag_asp.domain.load import Domain
     from prag_asp.space.without_replacement import Placed
     from prag_asp.task import Task
@@ -43,27 +50,27 @@ VALUES = {
 
 
 @dataclass
-class Rows:
-    """Looks at the rows of the tables of tasks of a data set, part by part.
+class RowChecks:
+    """Looks at the rows of the tables of tasks of a dataset, part by part.
 
     `seen` has where each task was found that was looked at, by its length and rank; `progress` is told how many of all.
     """
 
     manifest: Manifest
     domain: Domain
-    tables: Tables
-    progress: Looked
+    tables: TableReader
+    progress: Progress
     done: int = 0
     seen: dict[tuple[int, str], str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        asked = self.manifest.asked
-        self._teller = teller_of(self.domain, asked.language, phrasings=asked.phrasings)
-        self._tell = telling_by(self._teller, self.domain, asked.seed)
+        spec = self.manifest.spec
+        self._teller = teller_of(self.domain, spec.language, phrasings=spec.phrasings)
+        self._tell = captioner_with(self._teller, self.domain, spec.seed)
         self._clingo = clingo_spaces(self.manifest, self.domain)
         self._colours: Mapping[int, Mapping[str, str]] = {}
 
-    def wrong(self, note: PartNote, drawn: Iterator[tuple[Placed, Task]]) -> Iterator[Finding]:
+    def wrong(self, note: PartManifest, drawn: Iterator[tuple[Placed, Task]]) -> Iterator[Finding]:
         """Yield what is wrong with the rows of a part, of which the draws come once more."""
         tasks = 0
         for shard in note.shards:
@@ -161,7 +168,7 @@ class Rows:
         space = self._clingo.get(len(plan))
         return space is not None and plan in space
 
-    def _wrong_words(self, entry: Entry, task: Task, colours: Mapping[str, str]) -> Iterator[str]:
+    def _wrong_words(self, entry: DatasetEntry, task: Task, colours: Mapping[str, str]) -> Iterator[str]:
         """Yield what words say otherwise than the task: they are read back from the text and the colours alone.
 
         Instructions that are longer than any that can be read are compared with those that the seed draws.
@@ -184,19 +191,19 @@ class Rows:
             if tuple(read) != task.actions:
                 yield f"its words at the level {level} say another plan: {' '.join(map(str, read))}"
 
-    def _wrong_verdict(self, table: str, entry: Entry) -> Iterator[str]:
+    def _wrong_verdict(self, table: str, entry: DatasetEntry) -> Iterator[str]:
         """Yield what is wrong with the verdict on a draw: of which search it is, and whether it fits the table."""
-        verdict, asked = entry.verdict, self.manifest.asked
-        if verdict is None or asked.budget is None:
-            if (verdict is None) != (asked.budget is None):
+        verdict, spec = entry.verdict, self.manifest.spec
+        if verdict is None or spec.budget is None:
+            if (verdict is None) != (spec.budget is None):
                 yield "has no verdict" if verdict is None else "has a verdict, though physics was not asked"
             return
         if verdict.feasible != (table == "tasks"):
             yield f"is {verdict.status}, which belongs into another table"
-        if (verdict.seed, verdict.index) != (asked.seed, asked.deal.whole(entry.draw)):
+        if (verdict.seed, verdict.index) != (spec.seed, spec.deal.whole(entry.draw)):
             yield f"its verdict is of the seed {verdict.seed} and the index {verdict.index}, not of its draw"
-        if verdict.budget.to_json() != msgspec.to_builtins(asked.budget):
-            yield "its verdict is of another budget than was asked for"
+        if verdict.budget != spec.budget:
+            yield "its verdict is of another budget than requested"
 
 
 def _file(shard: Shard) -> str:
@@ -204,9 +211,9 @@ def _file(shard: Shard) -> str:
     return shard.files["tasks"].path if "tasks" in shard.files else NAME
 
 
-def colours_of(tables: Tables, shard: Shard, manifest: Manifest) -> Mapping[int, Mapping[str, str]]:
+def colours_of(tables: TableReader, shard: Shard, manifest: Manifest) -> Mapping[int, Mapping[str, str]]:
     """Return the colours in the recording of each task of a shard; those that cannot be read are told of themselves."""
-    staging = manifest.asked.staging
+    staging = manifest.spec.staging
     if staging is None or "colour" not in staging.vary:
         return {}
     found = {}
@@ -218,9 +225,9 @@ def colours_of(tables: Tables, shard: Shard, manifest: Manifest) -> Mapping[int,
 
 
 def clingo_spaces(manifest: Manifest, domain: Domain) -> dict[int, TaskSpace]:
-    """Return the spaces of a data set by length, answered for by clingo."""
-    clauses = manifest.asked.where
-    return {length: TaskSpace(domain, length, engine="clingo").where(*clauses) for length in manifest.asked.lengths}
+    """Return the spaces of a dataset by length, answered for by clingo."""
+    clauses = manifest.where
+    return {length: TaskSpace(domain, length, engine="clingo").where(*clauses) for length in manifest.lengths}
 
 
 def tally_of(passed: list[Row], refused: list[Row], starts: list[Mapping[str, Any]]) -> list[LengthTally]:
@@ -234,11 +241,11 @@ def tally_of(passed: list[Row], refused: list[Row], starts: list[Mapping[str, An
 def _tally(row: Mapping[str, Any]) -> LengthTally:
     verdict = row["verdict"] or {"status": "feasible", "causes": [], "reason": ""}
     status, reason = verdict["status"], verdict["reason"]
-    causes = [Cause(each["cause"], each["count"]) for each in verdict["causes"]]
+    causes = [CauseCount(each["cause"], each["count"]) for each in verdict["causes"]]
     return LengthTally(
         row["length"], drawn=1, feasible=status == "feasible", not_found=status == "not_found",
         infeasible=status == "infeasible", causes=causes,
-        reasons=[] if status == "feasible" else [Reason(status, reason, 1)],
+        reasons=[] if status == "feasible" else [RefusalCount(status, reason, 1)],
     )  # fmt: skip
 
 

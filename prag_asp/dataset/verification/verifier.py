@@ -1,4 +1,4 @@
-"""All that is wrong with a data set, from what is cheap to look at to what is dear."""
+"""All that is wrong with a dataset, from what is cheap to look at to what is dear."""
 
 from __future__ import annotations
 
@@ -8,25 +8,25 @@ from typing import TYPE_CHECKING
 
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.dataset.store.manifest import NAME, Manifest
-from prag_asp.dataset.store.tables import Tables
+from prag_asp.dataset.store.tables import TableReader
 from prag_asp.dataset.verification.figure_checks import wrong_figures, wrong_sizes
 from prag_asp.dataset.verification.file_checks import wrong_card, wrong_files
-from prag_asp.dataset.verification.finding import Finding, Looked
-from prag_asp.dataset.verification.row_checks import Rows
+from prag_asp.dataset.verification.finding import Finding, Progress
+from prag_asp.dataset.verification.row_checks import RowChecks
 from prag_asp.errors import PragError
 from prag_asp.physics import require_physics
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.space.task_spaces import TaskSpaces
-from prag_asp.space.without_replacement import Division, at, ordered_parts, tell
+from prag_asp.space.without_replacement import at, ordered_parts, tell
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
 
 
-def wrong_dataset(folder: Path, trust: bool, physics: bool, workers: int, progress: Looked) -> Iterator[Finding]:
-    """Yield what is wrong with one data set, as `verify` of any of them does."""
+def wrong_dataset(folder: Path, trust: bool, physics: bool, workers: int, progress: Progress) -> Iterator[Finding]:
+    """Yield what is wrong with one dataset, as `verify` of any of them does."""
     data = Dataset.open(folder, trust=trust)
-    manifest, tables = data.manifest, Tables(data.folder)
+    manifest, tables = data.manifest, TableReader(data.folder)
     progress("files", 0, 1)
     yield from wrong_files(data.folder, manifest, _recordings(manifest, tables))
     yield from wrong_figures(manifest)
@@ -37,11 +37,11 @@ def wrong_dataset(folder: Path, trust: bool, physics: bool, workers: int, progre
         return
     yield from wrong_card(data.folder, manifest, domain)
     yield from _wrong_tasks(manifest, domain, tables, progress)
-    if physics and manifest.asked.budget is not None:
+    if physics and manifest.spec.budget is not None:
         yield from _wrong_starts(data.folder, manifest, domain, tables, workers, progress)
 
 
-def _recordings(manifest: Manifest, tables: Tables) -> frozenset[str]:
+def _recordings(manifest: Manifest, tables: TableReader) -> frozenset[str]:
     """Return the files that the tables of recordings name, as far as they can be read."""
     found = set[str]()
     for part in manifest.parts:
@@ -53,37 +53,35 @@ def _recordings(manifest: Manifest, tables: Tables) -> frozenset[str]:
     return frozenset(found)
 
 
-def _wrong_tasks(manifest: Manifest, domain: Domain, tables: Tables, progress: Looked) -> Iterator[Finding]:
+def _wrong_tasks(manifest: Manifest, domain: Domain, tables: TableReader, progress: Progress) -> Iterator[Finding]:
     """Yield what is wrong with sizes and rows, beside what is counted and drawn now."""
-    asked = manifest.asked
-    if [space.length for space in manifest.spaces] != list(asked.lengths):  # Of others, nothing may ever be counted.
-        yield Finding(NAME, None, "spaces are not of the lengths that were asked for, so no task was looked at")
+    spec, lengths = manifest.spec, manifest.lengths
+    if [space.length for space in manifest.spaces] != lengths:  # to count others might never end
+        yield Finding(NAME, None, "spaces are not of the lengths requested, so no task was checked")
         return
     try:
-        one = len(asked.lengths) == 1
-        space = TaskSpace(domain, asked.lengths[0]) if one else TaskSpaces(domain, asked.lengths)
-        space = space.where(*asked.where)
-        division = Division.parse(asked.split, skeletons=asked.skeletons, hold_out=asked.hold_out)
+        space = TaskSpace(domain, lengths[0]) if len(lengths) == 1 else TaskSpaces(domain, lengths)
+        space = space.where(*manifest.where)
         parts = ordered_parts(
-            space, division, seed=asked.seed, weights=asked.weights, temperature=asked.temperature, evenly=asked.evenly,
-            deal=asked.deal,
+            space, spec.division, seed=spec.seed, weights=spec.weights, temperature=spec.temperature,
+            evenly=spec.evenly, deal=spec.deal,
         )  # fmt: skip
     except PragError as error:
-        yield Finding(NAME, None, f"what was asked for cannot be drawn: {error}")
+        yield Finding(NAME, None, f"what was requested cannot be drawn: {error}")
         return
-    yield from wrong_sizes(manifest, {length: at(space, length) for length in asked.lengths}, parts)
-    rows = Rows(manifest, domain, tables, progress)
+    yield from wrong_sizes(manifest, {length: at(space, length) for length in lengths}, parts)
+    rows = RowChecks(manifest, domain, tables, progress)
     for note in manifest.parts:
         yield from rows.wrong(note, tell(space, iter(parts[note.name].draws())))
 
 
 def _wrong_starts(
-    folder: Path, manifest: Manifest, domain: Domain, tables: Tables, workers: int, progress: Looked
+    folder: Path, manifest: Manifest, domain: Domain, tables: TableReader, workers: int, progress: Progress
 ) -> Iterator[Finding]:
     """Yield what is wrong with witnesses and recordings."""
     require_physics()
-    from prag_asp.dataset.verification.initial_state_checks import Starts
+    from prag_asp.dataset.verification.initial_state_checks import InitialStateChecks
 
-    starts = Starts(folder, manifest, domain, tables, workers, progress)
+    starts = InitialStateChecks(folder, manifest, domain, tables, workers, progress)
     for note in manifest.parts:
         yield from starts.wrong(note)

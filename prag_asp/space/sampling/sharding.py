@@ -38,6 +38,11 @@ class Deal:
             raise QueryError(f"part {text}: write K/N, such as 3/64")
         return cls(int(found[1]), int(found[2]))
 
+    @classmethod
+    def holding(cls, whole: int, of: int) -> Deal:
+        """Return which of `of` deals has one of all draws."""
+        return cls(whole % of + 1, of)
+
     def __str__(self) -> str:
         return f"{self.number}/{self.of}"
 

@@ -1,4 +1,4 @@
-"""Data sets with recordings, which several forms are written from."""
+"""Datasets with recordings, which several forms are written from."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SIZE, RATE = (48, 35), 5
 
 @pytest.fixture(scope="package")
 def filmed(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
-    """Return a data set with two parts, each with a task of two actions that two cameras have filmed."""
+    """Return a dataset with two parts, each with a task of two actions that two cameras have filmed."""
     folder = tmp_path_factory.mktemp("formats") / "filmed"
     staging = Staging(("front", "wrist"), SIZE, RATE)
     shares = {"train": "1/2", "test": "1/2"}
@@ -27,14 +27,14 @@ def filmed(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
 
 @pytest.fixture(scope="package")
 def arms(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
-    """Return a data set of two robots without cameras, one task from two first states."""
+    """Return a dataset of two robots without cameras, one task from two first states."""
     folder = tmp_path_factory.mktemp("formats") / "arms"
     return generate(TaskSpace(load_domain("two_arms"), 1), folder, tasks=1, starts=2, demonstrate=True)
 
 
 @pytest.fixture(scope="package")
 def told(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
-    """Return a data set without physics, whose entities are terms."""
+    """Return a dataset without physics, whose entities are terms."""
     folder = tmp_path_factory.mktemp("formats") / "told"
     return generate(TaskSpace(load_domain("hanoi"), 2), folder, tasks=2, physics=False)
 

@@ -21,7 +21,7 @@ TOLERANCE = 1e-4
 
 
 class Published:
-    """A data set in a folder."""
+    """A dataset in a folder."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder

@@ -12,7 +12,7 @@ import pytest
 from prag_asp import Atom, Dataset, QueryError
 from prag_asp.dataset import export
 from prag_asp.dataset.formats.bddl import problem
-from prag_asp.dataset.formats.episode_source import Source
+from prag_asp.dataset.formats.episode_source import EpisodeSource
 from prag_asp.physics import yaw_of
 from prag_asp.task import FrozenDict
 
@@ -103,7 +103,7 @@ def test_each_task_has_a_file_with_its_facts_words_and_entities(filmed: Dataset,
 
 def test_zones_are_regions_of_the_table(arms: Dataset, tmp_path: Path) -> None:
     told = read(export(arms, "bddl", tmp_path / "out") / "train-000000.bddl")
-    scene = Source(arms).scene
+    scene = EpisodeSource(arms).scene
     for name in ("left_side", "middle", "right_side"):
         (x, y, _), (long, wide, _) = scene.fixed[name], scene.shapes[name].size
         target, sides, _ = told[":regions"][name]
@@ -121,7 +121,7 @@ def test_without_a_scene_terms_are_words_and_there_are_no_regions(told: Dataset,
 
 def test_words_that_would_be_expressions_are_written_without_parentheses(told: Dataset) -> None:
     entry = replace(told.entry(0), instruction={"plain": "move it (slowly); twice"})
-    assert "  (:language move it [slowly], twice)\n" in problem(Source(told), entry)
+    assert "  (:language move it [slowly], twice)\n" in problem(EpisodeSource(told), entry)
 
 
 @pytest.mark.parametrize("name", ["cubeA", '"a b"', "a;b"])
@@ -129,4 +129,4 @@ def test_a_name_that_would_be_read_as_another_is_refused(told: Dataset, name: st
     entry = told.entry(0)
     task = replace(entry.task, goal=FrozenDict({Atom("on", (name, "left")): True}))
     with pytest.raises(QueryError, match="BDDL has no name"):
-        problem(Source(told), replace(entry, task=task))
+        problem(EpisodeSource(told), replace(entry, task=task))

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from prag_asp import Dataset
 from prag_asp.dataset import export
 from prag_asp.dataset.formats.chunks import places
-from prag_asp.dataset.formats.episode_source import Source
+from prag_asp.dataset.formats.episode_source import EpisodeSource
 from prag_asp.dataset.formats.feature_statistics import Aggregate, Colours, statistics_of
 from prag_asp.dataset.formats.lerobot import LeRobot
 from prag_asp.dataset.formats.video import Video
@@ -89,7 +89,7 @@ def test_each_frame_is_that_of_its_recording_with_its_time_words_and_pictures(fi
 
 
 def test_files_that_are_full_are_followed_by_others(filmed: Dataset, tmp_path: Path) -> None:
-    LeRobot(data_megabytes=0, video_megabytes=0).write(Source(filmed), tmp_path / "out", lambda *_: None)
+    LeRobot(data_megabytes=0, video_megabytes=0).write(EpisodeSource(filmed), tmp_path / "out", lambda *_: None)
     assert_same(filmed, tmp_path / "out")
     for pattern in ("data/chunk-000/*", *(f"videos/{camera}/chunk-000/*" for camera in CAMERAS)):
         assert len(list((tmp_path / "out").glob(pattern))) == 2

@@ -13,7 +13,7 @@ import pytest
 
 from prag_asp import Dataset
 from prag_asp.dataset import export
-from prag_asp.dataset.formats.episode_source import Source
+from prag_asp.dataset.formats.episode_source import EpisodeSource
 from prag_asp.scene.robots import PANDA
 from tests.dataset.formats.conftest import RATE, SIZE
 
@@ -86,7 +86,7 @@ def test_objects_and_entities_of_pixels_have_the_same_places_in_all_episodes(fil
 
 
 def test_a_legend_in_another_order_means_the_same(filmed: Dataset) -> None:
-    source = Source(filmed)
+    source = EpisodeSource(filmed)
     episode = next(source.episodes())
     footage = episode.demonstration.footage
     assert footage is not None

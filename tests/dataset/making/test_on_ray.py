@@ -57,7 +57,7 @@ def test_places_that_there_are_not_are_refused(monkeypatch: pytest.MonkeyPatch, 
             generate(TaskSpaces(load_domain("kitchen"), [1]), tmp_path / "none", tasks=1, **asked)
         assert not (tmp_path / "none").exists()
 
-    refused(QueryError, "no place 'moon' to look at tasks; there is ray", on="moon")
+    refused(QueryError, "no executor 'moon'; there is ray", on="moon")
     refused(QueryError, "at least 1 worker; got 0", workers=0)
     monkeypatch.setattr(executors, "require_ray", lambda: None)
     refused(QueryError, "a Ray cluster has as many workers as it has processors", on="ray", workers=2)

@@ -1,4 +1,4 @@
-"""Data sets as they are read: lazily, by number, rank and condition, and by the loaders that people use."""
+"""Datasets as they are read: lazily, by number, rank and condition, and by the loaders that people use."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def test_a_task_is_read_without_physics(small: Dataset) -> None:
     done = subprocess.run([sys.executable, "-c", code, small.folder], check=True, capture_output=True, text=True)
     loaded = done.stdout.split()
     assert "prag_asp.dataset.store.tables" in loaded
-    assert not [name for name in loaded if name.startswith(("prag_asp.physics", "pybullet", "clingo"))]
+    assert not [name for name in loaded if name.startswith(("pybullet", "frankik", "clingo"))]
 
 
 def test_tasks_drawn_by_weight_are_found_by_rank_too(numbers: Path) -> None:
@@ -153,15 +153,16 @@ def test_what_is_no_data_set_is_told_in_one_line(copy: Path, tmp_path: Path) -> 
     for content, match in (
         ("", "it is not JSON"),
         (text[:500], "it is not JSON"),
-        ("[]", "is no data set of prag_asp"),
-        ('{"format": "other"}', "is no data set of prag_asp"),
-        (text.replace('"version": 1', '"version": 7', 1), "has the form 7, but 1 is read"),
+        ("[]", "is no dataset of prag_asp"),
+        ('{"format": "other"}', "is no dataset of prag_asp"),
+        (text.replace('"version": 1', '"version": 7', 1), "has version 7, not 1"),
         (text.replace('"complete": true', '"complete": "yes"', 1), "complete: needs true or false"),
         (text.replace('"complete": true', '"complete": false', 1), "has not ended"),
-        (text.replace('"name": "test"', '"name": "dev"', 1), "parts: are not those of asked.split"),
-        (text.replace('"lengths": [', '"ignored": [', 1), "asked.lengths: is missing"),
+        (text.replace('"name": "test"', '"name": "dev"', 1), "parts: are not those of spec.split"),
+        (text.replace('"split": {', '"ignored": {', 1), "spec.split: is missing"),
+        (text.replace('"lengths": [', '"ignored": [', 1), "lengths: is missing"),
         (text.replace('"tasks": "', '"tasks": "many ', 1), r"spaces\[0\].tasks: needs "),
-        (text.replace("data/train-00000", "../../train-00000", 1), "leads out of the data set"),
+        (text.replace("data/train-00000", "../../train-00000", 1), "leads out of the dataset"),
         (text.replace('"rows": 4', '"rows": 5', 1), "has 4 rows, but dataset.json says 5"),
     ):
         (copy / "dataset.json").write_text(content)

@@ -14,7 +14,7 @@ import pytest
 from prag_asp import Dataset, DomainError, OutputError, QueryError, TaskSpace
 from prag_asp.dataset import Suite, count_suite, generate_suite, load_suite, verify
 from prag_asp.dataset.suites import suite_builder
-from prag_asp.dataset.suites.counting import Shared, refuse_leaks
+from prag_asp.dataset.suites.counting import Overlap, refuse_leaks
 from tests.output.faults import content
 
 LOGIC = """
@@ -121,9 +121,9 @@ def test_sizes_and_what_is_shared_are_those_of_lists_of_all_plans(small: Suite) 
         assert figures.sizes[name] == {length: sum(map(fits, plans[length])) for length in part.lengths}
     assert figures.sizes["words"] == figures.sizes["train"]
     shared = {(each.one, each.other): each for each in figures.shared}
-    assert shared.pop(("train", "words")) == Shared("train", "words", figures.size("train"), True)
-    assert len(shared) == 9 and not any(each.tasks for each in shared.values())
-    assert figures.leaks == () and {each.tasks for each in figures.unseen} == {0} and len(figures.unseen) == 12
+    assert shared.pop(("train", "words")) == Overlap("train", "words", str(figures.size("train")), True)
+    assert len(shared) == 9 and {each.tasks for each in shared.values()} == {"0"}
+    assert figures.leaks == () and {each.tasks for each in figures.unseen} == {"0"} and len(figures.unseen) == 12
 
 
 def test_no_task_of_a_part_has_what_is_held_out_and_each_of_its_own_part_has_it(made: Path) -> None:
@@ -155,10 +155,10 @@ def test_a_suite_is_verified_and_the_bytes_are_those_of_a_run_that_was_broken_of
     generate_suite(small.at_most(3), tmp_path / "bench")
     real = suite_builder.generate
 
-    def broken(space: object, folder: Path, **asked: object) -> object:
+    def broken(space: object, folder: Path, *request: object, **options: object) -> object:
         if folder.name == "pairs":
             raise KeyboardInterrupt
-        return real(space, folder, **asked)  # type: ignore[arg-type]
+        return real(space, folder, *request, **options)  # type: ignore[arg-type]
 
     monkeypatch.setattr(suite_builder, "generate", broken)
     with pytest.raises(KeyboardInterrupt):
@@ -192,7 +192,7 @@ FORGERIES: Mapping[str, tuple[Callable[[Path], object], str]] = {
     "a size": (noted(lambda told: told["parts"][1].update(size="7")), "parts, objects: size is not what"),  # type: ignore[index]
     "what is shared": (noted(lambda told: told["shared"][0].update(tasks="3")), "shared is not what"),  # type: ignore[index]
     "the suite": (edited("suite.toml", lambda text: text.replace('"jar_1"', '"jar"')), "suite.toml: has "),
-    "a data set": (lambda folder: (folder / "pairs" / "README.md").write_text("x"), "pairs/README.md: does not say"),
+    "a dataset": (lambda folder: (folder / "pairs" / "README.md").write_text("x"), "pairs/README.md: does not say"),
     "a task of another part": (
         lambda folder: (shutil.rmtree(folder / "objects"), shutil.copytree(folder / "train", folder / "objects")),
         "objects: row 0: has the task of train, row 0",

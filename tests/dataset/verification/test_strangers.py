@@ -1,4 +1,4 @@
-"""A data set from a stranger leads nowhere else, asks for no endless work, and what is wrong with it is a line."""
+"""A dataset from a stranger leads nowhere else, asks for no endless work, and what is wrong with it is a line."""
 
 from __future__ import annotations
 
@@ -79,17 +79,17 @@ FOUND: dict[str, tuple[Change, str]] = {
     "no share": (said(lambda told: told.update(covered=None)), "dataset.json: covered is not the share"),
     "no share of a part": (part(covered=None), "dataset.json: parts, train: covered is not what its shards add up to"),
     "a share without an end": (
-        said(lambda told: told["asked"].update(split={"train": "1e999999999"})),
-        "dataset.json: what was asked for cannot be drawn: share of 'train': 1e999999999 is out of range",
+        said(lambda told: told["spec"].update(split={"train": "1e999999999"})),
+        "dataset.json: what was requested cannot be drawn: share of 'train': 1e999999999 is out of range",
     ),
     "a file of 1 TB": (sparse, f"{ROWS}: has 1,000,000,000,000 bytes; dataset.json says "),
     "a pipe": (pipe, f"{ROWS}: has 0 bytes; dataset.json says "),
-    "a path out of the folder": (rows(path="/etc/passwd"), "/etc/passwd: leads out of the data set"),
+    "a path out of the folder": (rows(path="/etc/passwd"), "/etc/passwd: leads out of the dataset"),
     "a path with two lines": (rows(path="a\x1b[2J\nb"), r"a\x1b[2J\nb: cannot be read: No such file or directory"),
-    "no path": (rows(path="a\0b"), r"a\x00b: leads out of the data set"),
+    "no path": (rows(path="a\0b"), r"a\x00b: leads out of the dataset"),
     "a long path": (rows(path="a" * 9000), "aaaa"),
     "a name with two lines": (lambda folder: (folder / "a\x1b[2J\nok").touch(), r"a\x1b[2J\nok: is no file of the d"),
-    "a link to a folder": (lambda folder: (folder / "proc").symlink_to("/proc"), "proc: is no file of the data set"),
+    "a link to a folder": (lambda folder: (folder / "proc").symlink_to("/proc"), "proc: is no file of the dataset"),
 }  # fmt: skip
 
 
@@ -107,12 +107,12 @@ def test_what_a_stranger_has_planted_is_found_in_lines_without_what_a_terminal_o
 
 
 REFUSED: dict[str, tuple[Change, str]] = {
-    "no parts": (said(lambda told: (told.update(parts=[]), told["asked"].update(split={}))), "parts: are not those of"),
+    "no parts": (said(lambda told: (told.update(parts=[]), told["spec"].update(split={}))), "parts: are not those of"),
     "a number of many digits": (part(size="9" * 1_000_001), "parts[0].size: needs"),
     "deep values": (lambda folder: (folder / "dataset.json").write_text("[" * 10**5), "values are nested too deeply"),
     "a large dataset.json": (lambda folder: os.truncate(folder / "dataset.json", 10**12), "it is larger than 64 MB"),
     "a language elsewhere": (
-        said(lambda told: told["asked"].update(language="../../x\x1b")), r"does not speak '../../x\x1b'"
+        said(lambda told: told["spec"].update(language="../../x\x1b")), r"does not speak '../../x\x1b'"
     ),
 }  # fmt: skip
 
@@ -127,7 +127,7 @@ def test_what_cannot_be_looked_at_is_one_line(strange: Path, planted: tuple[Chan
 
 def test_a_run_does_not_go_on_where_dataset_json_has_lost_its_parts(strange: Path) -> None:
     said(lambda told: told.update(parts=[]))(strange)
-    with pytest.raises(QueryError, match=r"parts: are not those of asked\.split"):
+    with pytest.raises(QueryError, match=r"parts: are not those of spec\.split"):
         generate(TaskSpace(load_domain("blocks"), 3), strange, tasks=4, physics=False, shard=2)
 
 
@@ -137,7 +137,7 @@ def test_a_domain_that_lies_elsewhere_is_not_read_whatever_dataset_json_says(str
         assert Dataset.open(strange).domain
     shutil.move(strange / "domain", tmp_path / "elsewhere")
     (strange / "domain").symlink_to(tmp_path / "elsewhere")
-    with pytest.raises(DomainError, match=r"strange/domain: leads out of the data set"):
+    with pytest.raises(DomainError, match=r"strange/domain: leads out of the dataset"):
         assert Dataset.open(strange).domain
 
 

@@ -1,4 +1,4 @@
-"""Each of many corruptions of a data set is found where it is, and nothing on a clean one."""
+"""Each of many corruptions of a dataset is found where it is, and nothing on a clean one."""
 
 from __future__ import annotations
 
@@ -18,8 +18,7 @@ from prag_asp import Dataset, Domain, QueryError, TaskSpace, TaskSpaces
 from prag_asp.dataset import Teller, generate, teller_of, verify
 from prag_asp.dataset.store.schema import SCHEMAS
 from prag_asp.dataset.store.shards import shard_name, write_shard
-from prag_asp.dataset.verification import row_checks
-from prag_asp.dataset.verification import verify as verifying
+from prag_asp.dataset.verification import row_checks, verifier
 from prag_asp.dataset.verification.row_checks import clingo_spaces
 from prag_asp.physics import Budget, Staging
 from tests.commands import run
@@ -114,9 +113,9 @@ FILES: dict[str, tuple[Change, str]] = {
     "a file missing": (lambda folder: (folder / TEST).unlink(), rf"{TEST}: cannot be read: No such file"),
     "a file too many": (
         lambda folder: shutil.copy(folder / TRAIN, folder / "data/train-00009.parquet"),
-        r"data/train-00009.parquet: is no file of the data set",
+        r"data/train-00009.parquet: is no file of the dataset",
     ),
-    "a link out of the folder": (linked, rf"{TEST}: leads out of the data set"),
+    "a link out of the folder": (linked, rf"{TEST}: leads out of the dataset"),
     "an edited domain": (with_bytes("domain/domain.lp", lambda text: text + b"\n"), r"domain/domain.lp: has"),
     "an edited encoding": (with_bytes("encodings/step.lp", flipped), r"encodings/step.lp: is not the file"),
     "another picture": (with_bytes("pictures/000.png", flipped), r"pictures/000.png: is not the file"),
@@ -133,16 +132,16 @@ FIGURES: dict[str, tuple[Change, str]] = {
     "the size of a part": (noted(lambda told: part_of(told, "test").update(size="7")), r"test: has \d+ tasks to draw"),
     "an identity": (noted(lambda told: told.update(identity="0" * 40)), "identity is not that of"),
     "a length beyond all counting": (
-        noted(lambda told: told["asked"].update(lengths=[1, 10**9])), "spaces are not of the lengths that were asked"
+        noted(lambda told: told.update(lengths=[1, 10**9])), "spaces are not of the lengths requested"
     ),
-    "another seed": (noted(lambda told: told["asked"].update(seed=6)), rf"{TRAIN}: row 0: its .*plan.* are not"),
+    "another seed": (noted(lambda told: told["spec"].update(seed=6)), rf"{TRAIN}: row 0: its .*plan.* are not"),
     "a tally": (noted(lambda told: shard_of(told, "train")["tally"][0].update(drawn=77)), "the tally of shard 0"),
     "a cause": (
         noted(lambda told: shard_of(told, "train")["tally"][-1].update(causes=[{"cause": "x", "count": 1}])),
         "the tally of shard 0 of train is not what its rows say",
     ),
     "a gap of draws": (noted(lambda told: shard_of(told, "train").update(end=1)), r"shard 1 begins at draw \d+, not"),
-    "fewer wanted": (noted(lambda told: part_of(told, "train").update(wanted=1)), "more tasks than the 1 that were"),
+    "fewer wanted": (noted(lambda told: part_of(told, "train").update(requested=1)), "more tasks than the 1 requested"),
 }  # fmt: skip
 
 ROWS: dict[str, tuple[Change, str]] = {
@@ -223,7 +222,7 @@ def quick(
 
     def spare() -> None:
         monkeypatch.setattr(Dataset, "domain", property(lambda _: domain))
-        monkeypatch.setattr(verifying, "TaskSpaces", lambda *_: spaces)
+        monkeypatch.setattr(verifier, "TaskSpaces", lambda *_: spaces)
         monkeypatch.setattr(row_checks, "clingo_spaces", lambda *_: known[0])
         monkeypatch.setattr(row_checks, "teller_of", lambda *_, **__: known[1])
 
@@ -281,7 +280,7 @@ def test_a_command_prints_what_is_wrong_and_says_so_by_its_code(copied: Path, tm
         done.returncode == 1
         and done.stdout == "pictures/000.png: is not the file that was written: its SHA-256 is another\n"
     )
-    for folder, told in ((tmp_path, "is no data set"), (copied / "data", "is no data set")):
+    for folder, told in ((tmp_path, "is no dataset"), (copied / "data", "is no dataset")):
         done = run("verify", str(folder))
         assert done.returncode == 2 and told in done.stderr and done.stderr.count("\n") == 1
     (copied / "dataset.json").write_text("{")

@@ -12,7 +12,8 @@ import pytest
 
 from prag_asp.domain.scaffold import write_new_domain
 from prag_asp.errors import OutputError
-from prag_asp.output import partial_file, replace_file
+from prag_asp.output import replace_file
+from prag_asp.output.atomic_file import AtomicFile
 from tests.output.faults import Disk, content, killed
 
 OLD, NEW = b"old\n" * 1000, b"new\n" * 3000
@@ -118,14 +119,14 @@ def test_nobody_writes_through_a_link_that_lies_where_a_part_does(tmp_path: Path
     with pytest.raises(OutputError, match="file: cannot be written"):
         replace_file(tmp_path / "file", NEW)
     os.mkfifo(tmp_path / "other.part")
-    with pytest.raises(OutputError, match=r"other\.part: is no file"):
+    with pytest.raises(OutputError, match=r"other\.part: is no regular file"):
         replace_file(tmp_path / "other", NEW)
     assert (tmp_path / "secret").read_bytes() == OLD
 
 
 def test_two_runs_do_not_write_one_file_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(partial_file, "PATIENCE", 0.1)
-    held = partial_file.Part(tmp_path / "file")
+    monkeypatch.setattr("prag_asp.output.atomic_file.PATIENCE", 0.1)
+    held = AtomicFile(tmp_path / "file")
     with pytest.raises(OutputError, match=r"file\.part: another run is writing it; wait"):
         replace_file(tmp_path / "file", NEW)
     held.close()

@@ -1,27 +1,28 @@
-"""Folders that grow whole or not at all."""
+"""A new folder is there whole or not at all; what is written into a folder stays in it."""
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
 
 from prag_asp.errors import OutputError
-from prag_asp.output import growing, whole_file
+from prag_asp.output import file_in, new_folder, whole_file
 
 
 def grow(folder: Path) -> None:
-    with growing(folder, "mark.json", b"{}") as tree:
+    with new_folder(folder) as tree:
         (tree / "deep").mkdir()
         (tree / "deep" / "file").write_bytes(b"content")
 
 
-def test_a_tree_is_there_in_one_stroke_with_its_mark(tmp_path: Path) -> None:
+def test_a_folder_is_there_in_one_stroke(tmp_path: Path) -> None:
     folder = tmp_path / "deeper" / "out"
-    with growing(folder, "mark.json", b"{}") as tree:
+    with new_folder(folder) as tree:
         (tree / "file").write_bytes(b"content")
         assert not folder.exists()
-    assert {path.name: path.read_bytes() for path in folder.iterdir()} == {"file": b"content", "mark.json": b"{}"}
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == {"file": b"content"}
     assert [*folder.parent.iterdir()] == [folder]
 
 
@@ -39,18 +40,17 @@ def test_what_a_killed_run_has_left_goes_and_links_in_it_are_not_followed(tmp_pa
     other = tmp_path / "other"
     other.mkdir()
     (other / "kept").write_bytes(b"kept")
-    tree = tmp_path / "out.part"
-    tree.mkdir()
-    (tree / "mark.json.part").touch()
+    tree = tmp_path / "out.part" / "out"
+    tree.mkdir(parents=True)
     (tree / "old").mkdir()
     (tree / "old" / "half").write_bytes(b"ha")
     (tree / "link").symlink_to(other)
     grow(tmp_path / "out")
-    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["deep", "mark.json"]
+    assert sorted(path.name for path in tmp_path.rglob("*")) == ["deep", "file", "kept", "other", "out"]
     assert (other / "kept").read_bytes() == b"kept"
 
 
-def test_a_tree_that_is_not_ours_is_left_alone(tmp_path: Path) -> None:
+def test_a_folder_of_somebody_else_is_left_alone(tmp_path: Path) -> None:
     tree = tmp_path / "out.part"
     tree.mkdir()
     (tree / "theirs").touch()
@@ -66,8 +66,8 @@ def test_a_tree_that_is_not_ours_is_left_alone(tmp_path: Path) -> None:
 def test_a_second_run_waits_and_then_says_that_there_is_another(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("prag_asp.output.partial_file.PATIENCE", 0.05)
-    with growing(tmp_path / "out", "mark.json", b"{}") as tree:
+    monkeypatch.setattr("prag_asp.output.atomic_file.PATIENCE", 0.05)
+    with new_folder(tmp_path / "out") as tree:
         (tree / "file").touch()
         with pytest.raises(OutputError, match="another run is writing it"):
             grow(tmp_path / "out")
@@ -79,7 +79,7 @@ def test_what_fails_leaves_neither_a_tree_nor_a_file(tmp_path: Path) -> None:
     def fail() -> None:
         raise KeyboardInterrupt
 
-    with pytest.raises(KeyboardInterrupt), growing(tmp_path / "out", "mark.json", b"{}") as tree:
+    with pytest.raises(KeyboardInterrupt), new_folder(tmp_path / "out") as tree:
         (tree / "deep").mkdir()
         fail()
     (tmp_path / "file").write_bytes(b"old")
@@ -92,3 +92,24 @@ def test_what_fails_leaves_neither_a_tree_nor_a_file(tmp_path: Path) -> None:
     assert (tmp_path / "file").read_bytes() == b"new"
     with pytest.raises(OutputError, match="is no regular file"), whole_file(tmp_path):
         fail()
+
+
+def test_a_file_in_a_folder_may_be_there_or_not(tmp_path: Path) -> None:
+    assert file_in(tmp_path, "a") == tmp_path / "a"
+    (tmp_path / "a").write_text("old")
+    assert file_in(tmp_path, "a") == tmp_path / "a"
+
+
+@pytest.mark.parametrize("target", ["../victim", "../new", "/dev/null", "a"])
+def test_a_link_that_leads_elsewhere_or_nowhere_is_not_written_to(tmp_path: Path, target: str) -> None:
+    (tmp_path / "own").mkdir()
+    (tmp_path / "victim").write_text("old")
+    (tmp_path / "own" / "a").symlink_to(target)
+    with pytest.raises(OutputError, match=r"a: (leads out of the folder|is no regular file)"):
+        file_in(tmp_path / "own", "a")
+
+
+def test_a_pipe_is_not_written_to(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "a")
+    with pytest.raises(OutputError, match="is no regular file"):
+        file_in(tmp_path, "a")

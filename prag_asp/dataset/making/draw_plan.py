@@ -1,0 +1,45 @@
+"""Which draws of a dataset are validated where: the one plan of a single run, of machine parts, and of their merge."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from prag_asp.space.sampling.sharding import ALL, Deal
+
+
+class Holder(NamedTuple):
+    """The machine part that has validated a draw, from 0, and the number of the draw there."""
+
+    machine: int
+    draw: int
+
+
+@dataclass(frozen=True)
+class DrawPlan:
+    """The draws of one part of the split, numbered from 0, as the run that writes them sees them.
+
+    With a `deal` such as ``3/64``, they are every 64th of all draws. Where machine parts are merged, the n-th of them
+    has validated the first ``validated[n]`` of the draws that were dealt to it; the run validates the others.
+    """
+
+    deal: Deal = ALL
+    validated: tuple[int, ...] = ()
+
+    def search_index(self, draw: int) -> int:
+        """Return the index of the search for a draw: it does not depend on how many machines there are."""
+        return self.deal.whole(draw)
+
+    def holder(self, draw: int) -> Holder | None:
+        """Return the machine part that has validated a draw, None where this run does."""
+        if not self.validated:
+            return None
+        deal = Deal.holding(draw, len(self.validated))
+        own = deal.own(draw)
+        assert own is not None
+        return Holder(deal.number - 1, own) if own < self.validated[deal.number - 1] else None
+
+    def missing(self, first: int, limit: int) -> Iterator[int]:
+        """Yield the draws from one to before another that this run validates, lazily and in order."""
+        return (draw for draw in range(first, limit) if self.holder(draw) is None)

@@ -1,0 +1,41 @@
+"""The parts of one dataset that several machines have made: the draws that each has validated, in one order again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from prag_asp.dataset.making.draw_plan import DrawPlan, Holder
+from prag_asp.dataset.store.shard_reader import DrawRows, PartReader
+
+if TYPE_CHECKING:
+    from prag_asp.dataset.store.dataset import Dataset
+
+
+class MachineParts:
+    """All machine parts of a dataset, in the order of their numbers."""
+
+    def __init__(self, parts: Sequence[Dataset]) -> None:
+        self._parts = parts
+        self._readers = {
+            note.name: [PartReader(part.folder, each) for part in parts for each in part.manifest.parts
+                        if each.name == note.name]
+            for note in parts[0].manifest.parts
+        }  # fmt: skip
+
+    def plan(self, name: str) -> DrawPlan:
+        """Return the plan of a part of the split: what the machines have validated is not validated again."""
+        return DrawPlan(validated=tuple(reader.draws for reader in self._readers[name]))
+
+    def draw(self, name: str, holder: Holder) -> DrawRows:
+        """Return the rows of a draw; draws are requested in ascending order.
+
+        Raises:
+            QueryError: a file of a part is missing, or is not what its dataset.json says.
+        """
+        return self._readers[name][holder.machine].draw(holder.draw)
+
+    def folder(self, holder: Holder) -> Path:
+        """Return the folder of the machine part that has a draw."""
+        return self._parts[holder.machine].folder

@@ -1,0 +1,65 @@
+"""dataset.json and suite.json: the JSON file that says what a folder holds, read and written in one place."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Generic, TypeVar
+
+import msgspec
+
+from prag_asp.errors import QueryError
+from prag_asp.fields import decoded, read
+from prag_asp.output import file_in, replace_file
+from prag_asp.safe_reading import read_bytes
+
+Contents = TypeVar("Contents", bound=msgspec.Struct)
+
+
+@dataclass(frozen=True)
+class ManifestFile(Generic[Contents]):
+    """A file of one `name`, format and version, which describes a folder; `what` is the word of errors for that."""
+
+    name: str
+    contents: type[Contents]
+    format: str
+    version: int
+    what: str
+
+    def write(self, folder: Path, contents: Contents) -> None:
+        """Write the file, whole.
+
+        Raises:
+            OutputError: it cannot be written.
+        """
+        values = {"format": self.format, "version": self.version, **msgspec.to_builtins(contents)}
+        text = json.dumps(values, indent=1, ensure_ascii=False)
+        replace_file(file_in(folder, self.name), f"{text}\n".encode(), follow=False)
+
+    def read(self, folder: Path) -> Contents | None:
+        """Return what the file of a folder says, None if there is none.
+
+        Raises:
+            QueryError: it is damaged, or of another program or version; the message has the path to the wrong value.
+        """
+        path = folder / self.name
+        try:
+            text = read_bytes(path, within=folder).decode()
+        except FileNotFoundError:
+            return None
+        except UnicodeDecodeError:
+            raise QueryError(f"{path}: it is not UTF-8; copy the {self.what} once more") from None
+        except OSError as error:
+            why = error.strerror or error
+            raise QueryError(f"{path}: cannot be read: {why}; name a folder of a {self.what}") from None
+        try:
+            values = decoded(text)
+            if not isinstance(values, dict) or values.get("format") != self.format:
+                raise QueryError(f"is no {self.what} of prag_asp: it has no format {self.format!r}")
+            if values.get("version") != self.version:
+                other = values.get("version")
+                raise QueryError(f"has version {other!r}, not {self.version}; use the prag_asp that made it")
+            return read(values, self.contents, "")
+        except QueryError as error:
+            raise QueryError(f"{path}: {error}") from None

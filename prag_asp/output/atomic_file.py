@@ -1,0 +1,245 @@
+"""One atomic file: it is written beside its target, flushed, and renamed, while a lock keeps a second writer out.
+
+A rename replaces a file in one stroke, and what was flushed before it survives a loss of power: whoever reads the file
+at any moment sees the old one or the new one, whole. A kill leaves the old one, and ``NAME.part`` beside it.
+"""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import os
+import stat
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from time import monotonic, sleep
+
+from prag_asp.errors import OutputError
+
+SUFFIX = ".part"
+"""How the names of files and folders end that are being written."""
+
+EVERYBODY = 0o666
+"""The permissions of a new file, of which the user's mask takes some."""
+
+PATIENCE = 3.0
+"""Seconds to wait for another writer of the same file: one that was killed may take that long to be gone."""
+
+POLL = 0.02
+"""Seconds between two attempts to lock a file."""
+
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""The errors of a disk, a quota or a file that is full."""
+
+NO_LOCKS = (errno.ENOLCK, errno.ENOTSUP, errno.ENOSYS)
+"""The errors of a file system without locks."""
+
+NO_FLUSH = (errno.EINVAL, errno.ENOTSUP, errno.EACCES)
+"""The errors of a file system that cannot flush a folder."""
+
+
+class AtomicFile:
+    """A file that is being written as ``NAME.part``, which no other run writes meanwhile."""
+
+    def __init__(self, target: Path, mode: int = EVERYBODY) -> None:
+        """Lock ``NAME.part`` and empty it, or create it.
+
+        Raises:
+            OutputError: it cannot be written, another run writes it, or it is no regular file.
+        """
+        self.target = target
+        self.path = target.with_name(target.name + SUFFIX)
+        self._size = 0
+        with output_errors(target):
+            self._descriptor = open_locked(self.path, mode)
+            try:
+                os.ftruncate(self._descriptor, 0)
+            except BaseException:
+                self.discard()
+                self.close()
+                raise
+
+    def write(self, content: bytes) -> None:
+        """Append bytes.
+
+        Raises:
+            OutputError: they cannot be written.
+        """
+        with output_errors(self.target):
+            write_at(self._descriptor, content, self._size)
+        self._size += len(content)
+
+    def replace(self) -> None:
+        """Flush it and put it into the place of its target, with the permissions of that.
+
+        Raises:
+            OutputError: it cannot be written.
+        """
+        with output_errors(self.target):
+            with suppress(OSError):
+                os.fchmod(self._descriptor, stat.S_IMODE(self.target.stat().st_mode))
+            os.fsync(self._descriptor)
+            self.path.replace(self.target)
+            flush_folder(self.target.parent)
+
+    def discard(self) -> None:
+        """Remove it."""
+        with suppress(OSError):
+            self.path.unlink()
+
+    def close(self) -> None:
+        """Release the lock."""
+        os.close(self._descriptor)
+
+
+@contextmanager
+def open_atomic(file: str | Path, *, mode: int = EVERYBODY, follow: bool = True) -> Iterator[AtomicFile]:
+    """Yield a file to write, which takes the place of its target when the block ends, and is gone if it fails.
+
+    With `follow`, a link is followed, otherwise replaced. `mode` has the permissions of a new file.
+
+    Raises:
+        OutputError: it cannot be written, or another run is writing it.
+    """
+    path = Path(file)
+    part = AtomicFile(path.resolve() if follow and path.is_symlink() else path, mode)
+    try:
+        yield part
+        part.replace()
+    except BaseException:
+        part.discard()
+        raise
+    finally:
+        part.close()
+
+
+def replace_file(file: str | Path, content: bytes, *, mode: int = EVERYBODY, follow: bool = True) -> None:
+    """Write a file whole: whatever interrupts this, the file is the old one or the new one.
+
+    A device or a pipe is written as it is. `mode` and `follow` are those of `open_atomic`.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    path = Path(file)
+    if is_stream(path):
+        with output_errors(path), path.open("wb") as stream:
+            stream.write(content)
+        return
+    with open_atomic(path, mode=mode, follow=follow) as part:
+        part.write(content)
+
+
+@contextmanager
+def whole_file(file: Path) -> Iterator[Path]:
+    """Yield the path of an empty file for a library to write, which takes the place of `file` when the block ends.
+
+    Raises:
+        OutputError: it cannot be written, another run is writing it, or what is there is no regular file.
+    """
+    if is_stream(file):
+        raise OutputError(f"{file}: is no regular file; give a file")
+    with open_atomic(file) as part, output_errors(file):
+        yield part.path
+
+
+def is_stream(path: Path) -> bool:
+    """Return whether there is something that is no regular file, so cannot be replaced: a device, a pipe, a folder."""
+    return path.exists() and not path.is_file()
+
+
+@contextmanager
+def output_errors(path: Path | str) -> Iterator[None]:
+    """Turn errors of the system into one line with the name of the file.
+
+    Raises:
+        OutputError: something cannot be written.
+    """
+    try:
+        yield
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        hint = "free some space" if error.errno in FULL else "choose another file"
+        raise OutputError(f"{path}: cannot be written: {error.strerror or error}; {hint}") from None
+
+
+def open_locked(path: Path, mode: int = EVERYBODY) -> int:
+    """Return the descriptor of a regular file that this process alone writes; it is created where it is missing.
+
+    Raises:
+        OutputError: another run writes it, or it is no regular file.
+        OSError: it cannot be opened.
+    """
+
+    def opened() -> int:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK, mode)
+        if stat.S_ISREG(os.fstat(descriptor).st_mode):
+            return descriptor
+        os.close(descriptor)
+        raise OutputError(f"{path}: is no regular file, but one has to be written there; remove it")
+
+    return locked(path, opened)
+
+
+def locked(path: Path, opened: Callable[[], int]) -> int:
+    """Return a descriptor that `opened` returns for a path, once no other run has it locked.
+
+    Raises:
+        OutputError: another run still has it after `PATIENCE`.
+        OSError: it cannot be opened.
+    """
+    until = monotonic() + PATIENCE
+    while True:
+        descriptor = opened()
+        try:
+            if _lock(descriptor) and _is_at(descriptor, path):
+                return descriptor
+        except BaseException:
+            os.close(descriptor)
+            raise
+        os.close(descriptor)
+        if monotonic() > until:
+            raise OutputError(f"{path}: another run is writing it; wait until it ends, or choose another file")
+        sleep(POLL)
+
+
+def write_at(descriptor: int, content: bytes, position: int) -> None:
+    """Write bytes at a position of a file; writing the same again does no harm."""
+    rest = memoryview(content)
+    while rest:
+        written = os.pwrite(descriptor, rest, position)
+        rest, position = rest[written:], position + written
+
+
+def flush_folder(folder: Path) -> None:
+    """Flush a folder, where the file system can, so that a rename in it survives a loss of power."""
+    try:
+        descriptor = os.open(folder, os.O_RDONLY | os.O_CLOEXEC)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
+    except OSError as error:
+        if error.errno not in NO_FLUSH:
+            raise
+
+
+def _lock(descriptor: int) -> bool:
+    """Lock a file, and return whether nobody else has; without locks, nobody has."""
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError as error:
+        return error.errno in NO_LOCKS
+    return True
+
+
+def _is_at(descriptor: int, path: Path) -> bool:
+    """Return whether a file still has its name: the previous writer may have renamed it since it was opened."""
+    try:
+        return os.path.samestat(os.fstat(descriptor), path.lstat())
+    except FileNotFoundError:
+        return False

@@ -1,0 +1,112 @@
+"""One atomic folder: it is filled under another name, flushed, and renamed; and folders that files are written into."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from prag_asp.errors import OutputError
+from prag_asp.output.atomic_file import SUFFIX, flush_folder, locked, output_errors
+from prag_asp.safe_reading import is_inside
+
+
+@contextmanager
+def new_folder(folder: Path) -> Iterator[Path]:
+    """Yield an empty folder, which becomes a new folder in one stroke when the block has filled it.
+
+    It is filled as ``NAME.part/NAME``, and ``NAME.part`` is locked meanwhile. What a killed run has left there is
+    removed first.
+
+    Raises:
+        OutputError: there is such a folder already, another run is writing it, or something cannot be written.
+    """
+    if folder.name in ("", ".."):
+        raise OutputError(f"{folder}: name a new folder")
+    _require_new(folder)
+    part = folder.with_name(folder.name + SUFFIX)
+    if part.is_symlink():
+        raise OutputError(f"{part}: is a link, but has to be a folder; remove it")
+    with output_errors(part):
+        lock = locked(part, lambda: os.open(make_folder(part), os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW))
+    inner = part / folder.name
+    try:
+        _require_new(folder)  # another run may have made it since
+        with output_errors(part):
+            others = sorted({path.name for path in part.iterdir()} - {folder.name})
+            if others:
+                raise OutputError(f"{part}: holds {others[0]}, but has to be empty for {folder}; move it away")
+            _remove(inner)
+            inner.mkdir()
+        yield inner
+        with output_errors(folder):
+            _flush(inner)
+            inner.rename(folder)
+            flush_folder(folder.parent)
+    finally:
+        with suppress(OSError):
+            _remove(inner)
+            part.rmdir()
+        os.close(lock)
+
+
+def _require_new(folder: Path) -> None:
+    """Check that a folder is not there, or is empty.
+
+    Raises:
+        OutputError: something else is there.
+    """
+    if os.path.lexists(folder) and (folder.is_symlink() or not folder.is_dir() or any(folder.iterdir())):
+        raise OutputError(f"{folder}: is there already; remove it, or give a new folder")
+
+
+def make_folder(folder: str | Path) -> Path:
+    """Create a folder and its parents, where they are missing, and return it.
+
+    Raises:
+        OutputError: it cannot be created.
+    """
+    path = Path(folder)
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"{path}: the folder cannot be made: {error.strerror}; choose another") from None
+    return path
+
+
+def file_in(folder: str | Path, name: str) -> Path:
+    """Return the path of a file of a folder, which may be somebody else's, to write to it.
+
+    Raises:
+        OutputError: what is there is no regular file, or a link that leads out of the folder.
+    """
+    path = Path(folder) / name
+    if not is_inside(path, folder):
+        raise OutputError(f"{path}: leads out of the folder; remove the link, or choose another folder")
+    if os.path.lexists(path) and not path.is_file():
+        raise OutputError(f"{path}: is no regular file; remove it, or choose another folder")
+    return path
+
+
+def _remove(folder: Path) -> None:
+    """Remove a folder, if it is there; links are not followed."""
+    if folder.is_symlink() or folder.is_file():
+        folder.unlink()
+    elif folder.exists():
+        shutil.rmtree(folder)
+
+
+def _flush(folder: Path) -> None:
+    """Flush all files and folders in a folder."""
+    for path in folder.rglob("*"):
+        if path.is_dir():
+            flush_folder(path)
+        else:
+            descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+            try:
+                os.fsync(descriptor)
+            finally:
+                os.close(descriptor)
+    flush_folder(folder)
