@@ -1,19 +1,20 @@
-"""The errors of prag_asp, all of them values a program can catch.
+"""The errors of prag_asp, which a program can catch.
 
 PragError
-├── DomainError        a domain's files are wrong: every message is ``file:line: what; what to do``
-├── QueryError         a question does not fit the domain: unknown action, negative length, bad weight
-├── EngineError        an engine cannot express a domain, and says why
-│   └── LimitReached   a limit on memory or time ended the work; has the reason and a lower bound
-├── SceneError         the scene or a body of it cannot be built
-├── MissingError       a package that is needed is not installed; the message says how to install it
+├── DomainError        the files of a domain are wrong: every message is ``file:line: what is wrong; what to do``
+├── QueryError         a request does not fit the domain: unknown action, negative length, invalid weight
+├── EngineError        an engine cannot handle a domain; the message says why
+│   └── LimitReached   a limit on memory or time was reached; holds what was found until then
+├── SceneError         a scene or a body cannot be built
+├── MissingError       a required package is not installed; the message says how to install it
 │   ├── PhysicsMissingError
 │   ├── PicturesMissingError
 │   ├── DatasetsMissingError
+│   ├── LearningMissingError
 │   ├── PddlMissingError
 │   └── RayMissingError
-├── NotFound           fewer results were found than requested
-├── WorkerError        the processes that validate tasks died again and again, or could not be started
+├── NotFound           less was found than requested
+├── WorkerError        processes that validate tasks died repeatedly, or could not be started
 └── OutputError        a result could not be written
 """
 
@@ -22,18 +23,17 @@ from __future__ import annotations
 from prag_asp.stop_reason import StopReason
 
 LONGEST = 500
-"""Characters of a line of a message, whatever it quotes."""
+"""The largest number of characters in a line of a message."""
 
 CUT = " ... "
 HEAD = 300
-"""Characters that stay at the beginning of a longer one: where it is and what is wrong; its end says what to do."""
+"""Characters kept from the beginning of a longer line (place and problem); its end (what to do) is kept too."""
 
 
 def plain(text: str) -> str:
-    """Return a text as one line without control sequences.
+    """Return a text as one line without control characters.
 
-    Characters that do not print, such as line ends and signs that change the direction of text, are escaped as in a
-    string of Python.
+    Characters that are not printable, including line ends and marks of text direction, are escaped as in Python.
     """
     if text.isprintable():
         return text
@@ -41,20 +41,20 @@ def plain(text: str) -> str:
 
 
 def one_line(text: str) -> str:
-    """Return a text as one line of a message: `plain`, and without its middle if it is too long."""
+    """Return a text as one line of a message: `plain`, with its middle replaced if it is too long."""
     line = plain(text)
     return line if len(line) <= LONGEST else f"{line[:HEAD]}{CUT}{line[HEAD + len(CUT) - LONGEST :]}"
 
 
 class PragError(Exception):
-    """Something that the user can fix; the message says what, where and how.
+    """Something that the user can correct; the message says what, where and how.
 
     Each argument is a separate problem, and becomes a line of the message.
     """
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """The lines of the message, each safe for a terminal, whatever it quotes."""
+        """The lines of the message, shortened and without control characters."""
         return tuple(one_line(str(problem)) for problem in self.args)
 
     def __str__(self) -> str:
@@ -62,11 +62,11 @@ class PragError(Exception):
 
 
 class DomainError(PragError):
-    """The files of a domain are wrong; one line of the message for each problem found."""
+    """The files of a domain are wrong; the message has one line for each problem."""
 
 
 class QueryError(PragError):
-    """A question does not fit the domain."""
+    """A request does not fit the domain."""
 
 
 class EngineError(PragError):
@@ -96,7 +96,7 @@ class SceneError(PragError):
 
 
 class MissingError(PragError):
-    """A package that is needed is not installed."""
+    """A required package is not installed."""
 
 
 class PhysicsMissingError(MissingError):
@@ -108,7 +108,7 @@ class PicturesMissingError(MissingError):
 
 
 class DatasetsMissingError(MissingError):
-    """Datasets need pyarrow, and other dataset formats further packages."""
+    """Datasets need pyarrow, and their export formats further packages."""
 
 
 class LearningMissingError(MissingError):
@@ -116,19 +116,19 @@ class LearningMissingError(MissingError):
 
 
 class RayMissingError(MissingError):
-    """Work on several machines needs Ray."""
+    """Work on a cluster needs Ray."""
 
 
 class PddlMissingError(MissingError):
-    """Files of PDDL need the package pddl to be read."""
+    """Reading PDDL files needs the package pddl."""
 
 
 class NotFound(PragError):
-    """Fewer results were found than requested."""
+    """Less was found than requested."""
 
 
 class WorkerError(PragError):
-    """The processes that validate tasks died again and again, or could not be started."""
+    """Processes that validate tasks died repeatedly, or could not be started."""
 
 
 class OutputError(PragError):

@@ -1,4 +1,4 @@
-"""Public names that are loaded when they are first used, so that the command starts at once."""
+"""Public names whose modules are imported on first use, so that the command starts fast."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from importlib import import_module
 
 
 def names_from(package: str, homes: Mapping[str, tuple[str, ...]]) -> Callable[[str], object]:
-    """Return the ``__getattr__`` of a package whose names live in the modules of `homes`."""
+    """Return the ``__getattr__`` of a package; `homes` maps modules to the names that they define."""
     home_of = {name: module for module, names in homes.items() for name in names}
 
     def get(name: str) -> object:

@@ -1,7 +1,7 @@
-"""What to do where a package is missing.
+"""Optional packages: import them, or raise an error that says how to install them.
 
-PyBullet and frankik may be, because a new Python comes long before their wheels; pyarrow, Gymnasium, and what other
-forms of datasets are written with, because few need them.
+PyBullet and frankik may be missing because their wheels follow a new Python late; pyarrow, Gymnasium and the packages
+of dataset formats, because few users need them.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from prag_asp.errors import (
 )
 
 NEWEST = (3, 13)
-"""The newest Python that both have wheels for; pyproject.toml says so, too."""
+"""The newest Python that PyBullet and frankik have wheels for, as pyproject.toml states too."""
 
 
 def needed(module: str) -> ModuleType:
@@ -35,10 +35,10 @@ def needed(module: str) -> ModuleType:
         return import_module(module)
     except ImportError as error:
         if error.name == module:
-            told = f"physics needs PyBullet and frankik; {advice(sys.version_info[:2])}"
+            message = f"physics needs PyBullet and frankik; {advice(sys.version_info[:2])}"
         else:
-            told = f"physics needs {module}, which cannot be loaded: {' '.join(str(error).split())}; install it anew"
-        raise PhysicsMissingError(told) from None
+            message = f"physics needs {module}, which cannot be loaded: {_reason(error)}; install it again"
+        raise PhysicsMissingError(message) from None
 
 
 def require_pyarrow() -> None:
@@ -51,8 +51,8 @@ def require_pyarrow() -> None:
         import_module("pyarrow.parquet")
     except ImportError as error:
         missing = (error.name or "").startswith("pyarrow")
-        told = "datasets need pyarrow" if missing else f"pyarrow cannot be loaded: {' '.join(str(error).split())}"
-        raise DatasetsMissingError(f'{told}; install it: pip install "prag_asp[datasets]"') from None
+        message = "datasets need pyarrow" if missing else f"pyarrow cannot be loaded: {_reason(error)}"
+        raise DatasetsMissingError(f'{message}; install it: pip install "prag_asp[datasets]"') from None
 
 
 def require_gymnasium() -> ModuleType:
@@ -64,14 +64,13 @@ def require_gymnasium() -> ModuleType:
     try:
         return import_module("gymnasium")
     except ImportError as error:
-        told = "environments need Gymnasium"
-        if error.name != "gymnasium":
-            told = f"Gymnasium cannot be loaded: {' '.join(str(error).split())}"
-        raise LearningMissingError(f'{told}; install it: pip install "prag_asp[rl]"') from None
+        missing = error.name == "gymnasium"
+        message = "environments need Gymnasium" if missing else f"Gymnasium cannot be loaded: {_reason(error)}"
+        raise LearningMissingError(f'{message}; install it: pip install "prag_asp[rl]"') from None
 
 
 def require_packages(form: str, packages: Iterable[str]) -> None:
-    """Check that the packages are there that a form of datasets is written with.
+    """Check that the packages of a dataset format are installed.
 
     Raises:
         DatasetsMissingError: one is not installed, or cannot be loaded.
@@ -81,13 +80,13 @@ def require_packages(form: str, packages: Iterable[str]) -> None:
             import_module(package)
         except ImportError as error:
             missing = (error.name or "").partition(".")[0] == package
-            why = "" if missing else f", which cannot be loaded: {' '.join(str(error).split())}"
-            told = f"the form {form} needs {package}{why}; install it"
-            raise DatasetsMissingError(f'{told}: pip install "prag_asp[formats]"') from None
+            reason = "" if missing else f", which cannot be loaded: {_reason(error)}"
+            message = f"the format {form} needs {package}{reason}; install it"
+            raise DatasetsMissingError(f'{message}: pip install "prag_asp[formats]"') from None
 
 
 def require_ray() -> None:
-    """Check that there is Ray; it is imported by a process of its own.
+    """Check that Ray is installed; a separate process imports it.
 
     Raises:
         RayMissingError: it is not installed.
@@ -97,7 +96,7 @@ def require_ray() -> None:
 
 
 def require_pddl() -> None:
-    """Check that files of PDDL can be read.
+    """Check that PDDL files can be read.
 
     Raises:
         PddlMissingError: the package pddl is not installed, or cannot be loaded.
@@ -106,32 +105,37 @@ def require_pddl() -> None:
         import_module("pddl.parser")
     except ImportError as error:
         missing = (error.name or "").partition(".")[0] in ("pddl", "lark")
-        told = "PDDL needs the package pddl" if missing else f"pddl cannot be loaded: {' '.join(str(error).split())}"
-        raise PddlMissingError(f'{told}; install it: pip install "prag_asp[pddl]"') from None
+        message = "PDDL needs the package pddl" if missing else f"pddl cannot be loaded: {_reason(error)}"
+        raise PddlMissingError(f'{message}; install it: pip install "prag_asp[pddl]"') from None
+
+
+def _reason(error: ImportError) -> str:
+    """Return the message of an error as one line."""
+    return " ".join(str(error).split())
 
 
 def advice(version: tuple[int, int]) -> str:
-    """Return how a Python of some version gets what is missing."""
+    """Return how to install PyBullet and frankik on a version of Python."""
     if version <= NEWEST:
         fork = version >= (3, 12) or sys.platform != "linux"
         return f"install them: pip install {'pybullet-arm64' if fork else 'pybullet'} frankik"
     (major, minor), newest = version, ".".join(map(str, NEWEST))
     return (
-        f"there are no wheels for Python {major}.{minor}: take Python {newest}, for instance by "
+        f"there are no wheels for Python {major}.{minor}: use Python {newest}, for instance by "
         f"uv tool install --python {newest} {_origin()}; or build both from source"
     )
 
 
 def _origin() -> str:
-    """Return what prag_asp was installed from: a folder or a file, otherwise its name."""
-    import json  # noqa: PLC0415 - only what goes wrong needs these
+    """Return the folder or file that prag_asp was installed from, otherwise its name."""
+    import json  # noqa: PLC0415 - only errors need these
     from importlib.metadata import PackageNotFoundError, distribution  # noqa: PLC0415
     from urllib.parse import urlsplit  # noqa: PLC0415
     from urllib.request import url2pathname  # noqa: PLC0415
 
     try:
-        told = distribution("prag_asp").read_text("direct_url.json")
+        origin = distribution("prag_asp").read_text("direct_url.json")
     except PackageNotFoundError:
-        told = None
-    url = urlsplit(json.loads(told)["url"] if told else "")
+        origin = None
+    url = urlsplit(json.loads(origin)["url"] if origin else "")
     return shlex.quote(url2pathname(url.path)) if url.scheme == "file" else "prag_asp"

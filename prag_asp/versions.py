@@ -1,4 +1,4 @@
-"""The versions of this package and of what it runs on, told without importing them."""
+"""The versions of this package and of its main dependencies, found without importing them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ UNKNOWN = "0+unknown"
 """The version of a copy that is not installed."""
 
 PYBULLET = ("pybullet", "pybullet-arm64")
-"""The distributions that have the simulator."""
+"""The distributions that contain the simulator."""
 
 
 def own_version() -> str:

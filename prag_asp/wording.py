@@ -1,4 +1,4 @@
-"""How messages are worded: names that are nearly known, numbers with their nouns."""
+"""Parts of messages: suggestions for misspelt names, and numbers with their nouns."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ from contextlib import contextmanager
 from prag_asp.errors import QueryError
 
 SIMILAR = 0.6
-"""The share of their letters, in order, that two names have in common where one may be meant by the other."""
+"""Similarity of two names (as `difflib` measures it) from which one is suggested for the other."""
 
 ALIKE = 0.7
-"""The share from which a name is held for a misspelling, and not only for one that may be meant."""
+"""Similarity from which a name counts as a misspelling of another."""
 
 LISTED = 8
-"""Known names that a message lists at most."""
+"""The largest number of names that a message lists."""
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name that another is most likely a misspelling of, None where no other is similar."""
-    import difflib  # noqa: PLC0415 - most names are right, and the command starts faster without
+    """Return the known name that is most similar to another, None if no name is similar."""
+    import difflib  # noqa: PLC0415 - slow to import, and most names are right
 
     near = difflib.get_close_matches(name, sorted({*known} - {name}), n=1, cutoff=SIMILAR)
     return near[0] if near else None
 
 
 def is_misspelt(name: str, known: Iterable[str]) -> bool:
-    """Tell whether a name is hardly one of its own: a known one is like it, and not by a whole word or but a number."""
+    """Return whether a name is a misspelling of a known name: similar, and not only by further words or by a number."""
     near = nearest(name, known)
     if near is None:
         return False
@@ -40,25 +40,25 @@ def is_misspelt(name: str, known: Iterable[str]) -> bool:
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
-    """Return ``did you mean ...?`` where a known name is near; where none is, `otherwise` or what is known."""
+    """Return ``did you mean ...?`` with a similar name; if no name is similar, `otherwise` or the known names."""
     names = {*known}
     near = nearest(name, names)
     return f"did you mean {near}?" if near else otherwise or f"known are {listed(names)}"
 
 
 def listed(names: Iterable[str]) -> str:
-    """Return names in order, as many as a message has room for."""
+    """Return the first names in alphabetical order, as a text."""
     ordered = sorted(names)
     return f"{', '.join(ordered[:LISTED])}{' ...' if len(ordered) > LISTED else ''}" if ordered else "none"
 
 
 def plural(number: int, one: str, several: str = "") -> str:
-    """Return a number with its noun: ``1 task``, ``2 tasks``; `several` where the plural is not with an s."""
+    """Return a number with its noun: ``1 task``, ``2 tasks``; `several` is a plural that does not end in s."""
     return f"{number} {one if number == 1 else several or f'{one}s'}"
 
 
 def unknown(text: str, known: Iterable[str], kind: str) -> str:
-    """Return the message for a word that is not among those known."""
+    """Return the message for a name that is not known."""
     names = {*known}
     like = "(" in text and any(each.startswith(text[: text.index("(") + 1]) for each in names)
     never = ", or it can never occur" if kind == "action" and like else ""
@@ -67,10 +67,10 @@ def unknown(text: str, known: Iterable[str], kind: str) -> str:
 
 @contextmanager
 def not_too_deep(text: str) -> Iterator[None]:
-    """Read something that is nested, and say so where it is too deep.
+    """Parse a nested text, quoted in the error if it is nested too deeply.
 
     Raises:
-        QueryError: it is.
+        QueryError: the text is nested too deeply.
     """
     try:
         yield

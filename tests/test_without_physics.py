@@ -115,7 +115,7 @@ def test_what_needs_physics_says_so_in_a_line_and_writes_nothing(
     assert (done.returncode, done.stdout) == (2, "")
     (line,) = done.stderr.splitlines()
     assert "physics needs PyBullet and frankik; " in line
-    assert ("--no-physics draws without" in line) == (arguments[0] == "sample")
+    assert ("--no-physics samples without it" in line) == (arguments[0] == "sample")
     assert not list(tmp_path.iterdir())
 
 
@@ -150,7 +150,7 @@ def test_the_advice_fits_the_python() -> None:
     assert advice((3, 11)) == "install them: pip install pybullet frankik"
     assert advice((3, 13)) == "install them: pip install pybullet-arm64 frankik"
     new = advice((3, 14))
-    assert new.startswith("there are no wheels for Python 3.14: take Python 3.13, for instance by uv tool install ")
+    assert new.startswith("there are no wheels for Python 3.14: use Python 3.13, for instance by uv tool install ")
     assert new.endswith("; or build both from source")
 
 

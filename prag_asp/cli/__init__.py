@@ -3,67 +3,46 @@
 from __future__ import annotations
 
 import os
-import signal
 import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from prag_asp.cli.terminal import Command
+    from prag_asp.cli.registry import Commands
 
-    cli: Command
+    cli: Commands
 
 __all__ = ["cli", "main"]
 
 
 def main() -> None:
-    """Run the command and exit; while it is being loaded, an interruption ends it as quietly as later."""
+    """Run the command, and exit with its code."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # our matrices are small, and each thread takes memory
+    code = 1
     try:
+        from prag_asp.cli.exit_control import reopen_closed_streams
         from prag_asp.cli.supervision import supervise
 
+        reopen_closed_streams()
         supervise()
-        code = _command().main()
-    except KeyboardInterrupt as asked:
-        from prag_asp.cli.exit_control import Terminated
-        from prag_asp.cli.exits import Exit
+        from prag_asp.cli.registry import cli
 
-        line, code = (
-            ("terminated", Exit.TERMINATED) if isinstance(asked, Terminated) else ("interrupted", Exit.INTERRUPTED)
-        )
-        sys.stderr.write(f"{line}\n")
-    except Exception as error:
-        from prag_asp.cli.exit_control import memory_refused, out_of_memory, write_line
-        from prag_asp.cli.exits import Exit
+        code = cli.main()
+    except BaseException as error:
+        from prag_asp.cli.exit_control import ERRORS, report_end
 
-        if not memory_refused(error):
+        if not isinstance(error, ERRORS):
             raise
-        write_line(out_of_memory())
-        code = Exit.LIMIT
-    finally:  # All is told, and Python would tell of what it is torn from.
-        _hear_nothing()
+        code = report_end(error)
+    finally:
+        from prag_asp.cli.exit_control import finish
+
+        finish(code)
     sys.exit(code)
 
 
-def _hear_nothing() -> None:
-    """Ignore signals from here on; a command that has told all tells nothing of memory that is refused now."""
-    try:
-        from prag_asp.cli.exit_control import deafen, done, ignore
-
-        done()
-        ignore(signal.SIGINT)
-        deafen()
-    except (MemoryError, SystemError, ImportError):
-        return
-
-
-def _command() -> Command:
-    """Load the command."""
-    from prag_asp.cli.registry import cli
-
-    return cli
-
-
-def __getattr__(name: str) -> Command:
+def __getattr__(name: str) -> Commands:
     if name == "cli":
-        return _command()
+        from prag_asp.cli.registry import cli
+
+        return cli
     raise AttributeError(f"module 'prag_asp.cli' has no attribute {name!r}")

@@ -1,4 +1,4 @@
-"""What the words of a command line mean that several commands read: domains before other words, lengths."""
+"""Parsers of words of a command line: domains before other words, lengths, constants."""
 
 from __future__ import annotations
 
@@ -8,18 +8,16 @@ from collections.abc import Sequence
 from prag_asp.errors import QueryError
 from prag_asp.program.paths import is_file_name
 
-LONGEST_SIZE = 20
-
 MOST_LENGTHS = 1_000_000
-"""How many lengths are asked about at once, at most: each takes memory of its own."""
+"""Lengths in one request: each takes memory of its own."""
 
 RANGE = re.compile(r"(?P<first>\d+)\.\.(?P<last>\d+)")
 
 
 def domain_and_others(words: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the words that give a domain, and those after it.
+    """Return the words that name a domain, and those after them.
 
-    A domain is one word, or all files (and standard input) that come first: they tell themselves from other words.
+    A domain is one word, or all files (and standard input) that come first.
     """
     count = 1
     while count < len(words) and all(map(is_file_name, words[: count + 1])):
@@ -27,24 +25,24 @@ def domain_and_others(words: Sequence[str]) -> tuple[tuple[str, ...], tuple[str,
     return tuple(words[:count]), tuple(words[count:])
 
 
-def one_or_more_lengths(text: str) -> int | range:
-    """Return the number of actions that a text states, or all numbers from one to another: ``3..6``.
+def parse_lengths(text: str) -> int | range:
+    """Return the number of actions that a text states, or all numbers of a range such as ``3..6``.
 
     Raises:
-        QueryError: it states none.
+        QueryError: it states neither.
     """
     found = RANGE.fullmatch(text.strip())
     if found is None:
-        return _number(text, "write a whole number, such as 4, or A..B for all from A to B")
+        return _parse_number(text, "write a whole number, such as 4, or A..B for all from A to B")
     first, last = int(found["first"]), int(found["last"])
     if first > last:
         raise QueryError(f"--length {text}: the first is above the last; write {last}..{first}")
     if last - first >= MOST_LENGTHS:
-        raise QueryError(f"--length {text}: more than {MOST_LENGTHS:,} lengths; ask for fewer at once")
+        raise QueryError(f"--length {text}: more than {MOST_LENGTHS:,} lengths; use a smaller range")
     return range(first, last + 1)
 
 
-def one_length(text: str) -> int:
+def parse_length(text: str) -> int:
     """Return the number of actions that a text states.
 
     Raises:
@@ -52,22 +50,10 @@ def one_length(text: str) -> int:
     """
     if RANGE.fullmatch(text.strip()):
         raise QueryError(f"--length {text}: a range, but one length is needed; give a number, such as 4")
-    return _number(text, "write a whole number, such as 4")
+    return _parse_number(text, "write a whole number, such as 4")
 
 
-def pixels(text: str) -> tuple[int, int]:
-    """Return the width and height that an option states.
-
-    Raises:
-        QueryError: it is not of the form WxH.
-    """
-    width, _, height = text.partition("x")
-    if not (width.isdecimal() and height.isdecimal() and len(text) <= LONGEST_SIZE):
-        raise QueryError(f"--size {text}: write WIDTHxHEIGHT in pixels, such as 480x420")
-    return int(width), int(height)
-
-
-def _number(text: str, hint: str) -> int:
+def _parse_number(text: str, hint: str) -> int:
     try:
         number = int(text)
     except ValueError:
@@ -75,3 +61,20 @@ def _number(text: str, hint: str) -> int:
     if number < 0:
         raise QueryError(f"--length {text}: a plan has at least 0 actions")
     return number
+
+
+def parse_constant_options(options: Sequence[str]) -> dict[str, str]:
+    """Return the constants that options of the form NAME=VALUE set.
+
+    Raises:
+        QueryError: an option is of another form, or a constant is set twice.
+    """
+    constants: dict[str, str] = {}
+    for option in options:
+        name, equals, value = option.partition("=")
+        if not equals or not name.strip():
+            raise QueryError(f"--const {option}: write NAME=VALUE, such as discs=4")
+        if name.strip() in constants:
+            raise QueryError(f"--const {name.strip()}: it is set twice; give it once")
+        constants[name.strip()] = value.strip()
+    return constants

@@ -1,4 +1,4 @@
-"""What a command line asks for: a domain, and a task space of it."""
+"""Options that name a domain and a task space of it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from prag_asp.cli import exit_control
+from prag_asp.cli import exit_control, shell_completion
+from prag_asp.cli.arguments import parse_constant_options, parse_length, parse_lengths
+from prag_asp.cli.options import Decorator, grouped
 from prag_asp.cli.terminal import tell_line
 from prag_asp.errors import DomainError, QueryError
 from prag_asp.safe_reading import STANDARD_INPUT
@@ -19,15 +21,14 @@ if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
     from prag_asp.domain.load import Domain
     from prag_asp.program.sources import Source
-    from prag_asp.space.limits import Limits
     from prag_asp.space.task_space import TaskSpace
 
 
 @dataclass(frozen=True)
-class Asked:
-    """The domain and the task space that a command line asks for.
+class DomainOptions:
+    """The domain and the task space that a command line names.
 
-    `recorded` is a task of a file, made with constants of the domain; those of the command line go before its own.
+    `recorded` is a task of a file, made with constants of the domain; constants of the command line override those.
     """
 
     names: tuple[str, ...] = ()
@@ -45,15 +46,15 @@ class Asked:
     strict: bool = False
     recorded: Record | None = None
 
-    def of(self, record: Record, folder: Path) -> Asked:
-        """Return the same for the task of a file in a folder: its domain where none is asked for, and its constants."""
+    def of(self, record: Record, folder: Path) -> DomainOptions:
+        """Return the options for a task of a file in a folder: its domain if none is named, and its constants."""
         from prag_asp.dataset.task_origin import named_domain
 
         recorded = record if record.task.constants else None
         return replace(self, names=self.names or (named_domain(record, folder),), recorded=recorded)
 
     def domain(self, *, tell: bool = True) -> Domain:
-        """Load the domain; with `tell`, say how many warnings there are about it.
+        """Load the domain; with `tell`, print how many warnings there are about it.
 
         Raises:
             DomainError: something is wrong with it, or with the constants that a task of a file names.
@@ -65,17 +66,17 @@ class Asked:
                 raise
             raise DomainError(*(f"{self.recorded.place}: {line}" for line in error.lines)) from None
         if domain.warnings and tell:
-            told = plural(len(domain.warnings), "warning")
-            tell_line(f"{told} about {domain.label}; see prag-asp check {' '.join(self.names)}")
+            warnings = plural(len(domain.warnings), "warning")
+            tell_line(f"{warnings} about {domain.label}; see prag-asp check {' '.join(self.names)}")
         return domain
 
     def _load(self, recorded: Mapping[str, str]) -> Domain:
         from prag_asp.domain.load import load_domain
 
         if self.settings is None:
-            _note_unread(self.names)
+            _note_unread_settings(self.names)
         return load_domain(
-            *map(given, self.names),
+            *map(source_of, self.names),
             constants={**recorded, **parse_constant_options(self.constants)},
             settings=self.settings,
             rules=self.rules,
@@ -87,7 +88,7 @@ class Asked:
         )
 
     def space(self, tell: Callable[[str], None] | None = None, domain: Domain | None = None) -> TaskSpace:
-        """Return the task space of the domain, or of another one, which tells its progress to `tell`."""
+        """Return the task space of the domain, or of another one; `tell` receives its progress."""
         return self._space(self.one_length, tell, domain)
 
     def spaces(self, tell: Callable[[str], None] | None = None) -> TaskSpace:
@@ -97,18 +98,19 @@ class Asked:
     def _space(self, length: int | range, tell: Callable[[str], None] | None, domain: Domain | None) -> TaskSpace:
         from prag_asp.space.task_space import TaskSpace
 
-        limits = self._limits()
+        self.conditions()
+        limits = exit_control.limits(cached=self.cached)
         space = TaskSpace(domain or self.domain(), length, engine=self.engine, progress=tell, limits=limits)
         return space.where(*self.where)
 
     @property
     def one_length(self) -> int:
-        """The length, where a command takes no range."""
+        """The length, for a command that takes no range."""
         assert isinstance(self.length, int), "a range is refused where the option is read"
         return self.length
 
     def conditions(self) -> tuple[str, ...]:
-        """Return the conditions asked for.
+        """Return the conditions on tasks.
 
         Raises:
             QueryError: one is empty.
@@ -117,55 +119,98 @@ class Asked:
             raise QueryError("condition '': write one, such as 'uses apple' or 'has at least 2 grasp'")
         return self.where
 
-    def _limits(self) -> Limits:
-        """Return the limits; what is asked is checked on the way, before anything is loaded.
 
-        Raises:
-            QueryError: a condition is empty.
-        """
-        from prag_asp.space.limits import Limits
-
-        self.conditions()
-        seconds, memory, begun = exit_control.limits()
-        return Limits(memory, seconds, self.cached, begun)
+def domain_options(*options: Decorator) -> Decorator:
+    """Give a command these options, whose values it gets as one value `request`."""
+    return grouped("request", DomainOptions, options)
 
 
-def _note_unread(names: Sequence[str]) -> None:
-    """Say once that a folder's settings stay unread where its domain.lp is given as a file."""
+def _note_unread_settings(names: Sequence[str]) -> None:
+    """Print once that the settings of a folder are not read if its domain.lp is given as a file."""
     for name in names:
         settings = Path(name).parent / "domain.toml"
         if Path(name).name == "domain.lp" and settings.is_file():
-            said: dict[str, Any] = click.get_current_context().meta
-            if said.setdefault(name, settings) is settings:
-                told = f"note: {settings} is not read with a file; give its folder, or --settings {settings}"
-                tell_line(told)
+            printed: dict[str, Any] = click.get_current_context().meta
+            if printed.setdefault(name, settings) is settings:
+                tell_line(f"note: {settings} is not read with a file; give its folder, or --settings {settings}")
 
 
-def given(name: str) -> str | Source:
-    """Return what a domain is given as; standard input is read once, however often its domain is loaded."""
+def source_of(name: str) -> str | Source:
+    """Return the source of a program by its name; standard input is read once, even if it is loaded several times."""
     if name != STANDARD_INPUT:
         return name
     from prag_asp.program.sources import standard_input
 
-    kept: dict[str, Any] = click.get_current_context().meta
-    if STANDARD_INPUT not in kept:
-        kept[STANDARD_INPUT] = standard_input()
-    source: Source = kept[STANDARD_INPUT]
+    cache: dict[str, Any] = click.get_current_context().meta
+    if STANDARD_INPUT not in cache:
+        cache[STANDARD_INPUT] = standard_input()
+    source: Source = cache[STANDARD_INPUT]
     return source
 
 
-def parse_constant_options(options: Sequence[str]) -> dict[str, str]:
-    """Return the constants that options of the form NAME=VALUE set.
+PROGRAM = (
+    click.option(
+        "-c", "--const", "constants", metavar="NAME=VALUE", multiple=True,
+        help="Value for a #const of the domain, such as discs=4.",
+    ),
+    click.option(
+        "--settings", metavar="FILE", shell_complete=shell_completion.files,
+        help="File to read instead of the folder's domain.toml; a domain of files has none by default.",
+    ),
+    click.option(
+        "--rule", "rules", metavar="RULE", multiple=True, shell_complete=shell_completion.rules,
+        help="Rule to add, such as no_undo or 'at_most(grasp,2)'.",
+    ),
+    click.option(
+        "--encodings", metavar="DIR", shell_complete=shell_completion.files,
+        help="Folder of encodings to use instead of the shipped ones.",
+    ),
+    click.option("--flat", is_flag=True, help="Ignore the composites: any sequence of actions may be a plan."),
+    click.option(
+        "--learned/--no-learned", default=True, help="Read learned.lp if the domain has one.  [default: learned]"
+    ),
+    click.option("--strict", is_flag=True, help="Treat warnings of `prag-asp check` as errors."),
+)  # fmt: skip
+"""How a domain is loaded."""
 
-    Raises:
-        QueryError: an option is of another form, or a constant is set twice.
-    """
-    found: dict[str, str] = {}
-    for option in options:
-        name, equals, value = option.partition("=")
-        if not equals or not name.strip():
-            raise QueryError(f"--const {option}: write NAME=VALUE, such as discs=4")
-        if name.strip() in found:
-            raise QueryError(f"--const {name.strip()}: it is set twice; give it once")
-        found[name.strip()] = value.strip()
-    return found
+DOMAIN = (
+    click.argument(
+        "names", metavar="DOMAIN...", nargs=-1, required=True, shell_complete=shell_completion.domains
+    ),
+    *PROGRAM,
+)  # fmt: skip
+OF_FILE = (
+    click.option(
+        "--domain", "names", metavar="DOMAIN", multiple=True, shell_complete=shell_completion.domains,
+        help="Domain of the tasks; repeat it for a domain of several files.  [default: the one that each task names]",
+    ),
+    *PROGRAM,
+)  # fmt: skip
+"""A domain of tasks in a file."""
+
+WHERE = click.option(
+    "--where", metavar="CONDITION", multiple=True, shell_complete=shell_completion.conditions,
+    help="Condition on tasks, such as 'uses apple', 'has at least 2 grasp' or 'loop-free'; may be repeated.",
+)  # fmt: skip
+LENGTH = click.option(
+    "-n", "--length", type=parse_length, required=True, metavar="N", help="Number of actions of a task."
+)
+LENGTHS = click.option(
+    "-n", "--length", type=parse_lengths, required=True, metavar="N|A..B",
+    help="Number of actions of a task, or all numbers from A to B.",
+)  # fmt: skip
+ENGINE = (
+    WHERE,
+    click.option(
+        "--engine", default="auto", show_default=True, metavar="ENGINE", shell_complete=shell_completion.engines,
+        help="Counting engine: auto, automaton, clingo, sat, sharp or symbolic.",
+    ),
+    click.option(
+        "--cache/--no-cache", "cached", default=True,
+        help="Cache results that took long to compute, for later runs.  [default: cache]",
+    ),
+)  # fmt: skip
+"""Which tasks of the domain, and how they are counted."""
+
+SPACE = (*DOMAIN, LENGTH, *ENGINE)
+SPACES = (*DOMAIN, LENGTHS, *ENGINE)

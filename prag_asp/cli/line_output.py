@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Protocol
 
-from prag_asp.cli.terminal import for_terminal, whole_lines
+from prag_asp.cli.terminal import for_terminal
 from prag_asp.errors import OutputError
 from prag_asp.output import new_folder, open_atomic
 from prag_asp.output.atomic_file import AtomicFile, is_stream, output_errors
@@ -66,15 +66,14 @@ def writer(output: str | None) -> Iterator[Writer]:
     Raises:
         OutputError: the file cannot be written.
     """
-    with whole_lines():
-        if output is None or is_stream(Path(output)):
-            with _stream(output) as stream:
-                yield stream
-        else:
-            with open_atomic(output) as file:
-                lines = _FileWriter(file)
-                yield lines
-                lines.flush()
+    if output is None or is_stream(Path(output)):
+        with _stream(output) as stream:
+            yield stream
+    else:
+        with open_atomic(output) as file:
+            lines = _FileWriter(file)
+            yield lines
+            lines.flush()
 
 
 @contextmanager

@@ -1,16 +1,20 @@
-"""The commands of ``prag-asp``: the one list of them, each imported when it is asked for."""
+"""The commands of ``prag-asp``: the one list of them, each imported when it is needed."""
 
 from __future__ import annotations
 
+import gc
 import os
+import sys
+from collections.abc import Sequence
 from importlib import import_module
 from keyword import iskeyword
 from typing import Any
 
 import click
 
-from prag_asp.cli.exits import MEANINGS
-from prag_asp.cli.terminal import Command, say
+from prag_asp.cli import exit_control
+from prag_asp.cli.exits import MEANINGS, Exit
+from prag_asp.cli.terminal import say, tell_line
 
 PROGRAM, COMPLETION = "prag-asp", "_PRAG_ASP_COMPLETE"
 """The name of the program, and the variable by which a shell asks it for completions."""
@@ -38,38 +42,88 @@ COMMANDS = {
     "validate": "validate",
     "verify": "verify",
 }
-"""The commands, each with the module of `prag_asp.cli.commands` that has it under the command's name."""
+"""The commands, each with the module of `prag_asp.cli.commands` that defines it under the command's name."""
+
+GROUPS = {
+    "Domains": ("domains", "new", "check", "explain", "learn", "import"),
+    "Task spaces": ("count", "task", "sample", "enumerate", "split", "stats", "validate", "render"),
+    "Datasets": ("generate", "merge", "verify", "suite", "export"),
+    "Other": ("models", "completion"),
+}
+"""The commands in the order of the help."""
+
+GARBAGE = (100_000, 50, 100)
+"""Thresholds of Python's garbage collector: a ground program is many small values without cycles, so it runs seldom."""
 
 
-class Commands(Command):
-    """A group that imports a command when it is asked for; help asks for all."""
+class Commands(click.Group):
+    """A group that imports a command when it is needed, and turns errors into one line and an exit code."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the names of all commands."""
         return sorted(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Return the command of a name, None where there is none."""
+        """Return the command of a name, None if there is none."""
         if cmd_name not in COMMANDS:
             return None
-        from prag_asp.cli.options import with_limits
+        from prag_asp.cli.options import add_limits
 
         name = f"{cmd_name}_" if iskeyword(cmd_name) else cmd_name
-        found = getattr(import_module(f"prag_asp.cli.commands.{COMMANDS[cmd_name]}"), name)
-        assert isinstance(found, click.Command)
-        return with_limits(found)
+        command = getattr(import_module(f"prag_asp.cli.commands.{COMMANDS[cmd_name]}"), name)
+        assert isinstance(command, click.Command)
+        add_limits(command)
+        return command
 
-    def main(self, *args: Any, **kwargs: Any) -> Any:
-        """Run the command, or answer a shell that asks for completions, and return the exit code."""
-        if COMPLETION in os.environ:
-            from prag_asp.cli.shells import add_shells
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the commands in groups, each with the first sentence of its help."""
+        for title, names in GROUPS.items():
+            commands = {name: self.get_command(ctx, name) for name in names}
+            with formatter.section(title):
+                formatter.write_dl(
+                    [(name, each.get_short_help_str(SHORT_HELP)) for name, each in commands.items() if each]
+                )
 
-            add_shells()
-        return super().main(*args, **{"prog_name": PROGRAM, "complete_var": COMPLETION, **kwargs})
+    def main(self, args: Sequence[str] | None = None, prog_name: str | None = None, *_: Any, **__: Any) -> Any:
+        """Run a command line, or answer a shell that asks for completions, and return the exit code."""
+        name = prog_name or PROGRAM
+        if os.environ.get(COMPLETION):
+            from prag_asp.cli.shell_completion import complete
+
+            return complete(self, name, COMPLETION)
+        if hasattr(sys, "set_int_max_str_digits"):
+            sys.set_int_max_str_digits(0)
+        gc.set_threshold(*GARBAGE)
+        with exit_control.running():
+            try:
+                with self.make_context(name, list(sys.argv[1:] if args is None else args)) as context:
+                    self.invoke(context)
+                return Exit.DONE
+            except click.exceptions.Exit as stop:
+                return stop.exit_code
+            except click.ClickException as error:
+                _print_usage_error(error)
+                return Exit.USAGE if isinstance(error, click.UsageError) else Exit.BAD_INPUT
+            except exit_control.ERRORS as error:
+                return exit_control.report_end(error)
 
 
-def _show_versions(context: click.Context, parameter: click.Parameter, asked: bool) -> None:
-    if asked and not context.resilient_parsing:
+SHORT_HELP = 88
+"""Characters of a command's help in the list of commands."""
+
+
+def _print_usage_error(error: click.ClickException) -> None:
+    """Print in one line what is wrong with a command line; a group without a command prints its help."""
+    context = error.ctx if isinstance(error, click.UsageError) else None
+    if isinstance(error, getattr(click.exceptions, "NoArgsIsHelpError", ())) or context is None:
+        error.show()
+        return
+    message = " ".join(error.format_message().split()).rstrip(".")
+    tell_line(f"{context.command_path}: {message}; see {context.command_path} --help")
+
+
+def _print_versions(context: click.Context, parameter: click.Parameter, requested: bool) -> None:
+    if requested and not context.resilient_parsing:
         from prag_asp.versions import versions
 
         say(versions())
@@ -82,13 +136,13 @@ CODES = "\n".join(["\b", "Exit codes:", *(f"{int(code):5}  {meaning}" for code, 
 
 @click.group(cls=Commands, epilog=CODES, context_settings=CONTEXT)
 @click.option(
-    "--version", is_flag=True, is_eager=True, expose_value=False, callback=_show_versions,
+    "--version", is_flag=True, is_eager=True, expose_value=False, callback=_print_versions,
     help="Show the versions of prag_asp, clingo and PyBullet, and exit.",
 )  # fmt: skip
 def cli() -> None:
-    """Robot manipulation tasks from logic programs: counted exactly, drawn exactly, checked by physics.
+    """Robot manipulation tasks from logic programs: counted exactly, sampled exactly, checked by physics.
 
-    DOMAIN is a shipped domain (see `prag-asp domains`), a folder with a domain.lp, or files: one or more that end in
-    .lp, or - for standard input, or a domain and its problem in PDDL, two files that end in .pddl. Of a folder, its
-    domain.toml and learned.lp are read too; files come without, unless --settings names a file.
+    DOMAIN is a shipped domain (see `prag-asp domains`), a folder with a domain.lp, or files: one or more .lp files, or
+    - for standard input, or a domain and a problem in PDDL (two .pddl files). The domain.toml and learned.lp of a
+    folder are read too; domain files have no settings unless --settings names a file.
     """

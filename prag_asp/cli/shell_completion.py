@@ -1,7 +1,9 @@
-"""What a shell is offered for a word that is being typed. Whatever goes wrong, nothing is offered and nothing said."""
+"""Completion of words in a shell; if anything fails, it completes nothing and prints nothing."""
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import wraps
 from pathlib import Path
@@ -9,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from prag_asp.cli.arguments import domain_and_others
+from prag_asp.cli.arguments import domain_and_others, parse_constant_options
 from prag_asp.program.paths import PDDL, data_folder, is_file_name, rule_names, shipped_domains, shipped_suites
 from prag_asp.safe_reading import STANDARD_INPUT
 
@@ -19,42 +21,45 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
 
 Items = list["CompletionItem[Any]"]
-Offer = Callable[[click.Context, click.Parameter, str], Items]
+Completer = Callable[[click.Context, click.Parameter, str], Items]
+
+ONE_WORD = re.compile(r"[\w./:=+@%^-]*")
+"""What bash reads as one word."""
 
 ENTITIES, ACTIONS = ("uses", "avoids"), ("begins", "has", "lacks")
-"""Conditions that speak of entities and classes, and of actions."""
+"""Keywords of conditions on entities and classes, and on actions."""
 
 
-def _offers(offered: Callable[[click.Context, str], Iterable[str]]) -> Offer:
-    """Make an offer of those texts that begin with what is typed."""
+def _completer(candidates: Callable[[click.Context, str], Iterable[str]]) -> Completer:
+    """Return a completer that offers the candidates that begin with what is typed."""
 
-    @wraps(offered)
-    def offer(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
+    @wraps(candidates)
+    def complete(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
         from click.shell_completion import CompletionItem
 
         try:
-            return [CompletionItem(each) for each in offered(context, typed) if each.startswith(typed)]
-        except Exception:  # a domain that cannot be read has nothing to offer
+            return [CompletionItem(each) for each in candidates(context, typed) if each.startswith(typed)]
+        except Exception:  # such as a domain that cannot be read
             return []
 
-    return offer
+    return complete
 
 
 def files(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
-    """Offer files and folders, which the shell finds itself."""
+    """Complete files and folders, which the shell finds itself."""
     from click.shell_completion import CompletionItem
 
     return [CompletionItem(typed, type="file")]
 
 
 def domains(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
-    """Offer shipped domains, and folders and files that are domains; otherwise whatever files there are."""
+    """Complete shipped domains, and folders and files that are domains; if none fits, any files."""
     given = context.params.get(parameter.name or "") or ()
-    return _domains(given)(context, parameter, typed) or files(context, parameter, typed)
+    return _domains_after(given)(context, parameter, typed) or files(context, parameter, typed)
 
 
 def actions(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
-    """Offer a domain first, then actions of it."""
+    """Complete a domain first, then actions of it."""
     given, others = domain_and_others(context.params.get(parameter.name or "") or ())
     if not given or (not others and is_file_name(typed)):
         return domains(context, parameter, typed)
@@ -62,80 +67,80 @@ def actions(context: click.Context, parameter: click.Parameter, typed: str) -> I
 
 
 def shares(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
-    """Offer a domain first; what comes after it has names of the user's."""
+    """Complete a domain; the names of parts after it are the user's."""
     given, _ = domain_and_others(context.params.get(parameter.name or "") or ())
     return [] if given and not is_file_name(typed) else domains(context, parameter, typed)
 
 
-@_offers
+@_completer
 def rules(context: click.Context, typed: str) -> Iterable[str]:
-    """Offer the rules of the encodings."""
+    """Complete rules of the encodings."""
     encodings = context.params.get("encodings")
     return rule_names(Path(encodings) if encodings else data_folder("encodings"))
 
 
-@_offers
+@_completer
 def suites(context: click.Context, typed: str) -> Iterable[str]:
-    """Offer the shipped suites, and files of others."""
+    """Complete shipped suites, and TOML files."""
     folder = typed[: typed.rfind("/") + 1]
     return [*shipped_suites(), *sorted(f"{folder}{path.name}" for path in Path(folder or ".").glob("*.toml"))]
 
 
-@_offers
+@_completer
 def engines(context: click.Context, typed: str) -> Iterable[str]:
-    """Offer the engines."""
+    """Complete engines."""
     from prag_asp.space.engines import AUTO, ENGINES
 
     return (AUTO, *ENGINES)
 
 
-@_offers
+@_completer
 def languages(context: click.Context, typed: str) -> Iterable[str]:
-    """Offer the languages that the domain speaks."""
+    """Complete languages of the domain."""
     from prag_asp.grammar.reader import languages as spoken
 
     return spoken(_domain(context).settings)
 
 
-@_offers
+@_completer
 def plan(context: click.Context, typed: str) -> Iterable[str]:
-    """Offer one more action after those typed."""
+    """Complete one more action."""
     return _after(typed, map(str, _domain(context).facts.actions))
 
 
-@_offers
+@_completer
 def prefix(context: click.Context, typed: str) -> Iterable[str]:
-    """Offer one more action, or name of one, after those typed."""
+    """Complete one more action, or name of an action."""
     found = _domain(context).facts.actions
     return _after(typed, [*_names_of(found), *map(str, found)])
 
 
-@_offers
+@_completer
 def names(context: click.Context, typed: str) -> Iterable[str]:
-    """Offer the names of actions, classes and entities."""
+    """Complete names of actions, classes and entities."""
     facts = _domain(context).facts
     return [*_names_of(facts.actions), *sorted(facts.class_names), *map(str, facts.entities)]
 
 
-@_offers
+@_completer
 def cameras(context: click.Context, typed: str) -> Iterable[str]:
-    """Offer one more camera of the scene after those typed."""
+    """Complete one more camera of the scene."""
     from prag_asp.domain.load import load_scene
 
     return _after(typed, load_scene(_domain(context)).cameras)
 
 
-@_offers
+@_completer
 def kinds_that_vary(context: click.Context, typed: str) -> Iterable[str]:
-    """Offer one more of what can vary after those typed."""
+    """Complete one more property that can vary."""
     from prag_asp.scene.variation import KINDS
 
     return _after(typed, KINDS)
 
 
-@_offers
+@_completer
 def conditions(context: click.Context, typed: str) -> Iterator[str]:
-    """Offer the first words of conditions, and after one what it speaks of."""
+    """Complete the keyword of a condition, then what it refers to."""
     from prag_asp.space.conditions.keywords import KEYWORDS
 
     begun = [word for word in KEYWORDS if f"{word} ".startswith(typed) or typed.startswith(f"{word} ")]
@@ -149,22 +154,21 @@ def conditions(context: click.Context, typed: str) -> Iterator[str]:
     yield from (f"{begun[0]} {each}" for each in found)
 
 
-def _domains(given: Sequence[str]) -> Offer:
-    @_offers
+def _domains_after(words: Sequence[str]) -> Completer:
+    @_completer
     def offer(context: click.Context, typed: str) -> Iterator[str]:
-        if all(map(is_file_name, given)):
-            yield from () if given else shipped_domains()
+        if all(map(is_file_name, words)):
+            yield from () if words else shipped_domains()
             folder = typed[: typed.rfind("/") + 1]
             for path in sorted(Path(folder or ".").iterdir()):
-                if path.suffix in (".lp", PDDL) or (not given and (path / "domain.lp").is_file()):
+                if path.suffix in (".lp", PDDL) or (not words and (path / "domain.lp").is_file()):
                     yield f"{folder}{path.name}"
 
     return offer
 
 
 def _domain(context: click.Context) -> Domain:
-    """Load the domain that the command line gives so far; an option without its value leaves it unparsed."""
-    from prag_asp.cli.domain_options import parse_constant_options
+    """Load the domain of the command line typed so far; an option without a value leaves it unparsed."""
     from prag_asp.domain.load import load_domain
 
     given, _ = domain_and_others(context.params.get("names") or context.params.get("words") or context.args)
@@ -181,10 +185,43 @@ def _names_of(found: Iterable[Any]) -> list[str]:
 
 
 def _after(typed: str, found: Iterable[str]) -> Iterator[str]:
-    """Yield texts after what is typed up to its last blank or comma outside of parentheses."""
+    """Yield what is typed up to its last blank or comma outside parentheses, followed by each candidate."""
     depth, start = 0, 0
     for position, character in enumerate(typed):
         depth += (character == "(") - (character == ")")
         if depth == 0 and character in " ,":
             start = position + 1
     yield from (f"{typed[:start]}{each}" for each in found)
+
+
+def complete(group: click.Group, program: str, variable: str) -> int:
+    """Answer a shell that asks for completions by an environment variable, and return the exit code."""
+    from click.shell_completion import shell_complete
+
+    add_shells()
+    return shell_complete(group, {}, program, variable, os.environ[variable])
+
+
+def add_shells() -> None:
+    """Adapt click's completion of bash and fish to texts with parentheses and commas, as actions are."""
+    from click.shell_completion import BashComplete, FishComplete, add_completion_class
+
+    class Bash(BashComplete):
+        """Quotes what bash would not read as one word."""
+
+        def format_completion(self, item: CompletionItem[Any]) -> str:
+            """Return an item as the script reads it; if the user has opened a quote, as it is."""
+            words = os.environ["COMP_WORDS"].split("\n")
+            number = int(os.environ["COMP_CWORD"])
+            quoted = number < len(words) and words[number][:1] in ("'", '"')
+            if item.type == "plain" and not quoted and not ONE_WORD.fullmatch(item.value):
+                return f"{item.type},'{item.value}'"
+            return super().format_completion(item)
+
+    class Fish(FishComplete):
+        """Splits only the type off an item, because its value may contain commas."""
+
+        source_template = FishComplete.source_template.replace('split ","', 'split --max 1 ","')
+
+    add_completion_class(Bash)
+    add_completion_class(Fish)

@@ -1,4 +1,4 @@
-"""A tally of tasks as a line and as a table on stderr."""
+"""The summary of validated tasks on stderr: a line, and a table of causes."""
 
 from __future__ import annotations
 
@@ -16,34 +16,34 @@ if TYPE_CHECKING:
     from prag_asp.dataset.pass_rates import Tally
 
 KINDS = {"not_found": "not found", "infeasible": "proved infeasible", "witness_fails": "witness fails"}
-"""How the table calls what became of a task that did not pass."""
+"""How the table names the verdicts of tasks that did not pass."""
 
 
 def tally_line(tally: Tally, what: tuple[str, str], limits: str) -> str:
-    """Return how many passed within some limits, as one line; `what` says in words what one is, and several."""
+    """Return how many tasks passed, as one line; `what` is the noun for one task and for several."""
     share = f" ({100 * tally.passed / tally.seen:.1f} %, {limits})" if tally.seen else ""
     return f"{plural(tally.seen, *what)}, {tally.passed} passed{share}"
 
 
 @contextmanager
 def tallied(tally: Tally, line: Callable[[], str]) -> Iterator[None]:
-    """Show a tally on stderr at the end, also where a run is broken off; a mistake is told alone.
+    """Print a tally on stderr at the end, also after an interruption, but not after an error of the input.
 
-    An error is no mistake where foreign code has made it of an interruption.
+    An error after a signal counts as an interruption, because native code may have turned one into the other.
     """
-    mistaken = False
+    failed = False
     try:
         yield
     except PragError:
-        mistaken = exit_control.asked_for() is None
+        failed = not exit_control.interrupted()
         raise
     finally:
-        if not mistaken:
-            _show(tally, line())
+        if not failed:
+            _print_tally(tally, line())
 
 
-def _show(tally: Tally, line: str) -> None:
-    """Print a line and, where an attempt or a task failed, the table of causes."""
+def _print_tally(tally: Tally, line: str) -> None:
+    """Print a line and, if an attempt or a task failed, the table of causes."""
     from rich.console import Console
 
     if not tally.seen:
@@ -55,7 +55,7 @@ def _show(tally: Tally, line: str) -> None:
 
 
 def _table(tally: Tally) -> Table:
-    """Return how many tasks failed for each reason, and how many attempts for each cause."""
+    """Return a table of how many tasks failed for each reason, and how many attempts for each cause."""
     from rich.markup import escape
     from rich.table import Table
 

@@ -137,7 +137,7 @@ def test_a_recording_that_was_cut_off_is_told_with_the_task_and_the_file(tmp_pat
     done = run("render", str(file), "--recordings", str(tmp_path), "-o", str(tmp_path / "one.png"))
     assert done.returncode == 2 and done.stderr == (
         f"{file}:2: {tmp_path}/000001.npz: this is not a demonstration: "
-        "it is another file than a .npz, or was cut off; record it anew with --demonstrate\n"
+        "it is another file than a .npz, or was cut off; record it again with --demonstrate\n"
     )
 
 

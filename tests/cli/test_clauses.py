@@ -10,7 +10,7 @@ CONFLICT = """\
 step 3, grasp(panda,apple_2), cannot follow:
   it needs open(panda) to be true, which is false since step 2, grasp(panda,apple_1)
   it needs at(panda,apple_2) to be true, which is false since step 1, approach(panda,apple_1)
-no plan of this length has these steps, whatever its others are:
+no plan of this length has all of these steps:
   step 2, grasp(panda,apple_1)
   step 3, grasp(panda,apple_2)
 """
@@ -37,7 +37,7 @@ def test_explain_names_the_lines_that_leave_no_task_of_a_length(tmp_path: Path) 
     domain = tmp_path / "lamp.lp"
     domain.write_text("fluent(lit). action(on). initially(lit,false).\npostcondition(on,lit,true).\ngoal(lit,false).\n")
     done = run_apart("explain", str(domain), "--length", "1")
-    told = ["there is no task of lamp of length 1", "these lines leave none together:"]
+    told = ["there is no task of lamp of length 1", "these lines together exclude every task:"]
     told += [f"  {domain}:2: postcondition(on,lit,true).", f"  {domain}:3: goal(lit,false)."]
     assert (done.returncode, done.stdout.splitlines(), done.stderr) == (1, told, "")
     done = run("explain", str(domain), "--length", "1", "--fewest-changes")
@@ -61,17 +61,17 @@ def test_explain_names_a_smallest_set_of_changes_or_says_that_there_is_none(tmp_
     lamps.write_text(LAMPS)
     done = run("explain", str(lamps), "--length", "0", "--fewest-changes")
     together, *lines = done.stdout.splitlines()[1:]
-    assert (done.returncode, together) == (1, "there is one without all of these lines, and no fewer will do:")
+    assert (done.returncode, together) == (1, "removing all of these lines leaves a task, and removing fewer does not:")
     numbers = [int(line.split(":")[1]) for line in lines]
     assert len(numbers) == 2 and sum(number in (2, 4) for number in numbers) == 1
     pairs.write_text("fluent(f). action(a). postcondition(a,f,true). composite(c). stage(c,(1;2),a).\n")
     stuck.write_text("fluent(f). action(a). initially(f,false).\n#program step(t). s(t) :- not s(t), occurs(a,t).\n")
     composed = f"  {pairs}:1: composite(c). (with all composites, as --flat lifts them)"
     for path, option, told in (
-        (pairs, [], ["these lines leave none together:", composed]),
-        (pairs, ["--fewest-changes"], ["there is one without any one of these lines:", composed]),
-        (stuck, [], ["no line forbids it: what the domain declares leaves none, whatever its lines say of it"]),
-        (stuck, ["--fewest-changes"], ["there is none even without all the lines that restrict plans"]),
+        (pairs, [], ["these lines together exclude every task:", composed]),
+        (pairs, ["--fewest-changes"], ["removing any one of these lines leaves a task:", composed]),
+        (stuck, [], ["no line excludes it: the declarations of the domain alone allow none"]),
+        (stuck, ["--fewest-changes"], ["there is none even without all lines that restrict plans"]),
     ):
         done = run("explain", str(path), "--length", "3", *option)
         assert (done.returncode, done.stdout.splitlines()[1:]) == (1, told)
@@ -79,11 +79,11 @@ def test_explain_names_a_smallest_set_of_changes_or_says_that_there_is_none(tmp_
 
 def test_explain_refuses_what_does_not_go_together() -> None:
     for words, told in (
-        (["prag", "--where", "uses can_1"], "--where asks about all tasks of a length; give --length"),
-        (["prag", "drop(panda,can_1)", "--length", "2"], "no actions are given"),
+        (["prag", "--where", "uses can_1"], "--where is about all tasks of a length; add --length"),
+        (["prag", "drop(panda,can_1)", "--length", "2"], "not a sequence of actions"),
         (["prag", "--length", "2", "--step", "1"], "name the action"),
         (["prag", "--length", "2", "--why-not", "fly"], "no action 'fly'"),
-        (["prag", "--length", "2", "--smallest", "--fewest-changes"], "give one of them"),
+        (["prag", "--length", "2", "--smallest", "--fewest-changes"], "leave one of them out"),
         (["prag", "--length", "1..2"], "a range"),
     ):
         done = run("explain", *words)

@@ -18,7 +18,7 @@ def test_a_data_set_is_written_and_its_parts_are_printed(tmp_path: Path) -> None
     make = ("generate", *KITCHEN, "--uniform", "--split", "train=1/2, test=1/2", "--shard", "2", "-o", "data")
     assert ok(*make, "--tasks", "6", cwd=tmp_path) == "train  3 of 7\ntest   3 of 7\n"
     done = run(*make, "--tasks", "8", cwd=tmp_path)
-    assert done.stdout == "train  4 of 7\ntest   4 of 7\n" and "data: has 6 tasks already" in done.stderr
+    assert done.stdout == "train  4 of 7\ntest   4 of 7\n" and "data: already has 6 tasks" in done.stderr
     ok(*make[:-1], "once", "--tasks", "8", cwd=tmp_path)
     assert content(tmp_path / "data") == content(tmp_path / "once")
     assert Dataset.open(tmp_path / "data").count() == 8
@@ -27,7 +27,7 @@ def test_a_data_set_is_written_and_its_parts_are_printed(tmp_path: Path) -> None
 def test_refused_tasks_are_told_and_several_lengths_come_evenly(tmp_path: Path) -> None:
     make = ("generate", "tabletop", "-n", "1..2", "--seed", "3", "--evenly", "--budget", "1x1", "-o", "data")
     done = run(*make, "--tasks", "6", "--shard", "5", cwd=tmp_path)
-    assert done.returncode == 0 and "refused: " in done.stderr
+    assert done.returncode == 0 and "rejected: " in done.stderr
     told = json.loads((tmp_path / "data" / "dataset.json").read_text())
     drawn = [each["drawn"] for each in told["parts"][0]["lengths"]]
     assert abs(drawn[0] - drawn[1]) <= 1
@@ -66,7 +66,7 @@ def test_what_is_held_out_is_in_the_test_part_alone(tmp_path: Path) -> None:
 )  # fmt: skip
 def test_mistakes_are_answered_in_one_line(arguments: tuple[str, ...], code: int, line: str, tmp_path: Path) -> None:
     done = run("generate", *KITCHEN, *arguments, "-o", "data", cwd=tmp_path)
-    told = [each for each in done.stderr.splitlines() if each != "data: holds what was found"]
+    told = [each for each in done.stderr.splitlines() if each != "data: holds the tasks that were found"]
     assert done.returncode == code and len(told) == 1 and line in told[0], done.stderr
     assert code == 1 or not (tmp_path / "data").exists()
 
@@ -95,7 +95,7 @@ def test_distinct_draws_no_task_twice_and_tells_when_none_is_left(tmp_path: Path
     lines = ok(*sample, "--count", "14").splitlines()
     assert len({*lines}) == 14 and ok(*sample, "--count", "5").splitlines() == lines[:5]
     done = run(*sample, "--count", "15", "-o", "few.txt", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (1, "only 14 of 15 tasks: no others are left to draw\n")
+    assert (done.returncode, done.stderr) == (1, "only 14 of 15 tasks: there are no others\n")
     weighted = ok("sample", *KITCHEN, "--distinct", "--weight", "open=1000", "--count", "3").splitlines()
     assert len({*weighted}) == 3 and all(line.count("open") == 2 for line in weighted)
     feasible = ok("sample", "tabletop", "-n", "1", "--distinct", "--count", "3").splitlines()

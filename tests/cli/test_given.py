@@ -91,9 +91,9 @@ def test_learned_rules_are_written_for_the_folder_as_it_is(told: Told, folder: P
     arguments = ("-n", "2", "--count", "0")
     for more in (("--settings", settings), ()):
         message = told("learn", str(logic), *arguments, "--settings", settings, "--write", *more, code=2)
-        assert message == "--write writes learned.lp into a domain's folder; domain has none, so give a folder\n"
+        assert message == "--write writes learned.lp into a domain's folder, but domain has none; give a folder\n"
     message = told("learn", str(warehouse), *arguments, "--settings", settings, "--write", code=2)
-    assert message == "--write writes what holds of the folder as it is; leave --settings out\n"
+    assert message == "--write writes rules for the unchanged folder; leave --settings out\n"
     assert told("learn", str(logic), *arguments, "--settings", settings) == told(
         "learn", str(warehouse), *arguments
     ).replace("scene of warehouse", "scene of domain")

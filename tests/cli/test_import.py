@@ -116,8 +116,11 @@ def test_tasks_are_exported_by_rank_and_from_files(tmp_path: Path, monkeypatch: 
         (["-n", "3", "--index", "5..3"], "--index 5..3: the first is above the last; write 3..5"),
         (["-n", "3", "--index", "0..9000000"], "--index 0..9000000: more than 1,000,000 tasks; export fewer at once"),
         (["-n", "3", "--index", "999"], "--index 999: the space has 4 tasks, ranked from 0"),
-        (["-n", "3", "--index", "1", "--plan", "pick_up(a)"], "--plan and --index each name tasks; leave one of them"),
-        (["--where", "loop-free"], "--where is for tasks; name some with --plan, --index or --tasks"),
+        (
+            ["-n", "3", "--index", "1", "--plan", "pick_up(a)"],
+            "--plan and --index both select tasks; leave one of them",
+        ),
+        (["--where", "loop-free"], "--where is for tasks; select some with --plan, --index or --tasks"),
         (["--tasks", "other"], "other:1: the file says that it is of 'hanoi', but it is read as one of 'blocks'"),
         (["--tasks", "wrong"], "wrong:1: no task of blocks of length 1: put_down(a); prag-asp explain says why"),
         (["--tasks", "empty"], "empty: no task; write some with prag-asp sample --format jsonl"),

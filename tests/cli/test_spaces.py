@@ -68,10 +68,10 @@ def test_skeletons_are_split_and_things_are_held_out(tmp_path: Path) -> None:
     [
         (["count", "prag", "-n", "3", "--where", "hass grasp"], "did you mean has?"),
         (["count", "prag", "-n", "3", "--where", ""], "condition ''"),
-        (["task", "prag", "-n", "3"], "give either --index or --rank-of"),
+        (["task", "prag", "-n", "3"], "give --index or --rank-of"),
         (["task", "prag", "-n", "3", "--index", "2092"], "the space has 2092 tasks, ranked from 0"),
         (["task", "prag", "-n", "3", "--rank-of", "drop(panda,can_1)"], "no task of"),
-        (["split", "prag", "-n", "3"], "give either shares"),
+        (["split", "prag", "-n", "3"], "give shares, such as"),
         (["split", "prag", "-n", "3", "train=0.8"], "add up to 1"),
         (["split", "prag", "-n", "3", "train=0.8", "train=0.2"], "different names"),
         (["split", "prag", "-n", "3", "a/b=0.8", "c=0.2"], "different names"),
@@ -80,7 +80,7 @@ def test_skeletons_are_split_and_things_are_held_out(tmp_path: Path) -> None:
         (["split", "prag", "-n", "3", "--hold-out", "banana"], "no entity or class 'banana'"),
         (["count", "prag", "-n", "3", "--time", "soon"], "write a time above 0"),
         (["count", "prag", "-n", "3", "--memory", "much"], "write a number of bytes"),
-        (["count", "prag", "-n", "3", "--memory", "4000"], "4,000 bytes; write 500MB"),
+        (["count", "prag", "-n", "3", "--memory", "4000"], "4,000 bytes are too few for any command; write 500MB"),
     ],
 )
 def test_bad_questions_are_answered_by_one_line(arguments: list[str], told: str) -> None:

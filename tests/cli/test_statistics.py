@@ -18,7 +18,7 @@ def test_tables_hold_the_decimals_of_the_exact_figures() -> None:
     text = ok_apart("stats", "prag", "-n", "3", "--weight", "grasp=3")
     found = SPACE.statistics(weights={"grasp": 3})
     lines = {" ".join(line.split()[:-1]): line.split()[-1] for line in text.splitlines() if line}
-    assert lines["tasks of length 3 that can be drawn"] == "2092"
+    assert lines["tasks of length 3 that can be sampled"] == "2092"
     assert abs(float(lines["entropy, bits"]) - float(found.entropy)) < 1e-11
     assert abs(Fraction(lines["grasp > move"]) - found.expected_pairs["grasp", "move"]) <= Fraction(1, 2 * 10**6)
     assert abs(Fraction(lines["can_1"]) - found.contains_entity["can_1"]) <= Fraction(1, 2 * 10**6)

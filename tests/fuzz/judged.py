@@ -27,7 +27,7 @@ CODES = frozenset(map(int, re.findall(r"^\| (\d+) \|", PAGE.read_text(encoding="
 """The exit codes that there are, but those of workers that died and of interruptions: nobody interrupts a mutant."""
 
 PLACE = re.compile(r".+?:\d+: \S.*")
-FOLDER = r"holds what was found|has \d+ tasks? already|goes on after a run .*"
+FOLDER = r"holds the tasks that were found|already has \d+ tasks?|continues an interrupted run.*"
 """What `generate` says of its folder."""
 
 BESIDE = re.compile(rf"\d+ warnings? about .*|note: .*|.*: warning: .* \[[a-z-]+\]|.*: ({FOLDER})")

@@ -101,8 +101,8 @@ def test_the_command_prints_about_how_many() -> None:
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (["--epsilon", "1"], "--epsilon: it belongs to an estimate; give --approximate as well"),
-        (["--seed", "1"], "--seed: it belongs to an estimate; give --approximate as well"),
+        (["--epsilon", "1"], "--epsilon is for estimates; add --approximate"),
+        (["--seed", "1"], "--seed is for estimates; add --approximate"),
         (["--approximate", "--epsilon", "0"], "epsilon 0: write a number from 0.01 to 100"),
         (["--approximate", "--delta", "nan"], "delta nan: write a number from 0.0001 to 0.9999"),
         (["--approximate", "--engine", "clingo"], "leave out --engine"),

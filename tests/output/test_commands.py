@@ -16,7 +16,7 @@ import pytest
 from PIL import Image
 
 from prag_asp import TaskSpace, load_domain
-from prag_asp.cli.domain_options import Asked
+from prag_asp.cli.domain_options import DomainOptions
 from prag_asp.dataset import physics_filter
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.physics import Budget, Verdict, validate_task
@@ -78,7 +78,7 @@ def physics(feasible: Verdict, monkeypatch: pytest.MonkeyPatch) -> Physics:
 def remembered(method: Callable[..., Any]) -> Callable[..., Any]:
     """Return a method of what a command line asks for that answers the same question once."""
 
-    def found(asked: Asked, *given: Any, **more: Any) -> Any:
+    def found(asked: DomainOptions, *given: Any, **more: Any) -> Any:
         key = f"{method.__name__} {asked}"
         if key not in ANSWERS:
             ANSWERS[key] = method(asked, *given, **more)
@@ -91,13 +91,13 @@ def remembered(method: Callable[..., Any]) -> Callable[..., Any]:
 def _quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Have each domain loaded once, and nothing flushed: no power is lost here."""
     for name in ("domain", "space", "spaces"):
-        monkeypatch.setattr(Asked, name, remembered(getattr(Asked, name)))
+        monkeypatch.setattr(DomainOptions, name, remembered(getattr(DomainOptions, name)))
     monkeypatch.setattr(os, "fsync", lambda descriptor: None)
 
 
 def test_an_interrupted_sample_leaves_the_old_file_and_no_recordings(tmp_path: Path, physics: Physics) -> None:
     whole = run(*SAMPLE, "--count", "6", cwd=tmp_path)
-    assert whole.returncode == 0 and "9 drawn, 6 passed" in whole.stderr
+    assert whole.returncode == 0 and "9 sampled, 6 passed" in whole.stderr
     reference = content(tmp_path)
     assert len(reference) == 1 + 6
     draws = physics.asked
@@ -107,7 +107,7 @@ def test_an_interrupted_sample_leaves_the_old_file_and_no_recordings(tmp_path: P
         (tmp_path / "out.jsonl").write_text("old\n")
         physics.asked, physics.breaks = [], breaks
         broken = run(*SAMPLE, "--count", "6", cwd=tmp_path)
-        assert broken.returncode == 130 and f"{breaks} drawn, " in broken.stderr
+        assert broken.returncode == 130 and f"{breaks} sampled, " in broken.stderr
         assert content(tmp_path) == {"out.jsonl": b"old\n"} and not [*tmp_path.glob("rec*")]
         physics.asked, physics.breaks = [], None
         again = run(*SAMPLE, "--count", "6", cwd=tmp_path)

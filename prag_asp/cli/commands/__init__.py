@@ -1,1 +1,1 @@
-"""The commands, one file each: parse, call, print."""
+"""The commands, one file each: they parse options, call the package, and print."""

@@ -1,4 +1,4 @@
-"""``prag-asp check``: what a domain declares, if nothing is wrong with it."""
+"""``prag-asp check``: errors and warnings of a domain, and a summary of what it declares."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from prag_asp.cli import options
-from prag_asp.cli.domain_options import Asked
-from prag_asp.cli.options import asks
+from prag_asp.cli.domain_options import DOMAIN, DomainOptions, domain_options
 from prag_asp.cli.terminal import say, tell_line
 from prag_asp.errors import DomainError
 from prag_asp.wording import plural
@@ -22,37 +21,37 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@asks((*options.DOMAIN, options.TRUST))
-@click.option("--symmetries", is_flag=True, help="Print which entities are interchangeable, alone or together.")
-def check(*, asked: Asked, symmetries: bool) -> None:
-    """Check a domain and say what it declares, and on stderr what is strange about it.
+@domain_options(*DOMAIN, options.trust)
+@click.option("--symmetries", is_flag=True, help="Also print which entities are interchangeable, alone or in groups.")
+def check(*, request: DomainOptions, symmetries: bool) -> None:
+    """Check a domain, and summarize what it declares.
 
-    Errors mean that the domain means nothing, or that a count could be wrong. Warnings are well defined; the comment
-    `% lint: allow NAME` on its line quiets one.
+    Errors mean that the domain is invalid, or that a count could be wrong. Warnings, on stderr, mark what is valid but
+    suspicious; the comment `% lint: allow NAME` on its line silences one.
     """
     from prag_asp.program.problem import first_of_each, raise_problems
 
-    domain = asked.domain(tell=False)
+    domain = request.domain(tell=False)
     if "own" in domain.settings.scene:
         from prag_asp.dataset.scenes import scene_of
 
         scene_of(domain)
-    _require_proofs(domain)
-    warnings = [*domain.warnings, *_of_scene(domain)]
-    if asked.strict:
+    _check_learned(domain)
+    warnings = [*domain.warnings, *_scene_warnings(domain)]
+    if request.strict:
         raise_problems(each.as_error() for each in first_of_each(warnings))
     for warning in first_of_each(warnings):
         tell_line(str(warning))
     facts, total = (domain.fewer.with_all, domain.fewer.total) if domain.fewer else (domain.facts, len)
-    _tell_needed(domain)
-    left = f"{total(facts.tried)} of " if len(facts.tried) < len(facts.declared_actions) else ""
+    _print_reduction(domain)
+    possible = f"{total(facts.tried)} of " if len(facts.tried) < len(facts.declared_actions) else ""
     world = "closed" if facts.closed else "open"
     scene = "with a scene" if domain.settings.scene else "no scene"
     parts = [
         f"{world} world",
         plural(len(facts.entities), "entity", "entities"),
         plural(total(facts.fluents), "fluent"),
-        f"{left}{plural(total(facts.declared_actions), 'action')}",
+        f"{possible}{plural(total(facts.declared_actions), 'action')}",
         *([plural(len(facts.composites), "composite")] if facts.composites else []),
         *([plural(len(domain.learned), "learned invariant")] if domain.learned else []),
         scene,
@@ -63,33 +62,33 @@ def check(*, asked: Asked, symmetries: bool) -> None:
 
 
 def _interchangeable(domain: Domain) -> Iterator[str]:
-    """Yield the entities up to whose names tasks are counted, in words."""
+    """Yield lines that list the entities up to whose renaming tasks are counted."""
     from prag_asp.space.task_space import TaskSpace
 
-    found = TaskSpace(domain, 0).symmetries
-    for group in found.groups:
+    symmetries = TaskSpace(domain, 0).symmetries
+    for group in symmetries.groups:
         yield f"interchangeable: {', '.join(map(str, group))}"
-    for units in found.joint:
-        told = ("(" + ", ".join(map(str, unit)) + ")" for unit in units)
-        yield f"interchangeable together: {', '.join(told)}"
+    for units in symmetries.joint:
+        texts = ("(" + ", ".join(map(str, unit)) + ")" for unit in units)
+        yield f"interchangeable together: {', '.join(texts)}"
 
 
-def _tell_needed(domain: Domain) -> None:
-    """Tell which entities are ground as needed, or why all of many are."""
+def _print_reduction(domain: Domain) -> None:
+    """Print which entities the small-model reduction leaves out, or why it does not apply to many entities."""
     from prag_asp.domain.reduction import is_large
 
     if isinstance(domain.needed, str) and is_large(domain.facts):
-        tell_line(f"all entities are ground, though many are alike: {domain.needed}")
+        tell_line(f"all entities are grounded, although many are alike: {domain.needed}")
     for group, needs in zip(domain.fewer.groups, domain.fewer.needs, strict=True) if domain.fewer else ():
-        wanted = f"{needs.action} N + {needs.invariant} of them, at least {needs.least}"
-        tell_line(f"{group[0]}, ... {group[-1]}: {len(group):,} entities are alike; counts at length N need {wanted}")
+        number = f"{needs.action} N + {needs.invariant} of them, at least {needs.least}"
+        tell_line(f"{group[0]}, ... {group[-1]}: {len(group):,} entities are alike; counts at length N need {number}")
 
 
-def _require_proofs(domain: Domain) -> None:
-    """Check that physics still proves what a domain has learned.
+def _check_learned(domain: Domain) -> None:
+    """Check that the scene still proves the learned invariants of a domain.
 
     Raises:
-        DomainError: it does not, for the scene has changed or the file was written by hand.
+        DomainError: it does not, because the scene has changed or the file was written by hand.
     """
     if not domain.learned or domain.folder is None:
         return
@@ -98,15 +97,17 @@ def _require_proofs(domain: Domain) -> None:
     from prag_asp.physics.proofs.learned_exclusions import unproved_exclusions
 
     for fluents in islice(unproved_exclusions(domain, scene_of(domain)), 1):
-        told = f"{fluents[0]} never holds" if len(fluents) == 1 else f"{fluents[0]} and {fluents[1]} exclude each other"
+        claim = (
+            f"{fluents[0]} never holds" if len(fluents) == 1 else f"{fluents[0]} and {fluents[1]} exclude each other"
+        )
         raise DomainError(
-            f"{domain.folder / LEARNED}:1: the scene does not prove that {told}; "
+            f"{domain.folder / LEARNED}:1: the scene does not prove that {claim}; "
             f"write the file again with prag-asp learn {domain.folder} --length N --write"
         )
 
 
-def _of_scene(domain: Domain) -> Iterable[Problem]:
-    """Return warnings of what physics never does, though the domain speaks of it: of grips, and of places."""
+def _scene_warnings(domain: Domain) -> Iterable[Problem]:
+    """Return warnings about grasps and places of the domain that are impossible in its scene."""
     if not domain.settings.scene:
         return ()
     if domain.fewer:

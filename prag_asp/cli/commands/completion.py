@@ -1,4 +1,4 @@
-"""``prag-asp completion``: what lets a shell complete words."""
+"""``prag-asp completion``: scripts for completion in shells."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ from prag_asp.cli.terminal import say
 @click.command()
 @click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
 def completion(shell: str) -> None:
-    """Print the script that lets a shell complete commands, options, domains, rules, actions and more.
+    """Print the completion script of a shell.
+
+    It completes commands, options, domains, rules, actions and more.
 
     For bash, add this line to ~/.bashrc: eval "$(prag-asp completion bash)"
 
@@ -21,9 +23,9 @@ def completion(shell: str) -> None:
     from click.shell_completion import get_completion_class
 
     from prag_asp.cli.registry import COMPLETION, PROGRAM, cli
-    from prag_asp.cli.shells import add_shells
+    from prag_asp.cli.shell_completion import add_shells
 
     add_shells()
-    found = get_completion_class(shell)
-    assert found is not None, "click knows every shell that may be asked for"
-    say(found(cli, {}, PROGRAM, COMPLETION).source().rstrip("\n"))
+    completer = get_completion_class(shell)
+    assert completer is not None, "click knows every shell of the choice"
+    say(completer(cli, {}, PROGRAM, COMPLETION).source().rstrip("\n"))

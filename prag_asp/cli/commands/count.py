@@ -1,4 +1,4 @@
-"""``prag-asp count``: exact numbers of tasks."""
+"""``prag-asp count``: the exact number of tasks."""
 
 from __future__ import annotations
 
@@ -8,56 +8,57 @@ import click
 
 from prag_asp.atom import split_actions
 from prag_asp.cli import options
-from prag_asp.cli.domain_options import Asked
+from prag_asp.cli.domain_options import SPACES, DomainOptions, domain_options
 from prag_asp.cli.exits import Exit
-from prag_asp.cli.options import Approximation, asks
+from prag_asp.cli.options import Approximation
 from prag_asp.cli.terminal import progress, say, tell_line
 from prag_asp.errors import LimitReached, QueryError
 from prag_asp.integers import digits_of
 
 
 @click.command()
-@asks(options.SPACES)
+@domain_options(*SPACES)
 @options.by_level
 @options.prefix
-@click.option("--upto", is_flag=True, help="Print a table for the lengths 1 to N, as --length 1..N does.")
+@click.option("--upto", is_flag=True, help="Print a table for the lengths 1 to N, like --length 1..N.")
 @options.approximation
-def count(*, asked: Asked, by: Any, prefix: str | None, upto: bool, approximation: Approximation) -> None:
-    """Print the exact number of tasks of length N, or a table of them for the lengths from A to B.
+def count(*, request: DomainOptions, by: Any, prefix: str | None, upto: bool, approximation: Approximation) -> None:
+    """Count the tasks of length N exactly.
 
-    With --approximate, prints about how many there are, with bounds that hold with a probability that is told.
-    Where --memory or --time ends the count, prints "at least K" for the K that were found, and exits with code 3.
+    For lengths A..B, prints a table. With --approximate, prints an estimate with its bounds, and the probability with
+    which these hold. If --memory or --time ends the count, prints "at least K" for the K tasks that were found, and
+    exits with code 3.
     """
     first = split_actions(prefix or "")
-    estimate = approximation.asked(asked.engine)
-    lengths = _lengths(asked.length, upto)
-    table = upto or isinstance(asked.length, range)
+    estimate = approximation.arguments(request.engine)
+    lengths = _lengths(request.length, upto)
+    table = upto or isinstance(request.length, range)
     width = max(len(str(lengths[-1])), len("length")) if table and lengths else 0
     label = ""
     try:
         with progress() as tell:
-            space = asked.spaces(tell)
+            space = request.spaces(tell)
             if table:
                 say(f"{'length':>{width}}  {by}s")
             for length in lengths:
                 label = f"{length:>{width}}  " if table else ""
                 here = space.at(length)
-                told = digits_of(here.count(by, first)) if estimate is None else here.estimate(by, first, **estimate)
-                say(f"{label}{told}")
+                number = digits_of(here.count(by, first)) if estimate is None else here.estimate(by, first, **estimate)
+                say(f"{label}{number}")
     except LimitReached as limit:
         say(f"{label}at least {digits_of(limit.at_least)}")
         tell_line(str(limit))
         raise click.exceptions.Exit(Exit.LIMIT) from None
 
 
-def _lengths(asked: int | range, upto: bool) -> range:
+def _lengths(length: int | range, upto: bool) -> range:
     """Return the lengths to count.
 
     Raises:
-        QueryError: they are given twice.
+        QueryError: --upto is given with a range.
     """
-    if isinstance(asked, int):
-        return range(1 if upto else asked, asked + 1)
+    if isinstance(length, int):
+        return range(1 if upto else length, length + 1)
     if upto:
-        raise QueryError(f"--upto counts the lengths from 1 on; leave it out with --length {asked[0]}..{asked[-1]}")
-    return asked
+        raise QueryError(f"--upto counts lengths from 1; leave it out with --length {length[0]}..{length[-1]}")
+    return length

@@ -1,4 +1,4 @@
-"""``prag-asp domains`` and ``prag-asp new``: what domains there are, and a new one."""
+"""``prag-asp domains`` and ``prag-asp new``: the shipped domains, and a new domain."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def domains() -> None:
 @click.command()
 @click.argument("name", metavar="NAME")
 def new(name: str) -> None:
-    """Write a small commented domain into the new folder NAME, to start from."""
+    """Create the folder NAME with a small commented domain."""
     from prag_asp.domain.scaffold import write_new_domain
 
     folder = write_new_domain(name, Path())

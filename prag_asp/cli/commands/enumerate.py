@@ -9,44 +9,50 @@ import click
 
 from prag_asp.atom import split_actions
 from prag_asp.cli import options
-from prag_asp.cli.bundles.task_format import Telling, tells
-from prag_asp.cli.domain_options import Asked
+from prag_asp.cli.domain_options import SPACES, DomainOptions, domain_options
 from prag_asp.cli.line_output import require_writable, writer
-from prag_asp.cli.options import asks
+from prag_asp.cli.options import whole
+from prag_asp.cli.task_options import LINE_FORMAT, TaskFormat, format_options
 from prag_asp.cli.terminal import progress
 from prag_asp.errors import QueryError
 
 
 @click.command()
-@asks(options.SPACES)
+@domain_options(*SPACES)
 @options.by_level
 @options.prefix
-@click.option("--limit", type=options.whole(0), metavar="K", help="Stop after K lines.")
-@tells
+@click.option("--limit", type=whole(0), metavar="K", help="Stop after K lines.")
+@format_options(LINE_FORMAT)
 @options.output
 def enumerate(
-    *, asked: Asked, by: Any, prefix: str | None, limit: int | None, telling: Telling, output: str | None
+    *,
+    request: DomainOptions,
+    by: Any,
+    prefix: str | None,
+    limit: int | None,
+    task_format: TaskFormat,
+    output: str | None,
 ) -> None:
-    """Print all tasks of length N, each once, in rank order; of several lengths, the shortest first.
+    """List all tasks of length N in rank order.
 
-    FILE is replaced as a whole at the end.
+    Each task is printed once; of several lengths, the shortest tasks come first.
     """
-    form = telling.form
-    telling.check()
+    form = task_format.form
+    task_format.check()
     if form != "text" and by == "skeleton":
-        raise QueryError(f"skeletons have no form {form}; choose --format text, or --by task")
+        raise QueryError(f"skeletons cannot be printed as {form}; use --format text, or --by task")
     from prag_asp.dataset.jsonl import Record
 
     first = split_actions(prefix or "")
     require_writable(output)
     with progress() as tell:
-        space = asked.spaces(tell)
+        space = request.spaces(tell)
         with writer(output) as out:
             words = islice(space.enumerate(by, first), limit)
             if form == "text":
                 for word in words:
                     out.write(" ".join(word))
             else:
-                line = telling.line(space.domain)
+                line = task_format.line(space.domain)
                 for task in space.tasks_of_plans(words):
                     out.write(line(Record(task)))

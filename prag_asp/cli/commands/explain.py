@@ -1,4 +1,4 @@
-"""The command that says why a sequence of actions is no plan, and why there is none."""
+"""``prag-asp explain``: why a sequence of actions is no plan, or why a space has no tasks."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import click
 
 from prag_asp.atom import parse_atom, split_actions
-from prag_asp.cli import options, shell_completion
-from prag_asp.cli.arguments import domain_and_others, one_length
-from prag_asp.cli.domain_options import Asked
+from prag_asp.cli import shell_completion
+from prag_asp.cli.arguments import domain_and_others, parse_length
+from prag_asp.cli.domain_options import PROGRAM, WHERE, DomainOptions, domain_options
 from prag_asp.cli.exits import Exit
-from prag_asp.cli.options import asks
+from prag_asp.cli.options import whole
 from prag_asp.cli.terminal import say
 from prag_asp.errors import QueryError
 
@@ -26,120 +26,132 @@ if TYPE_CHECKING:
 @click.argument(
     "words", metavar="DOMAIN... ACTION...", nargs=-1, required=True, shell_complete=shell_completion.actions
 )
-@asks((*options.PROGRAM, options.WHERE))
+@domain_options(*PROGRAM, WHERE)
 @click.option(
-    "-n", "--length", "number", type=one_length, metavar="N",
-    help="Say why there is no task of N actions, in place of why some actions are no plan.",
+    "-n", "--length", "number", type=parse_length, metavar="N",
+    help="Explain why there is no task of N actions.",
 )  # fmt: skip
-@click.option("--why-not", "action", metavar="ACTION", help="Say why no task of N actions has it, or one of its name.")
-@click.option("--step", type=options.whole(1), metavar="K", help="With --why-not: as its action K, from 1.")
-@click.option("--smallest", is_flag=True, help="Name as few lines as can be, which takes longer.")
+@click.option(
+    "--why-not",
+    "action",
+    metavar="ACTION",
+    help="With --length: explain why no task of N actions has this action, or an action of this name.",
+)
+@click.option("--step", type=whole(1), metavar="K", help="With --why-not: as its action number K, from 1.")
+@click.option("--smallest", is_flag=True, help="With --length: name as few lines as possible, which takes longer.")
 @click.option(
     "--fewest-changes", "changes", is_flag=True,
-    help="Name lines each of which, removed, leaves a task; or else a smallest set of lines that does.",
+    help="With --length: name lines of which removing any one leaves a task, or else a smallest set to remove.",
 )  # fmt: skip
 def explain(
-    *, asked: Asked, words: tuple[str, ...], number: int | None, action: str | None, step: int | None,
+    *, request: DomainOptions, words: tuple[str, ...], number: int | None, action: str | None, step: int | None,
     smallest: bool, changes: bool,
 ) -> None:  # fmt: skip
-    """Say why a sequence of actions is no plan, or with --length why there is no task at all.
+    """Explain why a sequence of actions is no plan.
 
-    Actions are arguments of their own, or several in one, separated by blanks or commas. Of a plan that is none, the
-    first step that cannot occur is told, why, and which steps conflict. Of a length without a task, the lines of the
-    domain are told that leave none together, though they would without any one of them. Ends with code 1 where there is
-    something to explain, with 0 where there is not.
+    With --length, explain why there is no task of that length.
+
+    Actions are separate arguments, or one argument in which blanks or commas separate them. For a sequence that is no
+    plan, prints the first step that cannot occur, the reason, and which steps conflict. For a length without tasks,
+    prints a set of lines of the domain that together exclude every task, while any part of them does not. The exit
+    code is 1 if there is something to explain, otherwise 0.
     """
     if number is None:
-        given = {"--where": asked.where, "--why-not": action, "--step": step, "--smallest": smallest}
+        given = {"--where": request.where, "--why-not": action, "--step": step, "--smallest": smallest}
         for option in [name for name, value in {**given, "--fewest-changes": changes}.items() if value]:
-            raise QueryError(f"{option} asks about all tasks of a length; give --length")
-        _explain_plan(asked, words)
+            raise QueryError(f"{option} is about all tasks of a length; add --length")
+        _explain_plan(request, words)
         return
     names, texts = domain_and_others(words)
     if texts:
-        raise QueryError(f"{texts[0]!r}: --length asks about all tasks, so no actions are given; drop one or the other")
+        raise QueryError(f"{texts[0]!r}: --length is about all tasks, not a sequence of actions; leave one of them out")
     if smallest and changes:
-        raise QueryError("--smallest and --fewest-changes ask for different sets of lines; give one of them")
-    space = replace(asked, names=names, length=number).space()
+        raise QueryError("--smallest and --fewest-changes name different sets of lines; leave one of them out")
+    space = replace(request, names=names, length=number).space()
     lines = list(_changes(space, action, step) if changes else _reasons(space, action, step, smallest=smallest))
     if not lines:
-        say(f"there are tasks of {_asked_for(space, action, step)}")
+        say(f"there are tasks of {_describe_request(space, action, step)}")
         return
     for line in lines:
         say(line)
     raise click.exceptions.Exit(Exit.NOT_FOUND)
 
 
-def _explain_plan(asked: Asked, words: tuple[str, ...]) -> None:
-    """Say why a sequence of actions is no plan."""
-    from prag_asp.space.explanation import explain as explained
+def _explain_plan(request: DomainOptions, words: tuple[str, ...]) -> None:
+    """Print why a sequence of actions is no plan.
+
+    Raises:
+        QueryError: a word is no action.
+    """
+    from prag_asp.space.explanation import explain as explain_actions
 
     names, texts = domain_and_others(words)
     actions = [str(parse_atom(text)) for text in split_actions(*texts)]
     if texts and not actions:
         raise QueryError(f"{texts[0]!r} is no action; write actions, such as grasp(panda,apple_1), or none")
-    domain = replace(asked, names=names).domain()
-    found = explained(domain, actions)
-    if found is None:
+    domain = replace(request, names=names).domain()
+    explanation = explain_actions(domain, actions)
+    if explanation is None:
         say(f"a plan of {domain.label}")
         return
-    for line in _told(found, actions):
+    for line in _describe(explanation, actions):
         say(line)
     raise click.exceptions.Exit(Exit.NOT_FOUND)
 
 
 def _reasons(space: TaskSpace, action: str | None, step: int | None, *, smallest: bool) -> Iterator[str]:
-    """Yield why a space is empty, nothing where it is not."""
+    """Yield lines that explain why a space is empty; none if it is not."""
     from prag_asp.space.emptiness import why_empty
 
     found = why_empty(space, action=action, step=step, smallest=smallest)
     if found is None:
         return
-    yield f"there is no task of {_asked_for(space, action, step)}"
+    yield f"there is no task of {_describe_request(space, action, step)}"
     if found.conditions:
-        yield "these conditions are too much:"
+        yield "these conditions exclude every task:"
         yield from (f"  {clause}" for clause in found.conditions)
     if found.lines:
-        yield "these lines leave none together:"
+        yield "these lines together exclude every task:"
         yield from (f"  {line}" for line in found.lines)
     else:
-        yield "no line forbids it: what the domain declares leaves none, whatever its lines say of it"
+        yield "no line excludes it: the declarations of the domain alone allow none"
 
 
 def _changes(space: TaskSpace, action: str | None, step: int | None) -> Iterator[str]:
-    """Yield which lines, removed, leave a task in an empty space; nothing where it is not."""
+    """Yield lines whose removal leaves a task in an empty space; none if it is not empty."""
     from prag_asp.space.emptiness import fewest_changes
 
     found = fewest_changes(space, action=action, step=step)
     if found == ((),):
         return
-    yield f"there is no task of {_asked_for(space, action, step)}"
+    yield f"there is no task of {_describe_request(space, action, step)}"
     if not found:
-        yield "there is none even without all the lines that restrict plans"
+        yield "there is none even without all lines that restrict plans"
     elif len(found[0]) == 1:
-        yield "there is one without any one of these lines:"
+        yield "removing any one of these lines leaves a task:"
         yield from (f"  {line}" for (line,) in found)
     else:
-        yield "there is one without all of these lines, and no fewer will do:"
+        yield "removing all of these lines leaves a task, and removing fewer does not:"
         yield from (f"  {line}" for line in found[0])
 
 
-def _asked_for(space: TaskSpace, action: str | None, step: int | None) -> str:
-    """Return in words which tasks are meant."""
+def _describe_request(space: TaskSpace, action: str | None, step: int | None) -> str:
+    """Return the request in words."""
     having = "" if action is None else f" with {action}{'' if step is None else f' as step {step}'}"
     return f"{space.title}{having}"
 
 
-def _told(found: Explanation, plan: Sequence[str]) -> Iterator[str]:
-    if not found.step:
-        yield "not even the start is possible:"
-    elif found.step > len(plan):
-        yield "every step can occur, but the plan cannot end there:"
+def _describe(explanation: Explanation, plan: Sequence[str]) -> Iterator[str]:
+    if not explanation.step:
+        yield "no initial state is possible:"
+    elif explanation.step > len(plan):
+        yield "every step can occur, but the final state is not allowed:"
     else:
-        yield f"step {found.step}, {plan[found.step - 1]}, cannot {'follow' if found.step > 1 else 'come first'}:"
-    yield from (f"  {reason}" for reason in found.reasons)
-    if not found.conflict:
-        yield "there is no plan of this length at all"
+        impossible = "follow" if explanation.step > 1 else "come first"
+        yield f"step {explanation.step}, {plan[explanation.step - 1]}, cannot {impossible}:"
+    yield from (f"  {reason}" for reason in explanation.reasons)
+    if not explanation.conflict:
+        yield "there is no plan of this length"
         return
-    yield "no plan of this length has these steps, whatever its others are:"
-    yield from (f"  step {step}, {plan[step - 1]}" for step in found.conflict)
+    yield "no plan of this length has all of these steps:"
+    yield from (f"  step {step}, {plan[step - 1]}" for step in explanation.conflict)

@@ -1,4 +1,4 @@
-"""The commands that write task spaces and data sets for other tools."""
+"""``prag-asp export``: task spaces and datasets as files for other tools."""
 
 from __future__ import annotations
 
@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from prag_asp.cli import options, shell_completion
-from prag_asp.cli.bundles.task_selection import Chosen, names_tasks
-from prag_asp.cli.domain_options import Asked
+from prag_asp.cli.domain_options import DOMAIN, LENGTH, WHERE, DomainOptions, domain_options
 from prag_asp.cli.line_output import require_writable, writer
-from prag_asp.cli.options import asks
-from prag_asp.cli.terminal import progress, say, whole_lines
+from prag_asp.cli.task_options import TaskSelection, task_selection
+from prag_asp.cli.terminal import progress, say
 from prag_asp.errors import OutputError
 from prag_asp.program.paths import shipped_domains
 from prag_asp.wording import nearest
@@ -22,24 +21,24 @@ if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
 USUAL = "dimacs"
-"""The form of a line that names none."""
+"""The form if a command line names none."""
 
 
 class Forms(click.Group):
-    """The forms; ``export DOMAIN ...`` is ``export dimacs DOMAIN ...``."""
+    """The commands for each form; ``export DOMAIN ...`` is ``export dimacs DOMAIN ...``."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Put the usual form where none is named, be it by a word that is like one and no domain."""
+        """Insert the usual form if none is named, unless the first word is a misspelt form."""
         if args and args[0] not in (*self.commands, *ctx.help_option_names):
             domain = args[0].startswith("-") or args[0] in shipped_domains() or Path(args[0]).exists()
             near = None if domain else nearest(args[0], self.commands)
             if near is not None and not ctx.resilient_parsing:
-                ctx.fail(f"no form {args[0]!r}; did you mean {near}?")
+                ctx.fail(f"no format {args[0]!r}; did you mean {near}?")
             args = [USUAL, *args]
         return super().parse_args(ctx, args)
 
     def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem[Any]]:
-        """Offer the forms, and domains for the usual one."""
+        """Complete forms, and domains for the usual form."""
         return [
             *super().shell_complete(ctx, incomplete),
             *shell_completion.domains(ctx, self.commands[USUAL].params[0], incomplete),
@@ -48,48 +47,51 @@ class Forms(click.Group):
 
 @click.group(cls=Forms, subcommand_metavar="FORM ...")
 def export() -> None:
-    """Write a task space as a formula, a domain or a task as PDDL, or a data set as other programs read it.
+    """Write tasks or datasets in the formats of other tools.
 
-    FORM is dimacs for all tasks of DOMAIN, and may then be left out; pddl for DOMAIN or one task of it; or, for a data
-    set in DIR: lerobot, minari, robomimic, bddl.
+    FORM is dimacs (the default) for the task space of DOMAIN as a formula; pddl for DOMAIN or tasks of it; or lerobot,
+    minari, robomimic or bddl for the dataset in DIR.
     """
 
 
 @export.command()
-@asks((*options.DOMAIN, options.LENGTH, options.WHERE))
+@domain_options(*DOMAIN, LENGTH, WHERE)
 @options.by_level
-@click.option("--format", type=click.Choice(["dimacs"]), default="dimacs", show_default=True, help="Form of the file.")
+@click.option(
+    "--format", type=click.Choice(["dimacs"]), default="dimacs", show_default=True, help="Format of the file."
+)
 @options.output
-def dimacs(*, asked: Asked, by: Any, format: str, output: str | None) -> None:
-    """Write all tasks of length N as one formula, for SAT solvers and model counters.
+def dimacs(*, request: DomainOptions, by: Any, format: str, output: str | None) -> None:
+    """Write all tasks of length N as a formula for SAT solvers and model counters.
 
-    Projected on the variables that the file shows, the formula has one model for each task.
+    Projected on the projection variables that the file declares, the formula has one model for each task.
     """
     require_writable(output)
-    lines = asked.space().dimacs(by)
+    lines = request.space().dimacs(by)
     with writer(output) as out:
         for line in lines:
             out.write(line)
 
 
 @export.command()
-@asks((*options.DOMAIN, options.WHERE))
-@names_tasks
-@click.option("--positive", is_flag=True, help="No negative conditions: predicates such as not-on say what is not so.")
+@domain_options(*DOMAIN, WHERE)
+@task_selection
+@click.option("--positive", is_flag=True, help="Avoid negative conditions: predicates such as not-on replace them.")
 @click.option(
     "--unconditional",
     is_flag=True,
-    help="No conditional effects and no disjunctions: a copy of an action for each case.",
+    help="Avoid conditional effects and disjunctions: write a copy of an action for each case.",
 )
 @click.option(
     "-o", "--output", metavar="DIR", required=True, shell_complete=shell_completion.files,
     help="New folder, written whole or not at all: domain.pddl, problem.pddl, and plan.txt of a task; of several tasks "
     "domain_1.pddl, ..., numbered by rank or by their order in the file.",
 )  # fmt: skip
-def pddl(*, asked: Asked, chosen: Chosen, positive: bool, unconditional: bool, output: str) -> None:
-    """Write a domain, or tasks of it, as domains and problems of PDDL.
+def pddl(*, request: DomainOptions, selection: TaskSelection, positive: bool, unconditional: bool, output: str) -> None:
+    """Write a domain, or tasks of it, as PDDL domains and problems.
 
-    They have the same plans. What a task leaves open of its initial state is false in PDDL, and a comment says so.
+    They have the same plans. Fluents that a task leaves open in its initial state are false in PDDL; a comment in the
+    problem lists them.
     """
     from prag_asp.output import new_folder, replace_file
     from prag_asp.planners import write
@@ -97,32 +99,32 @@ def pddl(*, asked: Asked, chosen: Chosen, positive: bool, unconditional: bool, o
     folder = Path(output)
     if folder.exists():
         raise OutputError(f"{folder}: exists already; choose another name, or remove it first")
-    chosen.check(asked.where)
+    selection.check(request.where)
     with progress() as tell:
-        domain = asked.domain()
-        named = chosen.of(asked.space(tell, domain)) if chosen.any else None
-        files = ("domain{}.pddl", "problem{}.pddl", "plan{}.txt")[: 3 if named else 2]
-        marks, tasks = named if named is not None else ([""], repeat(None, 1))
+        domain = request.domain()
+        selected = selection.of(request.space(tell, domain)) if selection.any else None
+        files = ("domain{}.pddl", "problem{}.pddl", "plan{}.txt")[: 3 if selected else 2]
+        suffixes, tasks = selected if selected is not None else ([""], repeat(None, 1))
         with new_folder(folder) as part:
-            for number, (mark, task) in enumerate(zip(marks, tasks, strict=True)):
-                tell("tasks written", number, len(marks))
+            for number, (suffix, task) in enumerate(zip(suffixes, tasks, strict=True)):
+                tell("tasks written", number, len(suffixes))
                 found = write(domain, task, negative=not positive, conditional=not unconditional)
                 texts = (found.domain, found.problem, "".join(f"{step}\n" for step in found.plan))
                 for file, text in zip(files, texts, strict=False):
-                    replace_file(part / file.format(mark), text.encode(), follow=False)
+                    replace_file(part / file.format(suffix), text.encode(), follow=False)
     say(folder)
 
 
-def _of_data(form: str, told: str, place: str) -> None:
-    """Add the command of a form of data sets."""
+def _add_dataset_form(form: str, text: str, place: str) -> None:
+    """Add the command of a form of datasets, with its help text."""
 
-    @export.command(form, help=told)
+    @export.command(form, help=text)
     @click.argument("folder", metavar="DIR", shell_complete=shell_completion.files)
-    @click.option("--part", metavar="PART", help="One part of the data set, such as train.  [default: all]")
-    @options.WHERE
+    @click.option("--part", metavar="PART", help="Part of the dataset to write, such as train.  [default: all]")
+    @WHERE
     @click.option(
         "--level", type=click.Choice(["vague", "default", "exact"]), default="default", show_default=True,
-        help="How much the instructions say.",
+        help="Detail of the instructions.",
     )  # fmt: skip
     @click.option(
         "-o", "--output", metavar=place, required=True, shell_complete=shell_completion.files,
@@ -132,33 +134,36 @@ def _of_data(form: str, told: str, place: str) -> None:
         from prag_asp import Dataset
         from prag_asp.dataset.formats.exporting import export as write
 
-        with progress() as tell, whole_lines():
+        with progress() as tell:
             data = Dataset.open(folder)
             data = data if part is None else data.part(part)
-            conditions = Asked(where=where).conditions()
+            conditions = DomainOptions(where=where).conditions()
             say(write(data.where(*conditions) if conditions else data, form, output, level=level, progress=tell))
 
 
-_of_data(
+_add_dataset_form(
     "lerobot",
-    "Write the recordings of a data set as a LeRobotDataset v3.0: tables of frames, AV1 videos, subtasks.\n\n"
-    "Without cameras there are states and actions alone. Depth and segmentation are left out.",
+    "Write a dataset's episodes as a LeRobotDataset v3.0.\n\n"
+    "It has tables of frames, AV1 videos and subtasks; without cameras, states and actions only. Depth and "
+    "segmentation images are not exported.",
     "DIR",
 )
-_of_data(
+_add_dataset_form(
     "minari",
-    "Write the recordings of a data set for Minari, which finds them with MINARI_DATASETS_PATH=DIR.\n\n"
-    "The data set has its spaces itself, for it has no environment.",
+    "Write a dataset's episodes for Minari.\n\n"
+    "Minari finds them with MINARI_DATASETS_PATH=DIR. Observation and action spaces are stored, because there is no "
+    "environment.",
     "DIR",
 )
-_of_data(
+_add_dataset_form(
     "robomimic",
-    "Write the recordings of a data set as one HDF5 file in robomimic's layout.\n\n"
-    "Actions are scaled to -1 to 1 by the limits of the joints; the parts of the data set are its masks.",
+    "Write a dataset's episodes as an HDF5 file for robomimic.\n\n"
+    "Actions are scaled to -1..1 by the joint limits; the parts of the dataset become masks.",
     "FILE",
 )
-_of_data(
+_add_dataset_form(
     "bddl",
-    "Write each task of a data set as a BDDL problem in LIBERO's text form: objects, first state, goal, words.",
+    "Write each task of a dataset as a BDDL problem of LIBERO.\n\n"
+    "A problem has objects, initial state, goal and instruction.",
     "DIR",
 )

@@ -1,4 +1,4 @@
-"""``prag-asp generate``: a data set of feasible tasks, as a folder of tables that loaders read."""
+"""``prag-asp generate``: a dataset of feasible tasks, as a folder of Parquet tables."""
 
 from __future__ import annotations
 
@@ -12,10 +12,17 @@ from typing import TYPE_CHECKING
 import click
 
 from prag_asp.cli import options, shell_completion
-from prag_asp.cli.bundles.camera_options import Filming, films
-from prag_asp.cli.domain_options import Asked
-from prag_asp.cli.options import Checking, Weighing, asks
-from prag_asp.cli.terminal import progress, say, tell_line, whole_lines
+from prag_asp.cli.domain_options import SPACES, DomainOptions, domain_options
+from prag_asp.cli.options import WeightOptions, whole
+from prag_asp.cli.physics_options import (
+    CameraOptions,
+    PhysicsOptions,
+    camera_options,
+    max_draws,
+    physics_options_without_folder,
+    ray,
+)
+from prag_asp.cli.terminal import progress, say, tell_line
 from prag_asp.errors import NotFound, QueryError
 from prag_asp.wording import plural
 
@@ -25,71 +32,78 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@asks((*options.SPACES, options.TRUST))
+@domain_options(*SPACES, options.trust)
 @click.option(
-    "--tasks", type=options.whole(1), required=True, metavar="K",
-    help="How many tasks; of physics, feasible ones. A larger number adds to what is there.",
+    "--tasks", type=whole(1), required=True, metavar="K",
+    help="Number of tasks (feasible ones, with physics). A larger number extends an existing dataset.",
 )  # fmt: skip
 @options.seed
-@options.weighs
-@click.option("--evenly", is_flag=True, help="Draw all lengths alike, not by how many tasks they have.")
+@options.weight_options
+@click.option(
+    "--evenly", is_flag=True, help="Sample all lengths equally often, not in proportion to their numbers of tasks."
+)
 @click.option(
     "--split", metavar="NAME=SHARE,...",
-    help="Parts with no task in common, such as train=0.8,test=0.2.  [default: one part, train]",
+    help="Disjoint parts, such as train=0.8,test=0.2.  [default: one part, train]",
 )  # fmt: skip
-@click.option("--skeletons", is_flag=True, help="No two parts of --split have a skeleton in common.")
+@click.option("--skeletons", is_flag=True, help="With --split: parts share no skeleton either.")
 @click.option(
     "--hold-out", "held", metavar="WHAT", shell_complete=shell_completion.names,
-    help="Entity, class, action or pair that only the part test has; it gets a fifth, or what --split says.",
+    help="Entity, class, action or pair that occurs in the part test only; it gets a fifth, or its share of --split.",
 )  # fmt: skip
 @click.option(
-    "--starts", type=options.whole(1), default=1, show_default=True, metavar="K",
-    help="First states, each with a witness, that are looked for for each task.",
+    "--starts", type=whole(1), default=1, show_default=True, metavar="K",
+    help="Initial states to find for each task, each with a witness.",
 )  # fmt: skip
-@click.option("--physics/--no-physics", default=None, help="Keep feasible tasks only.  [default: if there is a scene]")
-@options.looks
 @click.option(
-    "--demonstrate", "performed", is_flag=True, help="Let the robot perform each task, and keep recordings (.npz)."
+    "--physics/--no-physics", default=None, help="Keep only feasible tasks.  [default: if the domain has a scene]"
 )
-@films
+@physics_options_without_folder
+@click.option(
+    "--demonstrate",
+    "with_demonstrations",
+    is_flag=True,
+    help="Let the robot execute each task in simulation, and store the episodes.",
+)
+@camera_options
 @click.option(
     "--language", default="en", show_default=True, metavar="LANGUAGE", shell_complete=shell_completion.languages,
-    help="Language of instructions: en, or one that the domain has words for, such as de.",
+    help="Language of instructions: en, or another one that the domain has words for, such as de.",
 )  # fmt: skip
 @click.option(
     "--phrasings", default="", metavar="'K of N'",
-    help="Of the ways to say the same, every N-th from the K-th on; '1 of 2' and '2 of 2' have none in common.",
+    help="Use only every N-th phrasing, from the K-th; '1 of 2' and '2 of 2' share none.",
 )  # fmt: skip
-@click.option("--shard", type=options.whole(1), metavar="K", help="Tasks of a file, at most.  [1000]")
-@options.MAX_DRAWS
+@click.option("--shard", type=whole(1), metavar="K", help="Maximum number of tasks in a file.  [default: 1000]")
+@max_draws
 @click.option(
     "--part", metavar="K/N",
-    help="Look at every N-th draw alone, from the K-th on: one of N jobs, of which prag-asp merge makes the whole.",
+    help="Validate only every N-th sampled task, from the K-th: one of N jobs, which prag-asp merge joins.",
 )  # fmt: skip
-@options.ON
+@ray
 @click.option(
     "-o",
     "--output",
     metavar="DIR",
     required=True,
     shell_complete=shell_completion.files,
-    help="Folder of the data set.",
+    help="Folder of the dataset.",
 )
 def generate(
     *,
-    asked: Asked,
+    request: DomainOptions,
     tasks: int,
     seed: int,
-    weighing: Weighing,
+    weighting: WeightOptions,
     evenly: bool,
     split: str | None,
     skeletons: bool,
     held: str | None,
     starts: int,
     physics: bool | None,
-    checking: Checking,
-    performed: bool,
-    filming: Filming,
+    validation: PhysicsOptions,
+    with_demonstrations: bool,
+    filming: CameraOptions,
     language: str,
     phrasings: str,
     shard: int | None,
@@ -98,10 +112,11 @@ def generate(
     on: str | None,
     output: str,
 ) -> None:
-    """Write a data set: different tasks of length N, their witnesses, and what was refused, with the exact figures.
+    """Write a dataset of distinct feasible tasks of length N.
 
-    Tasks are drawn without replacement. DIR holds tables in Parquet, dataset.json, the domain, and a card for hubs.
-    Each file is written whole; an interrupted run is resumed by the same command, to the same bytes.
+    Tasks are sampled without replacement. DIR holds Parquet tables of tasks, witnesses and rejected tasks, a
+    dataset.json with exact figures, the domain, and a dataset card. If the command is interrupted, run it again: it
+    continues, and the result has the same bytes.
     """
     from prag_asp.dataset.dataset_spec import SHARD
     from prag_asp.dataset.generation import generate as make
@@ -109,82 +124,82 @@ def generate(
     from prag_asp.missing import require_pyarrow
 
     require_pyarrow()
-    checking.limits()
-    filming.refuse_at_odds(output if performed else None)
+    validation.parse_budget()
+    filming.check(output if with_demonstrations else None)
     shares = None if split is None else parse_shares_option(split)
-    with progress() as tell, whole_lines(), warnings_as_lines():
-        space = asked.spaces(tell)
-        looks = physics if physics is not None else bool(space.domain.settings.scene)
-        if not looks:
-            checking.refuse_without_physics({"--demonstrate": performed, "--starts": starts > 1})
-        staging = filming.staging(*([scene_of(space.domain)] if filming.asked else []))
-        tell_what_is_there(output)
+    with progress() as tell, warnings_as_lines():
+        space = request.spaces(tell)
+        with_physics = physics if physics is not None else bool(space.domain.settings.scene)
+        if not with_physics:
+            validation.refuse_without_physics({"--demonstrate": with_demonstrations, "--starts": starts > 1})
+        staging = filming.staging(*([scene_of(space.domain)] if filming.any else []))
+        print_existing(output)
         try:
-            made = make(
+            dataset = make(
                 space, output, tasks=tasks, seed=seed, split=shares, skeletons=skeletons, hold_out=held, starts=starts,
-                demonstrate=performed, evenly=evenly, **weighing.arguments(space.domain), physics=looks,
-                budget=checking.limits() if looks else None, workers=checking.workers, shard=shard or SHARD,
-                language=language, phrasings=phrasings, staging=staging, max_draws=max_draws, part=part, on=on,
-                progress=tell,
+                demonstrate=with_demonstrations, evenly=evenly, **weighting.arguments(space.domain),
+                physics=with_physics, budget=validation.parse_budget() if with_physics else None,
+                workers=validation.workers,
+                shard=shard or SHARD, language=language, phrasings=phrasings, staging=staging, max_draws=max_draws,
+                part=part, on=on, progress=tell,
             )  # fmt: skip
         except NotFound:
-            tell_line(f"{output}: holds what was found")
+            tell_line(f"{output}: holds the tasks that were found")
             raise
-    show(made)
+    print_parts(dataset)
 
 
 def parse_shares_option(text: str) -> dict[str, str]:
-    """Return the parts that ``train=0.8,test=0.2`` names, with their shares as they are written.
+    """Return the parts of a text such as ``train=0.8,test=0.2``, with their shares as texts.
 
     Raises:
-        QueryError: it is written in another way.
+        QueryError: the text is of another form.
     """
-    found: dict[str, str] = {}
+    shares: dict[str, str] = {}
     for each in text.split(","):
         name, equals, share = (part.strip() for part in each.partition("="))
-        if not equals or not name or not share or name in found:
+        if not equals or not name or not share or name in shares:
             raise QueryError(f"--split {text}: write different names with their shares, such as train=0.8,test=0.2")
-        found[name] = share
-    return found
+        shares[name] = share
+    return shares
 
 
 @contextmanager
 def warnings_as_lines() -> Iterator[None]:
-    """Tell each warning at once, in one line."""
+    """Print each warning at once, in one line."""
     with warnings.catch_warnings():
         warnings.simplefilter("always")
         warnings.showwarning = lambda message, *_, **__: tell_line(f"warning: {message}")
         yield
 
 
-def tell_what_is_there(output: str) -> None:
-    """Report that a run resumes an interrupted one, or extends a dataset."""
+def print_existing(output: str) -> None:
+    """Print how many tasks an existing dataset has, and whether it is complete."""
     from prag_asp.dataset.store.manifest import DATASET
 
     manifest = DATASET.read(Path(output))
     if manifest is not None and not manifest.complete:
-        tell_line(f"{output}: resumes an interrupted run, which has left {_tasks(manifest)}")
+        tell_line(f"{output}: continues an interrupted run, which has left {_count_tasks(manifest)}")
     elif manifest is not None:
-        tell_line(f"{output}: has {_tasks(manifest)} already")
+        tell_line(f"{output}: already has {_count_tasks(manifest)}")
 
 
-def _tasks(manifest: Manifest) -> str:
-    """Return how many tasks stand in shards that a data set has."""
+def _count_tasks(manifest: Manifest) -> str:
+    """Return the number of tasks in the shards of a dataset."""
     return plural(manifest.rows("tasks"), "task")
 
 
-def show(made: Dataset) -> None:
-    """Print the parts with their sizes, and on stderr why tasks were refused."""
-    manifest = made.manifest
+def print_parts(dataset: Dataset) -> None:
+    """Print the parts of a dataset with their sizes, and on stderr why tasks were rejected."""
+    manifest = dataset.manifest
     width = max(len(part.name) for part in manifest.parts)
-    refused: Counter[str] = Counter()
+    rejected: Counter[str] = Counter()
     for part in manifest.parts:
         say(f"{part.name:<{width}}  {part.tasks} of {part.size}")
         for tally in part.lengths:
-            refused.update({reason.reason: reason.count for reason in tally.reasons})
+            rejected.update({reason.reason: reason.count for reason in tally.reasons})
     wanted, found = manifest.spec.starts * manifest.rows("tasks"), manifest.rows("witnesses")
     if manifest.spec.starts > 1 and found < wanted:
-        states = plural(wanted, "initial state")
-        tell_line(f"only {found} of {states} have a witness; the column starts says of which tasks")
-    for reason, count in refused.most_common():
-        tell_line(f"{plural(count, 'task')} refused: {reason}")
+        tell_line(f"only {found} of {plural(wanted, 'initial state')} have a witness; see the column starts")
+    for reason, count in rejected.most_common():
+        tell_line(f"{plural(count, 'task')} rejected: {reason}")

@@ -1,4 +1,4 @@
-"""``prag-asp learn``: what physics proves impossible, as invariants of a domain, and what they change."""
+"""``prag-asp learn``: invariants that physics proves, and their effect on the task space."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, get_args
 import click
 
 from prag_asp.cli import options
-from prag_asp.cli.domain_options import Asked
+from prag_asp.cli.domain_options import SPACE, DomainOptions, domain_options
 from prag_asp.cli.line_output import require_writable
-from prag_asp.cli.options import Checking, asks
-from prag_asp.cli.table import aligned
-from prag_asp.cli.terminal import progress, say, tell_line
+from prag_asp.cli.options import whole
+from prag_asp.cli.physics_options import PhysicsOptions, physics_options
+from prag_asp.cli.terminal import aligned, progress, say, tell_line
 from prag_asp.errors import QueryError
 from prag_asp.output import file_in, replace_file
 
@@ -31,101 +31,108 @@ Row = tuple[str, ...]
 
 
 @click.command()
-@asks((*options.SPACE, options.TRUST))
-@click.option("--count", "wanted", type=options.whole(0), default=200, show_default=True, help="Tasks to draw.")
+@domain_options(*SPACE, options.trust)
+@click.option(
+    "--count",
+    "number",
+    type=whole(0),
+    default=200,
+    show_default=True,
+    help="Number of tasks to sample for the comparison.",
+)
 @options.seed
-@options.checks
+@physics_options
 @click.option(
     "--write", is_flag=True,
-    help="Write learned.lp into the domain's folder, whole or not at all, and print the figures only.",
+    help="Write learned.lp into the domain's folder, and print the figures only.",
 )  # fmt: skip
-def learn(*, asked: Asked, wanted: int, seed: int, checking: Checking, write: bool) -> None:
-    """Find out what physics proves impossible, and propose rules that keep it out of the domain.
+def learn(*, request: DomainOptions, number: int, seed: int, validation: PhysicsOptions, write: bool) -> None:
+    """Propose rules that exclude what physics proves impossible.
 
-    Prints the rules for the file learned.lp, and what they change: the numbers of plans, tasks and skeletons of length
-    N, and how many of K uniformly drawn tasks pass physics. A learned.lp that is there already is left out.
+    Prints rules for the file learned.lp and their effect: the numbers of plans, tasks and skeletons of length N, and
+    how many of K uniformly sampled tasks pass physics, before and after. An existing learned.lp is ignored.
     """
-    from prag_asp.dataset import learn as learned_from
+    from prag_asp.dataset import learn as learn_rules
     from prag_asp.dataset.scenes import scene_of
     from prag_asp.domain.load import LEARNED
     from prag_asp.physics import require_physics
 
-    checking.limits()
+    validation.parse_budget()
     require_physics()
     with progress() as tell:
-        before = replace(asked, learned=False).space(tell)
-        path = _file(asked, before.domain) if write else Path(LEARNED)
-        found = learned_from(before.domain, path=path, progress=tell)
-        after = asked.space(tell, found.domain) if found.rules else before
-        figures = _figures(before, after, scene_of(before.domain), wanted, seed, checking, tell)
-        lines = [str(found), *aligned(figures)]
+        before = replace(request, learned=False).space(tell)
+        path = _file(request, before.domain) if write else Path(LEARNED)
+        rules = learn_rules(before.domain, path=path, progress=tell)
+        after = request.space(tell, rules.domain) if rules.rules else before
+        figures = _figures(before, after, scene_of(before.domain), number, seed, validation, tell)
+        lines = [str(rules), *aligned(figures)]
     if write:
-        replace_file(path, f"{found.text.rstrip()}\n".encode(), follow=False)
+        replace_file(path, f"{rules.text.rstrip()}\n".encode(), follow=False)
         tell_line(f"wrote {path}")
     else:
-        say(found.text)
+        say(rules.text)
     for line in lines:
         say(line if write else f"% {line}".rstrip())
 
 
-def _file(asked: Asked, domain: Domain) -> Path:
-    """Return the file that the rules are written to.
+def _file(request: DomainOptions, domain: Domain) -> Path:
+    """Return the file to write the rules to.
 
     Raises:
-        QueryError: the domain has no folder, or is not what its folder says.
+        QueryError: the domain has no folder, or options change what the folder says.
         OutputError: the file cannot be written.
     """
     from prag_asp.domain.load import LEARNED
 
     if domain.folder is None:
-        raise QueryError(f"--write writes {LEARNED} into a domain's folder; {domain.name} has none, so give a folder")
-    for option, given in (("--const", asked.constants), ("--settings", asked.settings)):
+        raise QueryError(f"--write writes {LEARNED} into a domain's folder, but {domain.name} has none; give a folder")
+    for option, given in (("--const", request.constants), ("--settings", request.settings)):
         if given:
-            raise QueryError(f"--write writes what holds of the folder as it is; leave {option} out")
+            raise QueryError(f"--write writes rules for the unchanged folder; leave {option} out")
     path = file_in(domain.folder, LEARNED)
     require_writable(str(path))
     return path
 
 
 def _figures(
-    before: TaskSpace, after: TaskSpace, scene: Scene, wanted: int, seed: int, checking: Checking,
+    before: TaskSpace, after: TaskSpace, scene: Scene, number: int, seed: int, validation: PhysicsOptions,
     tell: Callable[[str], None],
 ) -> Iterator[Row]:  # fmt: skip
-    """Yield the lines of a table: the size of the space and what passes of it, before and after."""
+    """Yield the rows of a table: the size of the space and how many tasks pass, before and after."""
     from prag_asp.space.engines import Level
 
     yield f"length {before.length}", "before", "after"
     for level in get_args(Level):
         yield f"{level}s", str(before.count(level)), str(after.count(level))
-    tallies = [_tally(space, scene, wanted, seed, checking, tell) for space in (before, after)]
-    yield "drawn", *(str(tally.seen) for tally in tallies)
+    tallies = [_tally(space, scene, number, seed, validation, tell) for space in (before, after)]
+    yield "sampled", *(str(tally.seen) for tally in tallies)
     yield "passed", *(f"{tally.passed} ({100 * tally.passed / max(tally.seen, 1):.1f} %)" for tally in tallies)
     yield "proved infeasible", *(str(tally.proved) for tally in tallies)
-    budget = str(checking.limits())
+    budget = str(validation.parse_budget())
     yield "budget", budget, budget
 
 
 def _tally(
-    space: TaskSpace, scene: Scene, wanted: int, seed: int, checking: Checking, tell: Callable[[str], None]
+    space: TaskSpace, scene: Scene, number: int, seed: int, validation: PhysicsOptions, tell: Callable[[str], None]
 ) -> Tally:
-    """Return how many of some uniformly drawn tasks pass physics."""
+    """Return how many of some uniformly sampled tasks pass physics."""
     from prag_asp.cli.summary import tally_line
     from prag_asp.dataset.pass_rates import Tally
     from prag_asp.physics import validate_tasks
 
     tally = Tally()
 
-    def told() -> str:
-        return tally_line(tally, ("drawn", "drawn"), f"budget {checking.limits()}")
+    def summary() -> str:
+        return tally_line(tally, ("sampled", "sampled"), f"budget {validation.parse_budget()}")
 
-    if wanted == 0 or space.count() == 0:
+    if number == 0 or space.count() == 0:
         return tally
-    tasks = islice(space.stream(seed=seed, weights={}), wanted)
+    tasks = islice(space.stream(seed=seed, weights={}), number)
     with closing(
-        validate_tasks(tasks, scene, seed=seed, workers=checking.workers, budget=checking.limits())
+        validate_tasks(tasks, scene, seed=seed, workers=validation.workers, budget=validation.parse_budget())
     ) as verdicts:
         for verdict in verdicts:
             tally.add(verdict)
-            tell(told())
-    tell_line(told())
+            tell(summary())
+    tell_line(summary())
     return tally

@@ -1,49 +1,52 @@
-"""``prag-asp merge``: the parts of a data set that several machines have made, as the one that it is."""
+"""``prag-asp merge``: one dataset from the parts that several machines have made."""
 
 from __future__ import annotations
 
 import click
 
 from prag_asp.cli import options, shell_completion
-from prag_asp.cli.commands.generate import show, tell_what_is_there, warnings_as_lines
-from prag_asp.cli.terminal import progress, tell_line, whole_lines
+from prag_asp.cli.commands.generate import print_existing, print_parts, warnings_as_lines
+from prag_asp.cli.options import whole
+from prag_asp.cli.physics_options import max_draws, ray
+from prag_asp.cli.terminal import progress, tell_line
 from prag_asp.errors import NotFound
 
 
 @click.command()
 @click.argument("parts", metavar="DIR...", nargs=-1, required=True, shell_complete=shell_completion.files)
-@options.TRUST
+@options.trust
 @click.option(
-    "--workers", type=options.whole(1, 4096), default=1, show_default=True,
-    help="Processes for the draws that no part has looked at.",
+    "--workers", type=whole(1, 4096), default=1, show_default=True,
+    help="Number of processes for tasks that no part has validated.",
 )  # fmt: skip
-@options.ON
-@options.MAX_DRAWS
+@ray
+@max_draws
 @click.option(
     "-o",
     "--output",
     metavar="DIR",
     required=True,
     shell_complete=shell_completion.files,
-    help="Folder of the data set.",
+    help="Folder of the dataset.",
 )
 def merge(
     *, parts: tuple[str, ...], trust: bool, workers: int, on: str | None, max_draws: int | None, output: str
 ) -> None:
-    """Merge the parts that `generate --part 1/N` to `N/N` have made, all of them, into one data set.
+    """Merge the parts of a dataset that several machines have made.
 
-    Its bytes are those that one machine writes without --part. Parts end at different draws; the few that none of them
-    has looked at are looked at here. An interrupted run is resumed by the same command.
+    The parts are the results of `generate --part 1/N` to `N/N`, all of them. The dataset has the same bytes as one that
+    a single machine writes without --part. Parts end at different samples; the few samples that no part has validated
+    are validated now. If the command is interrupted, run it again: it continues.
     """
     from prag_asp.dataset.merging import merge as make
     from prag_asp.missing import require_pyarrow
 
     require_pyarrow()
-    with progress() as tell, whole_lines(), warnings_as_lines():
-        tell_what_is_there(output)
+    with progress() as tell, warnings_as_lines():
+        print_existing(output)
         try:
-            made = make(parts, output, workers=workers, on=on, max_draws=max_draws, trust=trust, progress=tell)
+            dataset = make(parts, output, workers=workers, on=on, max_draws=max_draws, trust=trust, progress=tell)
         except NotFound:
-            tell_line(f"{output}: holds what was found")
+            tell_line(f"{output}: holds the tasks that were found")
             raise
-    show(made)
+    print_parts(dataset)

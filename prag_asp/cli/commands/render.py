@@ -1,4 +1,4 @@
-"""``prag-asp render``: pictures of tasks from a file."""
+"""``prag-asp render``: pictures of tasks of a file."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 import click
 
 from prag_asp.cli import options, shell_completion
-from prag_asp.cli.arguments import pixels as pixels_of
-from prag_asp.cli.domain_options import Asked
+from prag_asp.cli.domain_options import OF_FILE, DomainOptions, domain_options
 from prag_asp.cli.line_output import require_writable
-from prag_asp.cli.options import asks
-from prag_asp.cli.terminal import progress, say, whole_lines
+from prag_asp.cli.options import whole
+from prag_asp.cli.physics_options import parse_pixels
+from prag_asp.cli.terminal import progress, say
 from prag_asp.dataset.task_origin import MEND, index_of, read_witness, told_with_place
 from prag_asp.errors import QueryError
 from prag_asp.output import file_in, make_folder
@@ -33,43 +33,48 @@ SIZES = {"strip": (360, 320), "state": (960, 800), "gif": (400, 350), "webp": (4
 
 ANIMATED = ("gif", "webp")
 FASTEST = 1000
-"""How many times as fast, or as slow, an animation plays at most."""
+"""The largest factor by which an animation is sped up or slowed down."""
 
-RECORD = "record it anew with --demonstrate"
+RECORD = "record it again with --demonstrate"
 STILLS = (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp")
-"""What pictures that do not move can be written as, by the ends of the names of files."""
+"""Suffixes of files for still pictures."""
 
 SMALLEST, LARGEST = 16, 4096
 
 
 @click.command()
 @click.argument("file", metavar="TASKS.jsonl", shell_complete=shell_completion.files)
-@click.argument("numbers", metavar="[NUMBER]...", nargs=-1, type=options.whole(1))
-@asks((*options.OF_FILE, options.TRUST))
+@click.argument("numbers", metavar="[NUMBER]...", nargs=-1, type=whole(1))
+@domain_options(*OF_FILE, options.trust)
 @click.option(
     "--as",
     "form",
     type=click.Choice(list(SIZES)),
     default="strip",
     show_default=True,
-    help="All states side by side with captions; one state; an animation of the robot performing the task.",
+    help="All states side by side with captions; one state; or an animation of the robot executing the task.",
 )
-@click.option("--state", type=options.whole(0), metavar="K", help="State to draw with --as state.  [default: last]")
+@click.option(
+    "--state",
+    type=whole(0),
+    metavar="K",
+    help="With --as state: number of the state, from 0.  [default: the final state]",
+)
 @click.option("--size", metavar="WxH", help="Pixels of a frame.  [default: 360x320; state 960x800; animation 400x350]")
-@click.option("--speed", type=float, default=2.0, show_default=True, help="How fast an animation plays.")
-@click.option("--columns", type=options.whole(1), default=6, show_default=True, help="Frames in a row of a strip.")
+@click.option("--speed", type=float, default=2.0, show_default=True, help="Playback speed of an animation.")
+@click.option("--columns", type=whole(1), default=6, show_default=True, help="Frames in a row of a strip.")
 @click.option(
     "--recordings", metavar="DIR", shell_complete=shell_completion.files,
-    help="Draw the demonstrations that --demonstrate DIR has written.",
+    help="Draw the episodes that --demonstrate DIR has written.",
 )  # fmt: skip
 @options.seed
 @click.option(
     "-o", "--output", metavar="PATH", default="pictures", show_default=True, shell_complete=shell_completion.files,
-    help="A file for one task, otherwise the folder for files named after the tasks' numbers.",
+    help="File for one task; folder for several, with files named by the tasks' numbers.",
 )  # fmt: skip
 def render(
     *,
-    asked: Asked,
+    request: DomainOptions,
     file: str,
     numbers: tuple[int, ...],
     form: str,
@@ -81,18 +86,19 @@ def render(
     seed: int,
     output: str,
 ) -> None:
-    """Draw the tasks of a file, or those of the NUMBERs, which count its lines from 1; prints the files written.
+    """Draw pictures of the tasks of a file.
 
-    A task without a witness is validated first. For an animation the robot performs the task, unless --recordings
-    has what it did. Each picture is written whole.
+    Draws all tasks, or those with the given NUMBERs, which count the lines of the file from 1. Prints the names of the
+    files written. A task without a witness is validated first. For an animation the robot executes the task, unless
+    --recordings has an episode of it.
     """
     from prag_asp.dataset.jsonl import read_lines
     from prag_asp.physics import require_physics
 
-    _refuse_at_odds(form, state, speed)
+    _check_options(form, state, speed)
     pixels = SIZES[form] if size is None else _pixels(size)
-    drawing = _Drawing(form, state, pixels, columns, speed, seed, None if recordings is None else Path(recordings))
-    _refuse_file(Path(output), form)
+    drawing = _Renderer(form, state, pixels, columns, speed, seed, None if recordings is None else Path(recordings))
+    _check_output(Path(output), form)
     require_physics()
     with open_text(file) as stream:
         records = list(read_lines(lines_of(stream), file))
@@ -104,12 +110,12 @@ def render(
             raise QueryError(f"{file}: it has {plural(len(records), 'task')}, so none has the number {number}")
     targets = _targets(Path(output), chosen, form)
     tellers: dict[str, InstructionWriter] = {}
-    with progress() as show, whole_lines():
+    with progress() as show:
         for done, number in enumerate(chosen):
             record = records[number - 1]
             named = repr((record.task.domain, record.task.constants))
             if named not in tellers:
-                tellers[named] = _teller(asked, record, Path(file).parent)
+                tellers[named] = _teller(request, record, Path(file).parent)
 
             def tell(share: float, done: int = done) -> None:
                 show("pictures", done + share, len(chosen))
@@ -119,22 +125,22 @@ def render(
             say(targets[number])
 
 
-def _teller(asked: Asked, record: Record, folder: Path) -> InstructionWriter:
-    """Return what tells the tasks of the domain of a record.
+def _teller(request: DomainOptions, record: Record, folder: Path) -> InstructionWriter:
+    """Return the teller of captions for the domain of a record.
 
     Raises:
-        PragError: the domain cannot be loaded, or not told in words.
+        PragError: the domain cannot be loaded, or has no words for captions.
     """
     from prag_asp.dataset.language import instruction_writer_of
 
-    domain = asked.of(record, folder).domain()
+    domain = request.of(record, folder).domain()
     with told_with_place(record, domain):
         return instruction_writer_of(domain)
 
 
 @dataclass(frozen=True)
-class _Drawing:
-    """How tasks are drawn, and the drawing of one."""
+class _Renderer:
+    """Draws tasks in one form."""
 
     form: str
     state: int | None
@@ -147,10 +153,10 @@ class _Drawing:
     def draw(
         self, record: Record, number: int, teller: InstructionWriter, path: Path, tell: Callable[[float], None]
     ) -> None:
-        """Draw one task into a file, and tell what share of it is done.
+        """Draw one task into a file; `tell` receives the share that is done.
 
         Raises:
-            QueryError: it has no witness, and none is found; or the robot fails to perform it.
+            QueryError: it has no witness, and none is found; or the robot fails to execute it.
             OutputError: the file cannot be written.
         """
         from prag_asp.dataset.scenes import scene_of
@@ -190,7 +196,7 @@ class _Drawing:
         save_picture(image, path, optimize=True)
 
     def _shown(self, record: Record, number: int, scene: Scene) -> Witness | Demonstration:
-        """Return what is drawn of a task: its recording where there is a folder of them, otherwise its witness."""
+        """Return the episode of a task if there is a folder of them, otherwise its witness."""
         from prag_asp.physics import Demonstration, check_demonstration, check_witness, validate_task
 
         if self.recordings is not None:
@@ -215,22 +221,22 @@ class _Drawing:
         return verdict.witness
 
     def _performed(self, record: Record, shown: Witness | Demonstration, scene: Scene) -> Demonstration:
-        """Return the recording of the robot performing a task."""
+        """Return the episode of the robot executing a task."""
         from prag_asp.physics import Witness, demonstrate
 
         if not isinstance(shown, Witness):
             return shown
         demonstration = demonstrate(record.task, shown, scene)
         if not demonstration.success:
-            raise QueryError(f"the robot fails to perform it: {demonstration.detail}; draw its states in place of that")
+            raise QueryError(f"the robot fails to execute it: {demonstration.detail}; draw its states with --as strip")
         return demonstration
 
 
-def _refuse_at_odds(form: str, state: int | None, speed: float) -> None:
-    """Refuse options that do not go together, before anything is loaded.
+def _check_options(form: str, state: int | None, speed: float) -> None:
+    """Check that the options fit each other, before anything is loaded.
 
     Raises:
-        QueryError: there are some.
+        QueryError: they do not.
     """
     if state is not None and form != "state":
         raise QueryError(f"--state {state} goes with --as state; got --as {form}")
@@ -239,15 +245,15 @@ def _refuse_at_odds(form: str, state: int | None, speed: float) -> None:
 
 
 def _suffixes(form: str) -> tuple[str, ...]:
-    """Return the ends of names that files of a form can have, the usual one first."""
+    """Return the suffixes that files of a form can have, the usual one first."""
     return (f".{form}",) if form in ANIMATED else STILLS
 
 
-def _refuse_file(output: Path, form: str) -> None:
-    """Refuse a file that cannot become a picture, before anything is loaded.
+def _check_output(output: Path, form: str) -> None:
+    """Check that the output can be a picture, before anything is loaded.
 
     Raises:
-        QueryError: its suffix is none of the form.
+        QueryError: its suffix does not fit the form.
         OutputError: it, or its folder, cannot be written.
     """
     if _is_file(output):
@@ -260,7 +266,7 @@ def _refuse_file(output: Path, form: str) -> None:
 
 
 def _is_file(output: Path) -> bool:
-    """Tell whether the name of an output is that of a file, otherwise of a folder."""
+    """Return whether an output is a file; otherwise it is a folder."""
     return bool(output.suffix) and not output.is_dir()
 
 
@@ -287,7 +293,7 @@ def _pixels(text: str) -> tuple[int, int]:
     Raises:
         QueryError: it is not of the form WxH, or a side is not from `SMALLEST` to `LARGEST`.
     """
-    found = pixels_of(text)
+    found = parse_pixels(text)
     if not all(SMALLEST <= side <= LARGEST for side in found):
         raise QueryError(f"--size {text}: a picture has {SMALLEST} to {LARGEST} pixels a side")
     return found

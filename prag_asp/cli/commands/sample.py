@@ -1,4 +1,4 @@
-"""``prag-asp sample``: tasks drawn with exact probabilities, and kept where physics finds them feasible."""
+"""``prag-asp sample``: tasks sampled with exact probabilities, and kept if physics finds them feasible."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from prag_asp.cli import options
-from prag_asp.cli.bundles.camera_options import Filming, films
-from prag_asp.cli.bundles.task_format import Telling, tells
-from prag_asp.cli.domain_options import Asked
+from prag_asp.cli.domain_options import SPACES, DomainOptions, domain_options
 from prag_asp.cli.line_output import recordings_folder, require_writable, writer
-from prag_asp.cli.options import Checking, Weighing, asks
+from prag_asp.cli.options import WeightOptions, whole
+from prag_asp.cli.physics_options import CameraOptions, PhysicsOptions, camera_options, physics_options
+from prag_asp.cli.task_options import LINE_FORMAT, TaskFormat, format_options
 from prag_asp.cli.terminal import Tell, progress
 from prag_asp.errors import NotFound, QueryError
 from prag_asp.wording import plural
@@ -24,67 +24,74 @@ if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
     from prag_asp.space.task_space import TaskSpace
 
-DRAWS_FOR_EACH = 1000
-"""Draws after which `sample` gives up, for each task wanted."""
+DRAWS_PER_TASK = 1000
+"""Sampled tasks after which `sample` gives up, for each feasible task to find."""
 
 
 @click.command()
-@asks((*options.SPACES, options.TRUST))
-@click.option("--count", "wanted", type=options.whole(0), default=10, show_default=True, help="How many tasks.")
+@domain_options(*SPACES, options.trust)
+@click.option("--count", "wanted", type=whole(0), default=10, show_default=True, help="Number of tasks.")
 @options.seed
-@options.weighs
+@options.weight_options
 @click.option(
     "--over",
     type=click.Choice(["skeletons", "goals"]),
-    help="Draw a skeleton (or a goal) uniformly first, then a task that has it.",
+    help="Sample a skeleton (or a goal) uniformly first, then a task that has it.",
 )
-@click.option("--by", type=click.Choice(["plan", "task"]), default="task", show_default=True, help="What is drawn.")
-@click.option("--distinct", is_flag=True, help="No task twice: each is drawn among those that are left.")
-@click.option("--physics/--no-physics", default=None, help="Keep feasible tasks only.  [default: if there is a scene]")
-@options.checks
-@films
-@click.option("--max-draws", type=options.whole(1), metavar="K", help="Give up after K draws.  [1000 a task]")
-@tells
+@click.option(
+    "--by", type=click.Choice(["plan", "task"]), default="task", show_default=True, help="Sample plans, or tasks."
+)
+@click.option("--distinct", is_flag=True, help="Sample without replacement: no task occurs twice.")
+@click.option(
+    "--physics/--no-physics", default=None, help="Keep only feasible tasks.  [default: if the domain has a scene]"
+)
+@physics_options
+@camera_options
+@click.option(
+    "--max-draws", type=whole(1), metavar="K", help="Stop after K draws, feasible or not.  [default: 1000 per task]"
+)
+@format_options(LINE_FORMAT)
 @options.output
 def sample(
     *,
-    asked: Asked,
+    request: DomainOptions,
     wanted: int,
     seed: int,
-    weighing: Weighing,
+    weighting: WeightOptions,
     over: Any,
     by: Any,
     distinct: bool,
     physics: bool | None,
-    checking: Checking,
-    filming: Filming,
+    validation: PhysicsOptions,
+    filming: CameraOptions,
     max_draws: int | None,
-    telling: Telling,
+    task_format: TaskFormat,
     output: str | None,
 ) -> None:
-    """Draw tasks of length N, each with a probability proportional to its weight, exactly.
+    """Sample tasks of length N, with exact probabilities.
 
-    Of several lengths, all tasks together are drawn from. FILE is replaced as a whole at the end.
+    The probability of a task is proportional to its weight; by default, all tasks have the same. Of several lengths,
+    the tasks of all lengths are sampled together.
     """
     from prag_asp.dataset.jsonl import Record
 
-    telling.check()
+    task_format.check()
     require_writable(output)
-    checking.limits()
-    filming.refuse_at_odds(checking.demonstrate)
+    validation.parse_budget()
+    filming.check(validation.demonstrate)
     with progress() as tell:
-        space = asked.spaces(tell)
+        space = request.spaces(tell)
         if physics is None:
             physics = bool(space.domain.settings.scene)
         if physics and space.domain.settings.scene:
             from prag_asp.physics import require_physics
 
-            require_physics(f"the scene of {space.domain.name} needs physics (--no-physics draws without)")
-        line = telling.line(space.domain, seed)
+            require_physics(f"the scene of {space.domain.name} needs physics (--no-physics samples without it)")
+        line = task_format.line(space.domain, seed)
         drawing = _distinct(over, by) if distinct else {"by": by, "over": over}
-        drawing.update(weighing.arguments(space.domain))
+        drawing.update(weighting.arguments(space.domain))
         if not physics:
-            checking.refuse_without_physics({"--max-draws": max_draws is not None})
+            validation.refuse_without_physics({"--max-draws": max_draws is not None})
             drawn = space.stream(seed=seed, **drawing) if wanted else iter(())
             found = 0
             with writer(output) as out:
@@ -92,30 +99,30 @@ def sample(
                     out.write(line(Record(task)))
                     found += 1
             if found < wanted:
-                raise NotFound(f"only {found} of {plural(wanted, 'task')}: no others are left to draw")
+                raise NotFound(f"only {found} of {plural(wanted, 'task')}: there are no others")
             return
         from prag_asp.dataset.scenes import scene_of
 
-        staging, limit = filming.staging(scene_of(space.domain)), max_draws or DRAWS_FOR_EACH * wanted
-        _feasible(_Drawing(space, wanted, limit, seed, {**drawing, "staging": staging}), checking, output, line,
-                  tell)  # fmt: skip
+        staging, limit = filming.staging(scene_of(space.domain)), max_draws or DRAWS_PER_TASK * wanted
+        sample_request = _SampleRequest(space, wanted, limit, seed, {**drawing, "staging": staging})
+        _feasible(sample_request, validation, output, line, tell)
 
 
 def _distinct(over: str | None, by: str) -> dict[str, Any]:
-    """Return the arguments of a draw of different tasks.
+    """Return the arguments for sampling without replacement.
 
     Raises:
-        QueryError: something else is to be drawn, or first.
+        QueryError: something other than tasks is to be sampled.
     """
     if over is not None or by != "task":
         given = f"--over {over}" if over is not None else f"--by {by}"
-        raise QueryError(f"--distinct draws tasks among those that are left; leave {given} out")
+        raise QueryError(f"--distinct samples tasks without replacement; leave {given} out")
     return {"distinct": True}
 
 
 @dataclass(frozen=True)
-class _Drawing:
-    """What is drawn, how many feasible tasks are wanted, and in how many draws."""
+class _SampleRequest:
+    """What to sample, how many feasible tasks, and from at most how many sampled tasks."""
 
     space: TaskSpace
     wanted: int
@@ -125,12 +132,13 @@ class _Drawing:
 
 
 def _feasible(
-    drawing: _Drawing, checking: Checking, output: str | None, line: Callable[[Record], str], tell: Tell,
+    drawing: _SampleRequest, validation: PhysicsOptions, output: str | None,
+    line: Callable[[Record], str], tell: Tell,
 ) -> None:  # fmt: skip
-    """Write the feasible ones of the tasks that are drawn.
+    """Write the feasible ones of sampled tasks.
 
     Raises:
-        NotFound: they are fewer than wanted.
+        NotFound: there are too few.
     """
     from prag_asp.cli.summary import tallied, tally_line
     from prag_asp.dataset.pass_rates import Tally
@@ -138,11 +146,11 @@ def _feasible(
 
     tally, wanted, limit = Tally(), drawing.wanted, drawing.limit
 
-    def told() -> str:
-        return tally_line(tally, ("drawn", "drawn"), f"budget {checking.limits()}")
+    def summary() -> str:
+        return tally_line(tally, ("sampled", "sampled"), f"budget {validation.parse_budget()}")
 
-    with tallied(tally, told), recordings_folder(checking.demonstrate) as folder, writer(output) as out:
-        arguments = {**checking.arguments(), "demonstrate": folder}
+    with tallied(tally, summary), recordings_folder(validation.demonstrate) as folder, writer(output) as out:
+        arguments = {**validation.arguments(), "demonstrate": folder}
         looked_at = draws_looked_at(
             drawing.space, seed=drawing.seed, draws=limit, tally=tally, **arguments, **drawing.how
         )
@@ -150,7 +158,7 @@ def _feasible(
             for record in looked_at if tally.passed < wanted else ():
                 if record is not None:
                     out.write(line(record), flush=True)
-                tell(told(), tally.passed, wanted)
+                tell(summary(), tally.passed, wanted)
                 if tally.passed == wanted:
                     break
     if tally.passed < wanted:

@@ -1,4 +1,4 @@
-"""``prag-asp split``: tasks for training and testing, with nothing in common."""
+"""``prag-asp split``: disjoint sets of tasks for training and testing."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ import click
 
 from prag_asp.cli import options, shell_completion
 from prag_asp.cli.arguments import domain_and_others
-from prag_asp.cli.bundles.task_format import Telling, tells
-from prag_asp.cli.domain_options import Asked
+from prag_asp.cli.domain_options import ENGINE, LENGTH, PROGRAM, DomainOptions, domain_options
 from prag_asp.cli.line_output import writer
-from prag_asp.cli.options import asks
+from prag_asp.cli.options import whole
+from prag_asp.cli.task_options import LINE_FORMAT, TaskFormat, format_options
 from prag_asp.cli.terminal import progress, say, tell_line
 from prag_asp.errors import QueryError
 from prag_asp.output import file_in, make_folder
@@ -30,54 +30,54 @@ if TYPE_CHECKING:
 @click.argument(
     "words", metavar="DOMAIN... [NAME=SHARE]...", nargs=-1, required=True, shell_complete=shell_completion.shares
 )
-@asks((*options.PROGRAM, options.LENGTH, *options.ANSWERED))
+@domain_options(*PROGRAM, LENGTH, *ENGINE)
 @click.option(
     "--skeletons",
     is_flag=True,
-    help="No two parts have a skeleton in common; shares are within 2 points, or a warning says so.",
+    help="Parts share no skeleton either; a share that is off by more than 2 points gives a warning.",
 )
 @click.option(
     "--hold-out", "held", metavar="WHAT", shell_complete=shell_completion.names,
-    help="Entity, class, action or pair that only the test part has.",
+    help="Entity, class, action or pair that occurs in the part test only.",
 )  # fmt: skip
-@click.option("--count", "wanted", type=options.whole(0), metavar="K", help="Write K different tasks a part.")
+@click.option("--count", "wanted", type=whole(0), metavar="K", help="Write K distinct tasks per part.")
 @options.seed
-@tells
+@format_options(LINE_FORMAT)
 @click.option(
     "-o", "--output", metavar="DIR", shell_complete=shell_completion.files,
-    help="Folder for one file a part; needed with --count.",
+    help="With --count: folder for one file per part.",
 )  # fmt: skip
 def split(
-    *, asked: Asked, words: tuple[str, ...], skeletons: bool, held: str | None, wanted: int | None, seed: int,
-    telling: Telling, output: str | None,
+    *, request: DomainOptions, words: tuple[str, ...], skeletons: bool, held: str | None, wanted: int | None, seed: int,
+    task_format: TaskFormat, output: str | None,
 ) -> None:  # fmt: skip
-    """Divide the tasks of length N into disjoint parts, such as train=0.8 test=0.2, and print their sizes.
+    """Split the tasks of length N into disjoint parts.
 
-    With --count, uniformly drawn tasks of each part are written to DIR/NAME.txt or .jsonl. These files are replaced
-    together at the end.
+    Prints the size of each part, such as train=0.8 test=0.2. With --count, samples tasks of each part uniformly, and
+    writes them to DIR/NAME.txt or .jsonl; these files are replaced together at the end.
     """
     from prag_asp.dataset.jsonl import Record
 
-    telling.check()
+    task_format.check()
     names, shares = domain_and_others(words)
     if (held is None) == (not shares):
-        raise QueryError("give either shares, such as train=0.8 test=0.2, or --hold-out WHAT")
+        raise QueryError("give shares, such as train=0.8 test=0.2, or --hold-out WHAT")
     if (wanted is None) != (output is None):
         raise QueryError("give --count and --output together")
     with progress() as tell:
-        space = replace(asked, names=names).space(tell)
+        space = replace(request, names=names).space(tell)
         parts = _parts(space, shares, skeletons, held, seed)
         width = max(map(len, parts))
         for name, part in parts.items():
             say(f"{name:<{width}}  {part.count()}")
         if wanted is None or output is None:
             return
-        line, folder = telling.line(space.domain, seed), make_folder(output)
+        line, folder = task_format.line(space.domain, seed), make_folder(output)
         with ExitStack() as files:
             for name, part in parts.items():
-                file = file_in(folder, f"{name}.{'jsonl' if telling.form == 'jsonl' else 'txt'}")
+                file = file_in(folder, f"{name}.{'jsonl' if task_format.form == 'jsonl' else 'txt'}")
                 out = files.enter_context(writer(str(file)))
-                for task in _drawn(part, min(wanted, part.count()), seed):
+                for task in _sampled(part, min(wanted, part.count()), seed):
                     out.write(line(Record(task)))
 
 
@@ -93,15 +93,15 @@ def _parts(
     wanted = {name: share for name, _, share in pairs}
     if not skeletons:
         return space.split(wanted, seed=seed)
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         parts = space.split_skeletons(wanted, seed=seed)
-    for each in told:
+    for each in caught:
         tell_line(f"warning: {each.message}")
     return parts
 
 
-def _drawn(part: TaskSpace | RankedTasks, count: int, seed: int) -> Iterator[Task]:
+def _sampled(part: TaskSpace | RankedTasks, count: int, seed: int) -> Iterator[Task]:
     from prag_asp.space.task_space import TaskSpace
 
     if isinstance(part, TaskSpace):

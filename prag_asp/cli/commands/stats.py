@@ -1,4 +1,4 @@
-"""The command ``prag-asp stats``: exact figures on random tasks, and the curve of counts."""
+"""``prag-asp stats``: exact statistics of random tasks, and the plot of counts by length."""
 
 from __future__ import annotations
 
@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from prag_asp.cli import options, shell_completion
-from prag_asp.cli.domain_options import Asked
+from prag_asp.cli.domain_options import SPACE, DomainOptions, domain_options
 from prag_asp.cli.line_output import require_writable, writer
-from prag_asp.cli.options import Weighing, asks
-from prag_asp.cli.table import aligned
-from prag_asp.cli.terminal import progress
+from prag_asp.cli.options import WeightOptions
+from prag_asp.cli.terminal import aligned, progress
 
 if TYPE_CHECKING:
     from prag_asp.space.sampling.statistics import Statistics
@@ -27,9 +26,9 @@ WIDEST = 40
 
 
 @click.command()
-@asks(options.SPACE)
+@domain_options(*SPACE)
 @options.by_level
-@options.weighs
+@options.weight_options
 @click.option(
     "--format",
     "form",
@@ -40,11 +39,16 @@ WIDEST = 40
 )
 @click.option(
     "--plot", metavar="FILE", shell_complete=shell_completion.files,
-    help="Draw counts per length up to N into FILE, a .html, .png, .svg or .pdf.",
+    help="Plot the counts of all lengths up to N into FILE, a .html, .png, .svg or .pdf.",
 )  # fmt: skip
 @options.output
-def stats(*, asked: Asked, by: Any, weighing: Weighing, form: str, plot: str | None, output: str | None) -> None:
-    """Print what a random task of length N is like, exactly: entropy, expected numbers, and probabilities."""
+def stats(
+    *, request: DomainOptions, by: Any, weighting: WeightOptions, form: str, plot: str | None, output: str | None
+) -> None:
+    """Print exact statistics of a random task of length N.
+
+    These are the entropy, the expected number of each action, and the probability that a task contains it.
+    """
     require_writable(output)
     if plot:
         from prag_asp.analysis.curve import check_file
@@ -52,8 +56,8 @@ def stats(*, asked: Asked, by: Any, weighing: Weighing, form: str, plot: str | N
         check_file(plot)
         require_writable(plot)
     with progress() as tell:
-        space = asked.space(tell)
-        found = space.statistics(by=by, **weighing.arguments(space.domain))
+        space = request.space(tell)
+        found = space.statistics(by=by, **weighting.arguments(space.domain))
         with writer(output) as out:
             for line in _text(found) if form == "text" else _json(found):
                 out.write(line)
@@ -80,7 +84,7 @@ def _json(found: Statistics) -> Iterator[str]:
 def _text(found: Statistics) -> Iterator[str]:
     yield from aligned(
         [
-            (f"{found.by}s of length {found.length} that can be drawn", _whole(found.words)),
+            (f"{found.by}s of length {found.length} that can be sampled", _whole(found.words)),
             ("sum of their weights", _whole(found.total_weight)),
             ("entropy, bits", f"{found.entropy:.12f}"),
         ]
@@ -111,7 +115,7 @@ def _decimal(share: Fraction) -> str:
 
 
 def _whole(number: int | Fraction) -> str:
-    """Return a number in full where it is short, else with seven digits and a power of ten."""
+    """Return a number in full if it is short, otherwise with seven digits and a power of ten."""
     text = str(number)
     if len(text) <= WIDEST:
         return text

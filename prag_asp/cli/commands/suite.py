@@ -1,4 +1,4 @@
-"""``prag-asp suite``: the parts of a benchmark, counted exactly and written as data sets."""
+"""``prag-asp suite``: the parts of a benchmark, counted exactly or written as datasets."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ import click
 
 from prag_asp.cli import exit_control, options, shell_completion
 from prag_asp.cli.commands.generate import warnings_as_lines
-from prag_asp.cli.terminal import progress, say, tell_line, whole_lines
+from prag_asp.cli.options import whole
+from prag_asp.cli.terminal import progress, say, tell_line
 from prag_asp.errors import NotFound, QueryError
 from prag_asp.integers import number_of
 
@@ -20,36 +21,38 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("name", metavar="SUITE", shell_complete=shell_completion.suites)
 @click.option(
-    "--count", "counts", is_flag=True, help="Count its parts, what they share and what is held out; write nothing."
+    "--count",
+    "counts",
+    is_flag=True,
+    help="Print the sizes of the parts, of their overlaps and of what is held out; write nothing.",
 )
 @click.option(
     "-o",
     "--output",
     metavar="DIR",
     shell_complete=shell_completion.files,
-    help="Folder for one data set a part, and the card.",
+    help="Folder for one dataset per part, and the card.",
 )
 @click.option(
-    "--at-most", "most", type=options.whole(1), metavar="K",
-    help="At most K tasks a part, to try it; without, the same command extends it.",
+    "--at-most", "most", type=whole(1), metavar="K",
+    help="At most K tasks per part, for a trial; without it, the same command continues from there.",
 )  # fmt: skip
-@click.option("--workers", type=options.whole(1), default=1, show_default=True, help="Processes for physics.")
-@options.TRUST
+@click.option("--workers", type=whole(1), default=1, show_default=True, help="Number of processes for physics.")
+@options.trust
 def suite(*, name: str, counts: bool, output: str | None, most: int | None, workers: int, trust: bool) -> None:
-    """Count or write a benchmark: parts over one domain, each with what the others have not.
+    """Count or write the datasets of a benchmark.
 
-    SUITE is a shipped one, such as tabletop-generalisation, or a TOML file. Parts with tasks in common are refused
-    unless the file says so. An interrupted run is resumed by the same command.
+    SUITE is a shipped suite, such as tabletop-generalisation, or a TOML file. Its parts are sets of tasks of one
+    domain. Parts that share tasks are refused unless the file allows it. If the command is interrupted, run it again:
+    it continues.
     """
     from prag_asp.dataset.suites.counting import count_suite, refuse_leaks
     from prag_asp.dataset.suites.suite_reader import load_suite
-    from prag_asp.space.limits import Limits
 
     if counts == (output is not None):
-        raise QueryError("give either --count, or --output DIR to write it")
-    seconds, memory, begun = exit_control.limits()
-    limits = Limits(memory, seconds, True, begun)
-    with progress() as tell, whole_lines(), warnings_as_lines():
+        raise QueryError("give --count, or --output DIR to write it")
+    limits = exit_control.limits()
+    with progress() as tell, warnings_as_lines():
         found = load_suite(name, trust=trust)
         found = found if most is None else found.at_most(most)
         if output is None:
@@ -62,7 +65,7 @@ def suite(*, name: str, counts: bool, output: str | None, most: int | None, work
         try:
             made = generate_suite(found, output, workers=workers, limits=limits, progress=tell)
         except NotFound:
-            tell_line(f"{output}: holds what was found")
+            tell_line(f"{output}: holds the tasks that were found")
             raise
     width = max(len(part.name) for part in made.parts)
     for part in made.parts:
@@ -70,16 +73,14 @@ def suite(*, name: str, counts: bool, output: str | None, most: int | None, work
 
 
 def _show(suite: Suite, figures: Figures) -> None:
-    """Print the exact size of each part, what two parts share, and how much of what is held out each part has."""
+    """Print the exact size of each part, of overlaps, and of what is held out."""
     width = max(map(len, suite.parts))
     for name, part in suite.parts.items():
         lengths = f"{part.lengths[0]}" if len(part.lengths) == 1 else f"{part.lengths[0]}..{part.lengths[-1]}"
         say(f"{name:<{width}}  {lengths:>6}  {part.tasks} of {figures.size(name)}")
     for each in figures.shared:
         if number_of(each.tasks):
-            say(
-                f"shared: {each.one}, {each.other}  {each.tasks}, {'as said' if each.declared else 'which nobody says'}"
-            )
+            say(f"shared: {each.one}, {each.other}  {each.tasks}, {'as declared' if each.declared else 'not declared'}")
     none = sum(not number_of(each.tasks) for each in figures.shared)
     say(f"shared: 0 in {none} of {len(figures.shared)} pairs of parts")
     for held in suite.held:

@@ -1,4 +1,4 @@
-"""``prag-asp task``: one task by its rank, and the rank of a task."""
+"""``prag-asp task``: the task of a rank, or the rank of a task."""
 
 from __future__ import annotations
 
@@ -9,9 +9,8 @@ import click
 
 from prag_asp.atom import split_actions
 from prag_asp.cli import options, shell_completion
-from prag_asp.cli.bundles.task_format import ENGLISH, FORMS, INSTRUCTIONS, LEVELS, Telling, tells_in
-from prag_asp.cli.domain_options import Asked
-from prag_asp.cli.options import asks
+from prag_asp.cli.domain_options import SPACE, DomainOptions, domain_options
+from prag_asp.cli.task_options import ENGLISH, FORMS, INSTRUCTIONS, LEVELS, TaskFormat, format_options
 from prag_asp.cli.terminal import progress, say
 from prag_asp.errors import QueryError
 from prag_asp.wording import plural
@@ -23,32 +22,32 @@ if TYPE_CHECKING:
 READINGS_SHOWN = 5
 FORM = click.option(
     "--format", "form", type=click.Choice(["full", *FORMS]), default="full", show_default=True,
-    help="All states in words; or as in sample, instructions with all their levels.",
+    help="All states; or a format of sample, with all levels of instructions.",
 )  # fmt: skip
 
 
 @click.command()
-@asks(options.SPACE)
-@click.option("--index", type=int, metavar="I", help="Rank of the task, from 0; a negative one counts from the end.")
+@domain_options(*SPACE)
+@click.option("--index", type=int, metavar="I", help="Rank of the task, from 0; negative ranks count from the end.")
 @click.option(
     "--rank-of", "plan", metavar="'A B ...'", shell_complete=shell_completion.plan,
-    help="Actions of a task, whose rank to find; blanks or commas separate them.",
+    help="Print the rank of the task with these actions; blanks or commas separate them.",
 )  # fmt: skip
-@tells_in(FORM)
+@format_options(FORM)
 @options.seed
-def task(*, asked: Asked, index: int | None, plan: str | None, telling: Telling, seed: int) -> None:
-    """Show the task of a rank, or print the rank of a task.
+def task(*, request: DomainOptions, index: int | None, plan: str | None, task_format: TaskFormat, seed: int) -> None:
+    """Print the task of a rank, or the rank of a task.
 
-    Tasks are ranked in lexicographic order of their actions, and actions in clingo's order of terms: the order depends
-    on the domain alone.
+    Tasks are ranked in lexicographic order of their actions, and actions in clingo's order of terms; the ranks depend
+    on the domain only.
     """
     from prag_asp.dataset.jsonl import Record
 
-    telling.check()
+    task_format.check()
     if (index is None) == (plan is None):
-        raise QueryError("give either --index or --rank-of")
+        raise QueryError("give --index or --rank-of")
     with progress() as tell:
-        space = asked.space(tell)
+        space = request.space(tell)
         if index is None:
             say(space.index(split_actions(plan or "")))
             return
@@ -56,12 +55,12 @@ def task(*, asked: Asked, index: int | None, plan: str | None, telling: Telling,
             found = space[index]
         except IndexError:
             raise QueryError(f"--index {index}: the space has {plural(space.count(), 'task')}, ranked from 0") from None
-        if telling.form == "full":
+        if task_format.form == "full":
             say("\n".join(_described(found, space)))
-        elif telling.form == INSTRUCTIONS and telling.level is None:
-            say("\n".join(_told_to_somebody(found, space, telling.language or ENGLISH, seed)))
+        elif task_format.form == INSTRUCTIONS and task_format.level is None:
+            say("\n".join(_told_to_somebody(found, space, task_format.language or ENGLISH, seed)))
         else:
-            say(telling.line(space.domain, seed)(Record(found)))
+            say(task_format.line(space.domain, seed)(Record(found)))
 
 
 def _described(found: Task, space: TaskSpace) -> list[str]:

@@ -1,4 +1,4 @@
-"""``prag-asp validate``: tasks of a file checked again."""
+"""``prag-asp validate``: tasks of a file, validated again."""
 
 from __future__ import annotations
 
@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, TextIO
 import click
 
 from prag_asp.cli import options, shell_completion
-from prag_asp.cli.bundles.camera_options import Filming, films
-from prag_asp.cli.domain_options import Asked
+from prag_asp.cli.domain_options import OF_FILE, WHERE, DomainOptions, domain_options
 from prag_asp.cli.exits import Exit
 from prag_asp.cli.line_output import recordings_folder, require_writable, writer
-from prag_asp.cli.options import Checking, asks
+from prag_asp.cli.physics_options import BUDGET, CameraOptions, PhysicsOptions, camera_options, physics_options
 from prag_asp.cli.terminal import Tell, progress
 from prag_asp.errors import PragError, QueryError
 from prag_asp.safe_reading import lines_of, open_binary, open_text
@@ -27,59 +26,59 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("file", metavar="TASKS.jsonl", shell_complete=shell_completion.files)
-@asks((*options.OF_FILE, options.WHERE, options.TRUST))
+@domain_options(*OF_FILE, WHERE, options.trust)
 @options.seed
-@options.checks
-@films
-@click.option("--witness-only", is_flag=True, help="Check the witnesses in the file, and look for no new ones.")
+@physics_options
+@camera_options
+@click.option("--witness-only", is_flag=True, help="Check only the witnesses in the file; do not search for new ones.")
 @options.output
 def validate(
     *,
-    asked: Asked,
+    request: DomainOptions,
     file: str,
     seed: int,
-    checking: Checking,
-    filming: Filming,
+    validation: PhysicsOptions,
+    filming: CameraOptions,
     witness_only: bool,
     output: str | None,
 ) -> None:
-    """Check tasks of a file again: that their plans are valid, and that a robot can do them.
+    """Validate the tasks of a file: plans and feasibility.
 
-    Prints a line for each task: its number, its verdict and the reason. Give the options of --rule, --encodings, --flat
-    and --where that the tasks were made with. FILE is replaced as a whole at the end.
+    Prints a line for each task: its number, its verdict and the reason. Give the same --rule, --encodings, --flat and
+    --where as when the tasks were made.
     """
     from prag_asp.physics import require_physics
 
     require_writable(output)
-    checking.limits()
-    filming.refuse_at_odds(checking.demonstrate)
-    if witness_only and checking.budget != options.BUDGET:
+    validation.parse_budget()
+    filming.check(validation.demonstrate)
+    if witness_only and validation.budget != BUDGET:
         raise QueryError(
-            f"--budget {checking.budget} is for a search; --witness-only makes none, so leave one of them out"
+            f"--budget {validation.budget} is for a search, but --witness-only searches nothing; leave one of them out"
         )
     require_physics()
-    budget = checking.limits()
-    check = _Check(asked, file, seed, checking, filming, witness_only, output)
+    budget = validation.parse_budget()
+    check = _Validation(request, file, seed, validation, filming, witness_only, output)
     with open_text(file) as stream, progress() as tell:
-        tally = check.done(stream, f"witnesses only, {budget.tier}" if witness_only else f"budget {budget}", tell)
+        tally = check.run(stream, f"witnesses only, {budget.tier}" if witness_only else f"budget {budget}", tell)
     if tally.passed < tally.seen:
         raise click.exceptions.Exit(Exit.NOT_FOUND)
 
 
 @dataclass(frozen=True)
-class _Check:
-    """What is to be checked, and how."""
+class _Validation:
+    """The tasks to validate, and how."""
 
-    asked: Asked
+    request: DomainOptions
     file: str
     seed: int
-    checking: Checking
-    filming: Filming
+    validation: PhysicsOptions
+    filming: CameraOptions
     witness_only: bool
     output: str | None
 
-    def done(self, stream: TextIO, limits: str, tell: Tell) -> Tally:
-        """Check the tasks of a file within some limits, write a line for each, and return what became of them.
+    def run(self, stream: TextIO, limits: str, tell: Tell) -> Tally:
+        """Validate the tasks of a file, write a line for each, and return the tally; `limits` is printed with it.
 
         Raises:
             PragError: there are none, or one cannot be read.
@@ -89,19 +88,19 @@ class _Check:
 
         total, tally = self._tasks_in(stream), Tally()
 
-        def told() -> str:
+        def summary() -> str:
             return tally_line(tally, ("task", "tasks"), limits)
 
-        staging = self.filming.staging(*self._scenes() if self.filming.asked else ())
+        staging = self.filming.staging(*self._scenes() if self.filming.any else ())
         with (
-            tallied(tally, told),
-            recordings_folder(self.checking.demonstrate) as folder,
+            tallied(tally, summary),
+            recordings_folder(self.validation.demonstrate) as folder,
             writer(self.output) as out,
         ):
-            arguments = {**self.checking.arguments(), "demonstrate": folder}
+            arguments = {**self.validation.arguments(), "demonstrate": folder}
             outcomes = recheck(
-                read_lines(lines_of(stream), self.file), where=self.asked.conditions(), seed=self.seed,
-                witness_only=self.witness_only, load=lambda record, of: self.asked.of(record, of).domain(),
+                read_lines(lines_of(stream), self.file), where=self.request.conditions(), seed=self.seed,
+                witness_only=self.witness_only, load=lambda record, of: self.request.of(record, of).domain(),
                 folder=Path(self.file).parent, staging=staging, **arguments,
             )  # fmt: skip
             with closing(outcomes):
@@ -109,11 +108,11 @@ class _Check:
                     tally.count(outcome.status, outcome.reason, outcome.causes)
                     line = f"{tally.seen}\t{outcome.status}\t{outcome.reason}\t{outcome.detail}".rstrip()
                     out.write(line, flush=True)
-                    tell(told(), tally.seen, total)
+                    tell(summary(), tally.seen, total)
         return tally
 
     def _scenes(self) -> list[Scene]:
-        """Return the scenes of the domains that the tasks are of, none where the file can be read only once.
+        """Return the scenes of the domains of the tasks, none if the file can be read only once.
 
         Raises:
             PragError: a domain cannot be loaded, or has no scene.
@@ -122,10 +121,10 @@ class _Check:
 
         if not Path(self.file).is_file():
             return []
-        return [scene_of(domain) for domain in _domains_of(self.asked, self.file)]
+        return [scene_of(domain) for domain in _domains_of(self.request, self.file)]
 
     def _tasks_in(self, stream: TextIO) -> int | None:
-        """Return how many lines of the file hold something, None where it can be read only once.
+        """Return the number of lines that are not empty, None if the file can be read only once.
 
         Raises:
             QueryError: none does.
@@ -141,7 +140,7 @@ class _Check:
         )
 
 
-def _domains_of(asked: Asked, file: str) -> list[Domain]:
+def _domains_of(request: DomainOptions, file: str) -> list[Domain]:
     """Return the domains that the tasks of a file are of.
 
     Raises:
@@ -151,7 +150,7 @@ def _domains_of(asked: Asked, file: str) -> list[Domain]:
     with open_binary(file) as lines:
         for line in lines:
             _take_first(line, file, firsts)
-    return [asked.of(record, Path(file).parent).domain(tell=False) for record in firsts.values()]
+    return [request.of(record, Path(file).parent).domain(tell=False) for record in firsts.values()]
 
 
 def _take_first(line: bytes, file: str, firsts: dict[tuple[bytes, bytes], Record]) -> None:

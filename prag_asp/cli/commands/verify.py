@@ -1,4 +1,4 @@
-"""``prag-asp verify``: whether all that a data set says is so."""
+"""``prag-asp verify``: errors in a dataset."""
 
 from __future__ import annotations
 
@@ -7,22 +7,24 @@ import click
 from prag_asp.cli import options, shell_completion
 from prag_asp.cli.commands.generate import warnings_as_lines
 from prag_asp.cli.exits import Exit
+from prag_asp.cli.options import whole
 from prag_asp.cli.terminal import progress, say
 from prag_asp.wording import plural
 
 
 @click.command()
 @click.argument("folder", metavar="DIR", shell_complete=shell_completion.files)
-@options.TRUST
-@click.option("--physics/--no-physics", default=True, help="Look at witnesses and recordings too.  [default: yes]")
+@options.trust
+@click.option("--physics/--no-physics", default=True, help="Also check witnesses and episodes.  [default: physics]")
 @click.option(
-    "--workers", type=options.whole(1), default=1, show_default=True, help="Processes that look at witnesses."
+    "--workers", type=whole(1), default=1, show_default=True, help="Number of processes that check witnesses."
 )
 def verify(*, folder: str, trust: bool, physics: bool, workers: int) -> None:
-    """Verify a data set, or a suite of them: files, exact numbers, each plan, its words, its witnesses.
+    """Verify the contents of a dataset or a suite.
 
-    Prints a line for each thing that is wrong, with its file and the row in it, from 0; code 1 if there is one. Draws
-    are made again by their seed, plans are given to clingo, witnesses to a fresh simulator.
+    Checks files, counts, plans, instructions and witnesses: tasks are sampled again with the seed, plans are checked by
+    clingo, witnesses in a new simulation. Prints a line for each error, with its file and row (from 0); the exit code
+    is 1 if there is one.
     """
     from prag_asp.dataset.suites.suite_manifest import count_tasks
     from prag_asp.dataset.suites.verifying import verify as wrong

@@ -125,7 +125,7 @@ def test_a_package_that_is_missing_is_told_in_one_line(
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, package, None)
     done = run("export", form, str(arms.folder), "-o", str(tmp_path / "out"))
-    told = f'the form {form} needs {package}; install it: pip install "prag_asp[formats]"\n'
+    told = f'the format {form} needs {package}; install it: pip install "prag_asp[formats]"\n'
     assert (done.returncode, done.stderr) == (2, told)
 
 

@@ -1,1 +1,0 @@
-"""Options that go together, each bundle as one value."""

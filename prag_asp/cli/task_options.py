@@ -1,0 +1,230 @@
+"""Options that select tasks (by plan, by rank, or from a file), and options of how tasks are printed."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import click
+
+from prag_asp.atom import split_actions
+from prag_asp.cli import shell_completion
+from prag_asp.cli.arguments import parse_length
+from prag_asp.cli.options import Decorator, grouped
+from prag_asp.errors import QueryError
+from prag_asp.wording import plural
+
+if TYPE_CHECKING:
+    from prag_asp.dataset.jsonl import Record
+    from prag_asp.domain.load import Domain
+    from prag_asp.space.task_space import TaskSpace
+    from prag_asp.task import Task
+
+RANKS = re.compile(r"(?P<first>\d{1,4000})(\.\.(?P<last>\d{1,4000}))?")
+
+MOST_TASKS = 1_000_000
+"""Tasks in one request: each becomes files of its own."""
+
+
+@dataclass(frozen=True)
+class TaskSelection:
+    """The tasks that a command line selects, if any."""
+
+    plan: str | None = None
+    of_length: int | None = None
+    index: str | None = None
+    tasks: str | None = None
+
+    @property
+    def any(self) -> bool:
+        """Whether tasks are selected; otherwise the whole domain is meant."""
+        return (self.plan, self.index, self.tasks) != (None, None, None)
+
+    def check(self, where: Sequence[str] = ()) -> None:
+        """Check that the options fit each other and the conditions, before anything is loaded.
+
+        Raises:
+            QueryError: they do not.
+        """
+        options = {"--plan": self.plan, "--index": self.index, "--tasks": self.tasks}
+        given = [option for option, value in options.items() if value is not None]
+        if len(given) > 1:
+            raise QueryError(f"{given[0]} and {given[1]} both select tasks; leave one of them out")
+        if (self.index is None) != (self.of_length is None):
+            raise QueryError("--length and --index go together: the rank of a task of length N; give both")
+        if self.index is not None:
+            _parse_ranks(self.index)
+        if where and not given:
+            raise QueryError("--where is for tasks; select some with --plan, --index or --tasks")
+
+    def of(self, space: TaskSpace) -> tuple[list[str], Iterator[Task]]:
+        """Return a suffix for the name of each task, and lazily the tasks, from spaces of any length.
+
+        Raises:
+            OSError: the file of tasks cannot be read.
+            QueryError: there are too many, or a line of the file is no task of the domain.
+        """
+        if self.plan is not None:
+            plan = split_actions(self.plan)
+            plan_space = space.at(len(plan))
+            return [""], iter([plan_space[plan_space.index(plan)]])
+        if self.index is not None and self.of_length is not None:
+            ranks, ranked = _parse_ranks(self.index), space.at(self.of_length)
+            suffixes = [f"_{rank}" for rank in ranks] if ".." in self.index else [""]
+            return suffixes, (task_at(ranked, rank) for rank in ranks)
+        plans = _read_plans(self.tasks or "", space)
+        suffixes = [f"_{number}" for number in range(1, len(plans) + 1)]
+        return suffixes, (_task(space.at(len(plan)), plan, place) for place, plan in plans.items())
+
+
+task_selection = grouped(
+    "selection", TaskSelection,
+    (
+        click.option(
+            "--plan", metavar="'A B ...'", shell_complete=shell_completion.plan,
+            help="Actions of the task to write; its goal is what is known of its final state.",
+        ),
+        click.option(
+            "-n", "--length", "of_length", type=parse_length, metavar="N", help="Number of actions, for --index."
+        ),
+        click.option("--index", metavar="I|A..B", help="Rank of the task of length N to write, or all from A to B."),
+        click.option(
+            "--tasks", metavar="FILE", shell_complete=shell_completion.files,
+            help="Write all tasks of a file of sample --format jsonl; - is standard input.",
+        ),
+    ),
+)  # fmt: skip
+"""Give a command the options that select tasks, as one value `selection`."""
+
+
+def _parse_ranks(text: str) -> range:
+    """Return the ranks that a text states.
+
+    Raises:
+        QueryError: it states none, or too many.
+    """
+    found = RANKS.fullmatch(text.strip())
+    if found is None:
+        raise QueryError(f"--index {text}: write a rank from 0, such as 7, or A..B for all from A to B")
+    first, last = int(found["first"]), int(found["last"] or found["first"])
+    if last < first:
+        raise QueryError(f"--index {text}: the first is above the last; write {last}..{first}")
+    if last - first >= MOST_TASKS:
+        raise QueryError(f"--index {text}: more than {MOST_TASKS:,} tasks; export fewer at once")
+    return range(first, last + 1)
+
+
+def task_at(space: TaskSpace, rank: int) -> Task:
+    """Return the task of a rank.
+
+    Raises:
+        QueryError: there is none.
+    """
+    try:
+        return space[rank]
+    except IndexError:
+        raise QueryError(f"--index {rank}: the space has {plural(space.count(), 'task')}, ranked from 0") from None
+
+
+def _read_plans(file: str, space: TaskSpace) -> Mapping[str, tuple[str, ...]]:
+    """Return the plans of a file by their places in it.
+
+    Raises:
+        QueryError: a line is no task, or one of another domain, or there are too many.
+    """
+    from prag_asp.dataset.jsonl import read_tasks
+    from prag_asp.dataset.task_origin import foreign
+
+    plans: dict[str, tuple[str, ...]] = {}
+    for record in read_tasks(file):
+        problem = foreign(record, space.domain)
+        if not problem and dict(record.task.constants) != dict(space.domain.constants):
+            constants = ", ".join(f"{name}={value}" for name, value in record.task.constants.items())
+            problem = f"it was made with {constants or 'no constants'}; give the same with -c"
+        if problem:
+            raise QueryError(f"{record.place}: {problem}")
+        plans[record.place] = tuple(map(str, record.task.actions))
+        if len(plans) > MOST_TASKS:
+            raise QueryError(f"{file}: more than {MOST_TASKS:,} tasks; export fewer at once")
+    if not plans:
+        raise QueryError(f"{file}: no task; write some with prag-asp sample --format jsonl")
+    return plans
+
+
+def _task(space: TaskSpace, plan: tuple[str, ...], place: str) -> Task:
+    if plan not in space:
+        raise QueryError(f"{place}: no task of {space.title}: {' '.join(plan)}; prag-asp explain says why")
+    return next(space.tasks_of_plans([plan]))
+
+
+FORMS = ("text", "sentences", "instructions", "jsonl")
+INSTRUCTIONS = "instructions"
+ENGLISH, USUAL = "en", "default"
+LEVELS = ("vague", USUAL, "exact")
+
+
+@dataclass(frozen=True)
+class TaskFormat:
+    """How tasks are printed: the format of a line, and language and level of instructions."""
+
+    form: str
+    language: str | None
+    level: str | None
+
+    def line(self, domain: Domain, seed: int = 0) -> Callable[[Record], str]:
+        """Return a function that writes a record as one line; the seed selects the phrasing of instructions.
+
+        Raises:
+            QueryError: the domain has no such language, or the options do not go together.
+        """
+        from prag_asp.dataset.jsonl import write_line
+        from prag_asp.dataset.language import instruction, instruction_writer_of
+
+        self.check()
+        if self.form == INSTRUCTIONS:
+            teller, level = instruction_writer_of(domain, self.language or ENGLISH), self.level or USUAL
+            return lambda record: str(getattr(teller.instructions(record.task, seed), level))
+        forms: dict[str, Callable[[Record], str]] = {
+            "text": lambda record: str(record.task),
+            "sentences": lambda record: instruction(record.task, domain.settings.language),
+            "jsonl": write_line,
+        }
+        return forms[self.form]
+
+    def check(self) -> None:
+        """Check that options of instructions are given only with these.
+
+        Raises:
+            QueryError: one is given for another format.
+        """
+        for option, value in {"--language": self.language, "--level": self.level}.items():
+            if value is not None and self.form != INSTRUCTIONS:
+                raise QueryError(f"{option} {value} goes with --format instructions; got --format {self.form}")
+
+
+def format_options(form: Decorator) -> Decorator:
+    """Give a command options of how tasks are printed, as one value `task_format`; `form` is its --format."""
+    return grouped(
+        "task_format", TaskFormat,
+        (
+            form,
+            click.option(
+                "--language", metavar="LANGUAGE", shell_complete=shell_completion.languages,
+                help="Language of instructions: en, or another one that the domain has words for, such as de.  "
+                "[default: en]",
+            ),
+            click.option(
+                "--level", type=click.Choice(LEVELS),
+                help="Detail of instructions: the final state only, what to do, or also the purpose of each action.",
+            ),
+        ),
+    )  # fmt: skip
+
+
+LINE_FORMAT = click.option(
+    "--format", "form", type=click.Choice(FORMS), default="text", show_default=True,
+    help="Actions; sentences by the domain's [language]; instructions for a person who sees the scene; or all that is "
+    "known of a task.",
+)  # fmt: skip
