@@ -54,7 +54,7 @@ def small_pictures() -> Iterator[None]:
 
 def _known(model: Model, engine: str, progress: Progress | None, limits: Limits, fewest_actions: int = 0) -> Shared:
     """Return what a space shares with others: all that there is, or the logic alone."""
-    if model.domain.needed is not None:
+    if model.domain.reduction is not None or model.domain.irreducible:
         return Shared(model, engine, progress, limits, fewest_actions)
     like = [each for each in _shared if _alike(each.model, model)]
     asked = engine, progress, limits, fewest_actions

@@ -50,18 +50,19 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "grammar": (GROUND - {"task"}) | {"program", "scene"},
     "lint": (GROUND - {"task"}) | {"program", "scene", "grammar"},
     "pddl": (GROUND - {"task"}) | {"program"},
-    "domain": (GROUND - {"task"}) | {"program", "scene", "lint", "pddl"},
+    "reduction": (GROUND - {"task"}) | {"program", "lint"},
+    "domain": (GROUND - {"task"}) | {"program", "scene", "lint", "pddl", "reduction"},
     "logic": (GROUND - {"task"}) | {"program", "domain"},
     "models": (GROUND - {"task"}) | {"program", "logic"},
     "planners": GROUND | {"program", "domain", "logic"},
-    "space": GROUND | {"program", "domain", "logic"},
+    "space": GROUND | {"program", "reduction", "domain", "logic"},
     "physics": GROUND | {"program", "scene", "domain"},
     "dataset": GROUND | {"program", "scene", "grammar", "domain", "space", "physics", "versions"},
     "rl": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset"},
     "analysis": GROUND | {"domain", "space"},
     "cli": GROUND
-    | {"program", "scene", "grammar", "pddl", "domain", "logic", "space", "models", "planners", "physics", "dataset"}
-    | {"analysis", "versions"},
+    | {"program", "scene", "grammar", "pddl", "reduction", "domain", "logic", "space", "models", "planners", "physics"}
+    | {"dataset", "analysis", "versions"},
     "__main__": frozenset(["cli"]),
 }
 """The rooms of the package, and what each may import. The wings `space` and `physics` know each other by the task."""
@@ -73,7 +74,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     ),
     "logic": ("ground", "step", "diagram", "symmetry", "domain_logic", "formula"),
     "space": (
-        "limits", "automaton", "weights", "plans", "parts", "conditions", "engines", "reduction",
+        "limits", "automaton", "weights", "plans", "parts", "conditions", "engines", "reduced_count",
         "explanation", "sampling", "engine_registry", "word_space", "task_space", "task_spaces",
         "without_replacement", "emptiness",
     ),

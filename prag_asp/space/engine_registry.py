@@ -18,7 +18,7 @@ from prag_asp.space.limits import Limits
 if TYPE_CHECKING:
     from prag_asp.space.plans.readings import Hierarchy
     from prag_asp.space.plans.task_builder import Narrator
-    from prag_asp.space.reduction import AsNeeded
+    from prag_asp.space.reduced_count import ReducedCounter
     from prag_asp.space.sampling.samplers import Drawer, Over
     from prag_asp.space.weights.weights import Weights
     from prag_asp.task import Task
@@ -65,29 +65,29 @@ class Shared:
         """Return the number of words, and keep it."""
         key = (by, length, prefix)
         if key not in self._counts:
-            found = self._as_needed.count(by, length, prefix) if self._as_needed else None
+            found = self._reduced_counter.count(by, length, prefix) if self._reduced_counter else None
             self._counts[key] = self.engine_for(by, length).count(length, prefix) if found is None else found
         return self._counts[key]
 
     @cached_property
-    def _as_needed(self) -> AsNeeded | None:
-        """What counts with no more entities than are needed, where a domain has more."""
+    def _reduced_counter(self) -> ReducedCounter | None:
+        """The counter with the small-model reduction of the domain, if it has one."""
         domain = self.model.domain
-        if domain.fewer is None:
+        if domain.reduction is None:
             return None
-        from prag_asp.space.reduction import AsNeeded
+        from prag_asp.space.reduced_count import ReducedCounter
 
-        return AsNeeded(domain, domain.fewer, self.engine, self.progress, self.limits)
+        return ReducedCounter(domain, domain.reduction, self.engine, self.progress, self.limits)
 
     def _tell_all_ground(self) -> None:
-        """Tell which statement has all entities of a group ground, though it is large."""
+        """Note which statement prevents the small-model reduction of a large domain."""
         domain = self.model.domain
-        if not isinstance(domain.needed, str) or not self.progress:
+        if not domain.irreducible or not self.progress:
             return
-        from prag_asp.domain.reduction import is_large
+        from prag_asp.reduction.reduction import is_large
 
         if is_large(domain.facts):
-            self.progress(Note(f"note: all entities are ground, though many are alike: {domain.needed}"))
+            self.progress(Note(f"note: all entities are ground, though many are alike: {domain.irreducible}"))
 
     def drawer_for(self, by: Level, length: int, weights: Weights, over: Over | None) -> Drawer:
         """Return the way to draw words, and keep the last one made."""

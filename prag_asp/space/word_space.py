@@ -204,8 +204,9 @@ class WordSpace:
         if not prefix:
             return ()
         items = [str(item) for item in prefix]
-        if self.domain.fewer and {*items} <= {action_name(action) for action in self.domain.fewer.facts.actions}:
-            return parse_prefix(items, by, self.domain.fewer.facts)
+        reduction = self.domain.reduction
+        if reduction and {*items} <= {action_name(action) for action in reduction.facts.actions}:
+            return parse_prefix(items, by, reduction.facts)
         facts = self.domain.facts
         found = parse_prefix(items, by, facts)
         if by != "task" or not found:

@@ -43,8 +43,9 @@ def check(*, asked: Asked, symmetries: bool) -> None:
         raise_problems(each.as_error() for each in first_of_each(warnings))
     for warning in first_of_each(warnings):
         tell_line(str(warning))
-    facts, total = (domain.fewer.with_all, domain.fewer.total) if domain.fewer else (domain.facts, len)
-    _tell_needed(domain)
+    reduction = domain.reduction
+    facts, total = (reduction.facts_with_all_entities, reduction.total) if reduction else (domain.facts, len)
+    _report_reduction(domain)
     left = f"{total(facts.tried)} of " if len(facts.tried) < len(facts.declared_actions) else ""
     world = "closed" if facts.closed else "open"
     scene = "with a scene" if domain.settings.scene else "no scene"
@@ -74,15 +75,16 @@ def _interchangeable(domain: Domain) -> Iterator[str]:
         yield f"interchangeable together: {', '.join(told)}"
 
 
-def _tell_needed(domain: Domain) -> None:
-    """Tell which entities are ground as needed, or why all of many are."""
-    from prag_asp.domain.reduction import is_large
+def _report_reduction(domain: Domain) -> None:
+    """Print how many entities counts need with the small-model reduction, or why a large domain has none."""
+    from prag_asp.reduction.reduction import is_large
 
-    if isinstance(domain.needed, str) and is_large(domain.facts):
-        tell_line(f"all entities are ground, though many are alike: {domain.needed}")
-    for group, needs in zip(domain.fewer.groups, domain.fewer.needs, strict=True) if domain.fewer else ():
-        wanted = f"{needs.action} N + {needs.invariant} of them, at least {needs.least}"
-        tell_line(f"{group[0]}, ... {group[-1]}: {len(group):,} entities are alike; counts at length N need {wanted}")
+    if domain.irreducible and is_large(domain.facts):
+        tell_line(f"all entities are ground, though many are alike: {domain.irreducible}")
+    reduction = domain.reduction
+    for group, bound in zip(reduction.groups, reduction.bounds, strict=True) if reduction else ():
+        needed = f"{bound.action} N + {bound.invariant} of them, at least {bound.least}"
+        tell_line(f"{group[0]}, ... {group[-1]}: {len(group):,} entities are alike; counts at length N need {needed}")
 
 
 def _require_proofs(domain: Domain) -> None:
@@ -109,8 +111,8 @@ def _of_scene(domain: Domain) -> Iterable[Problem]:
     """Return warnings of what physics never does, though the domain speaks of it: of grips, and of places."""
     if not domain.settings.scene:
         return ()
-    if domain.fewer:
-        domain = replace(domain, facts=domain.fewer.with_all)
+    if domain.reduction:
+        domain = replace(domain, facts=domain.reduction.facts_with_all_entities)
     from prag_asp.dataset.scenes import scene_of
     from prag_asp.physics.proofs.grips import never_gripped
     from prag_asp.physics.proofs.reaching import out_of_reach

@@ -1,4 +1,4 @@
-"""Counts with as many entities as plans need are those with all of them."""
+"""Counts with the small-model reduction are those with all entities ground."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ import pytest
 
 from prag_asp import DomainError, LimitReached, TaskSpace, load_domain
 from prag_asp.domain import load
-from prag_asp.domain import needed as entities
 from prag_asp.domain.load import Domain
-from prag_asp.domain.reduction import Needed, find_needed
 from prag_asp.lint import Checked
 from prag_asp.program.sources import Program, Source, core_sources
+from prag_asp.reduction import reduction as reduction_module
+from prag_asp.reduction.reduction import Reduction, find_reduction
 from prag_asp.space import ENGINES
 from prag_asp.space.engines.engine import LEVELS
 from prag_asp.space.limits import UNLIMITED, Limits
-from prag_asp.space.reduction import AsNeeded
+from prag_asp.space.reduced_count import ReducedCounter
 from tests.chance import Chance
 from tests.domains import ENCODINGS
-from tests.needed.lifted import TRAPS, draw_lifted
+from tests.reduction.lifted import TRAPS, draw_lifted
 
 DOMAINS, PARTS = 60, 4
 """How many domains are drawn; with `pytest --fresh`, ten times as many."""
@@ -54,7 +54,7 @@ postcondition(put(C,D), held(C), false) :- action(put(C,D)).
 
 @pytest.fixture(autouse=True)
 def small_programs_are_large(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(entities, "MANY", 0)
+    monkeypatch.setattr(reduction_module, "MANY", 0)
 
 
 @cache
@@ -63,14 +63,10 @@ def cubes(number: int, more: str = "") -> Domain:
     return load_domain(text=f"entity(({'; '.join(f'c{n}' for n in range(number))}), cube).\n{STACKS}{more}")
 
 
-def found_in(text: str, fewest: int = 2) -> Needed | str | None:
-    """Return what is needed of the entities of a text, however few they are."""
+def reduction_of(text: str, fewest: int = 2) -> Reduction | str | None:
+    """Return the reduction of a text with groups of at least `fewest` entities."""
     program = Program((*core_sources(ENCODINGS), Source(Path("toy.lp"), text)))
-    return find_needed(program, NO_SETTINGS, fewest=fewest)
-
-
-def as_needed(domain: Domain, needed: Needed, engine: str = "auto") -> AsNeeded:
-    return AsNeeded(domain, needed, engine, None, UNLIMITED)
+    return find_reduction(program, NO_SETTINGS, fewest=fewest)
 
 
 @pytest.mark.slow
@@ -80,19 +76,19 @@ def test_counts_are_those_of_all_entities_on_random_domains(part: int, chance: C
     for seed in range(part * number, (part + 1) * number):
         lifted, length = draw_lifted(chance.generator(seed)), 2 if seed % 4 == 0 else 1
         try:
-            first = found_in(lifted.text(MOST))
+            first = reduction_of(lifted.text(MOST))
         except DomainError:
             continue  # what is drawn contradicts itself
-        if not isinstance(first, Needed) or (things := max(first.sizes(length)) + 1 + lifted.marked) > MOST:
+        if not isinstance(first, Reduction) or (things := max(first.sizes(length)) + 1 + lifted.marked) > MOST:
             continue
-        needed = found_in(lifted.text(things))
-        if not isinstance(needed, Needed):
+        reduction = reduction_of(lifted.text(things))
+        if not isinstance(reduction, Reduction):
             continue
         domain = load_domain(text=lifted.text(things))
         told = f"seed {seed}: {lifted.text(things)}"
-        assert needed.total(needed.facts.fluents) == len(domain.facts.fluents), told
-        assert needed.total(needed.facts.tried) == len(domain.facts.tried), told
-        counter, space = as_needed(domain, needed), TaskSpace(domain, length)
+        assert reduction.total(reduction.facts.fluents) == len(domain.facts.fluents), told
+        assert reduction.total(reduction.facts.tried) == len(domain.facts.tried), told
+        counter, space = ReducedCounter(domain, reduction, "auto", None, UNLIMITED), TaskSpace(domain, length)
         for by in LEVELS:
             found = counter.count(by, length)
             compared += found is not None
@@ -125,7 +121,7 @@ def test_what_may_see_entities_that_nobody_names_has_all_of_them_ground(trap: st
         "postcondition(a(X),p(X),true) :- action(a(X)). fluent(q(X)) :- is_a(X,thing)."
         f"postcondition(d,g,true). entity(({'; '.join(f'x{n}' for n in range(16))}), thing)."
     )
-    found = found_in(f"{rules}\n{trap.format(things=16)}", fewest=16)
+    found = reduction_of(f"{rules}\n{trap.format(things=16)}", fewest=16)
     assert isinstance(found, str) and told in found
 
 
@@ -136,9 +132,9 @@ def test_an_entity_that_is_told_apart_is_always_ground() -> None:
         "#const best = c1. mark(X) :- is_a(X,cube), X != best.",
         "near(c1,c1). initially(held(c1),false).",
     ):
-        needed = cubes(30, more).needed
-        assert isinstance(needed, Needed), more
-        assert [len(group) for group in needed.groups] == [29] and "c1" not in map(str, needed.groups[0])
+        reduction = cubes(30, more).reduction
+        assert isinstance(reduction, Reduction), more
+        assert [len(group) for group in reduction.groups] == [29] and "c1" not in map(str, reduction.groups[0])
 
 
 def test_names_with_a_minus_are_other_names() -> None:
@@ -147,26 +143,26 @@ def test_names_with_a_minus_are_other_names() -> None:
         "heavy(far(-c1)).",
         "heavy(-far(c1)). " + " ".join(f"heavy(far(c{n}))." for n in range(30)),
     ):
-        needed = cubes(30, more).needed
-        assert isinstance(needed, Needed), more
-        assert [len(group) for group in needed.groups] == [29] and "c1" not in map(str, needed.groups[0])
+        reduction = cubes(30, more).reduction
+        assert isinstance(reduction, Reduction), more
+        assert [len(group) for group in reduction.groups] == [29] and "c1" not in map(str, reduction.groups[0])
     rules = "late(N) :- level(N), N > -(2-1), N < -1+3. level(-1). level(0)."
-    found = cubes(30, rules).needed
-    assert isinstance(found, Needed) and [len(group) for group in found.groups] == [30]
+    found = cubes(30, rules).reduction
+    assert isinstance(found, Reduction) and [len(group) for group in found.groups] == [30]
 
 
 def test_entities_that_a_pattern_looks_into_are_told_apart() -> None:
     rules = STACKS + "entity(cube(1..20), cube). entity(brick(1..20), cube)."
-    alike = load_domain(text=rules).needed
-    assert isinstance(alike, Needed) and [len(group) for group in alike.groups] == [40]
-    looked_into = load_domain(text=f"{rules} right(C) :- is_a(C,cube), C = cube(N), N > 3.").needed
-    assert isinstance(looked_into, Needed) and {each.name for each in looked_into.groups[0]} == {"brick"}
+    alike = load_domain(text=rules).reduction
+    assert isinstance(alike, Reduction) and [len(group) for group in alike.groups] == [40]
+    looked_into = load_domain(text=f"{rules} right(C) :- is_a(C,cube), C = cube(N), N > 3.").reduction
+    assert isinstance(looked_into, Reduction) and {each.name for each in looked_into.groups[0]} == {"brick"}
 
 
 def test_classes_below_one_another_are_needed_each_for_itself() -> None:
     names = "; ".join(f"b{n}" for n in range(20))
     domain = cubes(20, f"class(red, cube). entity(({names}), red). deep(X) :- is_a(X,red).")
-    assert domain.fewer and [len(group) for group in domain.fewer.groups] == [20, 20]
+    assert domain.reduction and [len(group) for group in domain.reduction.groups] == [20, 20]
     space = TaskSpace(domain, 1)
     assert space.count("plan") == 40 + 40 * 40
     assert space.count() == 2 + 2 + 4
@@ -199,8 +195,8 @@ precondition(join(L,M),lit(L),true) :- action(join(L,M)). postcondition(join(L,M
 def test_what_may_ever_be_is_found_with_as_many_as_are_needed() -> None:
     lamps = 200
     domain = load_domain(text=f"{EVER}entity(({'; '.join(f'l{n}' for n in range(lamps))}), lamp).")
-    assert isinstance(domain.needed, Needed)
-    assert domain.needed.total(domain.needed.facts.actions) == lamps + 2 * lamps * (lamps - 1)
+    assert domain.reduction
+    assert domain.reduction.total(domain.reduction.facts.actions) == lamps + 2 * lamps * (lamps - 1)
     assert TaskSpace(domain, 2).count("plan") == 2 * lamps * (lamps - 1)
 
 
@@ -211,7 +207,7 @@ def test_a_goal_for_all_entities_needs_as_many_steps() -> None:
         "postcondition(light(L), lit(L), true) :- action(light(L))."
     )
     space = TaskSpace(load_domain(text=text), 19)
-    assert space.domain.fewer and space.count() == 0
+    assert space.domain.reduction and space.count() == 0
     assert space.at(20).count() == 1
 
 
@@ -228,13 +224,13 @@ def test_every_engine_counts_with_as_many_as_are_needed() -> None:
 
 
 def test_counting_and_checking_never_ground_what_no_plan_names(monkeypatch: pytest.MonkeyPatch) -> None:
-    check = entities.check
+    check = reduction_module.check
 
     def only_fewer(program: Program, given: Source, like: dict[clingo.Symbol, clingo.Symbol] | None = None) -> Checked:
         assert like, "all entities are ground"
         return check(program, given, like)
 
-    monkeypatch.setattr(entities, "check", only_fewer)
+    monkeypatch.setattr(reduction_module, "check", only_fewer)
     domain = cubes(1000)
     space = TaskSpace(domain, 2)
     assert space.count("plan", ["take"]) == 1000 * 1000
@@ -242,10 +238,10 @@ def test_counting_and_checking_never_ground_what_no_plan_names(monkeypatch: pyte
 
 
 def test_all_but_counts_is_as_with_all_entities_ground(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(load, "find_needed", partial(find_needed, fewest=8))
+    monkeypatch.setattr(load, "find_reduction", partial(find_reduction, fewest=8))
     domain = cubes(9)
-    plain = replace(domain, needed=None)
-    assert domain.fewer
+    plain = replace(domain, reduction=None)
+    assert domain.reduction
     space, other = TaskSpace(domain, 1), TaskSpace(plain, 1)
     assert space.count() == other.count() and space.count("plan") == other.count("plan")
     assert list(space.words("plan")) == list(other.words("plan"))
@@ -267,7 +263,7 @@ def test_settings_may_name_an_entity_that_is_not_ground(tmp_path: Path) -> None:
     path.write_text("[weights]\nc29 = 2\n")
     names = "; ".join(f"c{n}" for n in range(30))
     domain = load_domain(text=f"entity(({names}), cube).\n{STACKS}", settings=path)
-    assert domain.fewer and TaskSpace(domain, 1).count("plan") == 30 + 30 * 30
+    assert domain.reduction and TaskSpace(domain, 1).count("plan") == 30 + 30 * 30
 
 
 def test_settings_name_entities_as_they_are_written(tmp_path: Path) -> None:
@@ -275,8 +271,8 @@ def test_settings_name_entities_as_they_are_written(tmp_path: Path) -> None:
     path = tmp_path / "domain.toml"
     path.write_text("[weights]\n'c(29)' = 2\ntake = 7\nc = 3\n")
     domain = load_domain(text=f"entity((c(1..60); c), cube).\n{STACKS}", settings=path)
-    assert domain.fewer
-    ground = {str(entity) for entity in domain.fewer.facts.entities}
+    assert domain.reduction
+    ground = {str(entity) for entity in domain.reduction.facts.entities}
     assert {"c(29)", "c"} <= ground and "c(7)" not in ground and len(ground) < 20
 
 
@@ -285,9 +281,9 @@ def test_invariants_make_a_program_large(monkeypatch: pytest.MonkeyPatch) -> Non
     lamps = "class(lamp). entity(lamp(1..300), lamp). fluent(lit(L)) :- is_a(L,lamp). action(light(L)) :- is_a(L,lamp)."
     effect = "postcondition(light(L),lit(L),true) :- is_a(L,lamp)."
     domain = load_domain(text=lamps + effect)
-    assert domain.needed is None
+    assert domain.reduction is None and not domain.irreducible
     domain = load_domain(text=f"{lamps}{effect} exclusive(lit(L),lit(M)) :- is_a(L,lamp), is_a(M,lamp), L < M.")
-    assert domain.fewer and domain.fewer.size > 300 * 299 / 2
+    assert domain.reduction and domain.reduction.size > 300 * 299 / 2
 
 
 def test_tasks_stand_for_the_renamings_of_units_as_well() -> None:
@@ -301,8 +297,8 @@ def test_tasks_stand_for_the_renamings_of_units_as_well() -> None:
         precondition(take(H,C), moved(A), true) :- action(take(H,C)), hand(A,H).
         postcondition(take(H,C), held(C,H), true) :- action(take(H,C))."""
     )
-    assert isinstance(domain.needed, Needed), domain.needed
-    whole = TaskSpace(replace(domain, needed=None), 0)
+    assert domain.reduction, domain.irreducible
+    whole = TaskSpace(replace(domain, reduction=None), 0)
     assert len(whole.symmetries.joint) == 1
     for engine in ("automaton", "clingo"):
         for length in range(4):
