@@ -16,7 +16,7 @@ from prag_asp.dataset.pages import strips
 from prag_asp.domain import load
 from prag_asp.lint import check
 from prag_asp.lint.stages import Checked
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.program.paths import data_folder
 from prag_asp.program.sources import Program, Source
 from prag_asp.space import word_space
@@ -52,7 +52,9 @@ def small_pictures() -> Iterator[None]:
         yield
 
 
-def _known(model: Model, engine: str, progress: Progress | None, limits: Limits, fewest_actions: int = 0) -> Shared:
+def _known(
+    model: DomainLogic, engine: str, progress: Progress | None, limits: Limits, fewest_actions: int = 0
+) -> Shared:
     """Return what a space shares with others: all that there is, or the logic alone."""
     if model.domain.reduction is not None or model.domain.irreducible:
         return Shared(model, engine, progress, limits, fewest_actions)
@@ -67,7 +69,7 @@ def _known(model: Model, engine: str, progress: Progress | None, limits: Limits,
     return made
 
 
-def _alike(one: Model, other: Model) -> bool:
+def _alike(one: DomainLogic, other: DomainLogic) -> bool:
     """Tell whether models say the same: what tells entities apart in others, without conditions or whole, they have."""
     others = (one.bare, other.bare), (one.part_of, other.part_of)
     return _equal(one.domain, other.domain) and all(

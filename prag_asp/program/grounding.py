@@ -1,4 +1,4 @@
-"""clingo, with its complaints turned into errors that name the file and the line."""
+"""clingo, with its messages turned into errors that name the file and the line."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ POSITION = r"<(?:string|block)>:(?P<line>\d+):[-\d:]+: *(?:error|info|warning|no
 UNSAFE = r"'([^']+)' is unsafe"
 
 SCRIPT = "#Script"
-"""How clingo writes, within an operation that is undefined, the value of a check."""
+"""The text by which clingo writes the value of a check within an undefined operation."""
 
 Part = tuple[str, Sequence[clingo.Symbol]]
 
 
 class Grounder:
-    """A clingo control that holds one program; nothing of it is printed, whatever the program does.
+    """A clingo control for one program, which prints nothing.
 
-    `notes` are what clingo itself only remarks, where it is not to be an error (`strict`): undefined operations.
+    `notes` are the undefined operations, which are errors only with `strict`.
 
     Raises:
-        DomainError: clingo cannot parse the program, or an interval of it has too many numbers.
+        DomainError: clingo cannot parse the program, or one of its intervals has too many numbers.
     """
 
     def __init__(self, program: Program, *arguments: str, strict: bool = True) -> None:
@@ -50,30 +50,29 @@ class Grounder:
         """Ground program parts.
 
         Raises:
-            DomainError: clingo cannot ground them, or an arithmetic or set operation is out of range or (where that is
-                an error) undefined.
+            DomainError: clingo cannot ground them, or an operation is out of range or (with `strict`) undefined.
         """
         stage("grounding the domain")
         self._run(lambda: self.control.ground(list(parts), context=self._checks))
 
     def state(self, atoms: Iterable[clingo.Symbol]) -> None:
-        """State ground atoms, which the parts that are ground later read."""
-        self._tell(f"{atom}." for atom in atoms)
+        """State ground atoms for the parts that are ground later."""
+        self._add_facts(f"{atom}." for atom in atoms)
 
     def leave_open(self, atoms: Iterable[clingo.Symbol]) -> None:
-        """Have the parts that are ground later take it for possible that each of some atoms holds."""
-        self._tell(f"#external {atom}." for atom in atoms)
+        """Declare atoms that may hold or not for the parts that are ground later."""
+        self._add_facts(f"#external {atom}." for atom in atoms)
 
     def add(self, part: str, rules: Iterable[str]) -> None:
         """Add rules to a part that is not ground yet."""
         text = "\n".join(rules)
         self._run(lambda: self.control.add(part, [], text))
 
-    def _tell(self, statements: Iterable[str]) -> None:
-        """Ground statements as a part of their own.
+    def _add_facts(self, statements: Iterable[str]) -> None:
+        """Ground statements as a separate part.
 
-        clingo's backend would be faster, but where atoms come by it, instances of constraints that are ground later are
-        lost, such as always apply and have conditions (``:- r(X), not p(X,Y) : q(X,Y).``).
+        clingo's backend would be faster, but after it adds atoms, later grounding loses instances of constraints that
+        always apply and have conditions (``:- r(X), not p(X,Y) : q(X,Y).``).
         """
         self._parts += 1
         name = f"told_{self._parts}"
@@ -98,7 +97,7 @@ class Grounder:
         self.notes += told
 
     def _undefined(self, message: str) -> str:
-        """Return what is told of an undefined operation; of ``X+0``, clingo writes nothing but X and the check."""
+        """Return the message for an undefined operation; for ``X+0``, clingo writes only X and the check."""
         told = located(self._program, message)
         return self._checks.as_written(told) if SCRIPT in told else told
 
@@ -111,7 +110,7 @@ class Grounder:
 
 
 def located(program: Program, message: str) -> str:
-    """Return a message of clingo as one line that begins with the file and line it speaks of."""
+    """Return a message of clingo as one line that begins with its file and line."""
     place = re.search(POSITION, message)
     if not place:
         return " ".join(message.split())

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from prag_asp.errors import QueryError
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.processes.progress_events import Note
 from prag_asp.space.engines import AUTO, Engine, Level, select
 from prag_asp.space.engines.engine import Letters, Progress
@@ -35,7 +35,7 @@ class Shared:
     No plan is shorter than `fewest_actions`: what is asked of shorter ones is answered without an engine.
     """
 
-    model: Model
+    model: DomainLogic
     engine: str
     progress: Progress | None
     limits: Limits

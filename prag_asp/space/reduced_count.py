@@ -18,7 +18,7 @@ import clingo
 
 from prag_asp.domain.load import Domain
 from prag_asp.errors import LimitReached
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.entity_names import action_name
 from prag_asp.reduction.reduction import Reduction, named_in
@@ -67,7 +67,7 @@ class ReducedCounter:
             if reduced is None:
                 return None
             program, facts = reduced
-            model = Model(replace(self.domain, program=program, facts=facts, reduction=None))
+            model = DomainLogic(replace(self.domain, program=program, facts=facts, reduction=None))
             groups = self.reduction.groups
             self._models = {sizes: ReducedModel(model, groups, self.engine, self.progress, self.limits)}
             if self.progress:
@@ -81,7 +81,7 @@ class ReducedCounter:
 class ReducedModel:
     """The logic of the reduced program, and the `groups` of entities of the whole one; `name` is that of an engine."""
 
-    model: Model
+    model: DomainLogic
     groups: Sequence[Group]
     name: str
     progress: Progress | None

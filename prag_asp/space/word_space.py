@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from prag_asp.atom import Atom
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.symmetry.symmetries import Symmetries
 from prag_asp.program.entity_names import action_name
 from prag_asp.space.conditions.condition import Condition
@@ -48,7 +48,7 @@ class WordSpace:
     ) -> None:
         if not isinstance(domain, Domain):
             raise QueryError(f"{domain!r} is no domain; give load_domain({domain!r})")
-        self._shared = Shared(Model(domain), engine, progress, limits)
+        self._shared = Shared(DomainLogic(domain), engine, progress, limits)
         self.domain = domain
         self.length = _checked(length)
         self.condition = Condition()
@@ -107,7 +107,7 @@ class WordSpace:
 
             shared = self._shared
             whole = part_of._shared.model if part_of else None
-            model = Model(conditioned(self.domain, space.condition), shared.model.bare or shared.model, whole)
+            model = DomainLogic(conditioned(self.domain, space.condition), shared.model.bare or shared.model, whole)
             fewest = space.condition.fewest_actions
             space._shared = Shared(model, shared.engine, shared.progress, shared.limits, fewest)
             space._part_of = part_of

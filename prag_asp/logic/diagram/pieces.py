@@ -14,7 +14,7 @@ import clingo
 from prag_asp.logic.diagram.diagrams import EMPTY, Changes, Diagrams, Node
 from prag_asp.logic.diagram.digits import Digits
 from prag_asp.logic.step.moves import Move
-from prag_asp.logic.step.normal import Body
+from prag_asp.logic.step.normal import RuleBody
 from prag_asp.logic.step.packed import unpack
 from prag_asp.logic.step.strata import Stratum
 from prag_asp.logic.step.transition import Transition
@@ -176,7 +176,7 @@ class _Values:
         found = self._columns.get(atom)
         return self._under(atom) if found is None else found
 
-    def body(self, body: Body) -> Node:
+    def body(self, body: RuleBody) -> Node:
         """Return where a body is true."""
         if body.weights:
             return self._sum(body)
@@ -188,7 +188,7 @@ class _Values:
             found = self._diagrams.within(found, where) if literal > 0 else self._diagrams.minus(found, where)
         return found
 
-    def left(self, states: Node, body: Body) -> Node:
+    def left(self, states: Node, body: RuleBody) -> Node:
         """Return those of some states in which a body is false."""
         if len(body.literals) == 1 and not body.weights:
             (literal,) = body.literals
@@ -196,7 +196,7 @@ class _Values:
             return self._diagrams.minus(states, where) if literal > 0 else self._diagrams.within(states, where)
         return self._diagrams.minus(states, self.body(body))
 
-    def evaluate(self, strata: Iterable[Stratum], bodies: Callable[[int], tuple[Body, ...]]) -> None:
+    def evaluate(self, strata: Iterable[Stratum], bodies: Callable[[int], tuple[RuleBody, ...]]) -> None:
         """Evaluate atoms in order of their dependencies; those that derive each other, until none changes."""
         for stratum in strata:
             if stratum.recursive:
@@ -209,7 +209,7 @@ class _Values:
                     changed |= stratum.recursive and found != self._columns[atom]
                     self._columns[atom] = found
 
-    def _sum(self, body: Body) -> Node:
+    def _sum(self, body: RuleBody) -> Node:
         """Return where the weights of true literals reach the bound; a state whose sum is 0 is in no diagram."""
         terms, bound = [], body.bound
         for literal, weight in zip(body.literals, body.weights, strict=True):

@@ -11,7 +11,7 @@ TRUE: Literal = 1
 """The first variable is always true, so that constants are literals and no clause is empty."""
 
 
-class Clauses:
+class ClauseBuilder:
     """A growing set of clauses.
 
     Every method that returns a literal adds clauses that fix its value for each assignment of the literals that it was

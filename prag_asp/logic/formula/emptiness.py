@@ -9,7 +9,7 @@ import clingo
 
 from prag_asp.logic.formula.clause_builder import TRUE, Literal
 from prag_asp.logic.formula.cnf import plan_cnf
-from prag_asp.logic.formula.liftable import KEPT, LOOSE, Line, liftable
+from prag_asp.logic.formula.liftable import KEPT, LOOSE, RestrictingLine, liftable
 from prag_asp.logic.formula.solver import Solver, smallest_conflict
 from prag_asp.logic.ground.ground_step import unrolled
 from prag_asp.processes.progress_events import stage
@@ -45,7 +45,7 @@ def has_plan(program: Program, length: int, occurring: Occurring | None = None) 
         return bool(control.solve(assumptions=asked).satisfiable)
 
 
-class Lines:
+class LiftableLines:
     """The lines of a program that restrict its plans of a length, and what becomes of these where some are lifted.
 
     With `occurring`, only those plans count in which one of these actions occurs at its step.
@@ -66,13 +66,13 @@ class Lines:
             self._solver.add([-TRUE, *(cnf.literal(_occurs(action, step)) for action, step in occurring)])
         stage("looking for the lines")
 
-    def __enter__(self) -> Lines:
+    def __enter__(self) -> LiftableLines:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self._solver.close()
 
-    def conflict(self, *, smallest: bool = False) -> tuple[Line, ...]:
+    def conflict(self, *, smallest: bool = False) -> tuple[RestrictingLine, ...]:
         """Return lines that leave no plan together, though none without any one of them; there has to be no plan.
 
         All other lines are lifted: what they would change may have any value then. With `smallest`, no set of fewer
@@ -83,7 +83,7 @@ class Lines:
             kept = smallest_conflict(self._solver, [self._loose], kept)
         return self._told(self._least(kept))
 
-    def changes(self) -> tuple[tuple[Line, ...], ...]:
+    def changes(self) -> tuple[tuple[RestrictingLine, ...], ...]:
         """Return the lines each of which, removed, leaves a plan; where there are none, a smallest set of such.
 
         Nothing is left of a line that is removed. There are no such sets where there are no plans without all lines.
@@ -94,7 +94,7 @@ class Lines:
         removed = self._fewest()
         return () if removed is None else (self._told(removed),)
 
-    def _told(self, literals: Sequence[Literal]) -> tuple[Line, ...]:
+    def _told(self, literals: Sequence[Literal]) -> tuple[RestrictingLine, ...]:
         """Return the lines of some literals, file by file from the top."""
         return tuple(sorted((self._lines[each] for each in literals), key=lambda at: (at.path, at.line, at.text)))
 

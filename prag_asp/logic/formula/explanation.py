@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import clingo
 
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.formula.broken_constraints import ReportingProgram, broken_atoms, reporting
 from prag_asp.logic.formula.clause_builder import Literal
 from prag_asp.logic.formula.cnf import Cnf, plan_cnf
@@ -35,7 +35,7 @@ class Explanation:
     conflict: tuple[int, ...]
 
 
-def explain(model: Model, plan: Sequence[clingo.Symbol]) -> Explanation | None:
+def explain(model: DomainLogic, plan: Sequence[clingo.Symbol]) -> Explanation | None:
     """Return why a sequence of actions of the domain is no plan, or None where it is one.
 
     Raises:
@@ -45,7 +45,7 @@ def explain(model: Model, plan: Sequence[clingo.Symbol]) -> Explanation | None:
     cnf = plan_cnf(program.program, len(plan))
     stage("looking for the conflict")
     with Solver(cnf.variables, cnf.clauses) as solver:
-        search = _Search(model, tuple(plan), program, cnf, solver)
+        search = _ReasonSearch(model, tuple(plan), program, cnf, solver)
         if solver.satisfiable([*search.actions, *search.lawful(len(plan) + 1)]):
             return None
         step = next(k for k in range(len(plan) + 2) if not solver.satisfiable(search.until(k)))
@@ -55,11 +55,11 @@ def explain(model: Model, plan: Sequence[clingo.Symbol]) -> Explanation | None:
         return Explanation(step, reasons, conflict)
 
 
-class _Search:
+class _ReasonSearch:
     """The questions that are asked about one sequence of actions."""
 
     def __init__(
-        self, model: Model, plan: tuple[clingo.Symbol, ...], program: ReportingProgram, cnf: Cnf, solver: Solver
+        self, model: DomainLogic, plan: tuple[clingo.Symbol, ...], program: ReportingProgram, cnf: Cnf, solver: Solver
     ) -> None:
         self._model, self._plan, self._rules, self._cnf, self._solver = model, plan, program.rules, cnf, solver
         self._broken = broken_atoms(cnf.literals)

@@ -34,7 +34,7 @@ RULES = "rules"
 
 
 @dataclass(frozen=True)
-class Line:
+class RestrictingLine:
     """A statement of an author: its file, the line in it, and what it says; an included rule where it is asked for."""
 
     path: Path
@@ -50,18 +50,18 @@ class LiftableProgram:
     """A program, and its lines; number i holds where the program's atom ``__kept(i)`` is true, which it may choose."""
 
     program: Program
-    lines: tuple[Line, ...]
+    lines: tuple[RestrictingLine, ...]
 
 
 def liftable(program: Program) -> LiftableProgram:
     """Return a program in which each line that restricts can be lifted."""
-    lines: list[Line] = []
+    lines: list[RestrictingLine] = []
     sources = [_guarded(source, own, program, lines) for source, own in owned(program)]
     choice = "".join(f"{{ {KEPT}({number}) }}. " for number in range(len(lines)))
     return LiftableProgram(Program((*sources, Source(ADDED, f"{choice}{{ {LOOSE} }}."))), tuple(lines))
 
 
-def _guarded(source: Source, own: bool, program: Program, lines: list[Line]) -> Source:
+def _guarded(source: Source, own: bool, program: Program, lines: list[RestrictingLine]) -> Source:
     """Return a source with its restricting statements under an atom each, those of a rule asked for under one."""
     asked = not own and source.path.parent.name == RULES
     composed = _composing(program) if not own and source.path.name == HIERARCHY else None
@@ -76,28 +76,30 @@ def _guarded(source: Source, own: bool, program: Program, lines: list[Line]) -> 
     for statement in statements:
         if _restricts(statement):
             if own:
-                lines.append(Line(source.path, statement.line, statement.text))
+                lines.append(RestrictingLine(source.path, statement.line, statement.text))
             texts += _under(statement, f"{KEPT}({len(lines) - 1})")
         else:
             texts.append(statement.text)
     return Source(source.path, "\n".join(texts))
 
 
-def _asking(source: Source, program: Program) -> Line:
+def _asking(source: Source, program: Program) -> RestrictingLine:
     """Return the line that asks for a rule: an include, or else the rule itself, which the user has named."""
     for other in program.sources:
         for line, path in other.includes:
             if path.resolve() == source.path.resolve():
-                return Line(other.path, line, f'#include "{RULES}/{path.name}".')
-    return Line(source.path, 1, f"the rule {source.path.stem}")
+                return RestrictingLine(other.path, line, f'#include "{RULES}/{path.name}".')
+    return RestrictingLine(source.path, 1, f"the rule {source.path.stem}")
 
 
-def _composing(program: Program) -> Line | None:
+def _composing(program: Program) -> RestrictingLine | None:
     """Return the first line that declares a composite, which stands for all of them; None where there is none."""
     statements, _ = parse_sources((source, own) for source, own in owned(program) if own and source.path != ADDED)
     for statement in statements:
         if any(atom.signature == COMPOSITE for atom in statement.heads):
-            return Line(statement.path, statement.line, f"{statement.node} (with all composites, as --flat lifts them)")
+            return RestrictingLine(
+                statement.path, statement.line, f"{statement.node} (with all composites, as --flat lifts them)"
+            )
     return None
 
 

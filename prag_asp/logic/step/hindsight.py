@@ -1,4 +1,4 @@
-"""What is known of the states that plans pass, with hindsight: many plans at once."""
+"""The known values of the states of plans, with what later steps reveal, for many plans at once."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.logic.ground.ground_step import timeless, unrolled
-from prag_asp.logic.step.normal import Body, NormalStep
+from prag_asp.logic.step.normal import NormalStep, RuleBody
 from prag_asp.logic.step.strata import Column, Stratum, evaluate, stratify
 from prag_asp.program.grounding import Grounder, Part
 from prag_asp.program.sources import Program
@@ -19,10 +19,10 @@ from prag_asp.program.sources import Program
 Plan = tuple[clingo.Symbol, ...]
 
 Told = NDArray[np.int8]
-"""What is known of states: 1 true, 0 false, -1 unknown; one row for each fluent."""
+"""The values of fluents in states: 1 true, 0 false, -1 unknown; one row for each fluent."""
 
 Truth = NDArray[np.bool_]
-"""The truth of atoms, one a row, in several plans, one a column."""
+"""The truth of atoms in several plans: one row for each atom, one column for each plan."""
 
 TRUE, FALSE, UNKNOWN = 1, 0, -1
 
@@ -63,20 +63,20 @@ class Hindsight:
         ]
 
     @cached_property
-    def _parts(self) -> Mapping[str, tuple[Mapping[int, tuple[Body, ...]], list[Stratum]]]:
-        """What tells of the last state and of a state before: the rules, and what of them is needed, in order."""
+    def _parts(self) -> Mapping[str, tuple[Mapping[int, tuple[RuleBody, ...]], list[Stratum]]]:
+        """The rules for the last state and for an earlier state, with the strata to evaluate."""
         roots = {"ending": [atom for atom, *_ in self._rows], "hindsight": [before for _, before, *_ in self._rows]}
         parts = {}
         for part, needed in roots.items():
             bodies = dict(self.step.final_bodies) if part == "ending" else {}
             for rule in self.step.ground.rules.get(part, ()):
                 for head in rule.heads:
-                    bodies[head] = (*bodies.get(head, ()), Body(rule.body, rule.bound, rule.weights))
+                    bodies[head] = (*bodies.get(head, ()), RuleBody(rule.body, rule.bound, rule.weights))
             parts[part] = (bodies, stratify(needed, bodies))
         return parts
 
     def _read(self, part: str) -> list[int]:
-        """Return the atoms that a part reads and does not define, without those that are told."""
+        """Return the atoms that a part reads and does not define, without ``state(F, V, t)``."""
         bodies, strata = self._parts[part]
         defined = {atom for stratum in strata for atom in stratum.atoms}
         literals = {abs(each) for atom in defined for body in bodies[atom] for each in body.literals}
@@ -88,13 +88,13 @@ class Hindsight:
 
     @cached_property
     def last_read(self) -> tuple[clingo.Symbol, ...]:
-        """The timed atoms, without their time, that what is told of the last state depends on."""
+        """The timed atoms, without their time, on which ``state(F, V, t)`` of the last state depends."""
         names = self.step.ground.names
         return tuple(timeless(names[atom]) for atom in self._read("ending"))
 
     @cached_property
     def start(self) -> tuple[Truth, Truth]:
-        """The initial state and, for a plan without actions, what is seen of it; one column each."""
+        """The initial state and, for a plan without actions, what hindsight reads of it; one column each."""
         ground = self.step.ground
         holding = {ground.before[symbol] for symbol in ground.initial if symbol in ground.before}
         now = {ground.now[symbol] for symbol in ground.initial if symbol in ground.now}
@@ -102,7 +102,7 @@ class Hindsight:
         return state, np.array([[atom in now] for atom in self._seen], dtype=np.bool_).reshape(-1, 1)
 
     def follow(self, states: Truth, letters: NDArray[np.int64]) -> tuple[Truth, Truth]:
-        """Return the states after valid actions, given by number, and what is seen of these steps."""
+        """Return the states after valid actions, given by number, and what hindsight reads of these steps."""
         size = len(letters)
         columns = dict(zip(self._carried, states, strict=True))
         columns.update((atom, letters == number) for number, atom in enumerate(self.step.occurs.values()))
@@ -110,17 +110,17 @@ class Hindsight:
         return _rows_of(columns, self._carried.values(), size), _rows_of(columns, self._seen, size)
 
     def tell_last(self, seen: Truth) -> Truth:
-        """Return what is told of the last state, from what is seen of the last step."""
+        """Return the told atoms of the last state, given what is seen of the last step."""
         return self._tell(dict(zip(self._seen, seen, strict=True)), "ending", seen.shape[1])
 
     def tell_before(self, seen: Truth, told: Truth) -> Truth:
-        """Return what is told of the states before steps, from what is seen of these and told of those after."""
+        """Return the told atoms of the states before steps, given what is seen of the steps and told after them."""
         columns = dict(zip(self._seen, seen, strict=True))
         columns.update(zip((atom for atom, *_ in self._rows), told, strict=True))
         return self._tell(columns, "hindsight", seen.shape[1])
 
     def tell_ends(self, read: Truth) -> Told:
-        """Return what is told of last states of which the atoms `last_read` are known; shape (fluents, plans)."""
+        """Return the values in last states, given the truth of the atoms `last_read`; shape (fluents, plans)."""
         columns = dict(zip(self._read("ending"), read, strict=True))
         return self.values(self._tell(columns, "ending", read.shape[1]))
 
@@ -131,7 +131,7 @@ class Hindsight:
         return _rows_of(columns, (row[place] for row in self._rows), size)
 
     def values(self, told: Truth) -> Told:
-        """Return what is told as the values of fluents."""
+        """Return told atoms as values of fluents."""
         found = np.full((len(self.fluents), told.shape[1]), UNKNOWN, dtype=np.int8)
         for (_, _, row, value), column in zip(self._rows, told, strict=True):
             found[row, column] = value
@@ -143,21 +143,21 @@ def _number(value: clingo.Symbol) -> int:
 
 
 def _rows_of(columns: Mapping[int, Column], atoms: Iterable[int], size: int) -> Truth:
-    """Return the columns of atoms as rows; what nothing derives is false."""
+    """Return the columns of atoms as rows; an atom that nothing derives is false."""
     false = np.zeros(size, dtype=np.bool_)
     rows = [columns.get(atom, false) for atom in atoms]
     return np.stack(rows) if rows else np.zeros((0, size), dtype=np.bool_)
 
 
 def _evaluate(
-    strata: list[Stratum], bodies: Mapping[int, tuple[Body, ...]], columns: dict[int, Column], size: int
+    strata: list[Stratum], bodies: Mapping[int, tuple[RuleBody, ...]], columns: dict[int, Column], size: int
 ) -> None:
     false = np.zeros(size, dtype=np.bool_)
     evaluate(strata, bodies.__getitem__, columns, lambda atom: columns.get(atom, false), size)
 
 
 def solved_states(program: Program, plan: Plan, fluents: Sequence[clingo.Symbol]) -> Told:
-    """Return what is known of the states of one plan by solving the unrolled program: slower, for any program.
+    """Return the values in the states of one plan by solving the unrolled program, which is slower and always works.
 
     Shape (fluents, length of the plan + 1).
     """
@@ -181,7 +181,7 @@ def solved_states(program: Program, plan: Plan, fluents: Sequence[clingo.Symbol]
 
 
 def numbered_goals(hindsight: Hindsight, marks: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Return a number for what is known after each edge, the same where the same is known, shape (edges,).
+    """Return a number for the known values after each edge, equal for equal values, shape (edges,).
 
     `marks` has the truth of `hindsight.last_read` after each edge, shape (edges, atoms).
     """

@@ -1,4 +1,4 @@
-"""Hindsight of many plans: each different step is evaluated once, and remembered by its number."""
+"""Hindsight for many plans: each distinct step is evaluated once and cached by its number."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from prag_asp.program.sources import Program
 Numbers = NDArray[np.int64]
 
 ENTRIES = 1 << 15
-"""Entries of a table after which what was remembered is forgotten: with the states that it stands for, some 30 MB."""
+"""The number of entries at which a cache is emptied: with its states, about 30 MB."""
 
 
 class _Rows:
-    """Different columns of truth values, by number."""
+    """Distinct columns of truth values, by number."""
 
     def __init__(self) -> None:
         self._numbers: dict[bytes, int] = {}
@@ -48,10 +48,10 @@ class _Rows:
 
 
 class PlanStates:
-    """What is known of the states of plans, with hindsight; equal states have equal numbers.
+    """The known values of the states of plans, with hindsight; equal states have equal numbers.
 
-    Steps are functions of a state and an action, and hindsight one of a step and what is told of the state after it.
-    So a plan is told by looking up its steps, forward and then backward; what is new is evaluated, all plans together.
+    Steps are functions of a state and an action, and hindsight is a function of a step and the told atoms of the state
+    after it. The steps of a plan are looked up forward and then backward; new ones are evaluated for all plans.
     """
 
     def __init__(self, hindsight: Hindsight) -> None:
@@ -67,7 +67,7 @@ class PlanStates:
 
     @property
     def full(self) -> bool:
-        """Whether so much is remembered that a new start saves memory."""
+        """Whether the caches are so large that a new start saves memory."""
         return max(len(self._steps), len(self._before)) > ENTRIES
 
     @property
@@ -76,7 +76,7 @@ class PlanStates:
         return tuple(self._hindsight.step.occurs)
 
     def numbers(self, plans: Numbers) -> Numbers:
-        """Return the number of what is known of each state 0..n of valid plans; shape (plans, n + 1).
+        """Return the number of the known values of each state 0..n of valid plans; shape (plans, n + 1).
 
         Plans have shape (plans, n) and hold the numbers of actions.
         """
@@ -94,7 +94,7 @@ class PlanStates:
         return plans_first
 
     def values(self, numbers: Sequence[int]) -> Told:
-        """Return what numbers stand for, shape (fluents, numbers)."""
+        """Return the values with some numbers, shape (fluents, numbers)."""
         return self._hindsight.values(self._told.get(numbers))
 
     def _follow(self, keys: list[int]) -> list[tuple[int, int]]:
@@ -111,7 +111,7 @@ class PlanStates:
 
 
 def _looked_up(table: dict[int, Any], keys: Numbers, evaluate: Callable[[list[int]], list[Any]]) -> Numbers:
-    """Return what a table holds for keys, after adding what is new."""
+    """Return the entries of a table for keys, after computing the missing ones."""
     different, places = np.unique(keys, return_inverse=True)
     wanted = different.tolist()
     new = [key for key in wanted if key not in table]
@@ -132,11 +132,11 @@ class SolvedPlanStates:
 
     @property
     def full(self) -> bool:
-        """Whether so much is remembered that a new start saves memory."""
+        """Whether the caches are so large that a new start saves memory."""
         return len(self._numbers) > ENTRIES
 
     def numbers(self, plans: Numbers) -> Numbers:
-        """Return the number of what is known of each state 0..n of valid plans; shape (plans, n + 1)."""
+        """Return the number of the known values of each state 0..n of valid plans; shape (plans, n + 1)."""
         found = np.empty((plans.shape[0], plans.shape[1] + 1), dtype=np.int64)
         for row, letters in zip(found, plans.tolist(), strict=True):
             told = solved_states(self._program, tuple(self.letters[each] for each in letters), self._fluents)
@@ -144,7 +144,7 @@ class SolvedPlanStates:
         return found
 
     def values(self, numbers: Sequence[int]) -> Told:
-        """Return what numbers stand for, shape (fluents, numbers)."""
+        """Return the values with some numbers, shape (fluents, numbers)."""
         texts = list(self._numbers)
         rows = [np.frombuffer(texts[number], dtype=np.int8) for number in numbers]
         values: Told = np.array(rows, dtype=np.int8).reshape(len(numbers), len(self._fluents)).T

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.space.engines.engine import Letters, Level
 from prag_asp.space.plans.task_builder import Narrator
 from prag_asp.space.weights.tree import word_tree
@@ -12,7 +12,13 @@ from prag_asp.space.weights.weights import Weighed, Weights, refuse_weights
 
 
 def listed(
-    words: Iterable[Letters], letters: Letters, model: Model, level: Level, length: int, weights: Weights, goals: bool
+    words: Iterable[Letters],
+    letters: Letters,
+    model: DomainLogic,
+    level: Level,
+    length: int,
+    weights: Weights,
+    goals: bool,
 ) -> Weighed:
     """Return all words of a level and length with their weights; with `goals`, also what is known after each.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.space.engines.engine import Letters, Level, all_letters
 from prag_asp.space.weights.weights import Weighed, Weights
 
@@ -14,7 +14,7 @@ from prag_asp.space.weights.weights import Weighed, Weights
 class NoWords:
     """Answers for one domain at one level, for lengths that no word has; nothing is ground for it."""
 
-    model: Model
+    model: DomainLogic
     level: Level
 
     @property

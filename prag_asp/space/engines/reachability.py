@@ -14,7 +14,7 @@ import clingo
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step.packed import Rows
 from prag_asp.logic.step.transition import Transition
 from prag_asp.logic.symmetry.symmetries import Unit
@@ -102,7 +102,7 @@ class Explorer:
     Exploring is given up, as unfit, where `hopeless` says so once it is decided whether states are merged.
     """
 
-    model: Model
+    model: DomainLogic
     level: Level
     tell: Callable[[str], None] | None = None
     merge: bool | None = None

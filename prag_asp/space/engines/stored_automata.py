@@ -15,7 +15,7 @@ import clingo
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.symmetry.symmetries import Unit
 from prag_asp.program.paths import PACKAGE
 from prag_asp.space.automaton.automaton import Automaton, Completions
@@ -69,7 +69,7 @@ OF_TASKS = ("canonical_names", "joint_names", "closed_invariants")
 """The rules by which tasks are told from plans."""
 
 
-def shelf_for(folder: Path, model: Model, level: str, merge: bool | None) -> Shelf | None:
+def shelf_for(folder: Path, model: DomainLogic, level: str, merge: bool | None) -> Shelf | None:
     """Return the place for a level of a domain in the folder of the cache, or None where encodings cannot be read.
 
     The key covers all that the arrays depend on: the program, what of it is never reached, the same without conditions
@@ -88,7 +88,7 @@ def shelf_for(folder: Path, model: Model, level: str, merge: bool | None) -> She
     return Shelf(folder, blake2b(json.dumps(told).encode(), digest_size=20).hexdigest())
 
 
-def _wholes(model: Model) -> Iterator[Model]:
+def _wholes(model: DomainLogic) -> Iterator[DomainLogic]:
     """Yield the models of which one is a part, a part of a part, and so on."""
     while model.part_of is not None:
         yield (model := model.part_of)

@@ -8,7 +8,7 @@ from fractions import Fraction
 from math import lcm, prod
 
 from prag_asp.errors import LimitReached
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step.transition import Transition
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.entity_names import action_name
@@ -34,7 +34,7 @@ class SymbolicEngine:
     """
 
     def __init__(
-        self, model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
+        self, model: DomainLogic, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
     ) -> None:
         self._answers: Engine
         if level == "skeleton":
@@ -85,7 +85,7 @@ class _Paths:
     """Answers for plans or tasks, each of which is one path of states."""
 
     def __init__(
-        self, model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
+        self, model: DomainLogic, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
     ) -> None:
         self._model = model
         self._level = level

@@ -7,7 +7,7 @@ from math import comb
 import pytest
 
 from prag_asp import EngineError, TaskSpace
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from tests.domains import domain_of
 from tests.spaces import with_engines
 
@@ -50,7 +50,7 @@ def test_what_a_step_doubles_is_told_before_it_fills_the_memory() -> None:
 
 @pytest.mark.slow
 def test_a_counter_with_a_bound_is_carried_as_far_as_that() -> None:
-    model = Model(domain_of(counter(", N < 150", 150)))
+    model = DomainLogic(domain_of(counter(", N < 150", 150)))
     assert not model.ground.obstacles
     assert sum(symbol.name == "n" for symbol in model.ground.before) == 151
     space = TaskSpace(model.domain, 160, engine="automaton")
@@ -64,7 +64,7 @@ def test_what_only_several_carried_atoms_make_together_is_found() -> None:
     s(t) :- r(t-1), not p(t-1). s(t) :- r(t-1), occurs(a,t). :- s(t-1), occurs(b,t).
     """
     domain = domain_of(TWO + "\n#program step(t).\n" + rules)
-    names = {symbol.name for symbol in Model(domain).ground.before}
+    names = {symbol.name for symbol in DomainLogic(domain).ground.before}
     assert names >= {"p", "q", "r", "s"}
     automaton, clingo = with_engines(domain, "automaton", "clingo")
     for length in range(7):
