@@ -1,4 +1,4 @@
-"""What a domain says, in full: two that say the same make the same tasks, and the same verdicts on them."""
+"""Digests of domains: domains with equal digests have the same tasks, and the same verdicts on them."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from prag_asp.program.paths import PACKAGE
 from prag_asp.safe_reading import is_inside, read_bytes
 
 MESH = re.compile(rb"""filename\s*=\s*["']([^"']+)["']""")
-"""How a URDF names a mesh."""
+"""Finds the meshes that a URDF names."""
 
 
 def domain_digest(domain: Domain) -> str:
-    """Return a digest of all that tasks of a domain and verdicts on them depend on, the files of its scene included."""
+    """Return a digest of all that tasks of a domain and verdicts on them depend on, with the files of its scene."""
     settings = domain.settings
     files = {str(path): _hashed(path) for path in scene_files(settings.scene, settings.path.parent)}
     told = [
@@ -36,19 +36,19 @@ def domain_digest(domain: Domain) -> str:
 
 
 def code_digest(encodings: Path) -> str:
-    """Return a digest of the code of this package and of a folder of encodings, which have a say in every result."""
+    """Return a digest of the code of this package and of a folder of encodings, on which every result depends."""
     return digest(sorted([*_own_code(), *((path.name, _hashed(path)) for path in encodings.rglob("*.lp"))]))
 
 
 @cache
 def _own_code() -> list[tuple[str, str]]:
-    """Return the names and the digests of the files of this package: once, as a process reads its code once."""
+    """Return the names and the digests of the files of this package, read once in a process."""
     files = [*PACKAGE.rglob("*.py"), *(PACKAGE / "grammar").glob("*.toml")]
     return [(path.name, _hashed(path)) for path in files]
 
 
 def digest(values: object) -> str:
-    """Return a digest of plain values; tables that hold the same in the same order have the same."""
+    """Return a digest of plain values; the order of tables matters."""
     return blake2b(json.dumps(values, default=str).encode(), digest_size=20).hexdigest()
 
 
@@ -58,7 +58,7 @@ def _hashed(path: Path) -> str:
 
 
 def scene_files(table: object, folder: Path) -> Iterator[Path]:
-    """Yield the files that a table of a scene names, and those that these name."""
+    """Yield the files that a table of a scene names, and the meshes that these name."""
     for text in sorted(set(_texts(table))):
         path = folder / text
         if len(text) < 256 and "\0" not in text and is_inside(path, folder) and path.is_file():

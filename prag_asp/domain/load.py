@@ -1,4 +1,4 @@
-"""Read a domain."""
+"""Load a domain: find its files, read them, and check them."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ from prag_asp.logic.ground.stationary import StepReads, read_step
 from prag_asp.logic.step.normal import NormalStep
 from prag_asp.logic.step.strata import stratified_step
 from prag_asp.logic.step.transition import Transition, build_transition
-from prag_asp.logic.symmetry.asymmetric_invariants import stated_unevenly
+from prag_asp.logic.symmetry.asymmetric_invariants import states_unevenly
 from prag_asp.logic.symmetry.symmetries import Symmetries
 from prag_asp.logic.symmetry.symmetry import find_symmetries, may_interchange
 from prag_asp.processes.progress_events import stage
@@ -132,7 +132,7 @@ class DomainLogic:
 
     def _closed(self, groups: Collection[Sequence[clingo.Symbol]] = ()) -> DomainLogic | None:
         """Return the logic with all entailed invariants, if more than `groups` may be alike in it."""
-        if not stated_unevenly(self.domain.facts, groups) or (program := closed_program(self.domain)) is None:
+        if not states_unevenly(self.domain.facts, groups) or (program := closed_program(self.domain)) is None:
             return None
         return DomainLogic(replace(self.domain, program=program))
 

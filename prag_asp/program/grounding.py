@@ -10,7 +10,7 @@ import clingo
 from prag_asp.errors import DomainError
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.finite.checks import Checks
-from prag_asp.program.finite.guards import guarded
+from prag_asp.program.finite.guards import guard_program
 from prag_asp.program.parse import require_memory
 from prag_asp.program.sources import Program
 
@@ -36,7 +36,7 @@ class Grounder:
         self._program, self._strict = program, strict
         self.notes: list[str] = []
         self._parts = 0
-        found = guarded(program)
+        found = guard_program(program)
         self._checks = Checks(found.sites)
         self._messages: list[tuple[clingo.MessageCode, str]] = []
         self.control = clingo.Control(
@@ -90,7 +90,7 @@ class Grounder:
         undefined = [text for code, text in self._messages if code == clingo.MessageCode.OperationUndefined]
         out_of_range = [text for text in undefined if SCRIPT in text]
         if out_of_range and self._checks.overflows:
-            raise self._checks.overflow(located(self._program, out_of_range[0]))
+            raise self._checks.overflow(locate_message(self._program, out_of_range[0]))
         told = dict.fromkeys(map(self._undefined, undefined))
         if told and self._strict:
             raise DomainError(f"{next(iter(told))}; guard the operation")
@@ -98,18 +98,18 @@ class Grounder:
 
     def _undefined(self, message: str) -> str:
         """Return the message for an undefined operation; for ``X+0``, clingo writes only X and the check."""
-        told = located(self._program, message)
+        told = locate_message(self._program, message)
         return self._checks.as_written(told) if SCRIPT in told else told
 
     def _errors(self) -> list[str]:
         return [
-            located(self._program, text)
+            locate_message(self._program, text)
             for code, text in self._messages
             if code in (clingo.MessageCode.RuntimeError, clingo.MessageCode.Other)
         ]
 
 
-def located(program: Program, message: str) -> str:
+def locate_message(program: Program, message: str) -> str:
     """Return a message of clingo as one line that begins with its file and line."""
     place = re.search(POSITION, message)
     if not place:

@@ -79,7 +79,7 @@ def objection(statements: Sequence[Statement]) -> str | None:
     return None
 
 
-def derived(statements: Iterable[Statement]) -> list[Statement]:
+def deriving_rules(statements: Iterable[Statement]) -> list[Statement]:
     """Return the rules of the base part that have a body."""
     return [each for each in statements if each.is_rule and _in_base(each) and each.literals]
 

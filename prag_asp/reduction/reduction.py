@@ -21,7 +21,7 @@ from prag_asp.program.paths import data_folder
 from prag_asp.program.sources import Program, Source, encodings_folder, owned
 from prag_asp.program.syntax import Signature, Statement
 from prag_asp.reduction.alike_entities import AlikeEntities, find_alike
-from prag_asp.reduction.applicability import derived, objection
+from prag_asp.reduction.applicability import deriving_rules, objection
 
 FEWEST = 16
 """The size of a group of alike entities from which a reduction is looked for."""
@@ -247,7 +247,7 @@ def _bound(control: clingo.Control, group: Group, statements: Sequence[Statement
         atoms = control.symbolic_atoms.by_signature(*signature)
         return max((len(named_in(atom.symbol, members)) for atom in atoms), default=0)
 
-    rules = [[atom.signature for atom in rule.body if not atom.negated] for rule in derived(statements)]
+    rules = [[atom.signature for atom in rule.body if not atom.negated] for rule in deriving_rules(statements)]
     by_predicate = {each: most_named(each) for each in {("fluent", 1), ("action", 1), *INVARIANTS, *chain(*rules)}}
     fluent = by_predicate["fluent", 1]
     return EntityBound(

@@ -102,13 +102,13 @@ def _is_fact(rule: Rule) -> bool:
 
 
 def body_literal(clauses: ClauseBuilder, rule: Rule, value: Callable[[int], Literal]) -> Literal:
-    """Return a literal that is true where the body of a rule is, given the values of its literals."""
+    """Return a literal that is equivalent to the body of a rule, given the values of its literals."""
     literals = list(map(value, rule.body))
     return clauses.at_least(rule.bound, literals, rule.weights) if rule.weights else clauses.all_of(literals)
 
 
 def _support(clauses: ClauseBuilder, atom: Literal, rules: list[Rule], value: Callable[[int], Literal]) -> None:
-    """State that an atom is true where a rule derives it, and only where a rule derives or allows it."""
+    """State that an atom is true if a rule derives it, and only if a rule derives or allows it."""
     if all(not rule.choice for rule in rules):
         if len(rules) == 1 and not rules[0].weights:
             clauses.all_of(map(value, rules[0].body), into=atom)
@@ -129,7 +129,7 @@ def _positive_graph(rules_of: Mapping[int, list[Rule]]) -> dict[int, list[int]]:
 def _by_copies(
     clauses: ClauseBuilder, loop: Mapping[int, tuple[Rule, ...]], value: Callable[[int], Literal]
 ) -> dict[int, Literal]:
-    """Give the atoms of a component copies, which its rules derive; return each copy with the literal of its atom."""
+    """Add copies of the atoms of a component, which its rules derive; return each copy with the literal of its atom."""
     copies = {atom: clauses.fresh() for atom in loop}
 
     def of_copies(literal: int) -> Literal:

@@ -15,16 +15,16 @@ from prag_asp.processes.progress_events import stage
 from prag_asp.program.sources import Program
 
 OCCURS = "occurs"
-"""The predicate whose atoms tell plans apart."""
+"""The predicate whose atoms define a plan."""
 
 
 @dataclass(frozen=True)
 class Cnf:
     """A formula with exactly one model for each answer set of a program of some steps.
 
-    `literals` has the literal of every atom; the first variable is true, and stands for what holds in all of them.
-    `shown` are the variables of the atoms ``occurs(A,t)`` or ``named(N,t)``, sorted: what they tell apart is a word.
-    `plans` is the formula that this one shows in another way, if it does.
+    `literals` has the literal of every atom; the first variable is true, and is the literal of all facts.
+    `shown` are the variables of the atoms ``occurs(A,t)`` or ``named(N,t)``, sorted: their values are a word.
+    `plans` is the formula of the same plans with another projection, if this one is derived from it.
     """
 
     variables: int
@@ -34,12 +34,12 @@ class Cnf:
     plans: Cnf | None = field(default=None, repr=False, compare=False)
 
     def literal(self, symbol: clingo.Symbol) -> Literal:
-        """Return the literal of an atom; one that no rule speaks of is false."""
+        """Return the literal of an atom; an atom without rules is false."""
         return self.literals.get(symbol, -TRUE)
 
 
 _in_use: WeakValueDictionary[tuple[Program, int], Cnf] = WeakValueDictionary()
-"""The formulas that somebody uses, by program and length: nobody changes one, and levels and engines share most."""
+"""The formulas in use, by program and length, which levels and engines share; they are never modified."""
 
 
 def plan_cnf(program: Program, length: int, shown: str = OCCURS) -> Cnf:
@@ -65,7 +65,7 @@ def _plans(program: Program, length: int) -> Cnf:
 
 
 def _variables(literals: Mapping[clingo.Symbol, Literal], shown: str) -> tuple[int, ...]:
-    """Return the variables of the atoms of a predicate; clingo is slow to tell which these are, and most are facts."""
+    """Return the variables of the atoms of a predicate; facts are skipped first, because matching terms is slow."""
     return tuple(sorted(v for symbol, v in literals.items() if abs(v) != TRUE and symbol.match(shown, 2)))
 
 
@@ -73,7 +73,7 @@ def dimacs(cnf: Cnf, comments: Sequence[str] = ()) -> Iterator[str]:
     """Yield the lines of a formula as model counters read it.
 
     ``c t pmc`` and ``c p show`` ask for projected counting, as in the Model Counting Competition (2021 and later); each
-    line ``c V ATOM`` says what variable V stands for.
+    line ``c V ATOM`` names the atom of variable V.
     """
     yield from (f"c {line}" for line in comments)
     names = {literal: symbol for symbol, literal in cnf.literals.items() if literal != TRUE and literal > 0}

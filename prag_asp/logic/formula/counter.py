@@ -1,6 +1,6 @@
-"""Projected model counting by native code, exact by Ganak or approximate by ApproxMC, in a process that can be killed.
+"""Projected model counting in a child process, exact by Ganak or approximate by ApproxMC.
 
-Such code hears neither Ctrl-C nor a time limit, and ends the process where its input is wrong.
+The native code of both handles neither Ctrl-C nor a time limit, and ends its process on invalid input.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from prag_asp.processes.workers import Child, Children, Ended, answered
 
 @dataclass(frozen=True)
 class Counter:
-    """A program that counts: the package that it is in, the extra that installs that, and the module that runs it."""
+    """A model counter: its package, the extra that installs it, and the module of its child process."""
 
     name: str
     package: str
@@ -34,19 +34,19 @@ GANAK = Counter("Ganak", "pyganak", "sharp", "prag_asp.logic.formula.ganak")
 APPROXMC = Counter("ApproxMC", "pyapproxmc", "approximate", "prag_asp.logic.formula.approxmc")
 
 SHARP = "engine sharp"
-"""What counts so in task spaces, as messages have it."""
+"""The engine that needs Ganak, as messages name it."""
 
 LARGEST = 2**24
-"""Variables that a counter is given at most: beyond, Ganak takes memory without bound, or aborts."""
+"""The largest number of variables of a formula: beyond it, Ganak needs unbounded memory or aborts."""
 
 
 def has_ganak() -> bool:
-    """Tell whether Ganak is installed."""
+    """Return whether Ganak is installed."""
     return find_spec(GANAK.package) is not None
 
 
 def require_counter(counter: Counter = GANAK, asked: str = SHARP) -> None:
-    """Refuse to go on where a counter is not installed; `asked` is what the user has asked for.
+    """Check that a counter is installed; `asked` names the request of the user in the message.
 
     Raises:
         EngineError: it is not.
@@ -58,9 +58,9 @@ def require_counter(counter: Counter = GANAK, asked: str = SHARP) -> None:
 def count_models(
     cnf: Cnf, assumptions: Sequence[Literal] = (), seconds: float | None = None, *, asked: str = SHARP
 ) -> int:
-    """Return the number of assignments of the shown variables that a model with the literals assumed has.
+    """Return the number of assignments of the shown variables that extend to a model with the assumed literals.
 
-    Messages speak of what the user has `asked` for.
+    `asked` names the request of the user in messages.
 
     Raises:
         EngineError: Ganak is missing, cannot take the formula, or fails.
@@ -72,7 +72,7 @@ def count_models(
 def counted(
     counter: Counter, cnf: Cnf, assumptions: Sequence[Literal], seconds: float | None, asked: str, *more: object
 ) -> Any:
-    """Return what a counter answers of a formula with literals assumed; `more` is what it is told besides.
+    """Return the answer of a counter for a formula with assumed literals; `more` are further arguments.
 
     Raises:
         EngineError: it is missing, cannot take the formula, or fails.
@@ -95,10 +95,10 @@ def counted(
 
 
 class CountBeside:
-    """Counts the models of a formula in a process of its own while this one does something else, as a context.
+    """Counts the models of a formula in a child process while this one does something else; a context manager.
 
-    `cnf` and the literals assumed come from `formula`, which is called when the counter is started: by the first
-    question after `patience` seconds. What fails is no error, but leaves the question open.
+    `formula` returns the formula and the assumed literals. It is called when the counter starts: at the first call
+    after `patience` seconds. A failure is no error; the count then stays unknown.
     """
 
     def __init__(
@@ -119,7 +119,7 @@ class CountBeside:
         self._running.close()
 
     def __call__(self) -> int | None:
-        """Return the number of models once it is known; the first call that is late enough starts the counter."""
+        """Return the number of models once it is known; the first call after `patience` seconds starts the counter."""
         due = self._due is not None and monotonic() >= self._due
         try:
             if self._child is not None and answered([self._child], 0):
@@ -131,7 +131,7 @@ class CountBeside:
             self._running.close()
             self._child = None
         if due and self._child is not None:
-            self._begins()  # an error in what it calls is no failure of the counter
+            self._begins()  # an error of the callback is no failure of the counter
         return None
 
     def _start(self) -> None:
@@ -145,7 +145,7 @@ class CountBeside:
 
 
 def _last_line(complaints: IO[bytes]) -> str:
-    """Return what was complained about last."""
+    """Return the last line of the error output."""
     complaints.seek(0)
     lines = complaints.read().decode(errors="replace").strip().splitlines()
     return lines[-1] if lines else "nothing said"
@@ -158,7 +158,7 @@ def refuse_what_cannot_be_counted(
     counter: Counter = GANAK,
     asked: str = SHARP,
 ) -> None:
-    """Refuse a formula that a counter would miscount or abort on.
+    """Check that a counter can take a formula.
 
     Raises:
         EngineError: it has no variables or too many, an empty clause, or a literal of none of its variables.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import clingo
 
 from prag_asp.logic.domain_logic import DomainLogic
-from prag_asp.logic.formula.broken_constraints import ReportingProgram, broken_atoms, reporting
+from prag_asp.logic.formula.broken_constraints import ReportingProgram, broken_atoms, report_violations
 from prag_asp.logic.formula.clause_builder import Literal
 from prag_asp.logic.formula.cnf import Cnf, plan_cnf
 from prag_asp.logic.formula.solver import Solver, smallest_conflict
@@ -17,17 +17,16 @@ from prag_asp.program.facts import Assignment
 
 OPPOSITE = {"true": "false", "false": "true"}
 TOLD = ("step.lp", "invariants.lp", "goal.lp", "impossible.lp")
-"""The encodings whose constraints are told in words."""
+"""The encodings whose constraints are explained in words."""
 
 
 @dataclass(frozen=True)
 class Explanation:
-    """Why n actions are no plan.
+    """The reasons why n actions are no plan.
 
-    `step` is the first, from 1, that cannot follow those before it: 0 where not even the start is possible, n + 1
-    where all steps can occur, but not the goal or check after them. `reasons` say why, in words. `conflict` are the
-    steps of a smallest set that no plan of n steps has in these places, whatever its other steps are; it is empty where
-    there is no plan of n steps at all.
+    `step` is the first one, from 1, that cannot follow those before it; 0 if the start is impossible, n + 1 if all
+    steps can occur, but the goal or check after them fails. `reasons` are sentences. `conflict` is a smallest set of
+    steps that no plan of n steps has at these places; it is empty if there is no plan of n steps at all.
     """
 
     step: int
@@ -36,12 +35,12 @@ class Explanation:
 
 
 def explain(model: DomainLogic, plan: Sequence[clingo.Symbol]) -> Explanation | None:
-    """Return why a sequence of actions of the domain is no plan, or None where it is one.
+    """Return why a sequence of actions of the domain is no plan, or None if it is one.
 
     Raises:
         EngineError: the program has no counterpart in clauses.
     """
-    program = reporting(model.program)
+    program = report_violations(model.program)
     cnf = plan_cnf(program.program, len(plan))
     stage("looking for the conflict")
     with Solver(cnf.variables, cnf.clauses) as solver:
@@ -56,7 +55,7 @@ def explain(model: DomainLogic, plan: Sequence[clingo.Symbol]) -> Explanation | 
 
 
 class _ReasonSearch:
-    """The questions that are asked about one sequence of actions."""
+    """Solver queries about one sequence of actions."""
 
     def __init__(
         self, model: DomainLogic, plan: tuple[clingo.Symbol, ...], program: ReportingProgram, cnf: Cnf, solver: Solver
@@ -66,15 +65,15 @@ class _ReasonSearch:
         self.actions = [self._atom("occurs", action, k) for k, action in enumerate(plan, 1)]
 
     def lawful(self, end: int) -> list[Literal]:
-        """Return the literals that say that no constraint is broken up to a time."""
+        """Return the literals of "no constraint is broken up to a time"."""
         return [-literal for time, found in self._broken.items() if time <= end for literal in found.values()]
 
     def until(self, step: int) -> list[Literal]:
-        """Return the literals that say that the first steps occur, lawfully."""
+        """Return the literals of "the first steps occur and break no constraint"."""
         return [*self.actions[:step], *self.lawful(step)]
 
     def reasons(self, step: int) -> Iterator[str]:
-        """Yield why a step cannot follow those before it, in words where there are some."""
+        """Yield the reasons why a step cannot follow those before it."""
         given = [*self.actions[:step], *self.lawful(step - 1)]
         if not self._solver.satisfiable(given):
             yield "another action has to occur there"
@@ -88,7 +87,7 @@ class _ReasonSearch:
                 yield f"{path}:{number} forbids it: {text}"
 
     def _lines(self, step: int, given: Sequence[Literal]) -> list[int]:
-        """Return the constraints that each forbid a step; where none does, a smallest set that does together."""
+        """Return the constraints that each forbid a step, or else a smallest set that does so together."""
         here = self._broken.get(step, {})
         alone = [line for line, literal in here.items() if not self._solver.satisfiable([*given, -literal])]
         if alone:
@@ -129,7 +128,7 @@ class _ReasonSearch:
 
 
 class _State:
-    """What one model says of the states that the steps pass."""
+    """The values of the states of the steps in one model."""
 
     def __init__(self, cnf: Cnf, model: Sequence[Literal], plan: Sequence[clingo.Symbol]) -> None:
         self._cnf, self._values, self._plan = cnf, model, plan

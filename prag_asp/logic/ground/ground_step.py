@@ -15,8 +15,8 @@ from prag_asp.logic.ground.growth import locate_head
 from prag_asp.logic.ground.stationary import StepReads
 from prag_asp.program.atom_arrays import ground_atoms
 from prag_asp.program.facts import Facts
-from prag_asp.program.finite.checks import BoundReached, measured
-from prag_asp.program.finite.guards import guarded
+from prag_asp.program.finite.checks import BoundReached, measure
+from prag_asp.program.finite.guards import guard_program
 from prag_asp.program.grounding import Grounder, Part
 from prag_asp.program.sources import Program
 from prag_asp.program.syntax import Signature
@@ -175,7 +175,7 @@ def _bounds(program: Program, reads: StepReads) -> _Bounds:
 
     A bounded counter ends at a number that the program names, or not far beyond.
     """
-    if not guarded(program).endless_steps:
+    if not guard_program(program).endless_steps:
         return _Bounds()
     if reads.growing & reads.previous:
         return _Bounds(FEW_STEPS, MOST_GROWING, FEW_AT_ONCE)
@@ -203,7 +203,7 @@ def _add_carried(seeds: Seeds, program: Program, reads: StepReads) -> Signature 
         steps += more
         last = clingo.Number(STEP + steps - 1)
         found = [atom.symbol for each in carried for atom in atoms.by_signature(*each)]
-        large = next((symbol for symbol in found if measured(symbol, sizes, _size) > MOST_SYMBOLS), None)
+        large = next((symbol for symbol in found if measure(symbol, sizes, _size) > MOST_SYMBOLS), None)
         if large is not None:
             return _signature(timeless(large))
         seeds |= dict.fromkeys(timeless(symbol) for symbol in found if symbol.arguments[-1] != last)

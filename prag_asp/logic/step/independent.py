@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from prag_asp.logic.step.moves import Move
 from prag_asp.logic.step.normal import RuleBody
-from prag_asp.logic.step.simplify import simplified
+from prag_asp.logic.step.simplify import simplify
 from prag_asp.logic.step.transition import Transition
 from prag_asp.program.entity_names import action_name
 
@@ -125,7 +125,7 @@ class _Parts:
         self._join([action, *(("variable", place) for place in self._transition.places_set(move))])
         constants = {**self._transition.rules.no_action, **move.constants}
         for number in move.touched:
-            left = simplified(self._transition.constraints[number], constants)
+            left = simplify(self._transition.constraints[number], constants)
             if isinstance(left, RuleBody):
                 self._join([action, *self._idle_nodes.get(number, ())])
                 self._asking.setdefault(number, []).append(action)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from prag_asp.logic.step.normal import RuleBody
 from prag_asp.logic.step.packed import Rows, mask_of, words_for
-from prag_asp.logic.step.simplify import Constants, simplified
+from prag_asp.logic.step.simplify import Constants, simplify
 from prag_asp.logic.step.step_rules import StepRules
 from prag_asp.logic.step.strata import Stratum
 
@@ -44,7 +44,7 @@ def compile_move(rules: StepRules, action: int) -> Move:
     constants = {**rules.no_action, action: True}
     bodies, strata = _left_of_rules(rules, action, affected, constants)
     touched = {number for atom in (*affected, action) for number in rules.constraint_readers.get(atom, ())}
-    left = [simplified(rules.constraints[number], constants) for number in sorted(touched)]
+    left = [simplify(rules.constraints[number], constants) for number in sorted(touched)]
     residual = [body for body in left if isinstance(body, RuleBody)]
     guards = tuple(body for body in residual if not any(abs(literal) in affected for literal in body.literals))
     later = tuple(body for body in residual if any(abs(literal) in affected for literal in body.literals))
@@ -93,7 +93,7 @@ def _left_of_rules(
         stratum = rules.strata[place]
         inside = set(stratum.atoms) if stratum.recursive else set()
         for atom in stratum.atoms:
-            left = [simplified(body, constants) for body in rules.bodies_with(action, atom)]
+            left = [simplify(body, constants) for body in rules.bodies_with(action, atom)]
             if any(body is True for body in left):
                 constants[atom] = True
             elif atom not in inside and all(body is False for body in left):

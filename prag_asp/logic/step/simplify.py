@@ -11,7 +11,7 @@ Constants = dict[int, bool]
 """Atoms of known truth."""
 
 
-def simplified(body: RuleBody, constants: Constants) -> RuleBody | bool:
+def simplify(body: RuleBody, constants: Constants) -> RuleBody | bool:
     """Return a body without its literals of known truth, or its truth value if these decide it."""
     if body.weights:
         return _simplified_sum(body, constants)

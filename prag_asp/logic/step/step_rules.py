@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from prag_asp.logic.step.normal import NormalStep, RuleBody
-from prag_asp.logic.step.simplify import ActionSum, Constants, as_bodies, simplified
+from prag_asp.logic.step.simplify import ActionSum, Constants, as_bodies, simplify
 from prag_asp.logic.step.strata import Stratum, stratify
 
 
@@ -48,7 +48,7 @@ class StepRules:
     def idle(self) -> Mapping[int, tuple[RuleBody, ...]]:
         """The bodies of each atom, simplified for no action."""
         return {
-            atom: tuple(as_bodies(simplified(body, self.no_action) for body in self.step.bodies[atom]))
+            atom: tuple(as_bodies(simplify(body, self.no_action) for body in self.step.bodies[atom]))
             for atom in self.order
         }
 
@@ -58,7 +58,7 @@ class StepRules:
         return [
             (number, left)
             for number, body in enumerate(self.constraints)
-            for left in as_bodies([simplified(body, self.no_action)])
+            for left in as_bodies([simplify(body, self.no_action)])
         ]
 
     @cached_property

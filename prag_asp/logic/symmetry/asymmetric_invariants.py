@@ -19,7 +19,7 @@ _Stated = tuple[str, Shaped, Shaped]
 """An invariant: its predicate and its fluents; or a goal that always holds, with its fluent twice."""
 
 
-def stated_unevenly(facts: Facts, groups: Collection[Sequence[clingo.Symbol]]) -> bool:
+def states_unevenly(facts: Facts, groups: Collection[Sequence[clingo.Symbol]]) -> bool:
     """Return whether some entities have invariants that others of their class lack and that may follow from the rest.
 
     The answer is no if the `groups` of interchangeable entities are whole classes already.

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.logic.ground.ground_step import GroundStep, Rule
-from prag_asp.logic.symmetry.fact_propagation import settled_rules
+from prag_asp.logic.symmetry.fact_propagation import propagate_facts
 from prag_asp.logic.symmetry.renaming import Shaped, Shapes
 from prag_asp.program.finite.components import components
 
@@ -72,8 +72,8 @@ class Atoms:
             for atom, symbol in ground.names.items()
             if not symbol.match(*CONDITIONS)
         }
-        step, facts = settled_rules(ground.rules.get("step", ()))
-        check, _ = settled_rules(ground.rules.get("check", ()), facts)
+        step, facts = propagate_facts(ground.rules.get("step", ()))
+        check, _ = propagate_facts(ground.rules.get("check", ()), facts)
         told = [*((rule, False) for rule in step), *((rule, True) for rule in check)]
         self._defining = definitions = self._definitions(rule for rule, _ in told)
         for component in components(definitions, lambda atom: _below(definitions[atom], definitions)):

@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 
 from prag_asp.logic.step.packed import WORD, Rows, mask_of
 from prag_asp.logic.step.transition import Transition
-from prag_asp.logic.symmetry.colour_refinement import Colours, StateBits, are_twins, coloured, find_bits
+from prag_asp.logic.symmetry.colour_refinement import Colours, StateBits, are_twins, find_bits, refine_colours
 from prag_asp.logic.symmetry.symmetries import Symmetries, Unit
 from prag_asp.logic.symmetry.term_patterns import NOBODY, Patterns, read_patterns
 from prag_asp.logic.symmetry.twins import Twins
@@ -173,7 +173,7 @@ class Merging:
         """Return the sort keys of the entities of each group."""
         bits = find_bits((states ^ self.initial) & self._mask, self.variables, self._term_of)
         marks = np.zeros((len(states), self.size), dtype=np.uint64) if told_apart is None else told_apart
-        keys = coloured(bits, marks) >> LOW
+        keys = refine_colours(bits, marks) >> LOW
         touched = np.array(bits.alone.any(axis=2), dtype=np.bool_)
         entities = bits.entities(bits.related)
         bit, place = np.nonzero(entities >= 0)

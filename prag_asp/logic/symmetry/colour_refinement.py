@@ -63,7 +63,7 @@ def _alone(terms: Patterns, states: int, state: NDArray[np.intp], term: NDArray[
     return alone
 
 
-def coloured(bits: StateBits, told_apart: Colours) -> Colours:
+def refine_colours(bits: StateBits, told_apart: Colours) -> Colours:
     """Return the colours of `told_apart`, refined until no state distinguishes more entities."""
     colours: Colours = told_apart
     for word in np.moveaxis(bits.alone, 2, 0):

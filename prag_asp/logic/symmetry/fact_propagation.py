@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from prag_asp.logic.ground.ground_step import Rule
 
 
-def settled_rules(rules: Sequence[Rule], facts: Iterable[int] = ()) -> tuple[list[Rule], set[int]]:
+def propagate_facts(rules: Sequence[Rule], facts: Iterable[int] = ()) -> tuple[list[Rule], set[int]]:
     """Return equivalent rules without facts in their bodies, and all facts; `facts` are already known."""
     known = {*facts, *(rule.heads[0] for rule in rules if _states(rule))}
     spoken = known | {-fact for fact in known}

@@ -11,7 +11,7 @@ from collections.abc import Hashable, Iterable, Mapping
 from prag_asp.logic.symmetry.renaming import Shaped
 
 
-def refined(told: Mapping[int, Hashable], terms: Iterable[Shaped]) -> dict[int, int]:
+def refine_partition(told: Mapping[int, Hashable], terms: Iterable[Shaped]) -> dict[int, int]:
     """Return the kind of each entity, a number, given its initial value `told` and the terms that name entities."""
     naming: dict[int, list[Shaped]] = {entity: [] for entity in told}
     for term in dict.fromkeys(terms):

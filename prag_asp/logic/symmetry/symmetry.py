@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from prag_asp.logic.ground.ground_step import GroundStep
 from prag_asp.logic.symmetry.atom_numbering import START, Atoms, SpelledRule
 from prag_asp.logic.symmetry.entailment import Consequences
-from prag_asp.logic.symmetry.partition_refinement import refined
+from prag_asp.logic.symmetry.partition_refinement import refine_partition
 from prag_asp.logic.symmetry.renaming import Shaped, Shapes
 from prag_asp.logic.symmetry.symmetries import Symmetries
 from prag_asp.logic.symmetry.unit_symmetry import Conflict, joint_groups
@@ -57,7 +57,7 @@ def find_symmetries(facts: Facts, ground: GroundStep, bare: Callable[[], GroundS
             else:
                 found.append([entity])
         blocks += found
-    kinds = refined({number: told[entities[number]] for block in blocks for number in block}, rules.exact)
+    kinds = refine_partition({number: told[entities[number]] for block in blocks for number in block}, rules.exact)
     joint = joint_groups([tuple(block) for block in blocks], kinds, rules)
 
     def named(numbers: Iterable[int]) -> tuple[clingo.Symbol, ...]:
@@ -93,7 +93,7 @@ def may_interchange(facts: Facts) -> bool:
         alike.setdefault(spoken(entity), []).append(entity)
     if any(kept(*pair) for members in alike.values() for pair in combinations(members, 2)):
         return True
-    kinds = refined(dict(enumerate(names_of_classes)), actions.all)
+    kinds = refine_partition(dict(enumerate(names_of_classes)), actions.all)
     return bool(joint_groups([(entity,) for entity in kinds], kinds, actions))
 
 

@@ -140,12 +140,12 @@ class Checks:
         made_of.add(values)
         if len(made_of) > MOST_VALUES:
             raise site.error(f"this rule made terms of {site.told} from one another {MOST_VALUES:,} times; {BOUND}")
-        if any(measured(value, self._depths, _depth) > DEEPEST for value in values):
+        if any(measure(value, self._depths, _depth) > DEEPEST for value in values):
             raise site.error(f"this rule makes terms of {site.told} nested more than {DEEPEST:,} deep; {BOUND}")
         return clingo.Number(0)
 
 
-def measured(symbol: clingo.Symbol, known: dict[clingo.Symbol, int], of: Callable[[Iterable[int]], int]) -> int:
+def measure(symbol: clingo.Symbol, known: dict[clingo.Symbol, int], of: Callable[[Iterable[int]], int]) -> int:
     """Return a measure of a term, computed by `of` from those of its arguments; `known` is a cache."""
     waiting = [] if symbol in known else [symbol]
     while waiting:

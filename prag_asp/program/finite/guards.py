@@ -44,7 +44,7 @@ class Guarded:
 
 
 @lru_cache(maxsize=16)
-def guarded(program: Program) -> Guarded:
+def guard_program(program: Program) -> Guarded:
     """Return a program with its checks.
 
     Raises:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from prag_asp import load_domain
 from prag_asp.logic.domain_logic import DomainLogic
-from prag_asp.logic.formula.broken_constraints import reporting
+from prag_asp.logic.formula.broken_constraints import report_violations
 from prag_asp.logic.formula.clause_builder import ClauseBuilder
 from prag_asp.logic.formula.explanation import Explanation, explain
 from prag_asp.logic.formula.solver import Solver, smallest_conflict
@@ -121,7 +121,9 @@ def test_constraints_that_forbid_only_together_are_told_together() -> None:
 
 
 def test_a_tracked_program_keeps_all_that_is_no_constraint() -> None:
-    program = reporting(domain_of(TEXT + "#program step(t). x(t) :- occurs(a,t). not x(t) :- occurs(b,t).").program)
+    program = report_violations(
+        domain_of(TEXT + "#program step(t). x(t) :- occurs(a,t). not x(t) :- occurs(b,t).").program
+    )
     assert "x(t) :- occurs(a,t)." in program.program.text
     assert "not x(t) :- occurs(b,t)." in program.program.text
     assert "#false" not in program.program.text
