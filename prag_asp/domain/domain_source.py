@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from prag_asp.errors import DomainError
 from prag_asp.program.paths import PDDL, domain_folder, is_file_name
-from prag_asp.program.sources import Source, read_sources, standard_input, text_source
+from prag_asp.program.sources import Source, standard_input, text_source
 from prag_asp.safe_reading import STANDARD_INPUT
 
 if TYPE_CHECKING:
@@ -18,25 +17,10 @@ if TYPE_CHECKING:
 BOTH = "give a domain, then its problem: DOMAIN.pddl PROBLEM.pddl"
 
 
-@dataclass(frozen=True)
-class DomainSource:
-    """The name of a domain, its folder if it has one, and the files and texts that it is read from, in order."""
+def find_domain(names: Sequence[str | Path | Source], text: str | None) -> tuple[str, Path | None, list[Path | Source]]:
+    """Return the name of a domain, its folder if it has one, and the files and texts that it is read from, in order.
 
-    name: str
-    folder: Path | None
-    entries: tuple[Path | Source, ...]
-
-    def files(self, encodings: Path) -> tuple[Source, ...]:
-        """Return all files of the domain with the files that they include; each includes from its own folder.
-
-        Raises:
-            DomainError: one cannot be read.
-        """
-        return tuple(source for entry in self.entries for source in read_sources(entry, encodings, own=self.folder))
-
-
-def find_domain(names: Sequence[str | Path | Source], text: str | None) -> DomainSource:
-    """Return the source of a domain: one name or folder, or any number of files and at most one text.
+    It is given as one name or folder, or as any number of files and at most one text.
 
     Raises:
         DomainError: there is no such domain, or the names are of several kinds.
@@ -52,14 +36,14 @@ def find_domain(names: Sequence[str | Path | Source], text: str | None) -> Domai
         raise DomainError(f"{told}: {named[0]} is no file that ends in .lp; give one name or folder, or files alone")
     if named:
         folder = domain_folder(named[0])
-        return DomainSource(folder.resolve().name, folder, (folder / "domain.lp",))
+        return folder.resolve().name, folder, [folder / "domain.lp"]
     planning = [each for each in files if not isinstance(each, Source) and Path(each).suffix == PDDL]
     imported = _imported(planning) if planning else None
-    entries = tuple(_entry(each) for each in files if each not in planning)
+    entries = [_entry(each) for each in files if each not in planning]
     if imported is not None:
-        return DomainSource(imported.name, None, (*imported.sources, *entries))
+        return imported.name, None, [*imported.sources, *entries]
     first = entries[0].path if isinstance(entries[0], Source) else entries[0]
-    return DomainSource(first.stem.strip("<>"), None, entries)
+    return first.stem.strip("<>"), None, entries
 
 
 def _imported(files: Sequence[str | Path | Source]) -> Imported:

@@ -104,20 +104,20 @@ def load_domain(
         DomainError: something is wrong with the files; the message has one line for each problem.
     """
     stage("reading the domain")
-    source = find_domain(given, text)
+    name, folder, entries = find_domain(given, text)
     values = parse_constants(constants or {})
     encodings = Path(encodings) if encodings is not None else data_folder("encodings")
     core = core_sources(encodings)
-    own = each_once(source.files(encodings))
-    own = set_constants(own, values, source.name) if values else own
+    own = each_once(each for entry in entries for each in read_sources(entry, encodings, own=folder))
+    own = set_constants(own, values, name) if values else own
     asked = tuple(each for rule in rules for each in rule_sources(rule, encodings))
     known = {each.path.resolve() for each in core}
     added = (*asked_sources(own, encodings), *own, *asked)
     extra = tuple(each for each in added if each.path.resolve() not in known)
     program = Program((*core, *each_once(extra)))
-    path = source.folder / LEARNED if learned and source.folder and settings is None else None
+    path = folder / LEARNED if learned and folder and settings is None else None
     path = path if path is not None and os.path.lexists(path) else None
-    table_file = _settings(settings, source.folder)
+    table_file = _settings(settings, folder)
     found = None if path else find_reduction(program, table_file)
     reduction, irreducible = (found, "") if isinstance(found, Reduction) else (None, found or "")
     checked = reduction.checked if reduction else check(program, table_file)
@@ -129,10 +129,10 @@ def load_domain(
     elif not facts.composites:
         program = Program(tuple(each for each in program.sources if each.path != encodings / HIERARCHY))
     domain = Domain(
-        source.name, source.folder, encodings, program, facts, checked.settings, trust,
+        name, folder, encodings, program, facts, checked.settings, trust,
         constants=values, warnings=checked.warnings, reduction=reduction, irreducible=irreducible,
     )  # fmt: skip
-    return with_learned(domain, read_sources(path, encodings, own=source.folder)) if path else domain
+    return with_learned(domain, read_sources(path, encodings, own=folder)) if path else domain
 
 
 def _settings(given: str | Path | None, folder: Path | None) -> Source:

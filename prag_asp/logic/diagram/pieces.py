@@ -1,7 +1,7 @@
-"""The step of a domain on sets of states: where each action is valid, and what it changes there.
+"""The step of a domain on sets of states: where each action is valid, and how it changes the states.
 
-The rules are evaluated as `Transition` evaluates them, with sets of states in place of columns: a conjunction is an
-intersection, a negation what is left of all states asked about.
+The rules are evaluated as by `Transition`, with sets of states instead of columns: a conjunction is an intersection, a
+negation the complement in the set of all given states.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Read = Callable[[int], Node]
 
 @dataclass(frozen=True)
 class Piece:
-    """States in which an action, given by number, is valid and changes the same; `labels` are the true ones then."""
+    """States in which an action, given by number, is valid and makes equal changes; `labels` are the true labels."""
 
     letter: int
     states: Node
@@ -41,7 +41,7 @@ class SetStep:
     diagrams: Diagrams
 
     def initial(self) -> Node:
-        """Return the set of the initial state, which is empty where the domain's start contradicts itself."""
+        """Return the set of the initial state, which is empty if the start is contradictory."""
         rows = self.transition.initial
         return self.diagrams.word(self.digits.word(rows, len(self.transition.variables))) if len(rows) else EMPTY
 
@@ -56,9 +56,9 @@ class SetStep:
         return self.diagrams.minus(states, self.diagrams.union(map(values.body, step.final)))
 
     def pieces(self, states: Node, look: Callable[[], None]) -> Iterator[Piece]:
-        """Yield what each action makes of a set of states, in order of the actions; `look` is called before each.
+        """Yield the pieces of a set of states by each action, in order of the actions; `look` is called before each.
 
-        The pieces of one action have no state in common.
+        The pieces of one action are disjoint.
         """
         rules = self.transition.rules
         before = _Values(self.diagrams, states, self._columns(states, self.transition.step.ground.before))
@@ -112,7 +112,7 @@ class SetStep:
     def _split(
         self, valid: Node, columns: Mapping[int, Node | bool], labels: Iterable[Node | bool], own: list[Node]
     ) -> Iterator[tuple[Node, dict[int, bool], tuple[int, ...]]]:
-        """Yield the parts of a set in which each of some variables is left as it is, set or unset, and the labels."""
+        """Yield the parts of a set in which each of some variables is kept, set or unset, with the labels."""
         parts: list[tuple[Node, dict[int, bool], tuple[int, ...]]] = [(valid, {}, ())]
         within, minus = self.diagrams.within, self.diagrams.minus
         for place, column in columns.items():
@@ -156,7 +156,7 @@ class SetStep:
 
 
 class _Values:
-    """In which of some states each atom is true; one that nothing derives is false."""
+    """The subset of given states in which each atom is true; an atom that nothing derives is false."""
 
     def __init__(self, diagrams: Diagrams, states: Node, columns: dict[int, Node], under: Read | None = None) -> None:
         self._diagrams = diagrams
@@ -165,7 +165,7 @@ class _Values:
         self._under = under or (lambda atom: EMPTY)
 
     def with_action(self, move: Move) -> _Values:
-        """Return the values once an action is known."""
+        """Return the values for an action."""
         constants = {atom: self._states if value else EMPTY for atom, value in move.constants.items()}
         values = _Values(self._diagrams, self._states, constants, self.read)
         values.evaluate(move.strata, move.bodies.__getitem__)
@@ -189,7 +189,7 @@ class _Values:
         return found
 
     def left(self, states: Node, body: RuleBody) -> Node:
-        """Return those of some states in which a body is false."""
+        """Return the states of a set in which a body is false."""
         if len(body.literals) == 1 and not body.weights:
             (literal,) = body.literals
             where = self.read(abs(literal))
@@ -197,7 +197,7 @@ class _Values:
         return self._diagrams.minus(states, self.body(body))
 
     def evaluate(self, strata: Iterable[Stratum], bodies: Callable[[int], tuple[RuleBody, ...]]) -> None:
-        """Evaluate atoms in order of their dependencies; those that derive each other, until none changes."""
+        """Evaluate atoms in order of their dependencies, recursive ones until none changes."""
         for stratum in strata:
             if stratum.recursive:
                 self._columns.update(dict.fromkeys(stratum.atoms, EMPTY))
@@ -210,7 +210,7 @@ class _Values:
                     self._columns[atom] = found
 
     def _sum(self, body: RuleBody) -> Node:
-        """Return where the weights of true literals reach the bound; a state whose sum is 0 is in no diagram."""
+        """Return the states in which the weights of true literals reach the bound; diagrams have no state of sum 0."""
         terms, bound = [], body.bound
         for literal, weight in zip(body.literals, body.weights, strict=True):
             if literal < 0:  # a weight that is due unless the atom is true
