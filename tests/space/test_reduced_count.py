@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache, partial
+from functools import partial
 from importlib.util import find_spec
 from math import perm
 from pathlib import Path
@@ -13,9 +13,8 @@ import pytest
 
 from prag_asp import DomainError, LimitReached, TaskSpace, load_domain
 from prag_asp.domain import load
-from prag_asp.domain.load import Domain
 from prag_asp.lint import Checked
-from prag_asp.program.sources import Program, Source, core_sources
+from prag_asp.program.sources import Program, Source
 from prag_asp.reduction import reduction as reduction_module
 from prag_asp.reduction.reduction import Reduction, find_reduction
 from prag_asp.space import ENGINES
@@ -23,8 +22,8 @@ from prag_asp.space.engines.engine import LEVELS
 from prag_asp.space.limits import UNLIMITED, Limits
 from prag_asp.space.reduced_count import ReducedCounter
 from tests.chance import Chance
-from tests.domains import ENCODINGS
-from tests.reduction.lifted import TRAPS, draw_lifted
+from tests.reduction.lifted import draw_lifted
+from tests.reduction.stacks import STACKS, cubes, reduction_of
 
 DOMAINS, PARTS = 60, 4
 """How many domains are drawn; with `pytest --fresh`, ten times as many."""
@@ -32,41 +31,10 @@ DOMAINS, PARTS = 60, 4
 MOST = 8
 """Things of a domain that are all ground, to compare with; some domains need more."""
 
-NO_SETTINGS = Source(Path("domain.toml"), "")
-
-STACKS = """class(cube). class(table). entity(table_1, table).
-fluent(on(C,D)) :- is_a(C,cube), is_a(D,cube), C != D. fluent(held(C)) :- is_a(C,cube).
-fluent(on(C,T)) :- is_a(C,cube), is_a(T,table).
-exclusive(on(C,D), on(C,E)) :- fluent(on(C,D)), fluent(on(C,E)), D < E.
-exclusive(held(C), held(D)) :- fluent(held(C)), fluent(held(D)), C < D.
-action(take(C)) :- is_a(C,cube). action(put(C,D)) :- fluent(on(C,D)).
-precondition(take(C), on(D,C), false) :- action(take(C)), fluent(on(D,C)).
-precondition(take(C), held(D), false) :- action(take(C)), fluent(held(D)).
-postcondition(take(C), held(C), true) :- action(take(C)).
-postcondition(take(C), on(C,D), false) :- action(take(C)), fluent(on(C,D)).
-precondition(put(C,D), held(C), true) :- action(put(C,D)).
-precondition(put(C,D), on(E,D), false) :- action(put(C,D)), fluent(on(E,D)), is_a(D,cube).
-postcondition(put(C,D), on(C,D), true) :- action(put(C,D)).
-postcondition(put(C,D), held(C), false) :- action(put(C,D)).
-"""
-"""Cubes that are taken and put onto one another; where they begin is open."""
-
 
 @pytest.fixture(autouse=True)
 def small_programs_are_large(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reduction_module, "MANY", 0)
-
-
-@cache
-def cubes(number: int, more: str = "") -> Domain:
-    """Return the domain of stacks with so many cubes."""
-    return load_domain(text=f"entity(({'; '.join(f'c{n}' for n in range(number))}), cube).\n{STACKS}{more}")
-
-
-def reduction_of(text: str, fewest: int = 2) -> Reduction | str | None:
-    """Return the reduction of a text with groups of at least `fewest` entities."""
-    program = Program((*core_sources(ENCODINGS), Source(Path("toy.lp"), text)))
-    return find_reduction(program, NO_SETTINGS, fewest=fewest)
 
 
 @pytest.mark.slow
@@ -96,70 +64,7 @@ def test_counts_are_those_of_all_entities_on_random_domains(part: int, chance: C
     assert compared > number / 2
 
 
-@pytest.mark.parametrize(
-    ("trap", "told"),
-    [
-        (TRAPS[2], "an aggregate or a condition"),
-        (TRAPS[3], "an aggregate or a condition"),
-        (TRAPS[4], "the order of their names"),
-        (TRAPS[8], "a rule of a step"),
-        (TRAPS[13], "the order of their names"),
-        (TRAPS[14], "the order of their names"),
-        (TRAPS[16], "an action has the name of one of them"),
-        ("far(X) :- is_a(X,thing), not near(X). near(X) :- is_a(X,thing), not far(X).", "on itself through `not`"),
-        ("{{ lucky(X) : is_a(X,thing) }}.", "a choice or an aggregate in a head"),
-        ("alone(X) :- exclusive(X,X).", "exclusive/2 may tell of every entity"),
-        ("fluent(h(@f(X))) :- is_a(X,thing).", "a function of a script"),
-        ("late(Z) :- is_a(X,thing), is_a(Z,thing), -X < -Z.", "a minus makes other names"),
-        ("precondition(a(X),g,true) :- action(a(X)), mark(-X).", "a minus makes other names"),
-        ("action(e(-X)) :- is_a(X,thing).", "a minus makes other names"),
-    ],
-)
-def test_what_may_see_entities_that_nobody_names_has_all_of_them_ground(trap: str, told: str) -> None:
-    rules = (
-        "class(thing). fluent(p(X)) :- is_a(X,thing). action(a(X)) :- is_a(X,thing). action(d). fluent(g). mark(z)."
-        "postcondition(a(X),p(X),true) :- action(a(X)). fluent(q(X)) :- is_a(X,thing)."
-        f"postcondition(d,g,true). entity(({'; '.join(f'x{n}' for n in range(16))}), thing)."
-    )
-    found = reduction_of(f"{rules}\n{trap.format(things=16)}", fewest=16)
-    assert isinstance(found, str) and told in found
-
-
-def test_an_entity_that_is_told_apart_is_always_ground() -> None:
-    for more in (
-        "heavy(c1).",
-        "precondition(take(c1), held(c1), false).",
-        "#const best = c1. mark(X) :- is_a(X,cube), X != best.",
-        "near(c1,c1). initially(held(c1),false).",
-    ):
-        reduction = cubes(30, more).reduction
-        assert isinstance(reduction, Reduction), more
-        assert [len(group) for group in reduction.groups] == [29] and "c1" not in map(str, reduction.groups[0])
-
-
-def test_names_with_a_minus_are_other_names() -> None:
-    for more in (
-        "heavy(-c1).",
-        "heavy(far(-c1)).",
-        "heavy(-far(c1)). " + " ".join(f"heavy(far(c{n}))." for n in range(30)),
-    ):
-        reduction = cubes(30, more).reduction
-        assert isinstance(reduction, Reduction), more
-        assert [len(group) for group in reduction.groups] == [29] and "c1" not in map(str, reduction.groups[0])
-    rules = "late(N) :- level(N), N > -(2-1), N < -1+3. level(-1). level(0)."
-    found = cubes(30, rules).reduction
-    assert isinstance(found, Reduction) and [len(group) for group in found.groups] == [30]
-
-
-def test_entities_that_a_pattern_looks_into_are_told_apart() -> None:
-    rules = STACKS + "entity(cube(1..20), cube). entity(brick(1..20), cube)."
-    alike = load_domain(text=rules).reduction
-    assert isinstance(alike, Reduction) and [len(group) for group in alike.groups] == [40]
-    looked_into = load_domain(text=f"{rules} right(C) :- is_a(C,cube), C = cube(N), N > 3.").reduction
-    assert isinstance(looked_into, Reduction) and {each.name for each in looked_into.groups[0]} == {"brick"}
-
-
-def test_classes_below_one_another_are_needed_each_for_itself() -> None:
+def test_classes_below_one_another_are_reduced_separately() -> None:
     names = "; ".join(f"b{n}" for n in range(20))
     domain = cubes(20, f"class(red, cube). entity(({names}), red). deep(X) :- is_a(X,red).")
     assert domain.reduction and [len(group) for group in domain.reduction.groups] == [20, 20]
@@ -192,7 +97,7 @@ precondition(join(L,M),lit(L),true) :- action(join(L,M)). postcondition(join(L,M
 """
 
 
-def test_what_may_ever_be_is_found_with_as_many_as_are_needed() -> None:
+def test_what_may_ever_be_is_found_in_the_reduced_program() -> None:
     lamps = 200
     domain = load_domain(text=f"{EVER}entity(({'; '.join(f'l{n}' for n in range(lamps))}), lamp).")
     assert domain.reduction
@@ -211,7 +116,7 @@ def test_a_goal_for_all_entities_needs_as_many_steps() -> None:
     assert space.at(20).count() == 1
 
 
-def test_every_engine_counts_with_as_many_as_are_needed() -> None:
+def test_every_engine_counts_with_the_reduction() -> None:
     domain = cubes(40)
     whole = TaskSpace(domain, 2)
     expected = {by: whole.count(by) for by in LEVELS}
@@ -237,7 +142,7 @@ def test_counting_and_checking_never_ground_what_no_plan_names(monkeypatch: pyte
     assert space.count() == TaskSpace(cubes(40), 2).count()
 
 
-def test_all_but_counts_is_as_with_all_entities_ground(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_everything_but_counts_is_as_with_all_entities_ground(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(load, "find_reduction", partial(find_reduction, fewest=8))
     domain = cubes(9)
     plain = replace(domain, reduction=None)
@@ -250,7 +155,7 @@ def test_all_but_counts_is_as_with_all_entities_ground(monkeypatch: pytest.Monke
     assert domain == plain or domain.facts == plain.facts
 
 
-def test_a_limit_tells_no_more_than_there_is() -> None:
+def test_a_limit_reports_no_more_than_there_is() -> None:
     whole = TaskSpace(cubes(40), 3).count("plan")
     for engine in ("automaton", "clingo"):
         with pytest.raises(LimitReached) as reached:
@@ -264,26 +169,6 @@ def test_settings_may_name_an_entity_that_is_not_ground(tmp_path: Path) -> None:
     names = "; ".join(f"c{n}" for n in range(30))
     domain = load_domain(text=f"entity(({names}), cube).\n{STACKS}", settings=path)
     assert domain.reduction and TaskSpace(domain, 1).count("plan") == 30 + 30 * 30
-
-
-def test_settings_name_entities_as_they_are_written(tmp_path: Path) -> None:
-    """One entity with an argument does not stand for all that are made of the same words."""
-    path = tmp_path / "domain.toml"
-    path.write_text("[weights]\n'c(29)' = 2\ntake = 7\nc = 3\n")
-    domain = load_domain(text=f"entity((c(1..60); c), cube).\n{STACKS}", settings=path)
-    assert domain.reduction
-    ground = {str(entity) for entity in domain.reduction.facts.entities}
-    assert {"c(29)", "c"} <= ground and "c(7)" not in ground and len(ground) < 20
-
-
-def test_invariants_make_a_program_large(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.undo()
-    lamps = "class(lamp). entity(lamp(1..300), lamp). fluent(lit(L)) :- is_a(L,lamp). action(light(L)) :- is_a(L,lamp)."
-    effect = "postcondition(light(L),lit(L),true) :- is_a(L,lamp)."
-    domain = load_domain(text=lamps + effect)
-    assert domain.reduction is None and not domain.irreducible
-    domain = load_domain(text=f"{lamps}{effect} exclusive(lit(L),lit(M)) :- is_a(L,lamp), is_a(M,lamp), L < M.")
-    assert domain.reduction and domain.reduction.size > 300 * 299 / 2
 
 
 def test_tasks_stand_for_the_renamings_of_units_as_well() -> None:
