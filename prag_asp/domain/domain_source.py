@@ -30,10 +30,10 @@ def find_domain(names: Sequence[str | Path | Source], text: str | None) -> tuple
         raise DomainError("no domain; give a shipped name, a folder, files that end in .lp, two of PDDL, or a text")
     named = [str(each) for each in names if not isinstance(each, Source) and not is_file_name(each)]
     if named and len(files) > 1:
-        told = " ".join(str(each.path if isinstance(each, Source) else each) for each in files)
+        listing = " ".join(str(each.path if isinstance(each, Source) else each) for each in files)
         if any(Path(each).suffix == PDDL for each in names if not isinstance(each, Source)):
-            raise DomainError(f"{told}: {named[0]} is no file that ends in .pddl; {BOTH}")
-        raise DomainError(f"{told}: {named[0]} is no file that ends in .lp; give one name or folder, or files alone")
+            raise DomainError(f"{listing}: {named[0]} is no file that ends in .pddl; {BOTH}")
+        raise DomainError(f"{listing}: {named[0]} is no file that ends in .lp; give one name or folder, or files alone")
     if named:
         folder = domain_folder(named[0])
         return folder.resolve().name, folder, [folder / "domain.lp"]
@@ -52,9 +52,9 @@ def _imported(files: Sequence[str | Path | Source]) -> Imported:
     Raises:
         DomainError: there are not exactly two files, or they cannot be imported.
     """
-    told = " ".join(map(str, files))
+    listing = " ".join(map(str, files))
     if len(files) != 2:
-        raise DomainError(f"{told}: {'one file' if len(files) == 1 else f'{len(files)} files'} of PDDL; {BOTH}")
+        raise DomainError(f"{listing}: {'one file' if len(files) == 1 else f'{len(files)} files'} of PDDL; {BOTH}")
     from prag_asp.pddl import read
 
     return read(*map(str, files))

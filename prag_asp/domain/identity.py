@@ -22,7 +22,7 @@ def domain_digest(domain: Domain) -> str:
     """Return a digest of all that tasks of a domain and verdicts on them depend on, with the files of its scene."""
     settings = domain.settings
     files = {str(path): _hashed(path) for path in scene_files(settings.scene, settings.path.parent)}
-    told = [
+    content = [
         domain.name,
         domain.program.text,
         dict(domain.constants),
@@ -32,7 +32,7 @@ def domain_digest(domain: Domain) -> str:
         settings.scene,
         files,
     ]
-    return digest(told)
+    return digest(content)
 
 
 def code_digest(encodings: Path) -> str:

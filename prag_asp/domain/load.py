@@ -110,9 +110,9 @@ def load_domain(
     core = core_sources(encodings)
     own = each_once(each for entry in entries for each in read_sources(entry, encodings, own=folder))
     own = set_constants(own, values, name) if values else own
-    asked = tuple(each for rule in rules for each in rule_sources(rule, encodings))
+    selected = tuple(each for rule in rules for each in rule_sources(rule, encodings))
     known = {each.path.resolve() for each in core}
-    added = (*asked_sources(own, encodings), *own, *asked)
+    added = (*asked_sources(own, encodings), *own, *selected)
     extra = tuple(each for each in added if each.path.resolve() not in known)
     program = Program((*core, *each_once(extra)))
     path = folder / LEARNED if learned and folder and settings is None else None
@@ -159,8 +159,8 @@ def load_scene(domain: Domain) -> Scene:
     """
     if not domain.settings.scene:
         if domain.settings.path == NO_SETTINGS:
-            told = f"{domain.name}: files have no [scene] of their own; give settings"
-            raise SceneError(f"{told} (--settings FILE), or draw with --no-physics")
+            problem = f"{domain.name}: files have no [scene] of their own; give settings"
+            raise SceneError(f"{problem} (--settings FILE), or draw with --no-physics")
         raise SceneError(f"{domain.settings.path}:1: {domain.name} has no [scene]; add one, or draw with --no-physics")
     facts = domain.facts
     from prag_asp.scene.scene_loader import parse_scene

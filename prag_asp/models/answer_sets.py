@@ -110,7 +110,7 @@ class AnswerSets:
         if how == "diagram":
             return self._count_by_diagram()
         stage("counting models with ganak")
-        return count_models(self._counted.cnf, asked="engine ganak")
+        return count_models(self._counted.cnf, request="engine ganak")
 
     def _count_by_diagram(self) -> int:
         """Return their number by a diagram or, where nobody has chosen it, by a counter beside that is done before.

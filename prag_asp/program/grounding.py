@@ -91,15 +91,15 @@ class Grounder:
         out_of_range = [text for text in undefined if SCRIPT in text]
         if out_of_range and self._checks.overflows:
             raise self._checks.overflow(locate_message(self._program, out_of_range[0]))
-        told = dict.fromkeys(map(self._undefined, undefined))
-        if told and self._strict:
-            raise DomainError(f"{next(iter(told))}; guard the operation")
-        self.notes += told
+        notes = dict.fromkeys(map(self._undefined, undefined))
+        if notes and self._strict:
+            raise DomainError(f"{next(iter(notes))}; guard the operation")
+        self.notes += notes
 
     def _undefined(self, message: str) -> str:
         """Return the message for an undefined operation; for ``X+0``, clingo writes only X and the check."""
-        told = locate_message(self._program, message)
-        return self._checks.as_written(told) if SCRIPT in told else told
+        text = locate_message(self._program, message)
+        return self._checks.as_written(text) if SCRIPT in text else text
 
     def _errors(self) -> list[str]:
         return [
@@ -117,7 +117,7 @@ def locate_message(program: Program, message: str) -> str:
     path, line = program.locate(int(place["line"]))
     unsafe = sorted({"_" if name.startswith("#") else name for name in re.findall(UNSAFE, message)})
     if unsafe:
-        told = f"{path}:{line}: unsafe variable {', '.join(unsafe)}"
-        return f"{told}; bind it in the body by an atom without `not`"
+        text = f"{path}:{line}: unsafe variable {', '.join(unsafe)}"
+        return f"{text}; bind it in the body by an atom without `not`"
     words = " ".join(re.sub(POSITION, "", message).split())
     return f"{path}:{line}: {words}"

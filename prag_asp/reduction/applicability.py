@@ -70,9 +70,9 @@ def objection(statements: Sequence[Statement]) -> str | None:
     reserved |= {(each.node.name, each.node.arity) for each in statements
                  if not each.own and each.kind == ASTType.Defined} - STATED  # fmt: skip
     for statement in own:
-        told = _objection_to(statement, reserved)
-        if told:
-            return f"{statement.path}:{statement.line}: {told}"
+        reason = _objection_to(statement, reserved)
+        if reason:
+            return f"{statement.path}:{statement.line}: {reason}"
     unstratified = _through_negation([each for each in statements if each.is_rule and _in_base(each)])
     if unstratified:
         return f"{unstratified.path}:{unstratified.line}: this rule depends on itself through `not`"
@@ -153,7 +153,7 @@ def _objection_to_order(statement: Statement) -> str | None:
     if not compared:
         return None
     if len(compared) > 1 or not _is_mirrored(statement, compared[0]):
-        return "entities may be told apart by the order of their names"
+        return "entities may be distinguished by the order of their names"
     return None
 
 
@@ -237,5 +237,5 @@ def _nodes(atom: AtomNode) -> list[Node]:
     """Return the nodes that an atom may belong to: true and false initial values are separate ones."""
     if atom.signature != ("initially", 2):
         return [(atom.signature, "")]
-    given = atom.arguments[1]
-    return [(atom.signature, value) for value in VALUES if given == value or given not in VALUES]
+    value_term = atom.arguments[1]
+    return [(atom.signature, value) for value in VALUES if value_term == value or value_term not in VALUES]

@@ -79,14 +79,14 @@ class SetStep:
             for guard in move.guards:
                 if not valid:
                     break
-                valid = before.left(valid, guard)
+                valid = before.falsifying(valid, guard)
             if valid:
                 yield from self._moved(move, letter, before, valid, own)
 
     def _moved(self, move: Move, letter: int, before: _Values, valid: Node, own: list[Node]) -> Iterator[Piece]:
         after = before.with_action(move)
         for body in move.constraints:
-            valid = after.left(valid, body)
+            valid = after.falsifying(valid, body)
             if not valid:
                 return
         rules, size = self.transition.rules, len(own)
@@ -188,7 +188,7 @@ class _Values:
             found = self._diagrams.within(found, where) if literal > 0 else self._diagrams.minus(found, where)
         return found
 
-    def left(self, states: Node, body: RuleBody) -> Node:
+    def falsifying(self, states: Node, body: RuleBody) -> Node:
         """Return the states of a set in which a body is false."""
         if len(body.literals) == 1 and not body.weights:
             (literal,) = body.literals

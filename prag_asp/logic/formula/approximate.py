@@ -1,6 +1,6 @@
 """Approximate projected model counting with guaranteed bounds.
 
-Random parities over the shown variables divide the models into cells until one is small enough to be counted. The
+Random parities over the shown variables divide the models into cells until one is small enough to be run_counter. The
 median over several such divisions is close to the number of models with high probability (Chakraborty, Meel and Vardi
 2016). The counter is ApproxMC (Soos, Gocht and Meel 2020).
 """
@@ -14,14 +14,14 @@ from prag_asp.errors import QueryError
 from prag_asp.integers import digits_of
 from prag_asp.logic.formula.clause_builder import Literal
 from prag_asp.logic.formula.cnf import Cnf
-from prag_asp.logic.formula.counter import APPROXMC, counted
+from prag_asp.logic.formula.counter import APPROXMC, run_counter
 
 LEAST_EPSILON, MOST_EPSILON = 0.01, 100.0
 LEAST_DELTA, MOST_DELTA = 0.0001, 0.9999
 LARGEST_SEED = 2**32 - 1
 """The largest seed of ApproxMC."""
 
-ASKED = "--approximate"
+OPTION = "--approximate"
 
 
 @dataclass(frozen=True)
@@ -72,6 +72,6 @@ def estimate_models(
         LimitReached: it has not finished after `seconds`.
     """
     if not 0 <= seed <= LARGEST_SEED:
-        raise QueryError(f"seed {seed}: {ASKED} takes one from 0 to {LARGEST_SEED}")
-    told = (tolerance.epsilon, tolerance.delta, seed)
-    return Estimate(int(counted(APPROXMC, cnf, assumptions, seconds, ASKED, *told)), tolerance)
+        raise QueryError(f"seed {seed}: {OPTION} takes one from 0 to {LARGEST_SEED}")
+    more = (tolerance.epsilon, tolerance.delta, seed)
+    return Estimate(int(run_counter(APPROXMC, cnf, assumptions, seconds, OPTION, *more)), tolerance)

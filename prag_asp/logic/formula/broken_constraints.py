@@ -40,12 +40,12 @@ def report_violations(program: Program) -> ReportingProgram:
         if statement.ast_type == ASTType.Program:
             part = statement.name
             time = statement.parameters[0].name if statement.parameters else "0"
-        told = str(statement)
+        text = str(statement)
         if _is_constraint(statement) and part in TIMES:
             rules[begin] = (*program.locate(begin), " ".join(line.strip() for line in lines[begin - 1 : end]))
             body = "; ".join(map(str, statement.body))
-            told = f"{BROKEN}({begin},{TIMES[part].format(time)}) :- {body or '#true'}."
-        statements.setdefault(begin, []).append(told)
+            text = f"{BROKEN}({begin},{TIMES[part].format(time)}) :- {body or '#true'}."
+        statements.setdefault(begin, []).append(text)
 
     parse_string(program.text, collect)
     return ReportingProgram(Program(tuple(_rewritten(program, statements))), rules)

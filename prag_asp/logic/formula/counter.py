@@ -45,32 +45,34 @@ def has_ganak() -> bool:
     return find_spec(GANAK.package) is not None
 
 
-def require_counter(counter: Counter = GANAK, asked: str = SHARP) -> None:
-    """Check that a counter is installed; `asked` names the request of the user in the message.
+def require_counter(counter: Counter = GANAK, request: str = SHARP) -> None:
+    """Check that a counter is installed; `request` names the request of the user in the message.
 
     Raises:
         EngineError: it is not.
     """
     if find_spec(counter.package) is None:
-        raise EngineError(f"{asked}: the package {counter.package} is missing; pip install 'prag_asp[{counter.extra}]'")
+        raise EngineError(
+            f"{request}: the package {counter.package} is missing; pip install 'prag_asp[{counter.extra}]'"
+        )
 
 
 def count_models(
-    cnf: Cnf, assumptions: Sequence[Literal] = (), seconds: float | None = None, *, asked: str = SHARP
+    cnf: Cnf, assumptions: Sequence[Literal] = (), seconds: float | None = None, *, request: str = SHARP
 ) -> int:
     """Return the number of assignments of the shown variables that extend to a model with the assumed literals.
 
-    `asked` names the request of the user in messages.
+    `request` names the request of the user in messages.
 
     Raises:
         EngineError: Ganak is missing, cannot take the formula, or fails.
         LimitReached: it has not finished after `seconds`.
     """
-    return int(counted(GANAK, cnf, assumptions, seconds, asked))
+    return int(run_counter(GANAK, cnf, assumptions, seconds, request))
 
 
-def counted(
-    counter: Counter, cnf: Cnf, assumptions: Sequence[Literal], seconds: float | None, asked: str, *more: object
+def run_counter(
+    counter: Counter, cnf: Cnf, assumptions: Sequence[Literal], seconds: float | None, request: str, *more: object
 ) -> Any:
     """Return the answer of a counter for a formula with assumed literals; `more` are further arguments.
 
@@ -78,20 +80,20 @@ def counted(
         EngineError: it is missing, cannot take the formula, or fails.
         LimitReached: it has not finished after `seconds`.
     """
-    require_counter(counter, asked)
+    require_counter(counter, request)
     clauses = [*cnf.clauses, *((literal,) for literal in assumptions)]
-    refuse_what_cannot_be_counted(cnf.variables, clauses, cnf.shown, counter, asked)
+    check_formula(cnf.variables, clauses, cnf.shown, counter, request)
     with TemporaryFile() as complaints, Children(counter.module, complaints.fileno()) as children:
         try:
             child = children.start()
             child.send((cnf.variables, cnf.shown, clauses, *more))
             return child.receive(seconds)
         except TimeoutError:
-            told = f"{asked}: no count after {seconds:.3g} s"
+            told = f"{request}: no count after {seconds:.3g} s"
             raise LimitReached(f"{told}; allow more (--time), or ask for less", 0) from None
         except Ended as ended:
             said = _last_line(complaints)
-            raise EngineError(f"{asked}: {counter.name} ended {ended} ({said}); choose another engine") from None
+            raise EngineError(f"{request}: {counter.name} ended {ended} ({said}); choose another engine") from None
 
 
 class CountBeside:
@@ -137,7 +139,7 @@ class CountBeside:
     def _start(self) -> None:
         cnf, assumptions = self._formula()
         clauses = [*cnf.clauses, *((literal,) for literal in assumptions)]
-        refuse_what_cannot_be_counted(cnf.variables, clauses, cnf.shown)
+        check_formula(cnf.variables, clauses, cnf.shown)
         complaints = self._running.enter_context(TemporaryFile())  # noqa: SIM115  the stack closes it
         child = self._running.enter_context(Children(GANAK.module, complaints.fileno())).start()
         child.send((cnf.variables, cnf.shown, clauses))
@@ -151,12 +153,12 @@ def _last_line(complaints: IO[bytes]) -> str:
     return lines[-1] if lines else "nothing said"
 
 
-def refuse_what_cannot_be_counted(
+def check_formula(
     variables: int,
     clauses: Iterable[Sequence[Literal]],
     shown: Sequence[Literal],
     counter: Counter = GANAK,
-    asked: str = SHARP,
+    request: str = SHARP,
 ) -> None:
     """Check that a counter can take a formula.
 
@@ -164,10 +166,10 @@ def refuse_what_cannot_be_counted(
         EngineError: it has no variables or too many, an empty clause, or a literal of none of its variables.
     """
     if not 0 < variables <= LARGEST:
-        raise EngineError(f"{asked}: a formula of {variables:,} variables; {counter.name} takes 1 to {LARGEST:,}")
+        raise EngineError(f"{request}: a formula of {variables:,} variables; {counter.name} takes 1 to {LARGEST:,}")
     for clause in clauses:
         if not clause:
-            raise EngineError(f"{asked}: a clause is empty, which {counter.name} may overlook")
+            raise EngineError(f"{request}: a clause is empty, which {counter.name} may overlook")
     for literal in chain(shown, *clauses):
         if not 0 < abs(literal) <= variables:
-            raise EngineError(f"{asked}: the literal {literal} is none of the {variables:,} variables")
+            raise EngineError(f"{request}: the literal {literal} is none of the {variables:,} variables")

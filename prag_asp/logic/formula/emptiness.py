@@ -30,7 +30,7 @@ def has_plan(program: Program, length: int, occurring: Occurring | None = None) 
     grounder = Grounder(program)
     grounder.ground([("base", [])])
     grounder.ground(unrolled(length))
-    control, asked = grounder.control, []
+    control, assumptions = grounder.control, []
     if occurring is not None:
         atoms = control.symbolic_atoms
         found = (atoms[_occurs(action, step)] for action, step in occurring)
@@ -39,10 +39,10 @@ def has_plan(program: Program, length: int, occurring: Occurring | None = None) 
             for atom in found:
                 if atom is not None:
                     backend.add_rule([some], [atom.literal])
-        asked = [some]
+        assumptions = [some]
     stage("looking for a plan")
     with uninterrupted():  # an error in a callback of clingo ends the process
-        return bool(control.solve(assumptions=asked).satisfiable)
+        return bool(control.solve(assumptions=assumptions).satisfiable)
 
 
 class LiftableLines:

@@ -16,7 +16,7 @@ from prag_asp.processes.progress_events import stage
 from prag_asp.program.facts import Assignment
 
 OPPOSITE = {"true": "false", "false": "true"}
-TOLD = ("step.lp", "invariants.lp", "goal.lp", "impossible.lp")
+EXPLAINED = ("step.lp", "invariants.lp", "goal.lp", "impossible.lp")
 """The encodings whose constraints are explained in words."""
 
 
@@ -74,25 +74,25 @@ class _ReasonSearch:
 
     def reasons(self, step: int) -> Iterator[str]:
         """Yield the reasons why a step cannot follow those before it."""
-        given = [*self.actions[:step], *self.lawful(step - 1)]
-        if not self._solver.satisfiable(given):
+        assumed = [*self.actions[:step], *self.lawful(step - 1)]
+        if not self._solver.satisfiable(assumed):
             yield "another action has to occur there"
             return
         state = _State(self._cnf, self._solver.model(), self._plan)
-        told = list(self._needs(step, state)) or list(self._contradictions(step, state))
-        yield from told
-        for line in self._lines(step, given):
+        words = list(self._needs(step, state)) or list(self._contradictions(step, state))
+        yield from words
+        for line in self._lines(step, assumed):
             path, number, text = self._rules[line]
-            if not told or path.name not in TOLD:
+            if not words or path.name not in EXPLAINED:
                 yield f"{path}:{number} forbids it: {text}"
 
-    def _lines(self, step: int, given: Sequence[Literal]) -> list[int]:
+    def _lines(self, step: int, assumed: Sequence[Literal]) -> list[int]:
         """Return the constraints that each forbid a step, or else a smallest set that does so together."""
         here = self._broken.get(step, {})
-        alone = [line for line, literal in here.items() if not self._solver.satisfiable([*given, -literal])]
+        alone = [line for line, literal in here.items() if not self._solver.satisfiable([*assumed, -literal])]
         if alone:
             return sorted(alone)
-        together = smallest_conflict(self._solver, given, [-literal for literal in here.values()])
+        together = smallest_conflict(self._solver, assumed, [-literal for literal in here.values()])
         return sorted(line for line, literal in here.items() if -literal in together)
 
     def _needs(self, step: int, state: _State) -> Iterator[str]:

@@ -62,14 +62,14 @@ def make_liftable(program: Program) -> LiftableProgram:
 
 def _guarded(source: Source, own: bool, program: Program, lines: list[RestrictingLine]) -> Source:
     """Return a source with one atom for each restricting statement, or one atom for a whole optional rule."""
-    asked = not own and source.path.parent.name == RULES
+    optional = not own and source.path.parent.name == RULES
     composed = _composing(program) if not own and source.path.name == HIERARCHY else None
-    if source.path == ADDED or not (own or asked or composed):
+    if source.path == ADDED or not (own or optional or composed):
         return source
     statements, _ = parse_sources([(source, own)])
     if composed:
         lines.append(composed)
-    elif asked and any(map(_restricts, statements)):
+    elif optional and any(map(_restricts, statements)):
         lines.append(_asking(source, program))
     texts = list[str]()
     for statement in statements:

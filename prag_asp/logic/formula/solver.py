@@ -64,8 +64,8 @@ class Solver:
         return list(self._solver.get_core() or ())
 
 
-def smallest_conflict(solver: Solver, given: Sequence[Literal], literals: Sequence[Literal]) -> list[Literal]:
-    """Return a smallest set of `literals` that no model with all literals `given` satisfies; no model satisfies all.
+def smallest_conflict(solver: Solver, assumed: Sequence[Literal], literals: Sequence[Literal]) -> list[Literal]:
+    """Return a smallest set of `literals` that no model with all literals `assumed` satisfies; no model satisfies all.
 
     A set is in conflict if it hits the complement of every maximal satisfiable set. The smallest hitting set of the
     complements found so far is solved again until it is in conflict itself (Ignatiev, Previti, Liffiton and
@@ -75,20 +75,20 @@ def smallest_conflict(solver: Solver, given: Sequence[Literal], literals: Sequen
 
     chosen: list[Literal] = []
     with Hitman(solver="g4") as hitting:
-        while solver.satisfiable([*given, *chosen]):
-            left_out = _left_out(solver, given, literals)
+        while solver.satisfiable([*assumed, *chosen]):
+            left_out = _left_out(solver, assumed, literals)
             hitting.hit(left_out)
             chosen = sorted(hitting.get(), key=abs)
     return chosen
 
 
-def _left_out(solver: Solver, given: Sequence[Literal], literals: Sequence[Literal]) -> list[Literal]:
+def _left_out(solver: Solver, assumed: Sequence[Literal], literals: Sequence[Literal]) -> list[Literal]:
     """Return the complement of a maximal satisfiable set that contains the true literals of the last model."""
     kept, left = _split(solver.model(), literals)
     missing = []
     while left:
         literal = left.pop(0)
-        if solver.satisfiable([*given, *kept, literal]):
+        if solver.satisfiable([*assumed, *kept, literal]):
             kept, left = _split(solver.model(), [*kept, literal, *left])
         else:
             missing.append(literal)

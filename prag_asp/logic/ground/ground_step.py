@@ -118,13 +118,13 @@ def _ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep
         started = _start(program, reads)
     name, arity = endless or _signature(min(new))
     where = locate_head(program, (name, arity))
-    told = f"{where}: {name}/{arity} takes new values at every step without end; add a condition that ends it"
-    return _unbounded(told, reads)
+    obstacle = f"{where}: {name}/{arity} takes new values at every step without end; add a condition that ends it"
+    return _unbounded(obstacle, reads)
 
 
-def _unbounded(told: str, reads: StepReads) -> GroundStep:
+def _unbounded(obstacle: str, reads: StepReads) -> GroundStep:
     """Return an empty step with the obstacle that it makes new atoms without end."""
-    return GroundStep({}, {}, {}, {}, frozenset(), consistent=True, obstacles=(*reads.obstacles, told))
+    return GroundStep({}, {}, {}, {}, frozenset(), consistent=True, obstacles=(*reads.obstacles, obstacle))
 
 
 def _may_carry(grounder: Grounder, program: Program, reads: StepReads) -> bool:
@@ -135,11 +135,11 @@ def _may_carry(grounder: Grounder, program: Program, reads: StepReads) -> bool:
 
 def _unforeseen(ground: GroundStep, seeds: Seeds, reads: StepReads) -> set[clingo.Symbol]:
     """Return the atoms of the start and of the step that the next step reads, but that `seeds` lacks."""
-    made = {symbol for symbol in ground.now if symbol not in seeds and _signature(symbol) in reads.previous}
-    if made:
+    new = {symbol for symbol in ground.now if symbol not in seeds and _signature(symbol) in reads.previous}
+    if new:
         unsupported = _unsupported(ground, seeds)
-        made = {symbol for symbol in made if ground.now[symbol] not in unsupported}
-    return made | (ground.initial - seeds.keys())
+        new = {symbol for symbol in new if ground.now[symbol] not in unsupported}
+    return new | (ground.initial - seeds.keys())
 
 
 def _unsupported(ground: GroundStep, seeds: Seeds) -> set[int]:
@@ -298,19 +298,19 @@ def _ground_once(started: Grounding, program: Program, seeds: Seeds, facts: Fact
     # clingo defines the projection that `not p(_,t)` reads as soon as atoms p(X,t) exist.
     recorder.part = "step"
     # Later steps may add to what is known of this state: it is open, so that no goal makes it a fact here.
-    told = [clingo.Function("state", [*each, NOW]) for each in _open_values(facts)]
-    _declare(grounder, seeds, told)
+    open_states = [clingo.Function("state", [*each, NOW]) for each in _open_values(facts)]
+    _declare(grounder, seeds, open_states)
     _ground_parts(grounder, recorder, ("step", "hindsight"))
     if grounder.control.is_conflicting:
-        return _ground_start(program, told, reads)
+        return _ground_start(program, open_states, reads)
     return replace(_ground_end(started, reads), grounding=started)
 
 
-def _ground_start(program: Program, told: Iterable[clingo.Symbol], reads: StepReads) -> GroundStep:
+def _ground_start(program: Program, open_states: Iterable[clingo.Symbol], reads: StepReads) -> GroundStep:
     """Ground the final check without a step, because no state allows one: clingo grounds nothing after a conflict."""
     started = _start(program, reads)
     started.recorder.part = "step"
-    _declare(started.grounder, (), told)
+    _declare(started.grounder, (), open_states)
     return _ground_end(started, reads)
 
 
@@ -345,9 +345,9 @@ def _open_start(started: Grounding) -> None:
     started.grounder.leave_open(each for each in at_now if atoms[each] is None)
 
 
-def _declare(grounder: Grounder, seeds: Iterable[clingo.Symbol], told: Iterable[clingo.Symbol]) -> None:
-    """Leave open the `seeds` at step t-1, and the atoms `told`."""
-    grounder.leave_open([*(clingo.Function(each.name, [*each.arguments, BEFORE]) for each in seeds), *told])
+def _declare(grounder: Grounder, seeds: Iterable[clingo.Symbol], others: Iterable[clingo.Symbol]) -> None:
+    """Leave open the `seeds` at step t-1, and `others`."""
+    grounder.leave_open([*(clingo.Function(each.name, [*each.arguments, BEFORE]) for each in seeds), *others])
 
 
 def ground_plan(program: Program, length: int, reads: StepReads) -> GroundStep:

@@ -23,8 +23,8 @@ def growing_heads(
 
     Each literal of the body comes with its text. A second literal that reads a variable may bound it.
     """
-    made = [(head.signature, _made_of(head)) for head in heads]
-    if not any(names for _, names in made):
+    made_of = [(head.signature, _made_of(head)) for head in heads]
+    if not any(names for _, names in made_of):
         return
     carried: set[str] = set()
     bounded: set[str] = set()
@@ -36,7 +36,7 @@ def growing_heads(
             carried |= read
         else:
             bounded |= read
-    yield from (head for head, names in made if not bounded.issuperset(names))
+    yield from (head for head, names in made_of if not bounded.issuperset(names))
 
 
 def _is_carried(literal: AST, text: str, timed: Collection[Signature]) -> bool:

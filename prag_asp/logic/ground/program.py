@@ -40,8 +40,8 @@ def weighing_program(domain: Domain, program: Program, weighed: Sequence[str]) -
     """Return a program of a domain with the rules for what weights depend on, and the facts `weighed`."""
     whole = Program((*program.sources, *_rules(domain, "weights")))
     facts = domain.facts
-    told = weighed if _read(program, MENTIONS) else [*weighed, *mention_facts(facts.actions, facts.entities)]
-    return with_facts(whole, told)
+    stated = weighed if _read(program, MENTIONS) else [*weighed, *mention_facts(facts.actions, facts.entities)]
+    return with_facts(whole, stated)
 
 
 def closed_program(domain: Domain) -> Program | None:

@@ -35,9 +35,9 @@ def find_cone(step: NormalStep, labels: Iterable[int] = ()) -> Cone:
     leaves = _leaves(step)
     roots = [*_atoms(direct), *labels, *leaves]
     reached = influence.of(roots)
-    asked = [body for body in candidates if not _atoms([body]) <= reached]
+    invariants = [body for body in candidates if not _atoms([body]) <= reached]
     kept = [body for body in candidates if _atoms([body]) <= reached]
-    broken = breakable(step, asked) if asked else []
+    broken = find_breakable(step, invariants) if invariants else []
     reached = influence.of([*roots, *_atoms(kept), *_atoms(broken)])
     variables = {influence.before[atom] for atom in reached if atom in influence.before}
     variables |= {timeless(step.ground.names[atom]) for atom in leaves}
@@ -80,34 +80,34 @@ class _Influence:
         return seen
 
 
-def breakable(step: NormalStep, asked: list[RuleBody]) -> list[RuleBody]:
-    """Return the constraints of `asked` that some action breaks from a state that satisfies all constraints.
+def find_breakable(step: NormalStep, invariants: list[RuleBody]) -> list[RuleBody]:
+    """Return the constraints of `invariants` that some action breaks from a state that satisfies all constraints.
 
     The states are those that satisfy the rules and constraints on the state alone, which hold after every step. The
     assumed constraints hold at the start; the rest is an induction over the steps.
     """
-    question = _Question(step, asked)
+    query = _BreakQuery(step, invariants)
     found: set[int] = set()
     while True:
-        new = question.broken() - found
+        new = query.broken() - found
         if not new:
-            return [asked[number] for number in sorted(found)]
+            return [invariants[number] for number in sorted(found)]
         found |= new
-        question.leave_out(new)
+        query.drop(new)
 
 
-class _Question:
+class _BreakQuery:
     """A program whose answer sets are steps from any such state that break a constraint of interest."""
 
-    def __init__(self, step: NormalStep, asked: list[RuleBody]) -> None:
+    def __init__(self, step: NormalStep, invariants: list[RuleBody]) -> None:
         self._control = clingo.Control(["--warn=none"])
         self._atom_of: dict[int, int] = {}
         with self._control.backend() as backend:
-            self._add_steps(backend, step, _Influence(step).of(_atoms(asked)))
+            self._add_steps(backend, step, _Influence(step).of(_atoms(invariants)))
             self._some = backend.add_atom()
-            self._broken = [backend.add_atom() for _ in asked]
-            self._open = [backend.add_atom() for _ in asked]
-            for body, broken, open_ in zip(asked, self._broken, self._open, strict=True):
+            self._broken = [backend.add_atom() for _ in invariants]
+            self._open = [backend.add_atom() for _ in invariants]
+            for body, broken, open_ in zip(invariants, self._broken, self._open, strict=True):
                 backend.add_external(open_, clingo.TruthValue.True_)
                 self._add(backend, [broken], body)
                 backend.add_rule([self._some], [broken, open_])
@@ -120,7 +120,7 @@ class _Question:
                 return set()
             return {number for number, atom in enumerate(self._broken) if model.is_true(atom)}
 
-    def leave_out(self, numbers: Iterable[int]) -> None:
+    def drop(self, numbers: Iterable[int]) -> None:
         """Remove constraints from those of interest."""
         for number in numbers:
             self._control.assign_external(self._open[number], False)

@@ -18,7 +18,7 @@ from prag_asp.program.sources import Program
 
 Plan = tuple[clingo.Symbol, ...]
 
-Told = NDArray[np.int8]
+FluentValues = NDArray[np.int8]
 """The values of fluents in states: 1 true, 0 false, -1 unknown; one row for each fluent."""
 
 Truth = NDArray[np.bool_]
@@ -32,7 +32,7 @@ class Hindsight:
     """The rules of a step and of ``hindsight.lp`` as functions on columns, one column for each plan.
 
     A *state* is what a step reads of the step before, shape (variables, plans); *seen* is what hindsight reads of a
-    step, shape (atoms, plans); *told* is the truth of each ``state(F, V, t)``, shape (atoms, plans). All are boolean.
+    step, shape (atoms, plans); *known* is the truth of each ``state(F, V, t)``, shape (atoms, plans). All are boolean.
     `fluents` are numbered in their order.
     """
 
@@ -109,17 +109,17 @@ class Hindsight:
         _evaluate(self._forward, self.step.bodies, columns, size)
         return _rows_of(columns, self._carried.values(), size), _rows_of(columns, self._seen, size)
 
-    def tell_last(self, seen: Truth) -> Truth:
-        """Return the told atoms of the last state, given what is seen of the last step."""
+    def evaluate_last(self, seen: Truth) -> Truth:
+        """Return the known atoms of the last state, given what is seen of the last step."""
         return self._tell(dict(zip(self._seen, seen, strict=True)), "ending", seen.shape[1])
 
-    def tell_before(self, seen: Truth, told: Truth) -> Truth:
-        """Return the told atoms of the states before steps, given what is seen of the steps and told after them."""
+    def evaluate_before(self, seen: Truth, known: Truth) -> Truth:
+        """Return the known atoms of the states before steps, given what is seen of the steps and known after them."""
         columns = dict(zip(self._seen, seen, strict=True))
-        columns.update(zip((atom for atom, *_ in self._rows), told, strict=True))
+        columns.update(zip((atom for atom, *_ in self._rows), known, strict=True))
         return self._tell(columns, "hindsight", seen.shape[1])
 
-    def tell_ends(self, read: Truth) -> Told:
+    def end_values(self, read: Truth) -> FluentValues:
         """Return the values in last states, given the truth of the atoms `last_read`; shape (fluents, plans)."""
         columns = dict(zip(self._read("ending"), read, strict=True))
         return self.values(self._tell(columns, "ending", read.shape[1]))
@@ -130,10 +130,10 @@ class Hindsight:
         place = 0 if part == "ending" else 1
         return _rows_of(columns, (row[place] for row in self._rows), size)
 
-    def values(self, told: Truth) -> Told:
-        """Return told atoms as values of fluents."""
-        found = np.full((len(self.fluents), told.shape[1]), UNKNOWN, dtype=np.int8)
-        for (_, _, row, value), column in zip(self._rows, told, strict=True):
+    def values(self, known: Truth) -> FluentValues:
+        """Return known atoms as values of fluents."""
+        found = np.full((len(self.fluents), known.shape[1]), UNKNOWN, dtype=np.int8)
+        for (_, _, row, value), column in zip(self._rows, known, strict=True):
             found[row, column] = value
         return found
 
@@ -156,7 +156,7 @@ def _evaluate(
     evaluate(strata, bodies.__getitem__, columns, lambda atom: columns.get(atom, false), size)
 
 
-def solved_states(program: Program, plan: Plan, fluents: Sequence[clingo.Symbol]) -> Told:
+def solved_states(program: Program, plan: Plan, fluents: Sequence[clingo.Symbol]) -> FluentValues:
     """Return the values in the states of one plan by solving the unrolled program, which is slower and always works.
 
     Shape (fluents, length of the plan + 1).
@@ -168,7 +168,7 @@ def solved_states(program: Program, plan: Plan, fluents: Sequence[clingo.Symbol]
     grounder.ground([*unrolled(length), ("ending", [clingo.Number(length)]), *hindsight])
     atoms = grounder.control.symbolic_atoms
     occurring = [atoms[clingo.Function("occurs", [a, clingo.Number(k)])] for k, a in enumerate(plan, 1)]
-    told = np.full((len(fluents), length + 1), UNKNOWN, dtype=np.int8)
+    known = np.full((len(fluents), length + 1), UNKNOWN, dtype=np.int8)
     rows = {fluent: row for row, fluent in enumerate(fluents)}
     with grounder.control.solve(assumptions=[a.literal for a in occurring if a], yield_=True) as handle:
         model = handle.model()
@@ -176,8 +176,8 @@ def solved_states(program: Program, plan: Plan, fluents: Sequence[clingo.Symbol]
         for symbol in model.symbols(atoms=True):
             if symbol.match("state", 3) and symbol.arguments[0] in rows:
                 fluent, value, time = symbol.arguments
-                told[rows[fluent], time.number] = _number(value)
-    return told
+                known[rows[fluent], time.number] = _number(value)
+    return known
 
 
 def numbered_goals(hindsight: Hindsight, marks: NDArray[np.bool_]) -> NDArray[np.int64]:
@@ -186,6 +186,6 @@ def numbered_goals(hindsight: Hindsight, marks: NDArray[np.bool_]) -> NDArray[np
     `marks` has the truth of `hindsight.last_read` after each edge, shape (edges, atoms).
     """
     kinds, places = np.unique(marks, axis=0, return_inverse=True)
-    _, goal_of = np.unique(hindsight.tell_ends(kinds.T), axis=1, return_inverse=True)
+    _, goal_of = np.unique(hindsight.end_values(kinds.T), axis=1, return_inverse=True)
     found: NDArray[np.int64] = goal_of.reshape(-1)[places.reshape(-1)]
     return found

@@ -35,7 +35,7 @@ def independent_parts(transition: Transition, *, by_name: bool = False) -> tuple
     """
     if len(transition.variables) < FEWEST_VARIABLES:
         return ()
-    return _Parts(transition, by_name).found()
+    return _Parts(transition, by_name).step_functions()
 
 
 class _Parts:
@@ -62,7 +62,7 @@ class _Parts:
                 named = first.setdefault(action_name(transition.actions[letter]), letter)
                 self._join([("action", named), ("action", letter)])
 
-    def found(self) -> tuple[Transition, ...]:
+    def step_functions(self) -> tuple[Transition, ...]:
         """Return the parts; empty if there is only one."""
         final = [self._leaves(body) for body in self._transition.step.final]
         for leaves in final:

@@ -9,7 +9,7 @@ import clingo
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.logic.step.hindsight import Hindsight, Told, Truth, solved_states
+from prag_asp.logic.step.hindsight import FluentValues, Hindsight, Truth, solved_states
 from prag_asp.program.facts import Facts
 from prag_asp.program.sources import Program
 
@@ -50,14 +50,14 @@ class _Rows:
 class PlanStates:
     """The known values of the states of plans, with hindsight; equal states have equal numbers.
 
-    Steps are functions of a state and an action, and hindsight is a function of a step and the told atoms of the state
+    Steps are functions of a state and an action, and hindsight is a function of a step and the known atoms of the state
     after it. The steps of a plan are looked up forward and then backward; new ones are evaluated for all plans.
     """
 
     def __init__(self, hindsight: Hindsight) -> None:
         self._hindsight = hindsight
         self._width = len(hindsight.step.occurs)
-        self._states, self._seen, self._told = _Rows(), _Rows(), _Rows()
+        self._states, self._seen, self._known = _Rows(), _Rows(), _Rows()
         self._steps: dict[int, tuple[int, int]] = {}
         self._last: dict[int, int] = {}
         self._before: dict[int, int] = {}
@@ -86,28 +86,28 @@ class PlanStates:
         for k in range(length):
             step = _looked_up(self._steps, state * self._width + plans[:, k], self._follow)
             state, seen[k + 1] = step[:, 0], step[:, 1]
-        told = np.empty((length + 1, count), dtype=np.int64)
-        told[length] = _looked_up(self._last, seen[length], self._tell_last)
+        known = np.empty((length + 1, count), dtype=np.int64)
+        known[length] = _looked_up(self._last, seen[length], self._evaluate_last)
         for k in range(length, 0, -1):
-            told[k - 1] = _looked_up(self._before, (told[k] << 32) + seen[k], self._tell_before)
-        plans_first: Numbers = told.T
+            known[k - 1] = _looked_up(self._before, (known[k] << 32) + seen[k], self._evaluate_before)
+        plans_first: Numbers = known.T
         return plans_first
 
-    def values(self, numbers: Sequence[int]) -> Told:
+    def values(self, numbers: Sequence[int]) -> FluentValues:
         """Return the values with some numbers, shape (fluents, numbers)."""
-        return self._hindsight.values(self._told.get(numbers))
+        return self._hindsight.values(self._known.get(numbers))
 
     def _follow(self, keys: list[int]) -> list[tuple[int, int]]:
         states = self._states.get([key // self._width for key in keys])
         after, seen = self._hindsight.follow(states, np.array([key % self._width for key in keys]))
         return list(zip(self._states.add(after), self._seen.add(seen), strict=True))
 
-    def _tell_last(self, keys: list[int]) -> list[int]:
-        return self._told.add(self._hindsight.tell_last(self._seen.get(keys)))
+    def _evaluate_last(self, keys: list[int]) -> list[int]:
+        return self._known.add(self._hindsight.evaluate_last(self._seen.get(keys)))
 
-    def _tell_before(self, keys: list[int]) -> list[int]:
+    def _evaluate_before(self, keys: list[int]) -> list[int]:
         seen = self._seen.get([key & 0xFFFFFFFF for key in keys])
-        return self._told.add(self._hindsight.tell_before(seen, self._told.get([key >> 32 for key in keys])))
+        return self._known.add(self._hindsight.evaluate_before(seen, self._known.get([key >> 32 for key in keys])))
 
 
 def _looked_up(table: dict[int, Any], keys: Numbers, evaluate: Callable[[list[int]], list[Any]]) -> Numbers:
@@ -139,13 +139,13 @@ class SolvedPlanStates:
         """Return the number of the known values of each state 0..n of valid plans; shape (plans, n + 1)."""
         found = np.empty((plans.shape[0], plans.shape[1] + 1), dtype=np.int64)
         for row, letters in zip(found, plans.tolist(), strict=True):
-            told = solved_states(self._program, tuple(self.letters[each] for each in letters), self._fluents)
-            row[:] = [self._numbers.setdefault(state.tobytes(), len(self._numbers)) for state in told.T]
+            known = solved_states(self._program, tuple(self.letters[each] for each in letters), self._fluents)
+            row[:] = [self._numbers.setdefault(state.tobytes(), len(self._numbers)) for state in known.T]
         return found
 
-    def values(self, numbers: Sequence[int]) -> Told:
+    def values(self, numbers: Sequence[int]) -> FluentValues:
         """Return the values with some numbers, shape (fluents, numbers)."""
         texts = list(self._numbers)
         rows = [np.frombuffer(texts[number], dtype=np.int8) for number in numbers]
-        values: Told = np.array(rows, dtype=np.int8).reshape(len(numbers), len(self._fluents)).T
+        values: FluentValues = np.array(rows, dtype=np.int8).reshape(len(numbers), len(self._fluents)).T
         return values

@@ -112,7 +112,7 @@ class Atoms:
         """Return whether there is an atom with a name."""
         return shaped in self._numbers
 
-    def named(self, atoms: Mapping[int, int]) -> Iterator[tuple[Shaped, int]]:
+    def named_atoms(self, atoms: Mapping[int, int]) -> Iterator[tuple[Shaped, int]]:
         """Yield the named atoms among some, each with its value."""
         for number, mark in atoms.items():
             key = self._keys[number]

@@ -149,9 +149,9 @@ class Merging:
     def _orders(self, states: Rows) -> Orders:
         orders = np.empty((len(states), self.size), dtype=np.int64)
         waiting = np.arange(len(states))
-        told_apart: Colours = np.zeros((len(states), self.size), dtype=np.uint64)
+        initial_colours: Colours = np.zeros((len(states), self.size), dtype=np.uint64)
         while len(waiting):
-            bits, keys = self._keys(states[waiting], told_apart)
+            bits, keys = self._keys(states[waiting], initial_colours)
             found = self._sorted(keys)
             orders[waiting] = found
             keys = np.take_along_axis(keys, found, axis=1)
@@ -164,15 +164,15 @@ class Merging:
             row, place = np.nonzero(tied & (self._group == self._group[one]))
             chosen = found[rows[row], one[row, 0]]
             alike = are_twins(bits, self.moved, rows[row], np.stack([chosen, found[rows[row], place]], axis=1))
-            told_apart = told_apart[rows]
-            told_apart[row[alike], found[rows[row], place][alike]] += MARK
+            initial_colours = initial_colours[rows]
+            initial_colours[row[alike], found[rows[row], place][alike]] += MARK
             waiting = waiting[rows]
         return orders
 
-    def _keys(self, states: Rows, told_apart: Colours | None = None) -> tuple[StateBits, Colours]:
+    def _keys(self, states: Rows, initial_colours: Colours | None = None) -> tuple[StateBits, Colours]:
         """Return the sort keys of the entities of each group."""
         bits = find_bits((states ^ self.initial) & self._mask, self.variables, self._term_of)
-        marks = np.zeros((len(states), self.size), dtype=np.uint64) if told_apart is None else told_apart
+        marks = np.zeros((len(states), self.size), dtype=np.uint64) if initial_colours is None else initial_colours
         keys = refine_colours(bits, marks) >> LOW
         touched = np.array(bits.alone.any(axis=2), dtype=np.bool_)
         entities = bits.entities(bits.related)

@@ -63,9 +63,9 @@ def _alone(terms: Patterns, states: int, state: NDArray[np.intp], term: NDArray[
     return alone
 
 
-def refine_colours(bits: StateBits, told_apart: Colours) -> Colours:
-    """Return the colours of `told_apart`, refined until no state distinguishes more entities."""
-    colours: Colours = told_apart
+def refine_colours(bits: StateBits, initial: Colours) -> Colours:
+    """Return the colours of `initial`, refined until no state distinguishes more entities."""
+    colours: Colours = initial
     for word in np.moveaxis(bits.alone, 2, 0):
         colours = _mixed(colours ^ word)
     if not len(bits.related):

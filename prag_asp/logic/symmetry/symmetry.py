@@ -208,7 +208,7 @@ class _Rules:
             if choice or bound >= START:
                 for atom in heads:
                     stated[atom] = stated.get(atom, 0) | (1 if choice else 2)
-        return [(4 * shape + mark, inside) for (shape, inside), mark in self.atoms.named(stated)]
+        return [(4 * shape + mark, inside) for (shape, inside), mark in self.atoms.named_atoms(stated)]
 
     @cached_property
     def _shapes(self) -> dict[int, list[Shaped]]:

@@ -37,7 +37,7 @@ class Site:
 
     path: Path
     line: int
-    told: str
+    text: str
     expression: Expression = 0
     inputs: tuple[str, ...] = ()
     certain: bool = False
@@ -64,13 +64,13 @@ class Checks:
         """Return the error for an operation out of range, which clingo reports as undefined."""
         here = [site for site in self.overflows if message.startswith(f"{site.path}:{site.line}:")]
         site = (here or self.overflows)[0]
-        return site.error(out_of_range(site.told))
+        return site.error(out_of_range(site.text))
 
     def as_written(self, message: str) -> str:
         """Return the message of clingo about an undefined operation, with the operation as the author wrote it."""
-        here = (site for site in self.sites if site.told and message.startswith(f"{site.path}:{site.line}:"))
+        here = (site for site in self.sites if site.text and message.startswith(f"{site.path}:{site.line}:"))
         site = next(here, None)
-        return f"{site.path}:{site.line}: operation undefined: {site.told}" if site else message
+        return f"{site.path}:{site.line}: operation undefined: {site.text}" if site else message
 
     def in_range(self, number: clingo.Symbol, *inputs: clingo.Symbol) -> clingo.Symbol:
         """Return 0 if an operation on these inputs stays in range, otherwise a term that no operation takes.
@@ -83,7 +83,7 @@ class Checks:
             check_range(site.expression, dict(zip(site.inputs, inputs, strict=True)))
         except OutOfRange:
             if divides(site.expression):
-                raise site.error(out_of_range(site.told)) from None
+                raise site.error(out_of_range(site.text)) from None
             self.overflows.append(site)
             return clingo.Function("out_of_range")
         return clingo.Number(0)
@@ -96,7 +96,7 @@ class Checks:
         """
         if self.in_range(number, *inputs).type != clingo.SymbolType.Number:
             site = self.sites[number.number]
-            raise site.error(out_of_range(site.told))
+            raise site.error(out_of_range(site.text))
         return clingo.Number(0)
 
     def up_to(self, number: clingo.Symbol, low: clingo.Symbol, high: clingo.Symbol) -> clingo.Symbol:
@@ -107,11 +107,11 @@ class Checks:
         """
         site = self.sites[number.number]
         if not low.type == high.type == clingo.SymbolType.Number:
-            unset = [str(end) for end in (low, high) if str(end) in CONSTANT.findall(site.told)]
+            unset = [str(end) for end in (low, high) if str(end) in CONSTANT.findall(site.text)]
             hint = f"give {unset[0]} a value by -c or #const, or " if unset else ""
-            raise site.error(f"interval undefined: {site.told} from {low} to {high}; {hint}guard the operation")
+            raise site.error(f"interval undefined: {site.text} from {low} to {high}; {hint}guard the operation")
         if high.number - low.number >= WIDEST:
-            raise site.error(too_wide(site.told, low.number, high.number))
+            raise site.error(too_wide(site.text, low.number, high.number))
         return high
 
     def summed(self, number: clingo.Symbol, group: clingo.Symbol, element: clingo.Symbol) -> clingo.Symbol:
@@ -135,13 +135,13 @@ class Checks:
         """
         site = self.sites[number.number]
         if site.certain:
-            raise site.error(ever_larger(site.told))
+            raise site.error(ever_larger(site.text))
         made_of = self._values.setdefault((number.number, time), set())
         made_of.add(values)
         if len(made_of) > MOST_VALUES:
-            raise site.error(f"this rule made terms of {site.told} from one another {MOST_VALUES:,} times; {BOUND}")
+            raise site.error(f"this rule made terms of {site.text} from one another {MOST_VALUES:,} times; {BOUND}")
         if any(measure(value, self._depths, _depth) > DEEPEST for value in values):
-            raise site.error(f"this rule makes terms of {site.told} nested more than {DEEPEST:,} deep; {BOUND}")
+            raise site.error(f"this rule makes terms of {site.text} nested more than {DEEPEST:,} deep; {BOUND}")
         return clingo.Number(0)
 
 

@@ -57,7 +57,7 @@ class _Derivation:
         return _signature(self.head)
 
     @cached_property
-    def made(self) -> tuple[tuple[int, str, int], ...]:
+    def head_variables(self) -> tuple[tuple[int, str, int], ...]:
         """The place of each argument of the head with its variables and their depths."""
         return tuple(
             (place, name, depth)
@@ -184,7 +184,7 @@ def _grown(each: _Derivation, inside: Collection[Signature]) -> tuple[str, ...]:
     heights = _heights(each, inside)
     grown = {
         name
-        for place, name, depth in each.made
+        for place, name, depth in each.head_variables
         if heights.get(name, inf) + depth > 0 and not _is_bounded(each, place, name)
     }
     return tuple(sorted(grown))

@@ -120,9 +120,9 @@ class _CheckWriter:
         """Write the check that counts the terms of an endless rule."""
         rule = endless.rule
         time = rule.parameters[0] if rule.timed and rule.parameters else "0"
-        told = "/".join(dict.fromkeys(head.name for head in rule.heads))
+        names = "/".join(dict.fromkeys(head.name for head in rule.heads))
         check = self._call(
-            "goes_on", Site(rule.path, rule.line, told, certain=endless.certain), time, *endless.variables
+            "goes_on", Site(rule.path, rule.line, names, certain=endless.certain), time, *endless.variables
         )
         if endless.element is None:
             end = rule.node.location.end
@@ -231,7 +231,7 @@ class _CheckWriter:
         ends = [read_expression(low), read_expression(high)]
         if isinstance(ends[0], int) and isinstance(ends[1], int):
             if ends[1] - ends[0] >= WIDEST:
-                raise site.error(too_wide(site.told, ends[0], ends[1]))
+                raise site.error(too_wide(site.text, ends[0], ends[1]))
             return
         self._terms([low], None)
         name = self._call("up_to", site, str(low))
