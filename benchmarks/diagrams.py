@@ -1,7 +1,8 @@
-"""Counting through decision diagrams beside CUDD, in one run: python benchmarks/diagrams.py (needs pip install dd).
+"""Counting through decision diagrams beside CUDD and OxiDD, in one run: python benchmarks/diagrams.py.
 
-The domain `carry` has 1.8 * 10^8 states. CUDD is given the actions by hand, and counts as binary digits, one diagram
-each: its own diagrams with numbers hold floats, which are not exact.
+It needs pip install dd oxidd. The domain `carry` has 1.8 * 10^8 states. Both libraries are given the actions by hand,
+and counts as binary digits, one diagram each: CUDD's diagrams with numbers hold floats, which are not exact, and OxiDD
+has none in Python.
 """
 
 from __future__ import annotations
@@ -73,6 +74,54 @@ def cudd(steps: int) -> int:
     return sum((bdd.let(start, digit) == bdd.true) << place for place, digit in enumerate(row))
 
 
+def oxidd(steps: int) -> int:
+    """Count by OxiDD in the same way as by CUDD."""
+    manager = import_module("oxidd.bcdd").BCDDManager(20_000_000, 4_000_000, 1)
+    conjunction = import_module("oxidd.util").BooleanOperator.AND
+    places = {(t, p): THINGS + PLACES * t + p for t in range(THINGS) for p in range(PLACES)}
+    variables = [manager.var(each) for each in manager.add_vars(THINGS + len(places))]
+
+    def cube(values: Mapping[int, bool]) -> Any:
+        found = manager.true()
+        for number, value in values.items():
+            found &= variables[number] if value else ~variables[number]
+        return found
+
+    free = cube(dict.fromkeys(range(THINGS), False))
+    actions = []
+    for (thing, _), place in places.items():
+        read = cube({place: True, thing: True})
+        actions.append((variables[place] & free, cube({place: False, thing: True}), read))
+        actions.append((variables[thing], cube({place: True, thing: False}), read))
+    first = dict.fromkeys((*range(THINGS), *places.values()), False) | {places[t, t]: True for t in range(THINGS)}
+    start, nothing = cube(first), manager.false()
+    reached = frontier = start
+    while frontier != nothing:
+        found = nothing
+        for guard, changes, read in actions:
+            found |= frontier.apply_exists(conjunction, guard, read) & changes
+        frontier = found & ~reached
+        reached |= found
+    row = [reached & cube({places[t, t + 1]: True for t in range(THINGS)})]
+    for _ in range(steps):
+        total: list[Any] = []
+        for guard, changes, read in actions:
+            behind = [digit.apply_exists(conjunction, changes, read) & guard & reached for digit in row]
+            total = added_by_oxidd(nothing, total, behind)
+        row = total
+    return sum((digit & start != nothing) << place for place, digit in enumerate(row))
+
+
+def added_by_oxidd(nothing: Any, first: list[Any], second: list[Any]) -> list[Any]:
+    """Return the sum of two numbers given by their binary digits, the lowest first."""
+    carry, digits = nothing, []
+    for place in range(max(len(first), len(second))):
+        one, other = (each[place] if place < len(each) else nothing for each in (first, second))
+        digits.append(one ^ other ^ carry)
+        carry = (one & other) | (carry & (one ^ other))
+    return digits if carry == nothing else [*digits, carry]
+
+
 def added(bdd: Any, first: list[Any], second: list[Any]) -> list[Any]:
     """Return the sum of two numbers given by their binary digits, the lowest first."""
     carry, digits = bdd.false, []
@@ -84,7 +133,7 @@ def added(bdd: Any, first: list[Any], second: list[Any]) -> list[Any]:
     return digits if carry == bdd.false else [*digits, carry]
 
 
-WAYS: Mapping[str, Callable[[int], int]] = {"own": own, "cudd": cudd}
+WAYS: Mapping[str, Callable[[int], int]] = {"own": own, "cudd": cudd, "oxidd": oxidd}
 
 
 def main() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -10,6 +11,9 @@ from prag_asp.integers import TOLD, shortened, too_large
 
 if TYPE_CHECKING:
     import clingo
+
+STRING = re.compile(r'"(?:\\["\\n]|[^"\\\n])*"')
+"""A quoted string, as clingo reads it."""
 
 
 class Atom(NamedTuple):
@@ -33,7 +37,7 @@ def symbol_of(atom: Atom | str) -> clingo.Symbol:
     Raises:
         QueryError: it is not a ground term, or has a number out of range.
     """
-    for _, digits in too_large(str(atom)):
+    for _, digits in too_large(STRING.sub(" ", str(atom))):
         raise QueryError(f"{str(atom)!r}: the number {shortened(digits)} is out of range: {TOLD}")
     import clingo  # noqa: PLC0415 - an atom is a plain value: whoever has only atoms needs no solver
 

@@ -4,7 +4,7 @@ PragError
 ├── DomainError        a domain's files are wrong: every message is ``file:line: what; what to do``
 ├── QueryError         a question does not fit the domain: unknown action, negative length, bad weight
 ├── EngineError        an engine cannot express a domain, and says why
-│   └── LimitReached   a limit on memory or time ended the work; has what was found until then
+│   └── LimitReached   a limit on memory or time ended the work; has the reason and a lower bound
 ├── SceneError         the scene or a body of it cannot be built
 ├── MissingError       a package that is needed is not installed; the message says how to install it
 │   ├── PhysicsMissingError
@@ -12,12 +12,14 @@ PragError
 │   ├── DatasetsMissingError
 │   ├── PddlMissingError
 │   └── RayMissingError
-├── NotFound           less was found than was asked for
+├── NotFound           fewer results were found than requested
 ├── WorkerError        the processes that validate tasks died again and again, or could not be started
 └── OutputError        a result could not be written
 """
 
 from __future__ import annotations
+
+from prag_asp.stop_reason import StopReason
 
 LONGEST = 500
 """Characters of a line of a message, whatever it quotes."""
@@ -28,10 +30,10 @@ HEAD = 300
 
 
 def plain(text: str) -> str:
-    """Return a text as one line that a terminal prints and does not obey.
+    """Return a text as one line without control sequences.
 
-    What does not print, line ends and signs that turn what is around them included, is written as in a string of
-    Python.
+    Characters that do not print, such as line ends and signs that change the direction of text, are escaped as in a
+    string of Python.
     """
     if text.isprintable():
         return text
@@ -39,20 +41,20 @@ def plain(text: str) -> str:
 
 
 def one_line(text: str) -> str:
-    """Return a text as one line of a message: `plain`, and its middle left out where it is too long."""
+    """Return a text as one line of a message: `plain`, and without its middle if it is too long."""
     line = plain(text)
     return line if len(line) <= LONGEST else f"{line[:HEAD]}{CUT}{line[HEAD + len(CUT) - LONGEST :]}"
 
 
 class PragError(Exception):
-    """Something that the user can mend; the message says what, where and how.
+    """Something that the user can fix; the message says what, where and how.
 
-    Each argument is a problem of its own, and becomes a line of the message.
+    Each argument is a separate problem, and becomes a line of the message.
     """
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """The lines of the message: each is fit for a terminal, whatever it quotes."""
+        """The lines of the message, each safe for a terminal, whatever it quotes."""
         return tuple(one_line(str(problem)) for problem in self.args)
 
     def __str__(self) -> str:
@@ -64,19 +66,29 @@ class DomainError(PragError):
 
 
 class QueryError(PragError):
-    """A question does not fit the domain that it is asked of."""
+    """A question does not fit the domain."""
 
 
 class EngineError(PragError):
-    """An engine cannot express the domain."""
+    """An engine cannot express the domain: `what` is wrong, at a `place` (``file:line``) where it is known."""
+
+    def __init__(self, what: str, *, place: str = "", remedy: str = "") -> None:
+        super().__init__(f"{f'{place}: ' if place else ''}{what}{f'; {remedy}' if remedy else ''}")
+        self.what = what
+        self.place = place
+        self.remedy = remedy
 
 
 class LimitReached(EngineError):
-    """A limit on memory or time was reached; there are at least `at_least` of what was counted."""
+    """A limit was reached for a `reason`; there are at least `at_least` of what was counted."""
 
-    def __init__(self, message: str, at_least: int) -> None:
+    def __init__(self, message: str, at_least: int, reason: StopReason) -> None:
         super().__init__(message)
         self.at_least = at_least
+        self.reason = reason
+
+    def __reduce__(self) -> tuple[type[LimitReached], tuple[str, int, StopReason]]:
+        return type(self), (self.what, self.at_least, self.reason)
 
 
 class SceneError(PragError):
@@ -96,7 +108,7 @@ class PicturesMissingError(MissingError):
 
 
 class DatasetsMissingError(MissingError):
-    """Data sets need pyarrow, and their other forms some more."""
+    """Datasets need pyarrow, and other dataset formats further packages."""
 
 
 class LearningMissingError(MissingError):
@@ -112,7 +124,7 @@ class PddlMissingError(MissingError):
 
 
 class NotFound(PragError):
-    """Less was found than was asked for."""
+    """Fewer results were found than requested."""
 
 
 class WorkerError(PragError):

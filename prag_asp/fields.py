@@ -43,6 +43,14 @@ LONGEST = 40
 """Characters of a wrong value that are shown."""
 
 
+class FieldError(QueryError):
+    """A value of JSON is of the wrong kind; `trail` leads to it: keys and positions from the outermost value."""
+
+    def __init__(self, message: str, trail: Trail = ()) -> None:
+        super().__init__(message)
+        self.trail = trail
+
+
 def decoded(text: str) -> Any:
     """Return the value that a text of JSON spells.
 
@@ -64,7 +72,7 @@ def read(data: object, kind: type[Kind], name: str) -> Kind:
     """Return a value of JSON as one of a kind that msgspec knows; paths begin with its `name`, which may be empty.
 
     Raises:
-        QueryError: it is of another kind; the message names the field by its path.
+        FieldError: it is of another kind; the message names the field by its path.
     """
     try:
         return msgspec.convert(data, kind)
@@ -73,10 +81,11 @@ def read(data: object, kind: type[Kind], name: str) -> Kind:
         trail = _trail(data, kind, str(error), re.findall(r"\.(\w+)|\[(\d+|\.\.\.)\]", place))
         missing = re.fullmatch(r"Object missing required field `(\w+)`", what)
         if missing:
-            raise QueryError(f"{_path(name, (*trail, missing[1]))}: is missing") from None
+            trail = (*trail, missing[1])
+            raise FieldError(f"{_path(name, trail)}: is missing", trail) from None
         where = _path(name, trail)
         wrong = f"needs {_needed(what)}; got {shown(_at(data, trail))}"
-        raise QueryError(f"{where}: {wrong}" if where else wrong) from None
+        raise FieldError(f"{where}: {wrong}" if where else wrong, trail) from None
 
 
 def one_of(options: Sequence[Option], value: str, name: str) -> Option:

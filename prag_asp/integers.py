@@ -20,7 +20,6 @@ GROUP = 3
 LONGEST = 40
 """Digits, in any base, beyond which a number is not even read."""
 
-STRING = re.compile(r'"(?:\\.|[^"\\])*"')
 TOLD = f"write numbers from -{LARGEST} to {LARGEST}"
 
 
@@ -30,8 +29,8 @@ def fits(number: int) -> bool:
 
 
 def too_large(text: str) -> Iterator[tuple[int, str]]:
-    """Yield the numbers in a text without comments that no logic program can hold, each with its position."""
-    for match in SPELLED.finditer(STRING.sub(lambda string: " " * len(string[0]), text)):
+    """Yield the numbers in a text without comments and strings that no logic program can hold, with their positions."""
+    for match in SPELLED.finditer(text):
         digits = match[0]
         if len(digits) > LONGEST or not fits(int(digits, 0 if digits[1:2].isalpha() else 10)):
             yield match.start(), digits

@@ -90,11 +90,13 @@ def _require_kind(path: str | Path, found: os.stat_result) -> None:
         OSError: it is a folder, or a pipe, a device or a socket.
     """
     mode = found.st_mode
+    if stat.S_ISREG(mode):
+        return
     if stat.S_ISDIR(mode):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     open_already = os.path.realpath(path).startswith(OPEN_ALREADY)
     nothing = stat.S_ISCHR(mode) and found.st_rdev == Path(os.devnull).stat().st_rdev
-    if not (stat.S_ISREG(mode) or nothing or (stat.S_ISFIFO(mode) and open_already)):
+    if not (nothing or (stat.S_ISFIFO(mode) and open_already)):
         raise Refused(errno.EINVAL, "it is no regular file", str(path))
 
 

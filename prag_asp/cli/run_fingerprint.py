@@ -30,7 +30,8 @@ lines go, how they are computed, and how many there are to be, for more begin as
 
 def run_of(*domains: Domain, told: Iterable[Any] = ()) -> str:
     """Return a digest of the command, of what its domains say, of what else is `told`, and of all versions."""
-    from prag_asp.domain.identity import code_digest, digest, domain_digest
+    from prag_asp.domain.identity import code_digest, domain_digest
+    from prag_asp.output.digests import digest
     from prag_asp.versions import versions
 
     context = click.get_current_context()

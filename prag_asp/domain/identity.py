@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
-from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 
 from prag_asp.domain.load import Domain
+from prag_asp.output.digests import digest, file_digest, files_digest
 from prag_asp.program.paths import PACKAGE
 from prag_asp.safe_reading import is_inside, read_bytes
 
@@ -21,7 +20,7 @@ MESH = re.compile(rb"""filename\s*=\s*["']([^"']+)["']""")
 def domain_digest(domain: Domain) -> str:
     """Return a digest of all that tasks of a domain and verdicts on them depend on, with the files of its scene."""
     settings = domain.settings
-    files = {str(path): _hashed(path) for path in scene_files(settings.scene, settings.path.parent)}
+    files = {str(path): file_digest(path) for path in scene_files(settings.scene, settings.path.parent)}
     content = [
         domain.name,
         domain.program.text,
@@ -37,24 +36,13 @@ def domain_digest(domain: Domain) -> str:
 
 def code_digest(encodings: Path) -> str:
     """Return a digest of the code of this package and of a folder of encodings, on which every result depends."""
-    return digest(sorted([*_own_code(), *((path.name, _hashed(path)) for path in encodings.rglob("*.lp"))]))
+    return digest([_package_digest(), files_digest(encodings.rglob("*.lp"), encodings)])
 
 
 @cache
-def _own_code() -> list[tuple[str, str]]:
-    """Return the names and the digests of the files of this package, read once in a process."""
-    files = [*PACKAGE.rglob("*.py"), *(PACKAGE / "grammar").glob("*.toml")]
-    return [(path.name, _hashed(path)) for path in files]
-
-
-def digest(values: object) -> str:
-    """Return a digest of plain values; the order of tables matters."""
-    return blake2b(json.dumps(values, default=str).encode(), digest_size=20).hexdigest()
-
-
-def _hashed(path: Path) -> str:
-    """Return the digest of a file."""
-    return blake2b(read_bytes(path)).hexdigest()
+def _package_digest() -> str:
+    """Return a digest of the files of this package, read once in a process."""
+    return files_digest([*PACKAGE.rglob("*.py"), *(PACKAGE / "grammar").glob("*.toml")], PACKAGE)
 
 
 def scene_files(table: object, folder: Path) -> Iterator[Path]:

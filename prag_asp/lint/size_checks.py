@@ -11,10 +11,11 @@ from math import prod
 
 from clingo.ast import ASTType
 
+from prag_asp.atom import STRING
 from prag_asp.program.finite.checks import ever_larger
 from prag_asp.program.finite.endless import endless_rules
 from prag_asp.program.problem import Problem
-from prag_asp.program.syntax import STRING, Statement
+from prag_asp.program.syntax import Statement
 
 MOST = 10**8
 """Atoms that one fact may stand for; each takes a hundred bytes or more."""

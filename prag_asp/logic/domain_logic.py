@@ -9,7 +9,6 @@ from functools import cached_property
 import clingo
 
 from prag_asp.domain.load import Domain
-from prag_asp.errors import EngineError
 from prag_asp.logic.ground.ground_step import GroundStep, extend_step, ground_plan, ground_step
 from prag_asp.logic.ground.program import (
     canonical_extension,
@@ -18,13 +17,11 @@ from prag_asp.logic.ground.program import (
     weighing_program,
     whole_program,
 )
-from prag_asp.logic.ground.stationary import StepReads, read_step
+from prag_asp.logic.ground.stationary import Obstacle, StepReads, read_step
 from prag_asp.logic.step.normal import NormalStep
 from prag_asp.logic.step.strata import stratified_step
 from prag_asp.logic.step.transition import Transition, build_transition
-from prag_asp.logic.symmetry.asymmetric_invariants import states_unevenly
 from prag_asp.logic.symmetry.symmetries import Symmetries
-from prag_asp.logic.symmetry.symmetry import find_symmetries, may_interchange
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.sources import ADDED, Program
 
@@ -77,11 +74,11 @@ class DomainLogic:
             EngineError: a step reads more than the step before it.
         """
         if self.reads.obstacles:
-            raise EngineError(self.reads.obstacles[0])
+            raise self.reads.obstacles[0].error()
         return ground_step(self.program, self.domain.facts, self.reads)
 
     @property
-    def obstacles(self) -> tuple[str, ...]:
+    def obstacles(self) -> tuple[Obstacle, ...]:
         """The reasons why a step is no function of the state and the action."""
         return self.reads.obstacles or self.ground.obstacles
 
@@ -100,6 +97,8 @@ class DomainLogic:
         if self.part_of is not None:
             return self.part_of.symmetries(length)
         if self.whole is not self:
+            from prag_asp.logic.symmetry.symmetry import may_interchange  # noqa: PLC0415 - plans and skeletons need none
+
             return self.whole.symmetries(length) if may_interchange(self.domain.facts) else Symmetries()
         if not self._without_loops.obstacles:
             return self._without_loops._symmetries
@@ -118,6 +117,8 @@ class DomainLogic:
 
         If the invariants state of some entities what follows for others, all entailed invariants are stated first.
         """
+        from prag_asp.logic.symmetry.symmetry import find_symmetries  # noqa: PLC0415 - plans and skeletons need none
+
         bare = self.bare
         beside = None if bare is None else lambda: ground(bare._closed() or bare)
 
@@ -132,6 +133,8 @@ class DomainLogic:
 
     def _closed(self, groups: Collection[Sequence[clingo.Symbol]] = ()) -> DomainLogic | None:
         """Return the logic with all entailed invariants, if more than `groups` may be alike in it."""
+        from prag_asp.logic.symmetry.asymmetric_invariants import states_unevenly  # noqa: PLC0415 - plans and skeletons need none
+
         if not states_unevenly(self.domain.facts, groups) or (program := closed_program(self.domain)) is None:
             return None
         return DomainLogic(replace(self.domain, program=program))
@@ -202,7 +205,7 @@ class DomainLogic:
             EngineError: the step is not a function of the state and the action.
         """
         if self.obstacles:
-            raise EngineError(self.obstacles[0])
+            raise self.obstacles[0].error()
         reduces = tasks and bool(self.symmetries(0))
         if not weighed and not labels:
             return self._task_transition if reduces else self._plan_transition

@@ -1,6 +1,6 @@
-"""The answer sets of any logic program: counted, drawn and listed exactly."""
+"""The answer sets of any logic program: counted, sampled and listed exactly."""
 
 from __future__ import annotations
 
 ENGINES = ("auto", "ganak", "diagram", "clingo")
-"""What fits; a #SAT counter, which counts alone; a compiled diagram; and clingo's enumeration."""
+"""The fastest that fits; a #SAT counter, which only counts; a compiled diagram; and clingo's enumeration."""

@@ -10,8 +10,9 @@ import clingo
 from prag_asp.logic.formula.clark_completion import Completion, complete
 from prag_asp.logic.formula.clause_builder import TRUE, ClauseBuilder, Literal
 from prag_asp.logic.formula.cnf import Cnf
-from prag_asp.models.ground_program import Condition, GroundModels
-from prag_asp.models.shifting import shifted
+from prag_asp.logic.ground.rules import Condition
+from prag_asp.models.ground_program import GroundModels
+from prag_asp.models.shifting import shift_disjunctions
 from prag_asp.processes.progress_events import stage
 
 
@@ -19,8 +20,9 @@ from prag_asp.processes.progress_events import stage
 class ModelFormula:
     """A formula, and how its models are printed.
 
-    The variables `cnf.shown` tell one answer set from another, or one projection. `printed` are the symbols of which
-    those with a true literal are printed, sorted. With `whole`, all other variables are functions of those.
+    `cnf.shown` are the projection variables: they distinguish answer sets, or their projections. `printed`
+    are the symbols of which those with a true literal are printed, sorted. With `whole`, all other variables are
+    functions of those.
     """
 
     completion: Completion
@@ -36,7 +38,7 @@ def model_formula(ground: GroundModels, *, project: bool, copied: bool) -> Model
     are one: as clingo's option ``--project`` has it. What is printed are those atoms then.
     """
     stage("writing clauses")
-    completion = complete(shifted(ground.rules), copied=copied)
+    completion = complete(shift_disjunctions(ground.rules), copied=copied)
     clauses, value = completion.clauses, completion.value
 
     names = {symbol: value(atom) for symbol, atom in ground.names}
@@ -44,8 +46,8 @@ def model_formula(ground: GroundModels, *, project: bool, copied: bool) -> Model
         printed = [(symbol, value(atom)) for symbol, atom in ground.names if atom in ground.projected]
     else:
         printed = [(symbol, _some(clauses, conditions, value)) for symbol, conditions in ground.shown]
-    telling = [literal for _, literal in printed] if project else list(completion.values.values())
-    shown = tuple(sorted({abs(literal) for literal in telling} | {TRUE}))
+    projection = [literal for _, literal in printed] if project else list(completion.values.values())
+    shown = tuple(sorted({abs(literal) for literal in projection} | {TRUE}))
     cnf = Cnf(clauses.variables, tuple(clauses.clauses), names, shown)
     return ModelFormula(completion, cnf, tuple(printed), whole=not project)
 

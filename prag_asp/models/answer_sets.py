@@ -1,4 +1,4 @@
-"""The answer sets of any logic program as one value: how many, which, drawn exactly, and how often each atom."""
+"""The answer sets of any logic program as one value: count, list, exact samples and marginals."""
 
 from __future__ import annotations
 
@@ -17,20 +17,27 @@ from prag_asp.logic.formula.clause_builder import TRUE, Literal
 from prag_asp.logic.formula.counter import CountBeside, count_models, has_ganak
 from prag_asp.models import ENGINES
 from prag_asp.models.answer_set_formula import ModelFormula, model_formula
-from prag_asp.models.atom_weights import PLAIN, LiteralWeights, hidden, literal_weights, stated_weights, unknown_weights
+from prag_asp.models.atom_weights import (
+    PLAIN,
+    LiteralWeights,
+    literal_weights,
+    projected_away,
+    stated_weights,
+    unknown_weights,
+)
 from prag_asp.models.compiler import Progress, compile_formula, prepare
-from prag_asp.models.diagram import Weighed
+from prag_asp.models.diagram import WeightedDiagram
 from prag_asp.models.enumeration import Enumeration
 from prag_asp.models.ground_program import GroundModels, ground_models
-from prag_asp.models.model_listing import listed
+from prag_asp.models.model_listing import list_models
 from prag_asp.models.program_reader import GivenProgram, read_program
-from prag_asp.models.shifting import is_disjunctive, is_head_cycle_free
+from prag_asp.models.shifting import is_head_cycle_free
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.constants import Constant
 from prag_asp.program.sources import Source, text_source
 
 AnswerSet = tuple[clingo.Symbol, ...]
-"""What is shown of an answer set, sorted."""
+"""The shown symbols of an answer set, sorted."""
 
 Tell = Callable[[str], None]
 
@@ -39,7 +46,7 @@ PATIENCE = 2.0
 
 
 class _Counted(Exception):
-    """A counter is done before a diagram is."""
+    """A counter has finished before the diagram was compiled."""
 
     def __init__(self, number: int) -> None:
         super().__init__(number)
@@ -58,9 +65,10 @@ def answer_sets(
 ) -> AnswerSets:
     """Return the answer sets of a logic program, given as files, a text, or both.
 
-    With `project`, those are one that agree on the atoms of ``#project`` or, without such a statement, on what is
-    shown. With `weighted`, facts ``weight(Atom, W)`` weigh them: each by the product over its atoms. `tell` gets a line
-    on what is done instead of what was asked for, or before it takes long; `progress` how far that is.
+    With `project`, answer sets that agree on the projection variables count as one: the atoms of ``#project`` or,
+    without such a statement, all that is shown. With `weighted`, facts ``weight(Atom, W)`` weigh them: each by the
+    product over its atoms. `tell` is called with notes, such as that another engine counts as well, and `progress` with
+    the progress of a long computation.
 
     Raises:
         DomainError: a file cannot be read or ground, or has what is not supported; each line of the message names one.
@@ -110,33 +118,33 @@ class AnswerSets:
         if how == "diagram":
             return self._count_by_diagram()
         stage("counting models with ganak")
-        return count_models(self._counted.cnf, request="engine ganak")
+        return count_models(self._counting_formula.cnf, request="engine ganak")
 
     def _count_by_diagram(self) -> int:
-        """Return their number by a diagram or, where nobody has chosen it, by a counter beside that is done before.
+        """Return their number by a diagram or, with engine auto, by a counter that finishes earlier.
 
-        A program that is not tight may suit either, by orders of magnitude.
+        For a program that is not tight, either may be faster by orders of magnitude.
         """
-        if self.engine != "auto" or not has_ganak() or "_weighed" in self.__dict__:
-            return Weighed(self._weighed.diagram, {}).total
+        if self.engine != "auto" or not has_ganak() or "_diagram" in self.__dict__:
+            return WeightedDiagram(self._diagram.diagram, {}).total
 
         def begins() -> None:
-            self.note(f"ganak counts as well, for compiling takes longer than {PATIENCE:g} s; the first answers")
+            self.note(f"ganak counts as well, because compiling takes longer than {PATIENCE:g} s; the first answers")
 
         def look() -> None:
             found = beside()
             if found is not None:
                 raise _Counted(found)
 
-        with CountBeside(lambda: (self._counted.cnf, ()), PATIENCE, begins) as beside:
+        with CountBeside(lambda: (self._counting_formula.cnf, ()), PATIENCE, begins) as beside:
             try:
-                self.__dict__["_weighed"] = self._compiled(look)  # as cached_property keeps it
+                self.__dict__["_diagram"] = self._compile(look)  # as cached_property keeps it
             except _Counted as counted:
                 return counted.number
-        return Weighed(self._weighed.diagram, {}).total
+        return WeightedDiagram(self._diagram.diagram, {}).total
 
     def estimate(self, epsilon: float = 0.8, delta: float = 0.2, seed: int = 0) -> Estimate:
-        """Return about how many there are, whatever they weigh: an estimate, which is never called their number.
+        """Return an estimate of their number, whatever they weigh.
 
         With a probability of at least 1 - `delta`, it is off by no more than a factor of 1 + `epsilon`.
 
@@ -148,7 +156,7 @@ class AnswerSets:
         if self._no_clauses:
             raise QueryError(f"--approximate: {self._no_clauses}; leave it out, and clingo enumerates")
         stage("estimating the number of models")
-        return estimate_models(self._counted.cnf, tolerance, seed)
+        return estimate_models(self._counting_formula.cnf, tolerance, seed)
 
     def total(self) -> Fraction:
         """Return the exact sum of their weights: without weights, their number."""
@@ -156,10 +164,10 @@ class AnswerSets:
             return Fraction(self.count())
         if self._way() == "clingo":
             return self._enumeration.total()
-        return self._weighed.total * self._weights.scale
+        return self._diagram.total * self._weights.scale
 
     def sample(self, count: int, seed: int = 0) -> Iterator[AnswerSet]:
-        """Yield so many, each drawn with a probability exactly proportional to its weight; the same for a seed.
+        """Yield `count` answer sets, each with a probability exactly proportional to its weight, reproducibly by seed.
 
         Raises:
             NotFound: there is none, or all have the weight 0.
@@ -167,10 +175,10 @@ class AnswerSets:
         if self._way() == "clingo":
             total = self._enumeration.total()
             self._require(total)
-            yield from self._enumeration.draws(seed, count, total)
+            yield from self._enumeration.sample(seed, count, total)
             return
-        self._require(self._weighed.total)
-        yield from map(self._printed, islice(self._weighed.draws(seed), count))
+        self._require(self._diagram.total)
+        yield from map(self._print, islice(self._diagram.sample(seed), count))
 
     def marginals(self) -> dict[clingo.Symbol, Fraction]:
         """Return for each symbol that may be shown the exact share of the answer sets, by weight, that have it.
@@ -183,9 +191,9 @@ class AnswerSets:
             self._require(total)
             sums = self._enumeration.marginals()
             return {symbol: sums.get(symbol, Fraction(0)) / total for symbol in self._symbols}
-        whole = self._weighed.total
+        whole = self._diagram.total
         self._require(whole)
-        weights = self._weighed.marginals() | {TRUE: whole}
+        weights = self._diagram.marginals() | {TRUE: whole}
         return {symbol: Fraction(weights.get(literal, 0), whole) for symbol, literal in self._formula.printed}
 
     def __iter__(self) -> Iterator[AnswerSet]:
@@ -198,10 +206,10 @@ class AnswerSets:
         if formula.whole:
             order += [formula.completion.value(atom) for _, atom in self.ground.names]
             order += map(formula.completion.value, formula.completion.values)
-        yield from map(self._printed, listed(formula, order))
+        yield from map(self._print, list_models(formula, order))
 
-    def _printed(self, literals: Sequence[Literal]) -> AnswerSet:
-        """Return what is shown where some literals are true."""
+    def _print(self, literals: Sequence[Literal]) -> AnswerSet:
+        """Return the shown symbols of a model with some true literals."""
         places, always = self._places
         found = [*always]
         for literal in literals:
@@ -209,16 +217,16 @@ class AnswerSets:
         return tuple([self._symbols[place] for place in sorted(found)])
 
     def _way(self, *, counts: bool = False) -> str:
-        """Return which engine answers, and tell where it is not the one that one would expect.
+        """Return the name of the engine that answers, and note an unexpected one.
 
         Raises:
             QueryError: the engine that was chosen has no answer.
         """
         if self.engine == "clingo":
             return "clingo"
-        if self._obstacle:
+        if self._reason_to_enumerate:
             if self.engine != "auto":
-                raise QueryError(f"engine {self.engine}: {self._obstacle}; choose the engine clingo")
+                raise QueryError(f"engine {self.engine}: {self._reason_to_enumerate}; choose the engine clingo")
             return "clingo"
         if self.engine == "ganak" and not counts:
             raise QueryError("engine ganak: it only counts; choose the engine diagram")
@@ -226,8 +234,8 @@ class AnswerSets:
         return "ganak" if self.engine == "ganak" or (self.engine == "auto" and fits) else "diagram"
 
     @cached_property
-    def _obstacle(self) -> str:
-        """Why there is no formula, in words, which are told where nobody has chosen an engine."""
+    def _reason_to_enumerate(self) -> str:
+        """The reason why there is no formula, or ""; with engine auto it is noted."""
         found = self._no_clauses
         if found and self.engine == "auto":
             self.note(f"{found}: clingo enumerates, which takes time for each answer set")
@@ -235,11 +243,11 @@ class AnswerSets:
 
     @cached_property
     def _no_clauses(self) -> str:
-        """Why there is no formula, in words."""
+        """The reason why there is no formula, or ""."""
         found = ""
         if self.ground.acyclic:
             found = "#edge wants a graph without cycles"
-        elif any(map(is_disjunctive, self.ground.rules)) and not is_head_cycle_free(self.ground.rules):
+        elif any(rule.is_disjunctive for rule in self.ground.rules) and not is_head_cycle_free(self.ground.rules):
             found = "atoms of one disjunction depend on each other"
         elif self.ground.contested:
             first = min(symbol for symbol, atom in self.ground.names if atom in self.ground.contested)
@@ -251,8 +259,8 @@ class AnswerSets:
         return self._formula_of(copied=True)
 
     @property
-    def _counted(self) -> ModelFormula:
-        """The formula for a counter, which has nothing of copies."""
+    def _counting_formula(self) -> ModelFormula:
+        """The formula for a counter, without copies."""
         return self._formula if not self._formula.completion.copies else self._formula_of(copied=False)
 
     def _formula_of(self, *, copied: bool) -> ModelFormula:
@@ -265,10 +273,10 @@ class AnswerSets:
         return literal_weights(self._formula, self.stated, self.ground, self.given.program)
 
     @cached_property
-    def _weighed(self) -> Weighed:
-        return self._compiled()
+    def _diagram(self) -> WeightedDiagram:
+        return self._compile()
 
-    def _compiled(self, look: Callable[[], None] = lambda: None) -> Weighed:
+    def _compile(self, look: Callable[[], None] = lambda: None) -> WeightedDiagram:
         weights = self._weights.weights
         kept = {abs(literal) for _, literal in self._formula.printed} | {abs(literal) for literal in weights}
         stage("ordering variables")
@@ -276,11 +284,11 @@ class AnswerSets:
         if prepared.clauses:
             self.note(f"compiling {prepared.cost}")
         stage("compiling")
-        return Weighed(compile_formula(self._formula, prepared, self.progress, look), weights)
+        return WeightedDiagram(compile_formula(self._formula, prepared, self.progress, look), weights)
 
     @cached_property
     def _symbols(self) -> tuple[clingo.Symbol, ...]:
-        if self._obstacle or self.engine == "clingo":
+        if self._reason_to_enumerate or self.engine == "clingo":
             by_statement = self.project and self.ground.projected is not None
             named = (symbol for symbol, atom in self.ground.names if atom in (self.ground.projected or ()))
             return tuple(named) if by_statement else tuple(symbol for symbol, _ in self.ground.shown)
@@ -297,19 +305,21 @@ class AnswerSets:
     @cached_property
     def _enumeration(self) -> Enumeration:
         if self.project and self.stated:
-            telling = self.ground.telling
-            left = sorted(symbol for symbol, atom in self.ground.names if symbol in self.stated and atom not in telling)
+            projection = self.ground.projection_variables
+            left = sorted(
+                symbol for symbol, atom in self.ground.names if symbol in self.stated and atom not in projection
+            )
             if left:
-                raise hidden(left[0], self.ground, self.given.program)
+                raise projected_away(left[0], self.ground, self.given.program)
         return Enumeration(self.given, self.ground, self.project, self.stated, self.progress)
 
     def note(self, line: str) -> None:
-        """Tell a line to whoever wants to hear."""
+        """Pass a line to `tell`, if it is given."""
         if self.tell is not None:
             self.tell(line)
 
     def _require(self, total: Fraction | int) -> None:
-        """Check that there is something to draw."""
+        """Check that there is something to sample."""
         if not total:
             raise NotFound(
                 "no answer set has a weight above 0; raise the weight of an atom"

@@ -9,7 +9,9 @@ from prag_asp.logic.formula.clause_builder import Literal
 from prag_asp.program.finite.components import components
 
 
-def equivalent(copies: Container[int], clauses: Sequence[Sequence[Literal]]) -> tuple[dict[Literal, Literal], set[int]]:
+def merge_copies(
+    copies: Container[int], clauses: Sequence[Sequence[Literal]]
+) -> tuple[dict[Literal, Literal], set[int]]:
     """Return for the literals of copies those that stand for them, where it is another, and what is read of all.
 
     A copy derives another by a clause of these two; where no other clause derives that one, it is as good as the first.

@@ -9,13 +9,15 @@ from fractions import Fraction
 from math import prod
 
 import clingo
+from clingo.ast import AST, ASTType
 
 from prag_asp.errors import DomainError, QueryError
 from prag_asp.logic.formula.clause_builder import TRUE, Literal
 from prag_asp.models.answer_set_formula import ModelFormula
-from prag_asp.models.atom_lines import place_of
 from prag_asp.models.ground_program import GroundModels
+from prag_asp.program.parse import parse_sources
 from prag_asp.program.sources import Program
+from prag_asp.program.syntax import AtomNode
 from prag_asp.wording import did_you_mean, plural
 
 FRACTION = re.compile(r"\d{1,100}(/\d{1,100}|\.\d{1,100})?")
@@ -100,8 +102,8 @@ def _read(text: str) -> Fraction | None:
         return None
 
 
-def hidden(atom: clingo.Symbol, ground: GroundModels, program: Program) -> QueryError:
-    """Return the error of a weighted atom whose value a projection does not tell."""
+def projected_away(atom: clingo.Symbol, ground: GroundModels, program: Program) -> QueryError:
+    """Return the error for a weighted atom that is no projection variable."""
     weights = (symbol for symbol, _ in ground.names if symbol.match("weight", 2) and symbol.arguments[0] == atom)
     place = place_of(next(weights), program)
     return QueryError(f"{place}--weighted: {atom} has a weight, but is projected away; show it, or leave it out")
@@ -115,7 +117,7 @@ def literal_weights(
     Raises:
         QueryError: answer sets that count as one may have different weights.
     """
-    telling = frozenset(formula.cnf.shown)
+    projection = frozenset(formula.cnf.shown)
     weights: dict[Literal, int] = {}
     scale = Fraction(1)
     for symbol, weight in stated.items():
@@ -123,8 +125,8 @@ def literal_weights(
         if literal == TRUE:
             scale *= weight
         elif literal != -TRUE:
-            if abs(literal) not in telling:
-                raise hidden(symbol, ground, program)
+            if abs(literal) not in projection:
+                raise projected_away(symbol, ground, program)
             weights[literal] = weights.get(literal, 1) * weight.numerator
             weights[-literal] = weights.get(-literal, 1) * weight.denominator
             scale /= weight.denominator
@@ -134,3 +136,34 @@ def literal_weights(
 def weight_of(stated: Mapping[clingo.Symbol, Fraction], atoms: Iterator[clingo.Symbol]) -> Fraction:
     """Return the weight of an answer set by its atoms."""
     return prod((stated[atom] for atom in atoms if atom in stated), start=Fraction(1))
+
+
+def place_of(symbol: clingo.Symbol, program: Program) -> str:
+    """Return ``file:line: `` of a rule that may derive an atom, preferably one whose head matches it.
+
+    The result is empty if no head has its name and number of arguments.
+    """
+    statements, _ = parse_sources((source, True) for source in program.sources)
+    signature = ("-" * symbol.negative + symbol.name, len(symbol.arguments))
+    found = [
+        (not _derives(head, symbol), place, f"{statement.path}:{statement.line}: ")
+        for place, statement in enumerate(statements)
+        for head in statement.heads
+        if head.signature == signature
+    ]
+    return min(found)[2] if found else ""
+
+
+def _derives(head: AtomNode, symbol: clingo.Symbol) -> bool:
+    return all(map(_may_be, head.terms, symbol.arguments))
+
+
+def _may_be(term: AST, symbol: clingo.Symbol) -> bool:
+    """Return whether a term may stand for a ground one; what is computed may be anything."""
+    if term.ast_type == ASTType.SymbolicTerm:
+        return bool(term.symbol == symbol)
+    if term.ast_type != ASTType.Function or term.external:
+        return True
+    if symbol.type != clingo.SymbolType.Function or symbol.name != term.name:
+        return False
+    return len(symbol.arguments) == len(term.arguments) and all(map(_may_be, term.arguments, symbol.arguments))

@@ -21,10 +21,10 @@ from itertools import chain, count
 from prag_asp.logic.formula.clause_builder import TRUE, Literal
 from prag_asp.logic.formula.solver import Solver
 from prag_asp.models.answer_set_formula import ModelFormula
-from prag_asp.models.atom_copies import equivalent
+from prag_asp.models.atom_copies import merge_copies
 from prag_asp.models.diagram import Branch, Diagram
-from prag_asp.models.foundedness import Oracle
-from prag_asp.models.variable_order import Order, decision_order
+from prag_asp.models.foundedness import FoundednessOracle
+from prag_asp.models.variable_order import DecisionOrder, decision_order
 
 REPORTED = 1000
 """Nodes between two reports of progress."""
@@ -57,48 +57,48 @@ _Work = Generator[tuple[_Part, _Case], Node, Node]
 
 
 @dataclass(frozen=True)
-class Prepared:
+class PreparedFormula:
     """A formula as it is compiled: units are propagated, and variables numbered in the order they are decided in.
 
-    `names` has the variable of each number, from 1; `telling` are the numbers of those that may be decided, and `kept`
-    the names of those whose values the diagram has. `copies` has the atom of each copy, 0 for one that is fixed, and
-    None for a gate. All models have the literals `fixed`; no clause reads the variables `free`. None of it is of use
-    where the formula is `contradictory`.
+    `names` has the variable of each number, from 1; `projection` are the numbers of those that may be decided, and
+    `kept` the names of those whose values the diagram has. `copies` has the atom of each copy, 0 for one that is fixed,
+    and None for a gate. All models have the literals `fixed`; no clause reads the variables `free`. If the formula is
+    `contradictory`, the other fields have no meaning.
     """
 
     clauses: tuple[tuple[Literal, ...], ...]
     names: tuple[int, ...]
     fixed: tuple[Literal, ...]
     free: tuple[int, ...]
-    telling: frozenset[int]
+    projection: frozenset[int]
     kept: frozenset[int]
     copies: Mapping[int, int | None]
-    order: Order
+    order: DecisionOrder
     contradictory: bool
 
     @property
     def cost(self) -> str:
-        """What compiling has to deal with, in words."""
+        """The size of the formula, as messages name it."""
         clauses, variables = len(self.clauses), len(self.names) - 1
         over = f"{variables:,} variable{'s' if variables > 1 else ''}"
         return f"{clauses:,} clause{'s' if clauses > 1 else ''} over {over}, width {self.order.width}"
 
 
-def prepare(formula: ModelFormula, kept: Iterable[int]) -> Prepared:
+def prepare(formula: ModelFormula, kept: Iterable[int]) -> PreparedFormula:
     """Return a formula as it is compiled, for a diagram that has the values of some variables."""
     cnf, copies = formula.cnf, formula.completion.copies
-    fixed, clauses = _propagated(cnf.clauses)
+    fixed, clauses = _propagate(cnf.clauses)
     order = decision_order(clauses or (), swept=bool(copies))
     number = {variable: place for place, variable in enumerate(order.variables, 1)}
     variables = range(1, cnf.variables + 1) if formula.whole else cnf.shown
-    telling = [variable for variable in variables if variable not in copies]
+    projection = [variable for variable in variables if variable not in copies]
     known = {abs(literal) for literal in fixed}
-    return Prepared(
+    return PreparedFormula(
         tuple(tuple(number[abs(each)] * (1 if each > 0 else -1) for each in clause) for clause in clauses or ()),
         (0, *order.variables),
         tuple(sorted(fixed, key=abs)),
-        tuple(variable for variable in telling if variable not in number and variable not in known),
-        frozenset(number[variable] for variable in telling if variable in number),
+        tuple(variable for variable in projection if variable not in number and variable not in known),
+        frozenset(number[variable] for variable in projection if variable in number),
         frozenset(kept),
         {
             number[variable]: None if literal == TRUE else number.get(abs(literal), 0)
@@ -112,23 +112,23 @@ def prepare(formula: ModelFormula, kept: Iterable[int]) -> Prepared:
 
 def compile_formula(
     formula: ModelFormula,
-    prepared: Prepared,
+    prepared: PreparedFormula,
     progress: Progress | None = None,
     look: Callable[[], None] = lambda: None,
 ) -> Diagram:
     """Return the diagram of a formula; `look` is called every now and then, and ends it by an error."""
     if prepared.contradictory:
         return Diagram(())
-    with closing(Oracle(formula.completion)) as oracle, _propagation(prepared) as propagation:
-        return _Compiler(prepared, oracle, propagation, progress, look).compiled()
+    with closing(FoundednessOracle(formula.completion)) as oracle, _propagation(prepared) as propagation:
+        return _Compiler(prepared, oracle, propagation, progress, look).compile()
 
 
-def _propagation(prepared: Prepared) -> Solver:
+def _propagation(prepared: PreparedFormula) -> Solver:
     """Return a solver of the clauses that is never asked to solve, so that it learns nothing."""
     return Solver(max(len(prepared.names) - 1, 1), prepared.clauses)
 
 
-def _propagated(
+def _propagate(
     clauses: Iterable[Sequence[Literal]],
 ) -> tuple[set[Literal], list[tuple[Literal, ...]] | None]:
     """Return the literals that unit clauses lead to and the clauses that are left, None where one has no literal."""
@@ -156,8 +156,8 @@ class _Compiler:
 
     def __init__(
         self,
-        prepared: Prepared,
-        oracle: Oracle,
+        prepared: PreparedFormula,
+        oracle: FoundednessOracle,
         propagation: Solver,
         progress: Progress | None,
         look: Callable[[], None],
@@ -176,19 +176,19 @@ class _Compiler:
         self._known: dict[bytes, Node] = {}
         self._either: dict[int, Node] = {}
 
-    def compiled(self) -> Diagram:
+    def compile(self) -> Diagram:
         """Return the diagram."""
         model = self._oracle.model()
         if model is None:
             return Diagram(())
         case = _Case((), model)
         parts = self._parts(range(1, len(self._given.names)), range(len(self._given.clauses)))
-        children = [self._found(part, case) for part in parts] + [self._free(name) for name in self._given.free]
+        children = [self._compile_part(part, case) for part in parts] + [self._free(name) for name in self._given.free]
         kept = (each for each in self._given.fixed if abs(each) in self._given.kept)
         self._nodes.append((Branch(tuple(kept), tuple(each for each in children if each)),))
         return Diagram(tuple(self._nodes))
 
-    def _found(self, part: _Part, case: _Case) -> Node:
+    def _compile_part(self, part: _Part, case: _Case) -> Node:
         """Return the node of a part, without recursion: formulas are deeper than Python's stack."""
         waiting = [self._node(part, case)]
         answer: Node | None = None
@@ -210,7 +210,7 @@ class _Compiler:
 
     def _node(self, part: _Part, case: _Case) -> _Work:
         """Find the node of a part whose variables a case leaves open; the case has a model."""
-        chosen = next((variable for variable in part.variables if variable in self._given.telling), 0)
+        chosen = next((variable for variable in part.variables if variable in self._given.projection), 0)
         if not chosen:
             return 0
         key = self._key(part)
@@ -218,7 +218,7 @@ class _Compiler:
             return self._known[key]
         branches = []
         for literal in (chosen, -chosen):
-            further = self._decided(case, literal)
+            further = self._decide(case, literal)
             if further is None:
                 continue
             below, implied = further
@@ -229,17 +229,17 @@ class _Compiler:
             for inner in parts:
                 children.append((yield inner, below))
             children += [self._free(self._given.names[each]) for each in free]
-            branches.append(Branch(self._kept(new), tuple(each for each in children if each)))
-        self._known[key] = self._added(tuple(branches))
+            branches.append(Branch(self._kept_literals(new), tuple(each for each in children if each)))
+        self._known[key] = self._add_node(tuple(branches))
         return self._known[key]
 
-    def _added(self, branches: tuple[Branch, ...]) -> Node:
+    def _add_node(self, branches: tuple[Branch, ...]) -> Node:
         self._nodes.append(branches)
         if self._progress and len(self._nodes) % REPORTED == 0:
             self._progress(f"compiling: {len(self._nodes):,} nodes")
         return len(self._nodes) - 1
 
-    def _decided(self, case: _Case, literal: Literal) -> tuple[_Case, list[Literal]] | None:
+    def _decide(self, case: _Case, literal: Literal) -> tuple[_Case, list[Literal]] | None:
         """Return the case with one more decision and what it implies, None where it has no model."""
         decisions = (*case.decisions, literal)
         implied = self._propagation.propagated(decisions)
@@ -247,10 +247,10 @@ class _Compiler:
             return None
         if (case.model[self._given.names[abs(literal)] - 1] > 0) == (literal > 0):
             return _Case(decisions, case.model), implied
-        model = self._oracle.model([self._named(each) for each in decisions])
+        model = self._oracle.model([self._name(each) for each in decisions])
         return None if model is None else (_Case(decisions, model), implied)
 
-    def _named(self, literal: Literal) -> Literal:
+    def _name(self, literal: Literal) -> Literal:
         return self._given.names[literal] if literal > 0 else -self._given.names[-literal]
 
     def _split(self, part: _Part, own: set[int], new: Sequence[Literal]) -> tuple[list[_Part], list[int]]:
@@ -260,7 +260,7 @@ class _Compiler:
         parts = self._parts(sorted(left), [clause for clause in part.clauses if clause not in satisfied])
         for each in parts:
             left.difference_update(each.variables)
-        return parts, sorted(left & self._given.telling)
+        return parts, sorted(left & self._given.projection)
 
     def _parts(self, variables: Sequence[int], clauses: Sequence[int]) -> list[_Part]:
         """Return the parts that variables fall into by clauses that are open; what no clause reads is in none."""
@@ -298,7 +298,7 @@ class _Compiler:
         """
         own, given = set(part.variables), self._given
         left = [[each for each in given.clauses[clause] if abs(each) in own] for clause in part.clauses]
-        one, read = equivalent(given.copies, left)
+        one, read = merge_copies(given.copies, left)
         told = {tuple(sorted({one.get(each, each) for each in clause})) for clause in left}
         clauses = sorted(clause for clause in told if not any(-each in clause for each in clause))
         # Where its atom is true already, a copy has to be derived.
@@ -308,7 +308,7 @@ class _Compiler:
         decided = [variable for variable in part.variables if variable not in given.copies]
         return array("i", [*decided, 0, *chain.from_iterable((*clause, 0) for clause in clauses)]).tobytes()
 
-    def _kept(self, literals: Sequence[Literal]) -> tuple[Literal, ...]:
+    def _kept_literals(self, literals: Sequence[Literal]) -> tuple[Literal, ...]:
         """Return the literals of a branch that the diagram is asked for, by their names."""
         names, kept = self._given.names, self._given.kept
         named = sorted((names[abs(each)], each > 0) for each in literals)
@@ -318,5 +318,5 @@ class _Compiler:
         """Return the node of a variable that may have either value."""
         if name not in self._either:
             both = ((name,), (-name,)) if name in self._given.kept else ((), ())
-            self._either[name] = self._added(tuple(Branch(literals, ()) for literals in both))
+            self._either[name] = self._add_node(tuple(Branch(literals, ()) for literals in both))
         return self._either[name]

@@ -1,8 +1,8 @@
-"""A compiled formula: totals, marginals and draws in time linear in its size, all of them exact.
+"""A compiled formula: totals, marginals and samples in time linear in its size, all of them exact.
 
 A node is a choice among branches that exclude each other; a branch is literals and further nodes that share no variable
-(a deterministic decomposable negation normal form; Darwiche 2001). So totals are sums of products, and a model is drawn
-from the top by choosing each branch with the share of its total.
+(a deterministic decomposable negation normal form; Darwiche 2001). So totals are sums of products, and a model is
+sampled from the top by choosing each branch with the share of its total.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from prag_asp.logic.formula.clause_builder import Literal
 from prag_asp.random_bits import WORD, SeededBits
 
 MOST_WORDS = 2**18
-"""Random words that are drawn at once."""
+"""Random words that are generated at once."""
 
 
 class Branch(NamedTuple):
@@ -38,7 +38,7 @@ _Choice = tuple[int, Branch, Branch, Callable[[Iterator[int]], bool]]
 
 
 @dataclass(frozen=True)
-class Weighed:
+class WeightedDiagram:
     """A diagram whose models have weights: the product of a whole number for each literal that has one, otherwise 1."""
 
     diagram: Diagram
@@ -83,10 +83,10 @@ class Weighed:
                     around[child] += through // totals[child]
         return found
 
-    def draws(self, seed: int) -> Iterator[list[Literal]]:
-        """Yield models without end, each drawn with a probability proportional to its weight; total is above 0.
+    def sample(self, seed: int) -> Iterator[list[Literal]]:
+        """Yield models without end, each sampled with a probability proportional to its weight; the total is above 0.
 
-        Draw i has random words of its own, whose number is the same for all draws.
+        Each sample has its own random words, whose number is the same for all samples.
         """
         bits = SeededBits(seed, "models")
         known: dict[int, _Choice] = {}
@@ -127,7 +127,7 @@ class Weighed:
 
     @property
     def _most_choices(self) -> int:
-        """The most choices that a draw makes."""
+        """The most choices that a sample takes."""
         most: list[int] = []
         for branches in self.diagram.nodes:
             most.append(max(sum(most[each] for each in branch.children) for branch in branches) + (len(branches) > 1))

@@ -17,16 +17,16 @@ from prag_asp.program.grounding import Grounder
 from prag_asp.random_bits import SeededBits
 
 POLL = 0.05
-"""Seconds between two moments at which an interruption is heard."""
+"""Seconds between two checks for an interruption."""
 
 Printed = tuple[clingo.Symbol, ...]
 
 
 @dataclass(frozen=True)
 class Enumeration:
-    """The answer sets of a program, each found anew by every question.
+    """The answer sets of a program, enumerated again for every question.
 
-    Memory does not grow with their number, but where clingo takes for several what is one (`_merges`).
+    Memory does not grow with their number, unless clingo repeats answer sets that count as one (`_repeats`).
     """
 
     given: GivenProgram
@@ -36,12 +36,12 @@ class Enumeration:
     progress: Callable[[str], None] | None = None
 
     def __iter__(self) -> Iterator[Printed]:
-        return (printed for printed, _ in self._found())
+        return (printed for printed, _ in self._enumerate())
 
     def count(self) -> int:
         """Return the number of answer sets."""
-        if self._merges:
-            return sum(1 for _ in self._telling())
+        if self._repeats:
+            return sum(1 for _ in self._enumerate_with_progress())
         grounder, found = self._grounder("--stats"), 0
 
         def one_more(_: clingo.Model) -> None:
@@ -51,7 +51,7 @@ class Enumeration:
         with grounder.control.solve(async_=True, on_model=one_more) as handle:
             try:
                 while not handle.wait(POLL):
-                    self._tell(found)
+                    self._report(found)
             finally:
                 handle.cancel()
         # clasp counts in doubles; an enumeration that reached 2**53 would take centuries.
@@ -59,45 +59,45 @@ class Enumeration:
 
     def total(self) -> Fraction:
         """Return the sum of the weights of all answer sets: without weights, their number."""
-        return sum((weight for _, weight in self._telling()), start=Fraction(0))
+        return sum((weight for _, weight in self._enumerate_with_progress()), start=Fraction(0))
 
     def marginals(self) -> dict[clingo.Symbol, Fraction]:
         """Return for each symbol the sum of the weights of the answer sets that print it."""
         found: dict[clingo.Symbol, Fraction] = {}
-        for printed, weight in self._telling():
+        for printed, weight in self._enumerate_with_progress():
             for symbol in printed:
                 found[symbol] = found.get(symbol, Fraction(0)) + weight
         return found
 
-    def draws(self, seed: int, number: int, total: Fraction) -> list[Printed]:
-        """Return a number of answer sets, each drawn with a probability proportional to its weight.
+    def sample(self, seed: int, number: int, total: Fraction) -> list[Printed]:
+        """Return a number of answer sets, each sampled with a probability proportional to its weight.
 
-        Each draw is a point between 0 and the total of all weights; the answer sets are gone through once more to see
-        which of them the points fall on.
+        Each sample is a point between 0 and the total of all weights; one more enumeration finds the answer sets that
+        the points fall on.
         """
         bits, scale = SeededBits(seed, "models"), self._scale()
-        points = [(bits.randrange(int(total * scale)), draw) for draw in range(number)]
+        points = [(bits.randrange(int(total * scale)), place) for place in range(number)]
         points.sort(reverse=True)
-        drawn: list[Printed] = [()] * number
+        samples: list[Printed] = [()] * number
         passed = 0
-        for printed, weight in self._found() if points else ():
+        for printed, weight in self._enumerate() if points else ():
             passed += int(weight * scale)
             while points and points[-1][0] < passed:
-                drawn[points.pop()[1]] = printed
+                samples[points.pop()[1]] = printed
             if not points:
                 break
-        return drawn
+        return samples
 
     def _scale(self) -> int:
-        """Return what makes the weight of every answer set a whole number."""
+        """Return a factor that makes the weight of every answer set a whole number."""
         scale = 1
         for weight in self.stated.values():
             scale *= weight.denominator
         return scale
 
     @property
-    def _merges(self) -> bool:
-        """Whether a symbol is shown on several grounds, which clingo tells apart where it projects."""
+    def _repeats(self) -> bool:
+        """True if a symbol is shown under several conditions, which clingo distinguishes where it projects."""
         by_output = self.project and self.ground.projected is None
         return by_output and any(len(conditions) > 1 for _, conditions in self.ground.shown)
 
@@ -108,24 +108,24 @@ class Enumeration:
         stage("enumerating answer sets")
         return grounder
 
-    def _telling(self) -> Iterator[tuple[Printed, Fraction]]:
-        """Yield what is found, and tell now and then how many there are at least."""
+    def _enumerate_with_progress(self) -> Iterator[tuple[Printed, Fraction]]:
+        """Yield the answer sets, and report their number now and then."""
         latest = monotonic()
-        for number, each in enumerate(self._found(), 1):
+        for number, each in enumerate(self._enumerate(), 1):
             if monotonic() > latest + POLL:
                 latest = monotonic()
-                self._tell(number)
+                self._report(number)
             yield each
 
-    def _tell(self, found: int) -> None:
+    def _report(self, found: int) -> None:
         if self.progress is not None and found:
             self.progress(f"at least {found:,} answer set{'s' if found > 1 else ''}")
 
-    def _found(self) -> Iterator[tuple[Printed, Fraction]]:
+    def _enumerate(self) -> Iterator[tuple[Printed, Fraction]]:
         grounder = self._grounder()
         by_statement = self.project and self.ground.projected is not None
         projected = {symbol for symbol, atom in self.ground.names if atom in (self.ground.projected or ())}
-        seen: set[Printed] | None = set() if self._merges else None
+        seen: set[Printed] | None = set() if self._repeats else None
         with grounder.control.solve(yield_=True, async_=True) as handle:
             try:
                 while True:

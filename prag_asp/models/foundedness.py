@@ -1,4 +1,4 @@
-"""Whether a formula has a model that is an answer set, by a SAT solver that learns why atoms are unfounded.
+"""Search for models of a completion that are answer sets, by a SAT solver that learns why atoms are unfounded.
 
 The solver is asked for a model of the completion. Where some of its atoms support each other and nothing else does,
 the formula of that set, which all answer sets satisfy, is added, and the solver is asked again (Lin and Zhao 2004).
@@ -11,18 +11,18 @@ from collections.abc import Callable, Mapping, Sequence
 from prag_asp.logic.formula.clark_completion import Completion, body_literal
 from prag_asp.logic.formula.clause_builder import TRUE, Literal
 from prag_asp.logic.formula.solver import Solver
-from prag_asp.logic.ground.ground_step import Rule
+from prag_asp.logic.ground.rules import Rule
 
 Loop = Mapping[int, tuple[Rule, ...]]
 
 
-class Oracle:
+class FoundednessOracle:
     """Finds answer sets under assumptions, and keeps what it learns on the way."""
 
     def __init__(self, completion: Completion) -> None:
         self._completion = completion
         self._clauses = completion.clauses
-        self._told = len(self._clauses.clauses)
+        self._sent = len(self._clauses.clauses)
         self._solver = Solver(self._clauses.variables, self._clauses.clauses)
 
     def close(self) -> None:
@@ -74,13 +74,13 @@ class Oracle:
         support = {body_literal(self._clauses, rule, outside) for atom in sorted(atoms) for rule in loop[atom]}
         for atom in sorted(atoms):
             self._clauses.add(-self._completion.value(atom), *sorted(support))
-        for clause in self._clauses.clauses[self._told :]:
+        for clause in self._clauses.clauses[self._sent :]:
             self._solver.add(clause)
-        self._told = len(self._clauses.clauses)
+        self._sent = len(self._clauses.clauses)
 
 
 def _holds(rule: Rule, unfounded: set[int], true: Callable[[int], bool]) -> bool:
-    """Tell whether the body of a rule is true without atoms that are not derived."""
+    """Return whether the body of a rule is true without atoms that are not derived."""
     if not rule.weights:
         return all(literal not in unfounded and true(literal) for literal in rule.body)
     held = (

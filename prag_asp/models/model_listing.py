@@ -7,18 +7,18 @@ from contextlib import closing
 
 from prag_asp.logic.formula.clause_builder import TRUE, Literal
 from prag_asp.models.answer_set_formula import ModelFormula
-from prag_asp.models.foundedness import Oracle
+from prag_asp.models.foundedness import FoundednessOracle
 
 
-def listed(formula: ModelFormula, order: Sequence[Literal]) -> Iterator[list[Literal]]:
-    """Yield the literals of `order` as models have them, each combination once; what has the first literal comes first.
+def list_models(formula: ModelFormula, order: Sequence[Literal]) -> Iterator[list[Literal]]:
+    """Yield the values of the literals of `order` in models, each combination once, true before false.
 
     One question to a solver tells for each literal of a model whether there is one that differs there first.
     """
-    # One of a literal and its negation, for a symbol may be shown where another is not.
+    # One of a literal and its negation, because a symbol may be shown where another is not.
     first = {abs(literal): literal for literal in reversed(order) if abs(literal) != TRUE}
     order = [literal for literal in dict.fromkeys(order) if first.get(abs(literal)) == literal]
-    with closing(Oracle(formula.completion)) as oracle:
+    with closing(FoundednessOracle(formula.completion)) as oracle:
         found = oracle.model()
         if found is None:
             return

@@ -51,15 +51,15 @@ def read_program(files: Sequence[str | Path | Source], constants: Mapping[str, C
     sources = tuple(found.values())
     statements, problems = parse_sources((source, True) for source in sources)
     suspects = {source.path for source in sources if re.search("[&@]", blanked(source.text))}
-    raise_problems([*problems, *_refused(statements, suspects)])
+    raise_problems([*problems, *_refusals(statements, suspects)])
     values = parse_constants(constants)
     declared = {each.node.name for each in statements if each.kind == ASTType.Definition}
     told = " ".join(str(source.path) for source in sources)
     sources = set_constants(sources, {name: text for name, text in values.items() if name in declared}, told)
-    return GivenProgram(Program(sources), tuple(_undeclared(statements, values, declared)))
+    return GivenProgram(Program(sources), tuple(_options(statements, values, declared)))
 
 
-def _undeclared(statements: Sequence[Statement], values: Mapping[str, str], declared: set[str]) -> Iterator[str]:
+def _options(statements: Sequence[Statement], values: Mapping[str, str], declared: set[str]) -> Iterator[str]:
     """Yield clingo's options for the constants that no statement declares; each has to stand somewhere as a term."""
     read = _constants(statements) if any(name not in declared for name in values) else set()
     for name, text in values.items():
@@ -78,12 +78,12 @@ def _constants(statements: Iterable[Statement]) -> set[str]:
     return {each.name for each in symbols if each.type == clingo.SymbolType.Function and not each.arguments}
 
 
-def _refused(statements: Sequence[Statement], suspects: Collection[Path]) -> Iterator[Problem]:
+def _refusals(statements: Sequence[Statement], suspects: Collection[Path]) -> Iterator[Problem]:
     """Yield what is not supported; only some files can have it within statements, and to look for that takes long."""
     for statement in statements:
         if statement.kind in REFUSED:
             wrong, todo = REFUSED[statement.kind]
-            yield statement.problem(f"{_name(statement)} is not supported, for {wrong}; {todo}")
+            yield statement.problem(f"{_name(statement)} is not supported because {wrong}; {todo}")
         for node in below(statement.node) if statement.path in suspects else ():
             if node.ast_type == ASTType.TheoryAtom:
                 (wrong, todo), name = REFUSED[ASTType.TheoryDefinition], f"the theory atom &{node.term.name}"
@@ -91,7 +91,7 @@ def _refused(statements: Sequence[Statement], suspects: Collection[Path]) -> Ite
                 (wrong, todo), name = REFUSED[ASTType.Script], f"the function @{node.name}"
             else:
                 continue
-            yield statement.problem(f"{name} is not supported, for {wrong}; {todo}", node.location.begin.line)
+            yield statement.problem(f"{name} is not supported because {wrong}; {todo}", node.location.begin.line)
 
 
 def _name(statement: Statement) -> str:

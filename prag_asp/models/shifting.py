@@ -9,17 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import count
 
-from prag_asp.logic.ground.ground_step import Rule
+from prag_asp.logic.ground.rules import Rule
 from prag_asp.program.finite.components import components
 
 
-def is_disjunctive(rule: Rule) -> bool:
-    """Tell whether one of several heads follows, whichever."""
-    return len(rule.heads) > 1 and not rule.choice
-
-
 def is_head_cycle_free(rules: Sequence[Rule]) -> bool:
-    """Tell whether no disjunctive head has two atoms of one component of the positive dependency graph."""
+    """Return whether no disjunctive head has two atoms of one component of the positive dependency graph."""
     graph: dict[int, set[int]] = {}
     for rule in rules:
         for head in rule.heads:
@@ -27,20 +22,20 @@ def is_head_cycle_free(rules: Sequence[Rule]) -> bool:
     number: dict[int, int] = {}
     for place, component in enumerate(components(graph, lambda atom: graph.get(atom, ()))):
         number.update(dict.fromkeys(component, place))
-    return all(len({number[head] for head in rule.heads}) == len(rule.heads) for rule in rules if is_disjunctive(rule))
+    return all(len({number[head] for head in rule.heads}) == len(rule.heads) for rule in rules if rule.is_disjunctive)
 
 
-def shifted(rules: Iterable[Rule]) -> list[Rule]:
+def shift_disjunctions(rules: Iterable[Rule]) -> list[Rule]:
     """Return the rules of a head-cycle-free program without disjunctions."""
     rules = list(rules)
     used = (abs(atom) for rule in rules for atom in (*rule.heads, *rule.body))
     fresh = count(max(used, default=0) + 1)
-    return [each for rule in rules for each in (_split(rule, fresh) if is_disjunctive(rule) else [rule])]
+    return [each for rule in rules for each in (_split(rule, fresh) if rule.is_disjunctive else [rule])]
 
 
 def _split(rule: Rule, fresh: Iterator[int]) -> Iterator[Rule]:
     body = rule.body
-    if rule.weights:  # a sum stays one, as the body of a rule for an atom of its own
+    if rule.weights:  # a sum stays one, as the body of a rule for a fresh atom
         atom = next(fresh)
         yield Rule((atom,), rule.body, bound=rule.bound, weights=rule.weights)
         body = (atom,)

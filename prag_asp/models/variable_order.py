@@ -20,14 +20,14 @@ WIDEST = 120
 
 
 @dataclass(frozen=True)
-class Order:
+class DecisionOrder:
     """The variables of a formula, what is decided first at the beginning, and the width of their tree."""
 
     variables: tuple[int, ...]
     width: int
 
 
-def decision_order(clauses: Iterable[Sequence[int]], *, swept: bool) -> Order:
+def decision_order(clauses: Iterable[Sequence[int]], *, swept: bool) -> DecisionOrder:
     """Return the order for clauses of any literals: from the middle, or `swept` from one end to the other."""
     occurrences: dict[int, int] = {}
     graph: dict[int, set[int]] = {}
@@ -38,15 +38,15 @@ def decision_order(clauses: Iterable[Sequence[int]], *, swept: bool) -> Order:
             graph.setdefault(variable, set()).update(variables)
     for variable, neighbours in graph.items():
         neighbours.discard(variable)
-    sweep = _swept(graph) if swept else ()
-    eliminated, core = _eliminated(graph)
+    sweep = _sweep(graph) if swept else ()
+    eliminated, core = _eliminate(graph)
     depth = {each: place for place, each in enumerate(sweep)} if swept else _depths(eliminated, core)
     ordered = sorted(occurrences, key=lambda each: (depth[each], -occurrences[each], each))
     bags = [len(bag) for _, bag in eliminated]
-    return Order(tuple(ordered), max([*bags, len(core) - 1, 0]))
+    return DecisionOrder(tuple(ordered), max([*bags, len(core) - 1, 0]))
 
 
-def _swept(graph: Mapping[int, set[int]]) -> list[int]:
+def _sweep(graph: Mapping[int, set[int]]) -> list[int]:
     """Return the variables by their distance from one end, part by part."""
     found: list[int] = []
     seen: set[int] = set()
@@ -67,7 +67,7 @@ def _by_distance(graph: Mapping[int, set[int]], start: int) -> list[int]:
     return found
 
 
-def _eliminated(graph: dict[int, set[int]]) -> tuple[list[tuple[int, set[int]]], set[int]]:
+def _eliminate(graph: dict[int, set[int]]) -> tuple[list[tuple[int, set[int]]], set[int]]:
     """Return the variables in the order of their elimination, each with its neighbours then, and those left."""
     waiting = [(len(neighbours), variable) for variable, neighbours in graph.items()]
     heapify(waiting)

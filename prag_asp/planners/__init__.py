@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING
 from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
-    from prag_asp.planners.pddl_writer import Exported, write
+    from prag_asp.planners.pddl_writer import PddlExport, write
 
-__all__ = ["Exported", "write"]
+__all__ = ["PddlExport", "write"]
 
-_HOMES = {"prag_asp.planners.pddl_writer": ("Exported", "write")}
+_HOMES = {"prag_asp.planners.pddl_writer": ("PddlExport", "write")}
 
 __getattr__ = names_from(__name__, _HOMES)
 

@@ -26,8 +26,8 @@ After = Mapping[int, Node]
 
 
 @dataclass(frozen=True)
-class Tried:
-    """What an action makes: each of `refused` forbids it in the states where it is true."""
+class ActionFunctions:
+    """The effects of an action as functions; each of `refused` forbids the action in the states where it is true."""
 
     refused: tuple[Node, ...]
     after: After
@@ -77,7 +77,7 @@ class StepFunctions:
         number, so = self._own[self._transition.variables.index(symbol)]
         return number, not so
 
-    def tried(self, letter: int) -> Tried | None:
+    def tried(self, letter: int) -> ActionFunctions | None:
         """Return what the action of a number makes, None where it never occurs."""
         move = self._transition.move(letter)
         if move.impossible:
@@ -96,7 +96,7 @@ class StepFunctions:
         for variable in np.flatnonzero(~kept).tolist():
             constant = TRUE if put[variable] else FALSE
             after[variable] = read(changed[variable]) if variable in changed else constant
-        return Tried(tuple(refused), after)
+        return ActionFunctions(tuple(refused), after)
 
     def changed(self, after: After) -> list[int]:
         """Return the numbers of propositions that may change."""

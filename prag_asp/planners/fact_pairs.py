@@ -1,6 +1,6 @@
-"""Which two values of fluents can be so in one state: an upper bound, by pairs of facts (h^2 of Haslum and Geffner).
+"""Mutex pairs: an upper bound on the pairs of fluent values in one reachable state (h^2 of Haslum and Geffner).
 
-A pair is reached if the first state has it, or if an action that may occur makes one of it and makes or leaves the
+A pair is reached if the initial state has it, or if an action that may occur makes one of it and makes or leaves the
 other. What is never reached is known, and need not be asked of a state.
 """
 
@@ -16,7 +16,7 @@ MOST = 400
 Values = Mapping[clingo.Symbol, bool]
 
 
-class Pairs:
+class FactPairs:
     """The pairs of values that may be reached from a state; each value is a bit of an integer."""
 
     def __init__(self, state: Values, actions: Iterable[tuple[Values, Values]]) -> None:
@@ -24,12 +24,12 @@ class Pairs:
         start = self._mask(state)
         self._with = [start if start >> bit & 1 else 0 for bit in range(2 * len(state))]
         self._reached = start
-        given = [(self._bits(before), self._bits(after), self._changed(after)) for before, after in actions]
-        while sum(self._apply(*each) for each in given):
+        masks = [(self._bits(before), self._bits(after), self._changed(after)) for before, after in actions]
+        while sum(self._apply(*each) for each in masks):
             pass
 
     def excludes(self, before: Values, fluent: clingo.Symbol, value: bool) -> bool:
-        """Tell whether a fluent never has a value where some others have theirs."""
+        """Return whether a value of a fluent is mutex with one of some others."""
         return not self._beside(self._bits(before)) >> self._bit(fluent, value) & 1
 
     def _apply(self, before: list[int], after: list[int], changed: int) -> bool:
@@ -37,8 +37,8 @@ class Pairs:
         beside = self._beside(before)
         if any(not beside >> bit & 1 for bit in before):
             return False
-        made = sum(1 << bit for bit in after)
-        there = (beside & ~changed) | made
+        added = sum(1 << bit for bit in after)
+        there = (beside & ~changed) | added
         found = False
         for bit in after:
             new = there & ~self._with[bit]
@@ -47,7 +47,7 @@ class Pairs:
                 self._with[bit] |= new
                 for other in _bits_of(new):
                     self._with[other] |= 1 << bit
-        self._reached |= made
+        self._reached |= added
         return found
 
     def _beside(self, bits: Iterable[int]) -> int:

@@ -1,4 +1,4 @@
-"""A domain as ground actions that PDDL can say: what has to hold before each, and what it makes so, and where."""
+"""A domain as a ground planning task of PDDL: actions with preconditions and conditional effects."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from typing import NamedTuple
 import clingo
 
 NOT_TRUE = "known-not"
-"""The role of the proposition that a fluent is known to be false, where it may be unknown."""
+"""The role of the proposition that a fluent is known to be false, for fluents that may be unknown."""
 
 CARRIED = "carried"
-"""The role of what is no fluent."""
+"""The role of a proposition that is no fluent."""
 
 
 class Proposition(NamedTuple):
-    """What is true or false in a state: a fluent, or with a `role` what rules over time carry along beside them."""
+    """A proposition of a state: a fluent, or with a `role` a value that rules over time carry along beside them."""
 
     term: clingo.Symbol
     role: str = ""
@@ -26,23 +26,23 @@ Value = tuple[Proposition, bool]
 Values = Mapping[Proposition, bool]
 
 
-class Effect(NamedTuple):
-    """A value that an action makes where some others are so before it."""
+class ConditionalEffect(NamedTuple):
+    """A value that an action sets if all values of its condition hold before."""
 
-    where: tuple[Value, ...]
-    made: Value
+    condition: tuple[Value, ...]
+    value: Value
 
 
 @dataclass(frozen=True)
 class Case:
-    """What an action needs and makes: all of `before`, of each clause one, and the effects.
+    """A precondition, which is a conjunction of values and of clauses, and conditional effects.
 
-    No two effects whose conditions may be so at once make a proposition true and false.
+    No two effects whose conditions may hold at once make a proposition true and false.
     """
 
-    before: Values
+    precondition: Values
     clauses: tuple[tuple[Value, ...], ...]
-    effects: tuple[Effect, ...]
+    effects: tuple[ConditionalEffect, ...]
 
 
 @dataclass(frozen=True)
@@ -54,10 +54,10 @@ class GroundAction:
 
 
 @dataclass(frozen=True)
-class Ground:
-    """All that is written: propositions, those true at first, the actions, and what the goal asks for.
+class PlanningTask:
+    """A planning task: propositions, those of the initial state, the actions, and the goal.
 
-    Of each of the `clauses` of the goal one value is needed.
+    The goal is the conjunction of its values and of the `clauses`.
     """
 
     propositions: tuple[Proposition, ...]

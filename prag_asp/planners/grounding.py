@@ -1,4 +1,4 @@
-"""A domain without rules over time as ground actions: what has to hold before each, and what it makes so.
+"""A domain without rules over time as ground actions with preconditions and effects.
 
 An invariant that an action might break becomes a condition on the state before it: where the action makes one of two
 literals false that may not both be, it needs the other one, unless it makes that true itself.
@@ -14,8 +14,8 @@ import clingo
 
 from prag_asp.atom import Atom, symbol_of
 from prag_asp.errors import DomainError
-from prag_asp.planners.fact_pairs import MOST, Pairs, Values
-from prag_asp.planners.ground_action import Case, Effect, Ground, GroundAction, Proposition
+from prag_asp.planners.fact_pairs import MOST, FactPairs, Values
+from prag_asp.planners.ground_action import Case, ConditionalEffect, GroundAction, PlanningTask, Proposition
 from prag_asp.program.facts import Facts
 from prag_asp.program.invariants import FluentValue, entailed, invariant_graph
 from prag_asp.program.parse import parse_sources
@@ -26,40 +26,40 @@ NOT_OVER_TIME = ("closed_world", "ever", "canonical_names", "joint_names", "clos
 """Rules of the encodings that say nothing about which plans there are."""
 
 Outcomes = Mapping[tuple[clingo.Symbol, clingo.Symbol], bool]
-"""What actions make of fluents that they may change."""
+"""The values that actions give to fluents that they may change."""
 
 
-class _Stated(NamedTuple):
-    """An action with the values of fluents that it needs, and those that it makes."""
+class _StripsAction(NamedTuple):
+    """An action with its precondition and its effects as values of fluents."""
 
     term: clingo.Symbol
-    before: Values
-    after: Values
+    precondition: Values
+    effects: Values
 
 
-def ground_plain(facts: Facts, state: Values, goal: Values, outcomes: Outcomes | None = None) -> Ground:
-    """Return all actions that may occur from a first state on; what it does not name is false.
+def ground_plain(facts: Facts, state: Values, goal: Values, outcomes: Outcomes | None = None) -> PlanningTask:
+    """Return all actions that may occur from an initial state on; what it does not name is false.
 
     With `outcomes`, effects that are unknown have these values, false where there is none.
 
     Raises:
         DomainError: an effect is unknown, and there are no `outcomes`.
     """
-    found = [each for action in facts.actions if (each := _stated(action, facts, outcomes)) is not None]
+    found = [each for action in facts.actions if (each := _strips_action(action, facts, outcomes)) is not None]
     pairs = None
     if len(facts.fluents) <= MOST:
         whole = {fluent: state.get(fluent, False) for fluent in facts.fluents}
-        pairs = Pairs(whole, [(each.before, each.after) for each in found])
+        pairs = FactPairs(whole, [(each.precondition, each.effects) for each in found])
     graph, clauses = invariant_graph(facts, impossible=True), _clauses(facts)
     safe = (each for stated in found if (each := _safe(stated, graph, clauses, pairs)) is not None)
     initial = frozenset(Proposition(fluent) for fluent, value in state.items() if value)
-    wanted = {Proposition(fluent): value for fluent, value in goal.items()}
-    return Ground(tuple(map(Proposition, facts.fluents)), initial, tuple(map(_action, safe)), wanted)
+    goal_values = {Proposition(fluent): value for fluent, value in goal.items()}
+    return PlanningTask(tuple(map(Proposition, facts.fluents)), initial, tuple(map(_action, safe)), goal_values)
 
 
-def _action(stated: _Stated) -> GroundAction:
-    before = {Proposition(fluent): value for fluent, value in stated.before.items()}
-    effects = tuple(Effect((), (Proposition(fluent), value)) for fluent, value in stated.after.items())
+def _action(stated: _StripsAction) -> GroundAction:
+    before = {Proposition(fluent): value for fluent, value in stated.precondition.items()}
+    effects = tuple(ConditionalEffect((), (Proposition(fluent), value)) for fluent, value in stated.effects.items())
     return GroundAction(stated.term, (Case(before, (), effects),))
 
 
@@ -76,13 +76,13 @@ def outcomes_of(task: Task, facts: Facts) -> Outcomes:
             if value != "unknown" or fluent not in known:
                 continue
             if found.setdefault((action, fluent), known[fluent]) != known[fluent]:
-                told = f"{action} occurs twice, and {fluent} is true after one and false after the other"
-                raise DomainError(f"{told}, which PDDL cannot say; choose another task")
+                problem = f"{action} occurs twice, and {fluent} is true after one and false after the other"
+                raise DomainError(f"{problem}, which PDDL cannot say; choose another task")
     return found
 
 
 def broken_invariant(facts: Facts, state: Mapping[clingo.Symbol, bool]) -> bool:
-    """Tell whether a state breaks an invariant; what it does not name is false."""
+    """Return whether a state breaks an invariant; what it does not name is false."""
     both = (*facts.exclusive, *facts.impossible)
     return any(state.get(f) and state.get(g) for f, g in both) or any(
         state.get(f) and not state.get(g) for f, g in facts.implies
@@ -108,7 +108,7 @@ def _clauses(facts: Facts) -> Mapping[FluentValue, list[FluentValue]]:
     return found
 
 
-def _stated(action: clingo.Symbol, facts: Facts, outcomes: Outcomes | None) -> _Stated | None:
+def _strips_action(action: clingo.Symbol, facts: Facts, outcomes: Outcomes | None) -> _StripsAction | None:
     """Return an action as the domain states it, None where it contradicts itself.
 
     Raises:
@@ -117,8 +117,8 @@ def _stated(action: clingo.Symbol, facts: Facts, outcomes: Outcomes | None) -> _
     after: dict[clingo.Symbol, bool] = {}
     for fluent, value in facts.postconditions.get(action, ()):
         if value == "unknown" and outcomes is None:
-            told = f"{action} leaves {fluent} unknown, which PDDL cannot say"
-            raise DomainError(f"{told}; let the action make it true or false, or export a task")
+            problem = f"{action} leaves {fluent} unknown, which PDDL cannot say"
+            raise DomainError(f"{problem}; let the action make it true or false, or export a task")
     stated = facts.postconditions.get(action, ())
     for fluent, value in (each for each in stated if each[1] != "unknown"):
         if after.setdefault(fluent, value == "true") != (value == "true"):
@@ -129,34 +129,34 @@ def _stated(action: clingo.Symbol, facts: Facts, outcomes: Outcomes | None) -> _
     for fluent, value in facts.preconditions.get(action, ()):
         if before.setdefault(fluent, value == "true") != (value == "true"):
             return None
-    return _Stated(action, before, after)
+    return _StripsAction(action, before, after)
 
 
 def _safe(
-    action: _Stated,
+    action: _StripsAction,
     graph: Mapping[FluentValue, tuple[FluentValue, ...]],
     clauses: Mapping[FluentValue, list[FluentValue]],
-    pairs: Pairs | None,
-) -> _Stated | None:
+    pairs: FactPairs | None,
+) -> _StripsAction | None:
     """Return an action that also needs what keeps the invariants, None where it always breaks one."""
-    before = dict(action.before)
+    before = dict(action.precondition)
     known = entailed(before.items(), graph)
-    for fluent, made in action.after.items():
-        for other, needed in clauses.get((fluent, not made), ()):
-            if action.after.get(other, needed) != needed:
+    for fluent, value in action.effects.items():
+        for other, needed in clauses.get((fluent, not value), ()):
+            if action.effects.get(other, needed) != needed:
                 return None
-            if other in action.after or (other, needed) in known:
+            if other in action.effects or (other, needed) in known:
                 continue
-            if pairs is not None and pairs.excludes(action.before, other, not needed):
+            if pairs is not None and pairs.excludes(action.precondition, other, not needed):
                 continue
             if before.setdefault(other, needed) != needed:
                 return None
-    return _Stated(action.term, before, action.after)
+    return _StripsAction(action.term, before, action.effects)
 
 
-def known_values(given: Iterable[tuple[clingo.Symbol, str]]) -> dict[clingo.Symbol, bool]:
+def known_values(values: Iterable[tuple[clingo.Symbol, str]]) -> dict[clingo.Symbol, bool]:
     """Return what the contract states of fluents as truths."""
-    return {fluent: value == "true" for fluent, value in given}
+    return {fluent: value == "true" for fluent, value in values}
 
 
 def values_of(state: Mapping[Atom, bool]) -> dict[clingo.Symbol, bool]:

@@ -1,4 +1,4 @@
-"""What the invariants of a domain tell of values: which contradict each other, and which follow."""
+"""Values that contradict each other or follow from others by the invariants of a domain."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from prag_asp.program.facts import Facts
 from prag_asp.program.invariants import FluentValue, conflict, entailed, invariant_graph
 
 
-class Implied:
+class ImpliedValues:
     """The invariants; `unknown` are the fluents that need not be known, whose propositions say what is."""
 
     def __init__(self, facts: Facts, unknown: Collection[clingo.Symbol]) -> None:
@@ -19,7 +19,7 @@ class Implied:
         self._unknown = unknown
 
     def possible(self, values: Iterable[Value]) -> bool:
-        """Tell whether some values do not contradict each other."""
+        """Return whether some values do not contradict each other."""
         return conflict(self._known(values)) is None
 
     def fixed(self, before: Mapping[Proposition, bool], propositions: Iterable[Proposition]) -> dict[int, bool]:
@@ -35,7 +35,7 @@ class Implied:
         return found
 
     def needed(self, before: Mapping[Proposition, bool], stated: Collection[Value]) -> dict[Proposition, bool]:
-        """Return those of some values that are asked for: what is stated, and what does not follow from others."""
+        """Return the values that a precondition has to name: those stated, and those that do not follow from others."""
         found = dict(before)
         for each in reversed([*before.items()]):
             (term, role), value = each
@@ -64,14 +64,16 @@ class Implied:
             before |= new
 
     def _fails(self, value: Value, before: Mapping[Proposition, bool], known: Collection[FluentValue]) -> bool:
-        """Tell whether a value contradicts others, of which the fluents' values are known."""
-        proposition, wanted = value
-        meant = self._meaning(value)
-        return before.get(proposition, wanted) != wanted or (meant is not None and (meant[0], not meant[1]) in known)
+        """Return whether a value contradicts others, of which the fluents' values are known."""
+        proposition, demanded = value
+        meaning = self._meaning(value)
+        return before.get(proposition, demanded) != demanded or (
+            meaning is not None and (meaning[0], not meaning[1]) in known
+        )
 
     def _known(self, values: Iterable[Value]) -> Mapping[FluentValue, FluentValue]:
         """Return what some values, and the invariants, tell of fluents."""
-        return entailed((meant for each in values if (meant := self._meaning(each)) is not None), self._graph)
+        return entailed((meaning for each in values if (meaning := self._meaning(each)) is not None), self._graph)
 
     def _meaning(self, value: Value) -> FluentValue | None:
         """Return what a value tells of a fluent, if it does."""

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import clingo
 
 FEW = 4
-"""Actions with parameters that those of one name become at most."""
+"""Most schemas that the actions of one name become."""
 
 Literal = tuple[str, tuple[str, ...], bool]
 """A predicate, its terms, and whether it is asserted; a term is the name of an object or a variable."""
@@ -16,37 +16,37 @@ Literal = tuple[str, tuple[str, ...], bool]
 Clause = tuple[Literal, ...]
 
 
-class Written(NamedTuple):
-    """A case of an action in PDDL's names: all that it needs, clauses, and effects with their conditions."""
+class PddlCase(NamedTuple):
+    """A case of an action in the names of PDDL: the precondition, its clauses, and conditional effects."""
 
-    before: Clause
+    precondition: Clause
     clauses: tuple[Clause, ...]
-    after: tuple[tuple[Clause, Literal], ...]
+    effects: tuple[tuple[Clause, Literal], ...]
 
     @property
-    def meant(self) -> Hashable:
-        """What is the same for cases that differ in the order alone."""
-        after = frozenset((frozenset(where), made) for where, made in self.after)
-        return frozenset(self.before), frozenset(map(frozenset, self.clauses)), after
+    def key(self) -> Hashable:
+        """A value that is the same for cases that differ in the order alone."""
+        after = frozenset((frozenset(where), effect) for where, effect in self.effects)
+        return frozenset(self.precondition), frozenset(map(frozenset, self.clauses)), after
 
     @property
     def conditions(self) -> Iterator[Literal]:
-        """All literals that are asked for."""
-        yield from self.before
-        for clause in (*self.clauses, *(where for where, _ in self.after)):
+        """All literals of preconditions and of conditions of effects."""
+        yield from self.precondition
+        for clause in (*self.clauses, *(where for where, _ in self.effects)):
             yield from clause
 
-    def renamed(self, names: Mapping[str, str]) -> Written:
+    def rename(self, names: Mapping[str, str]) -> PddlCase:
         """Return a case with other terms."""
 
-        def literal(given: Literal) -> Literal:
-            return given[0], tuple(names.get(term, term) for term in given[1]), given[2]
+        def literal(old: Literal) -> Literal:
+            return old[0], tuple(names.get(term, term) for term in old[1]), old[2]
 
         def clause(literals: Clause) -> Clause:
             return tuple(map(literal, literals))
 
-        after = ((clause(where), literal(made)) for where, made in self.after)
-        return Written(clause(self.before), tuple(map(clause, self.clauses)), tuple(after))
+        after = ((clause(where), literal(effect)) for where, effect in self.effects)
+        return PddlCase(clause(self.precondition), tuple(map(clause, self.clauses)), tuple(after))
 
 
 class Instance(NamedTuple):
@@ -54,7 +54,7 @@ class Instance(NamedTuple):
 
     term: clingo.Symbol
     arguments: tuple[str, ...]
-    cases: tuple[Written, ...]
+    cases: tuple[PddlCase, ...]
 
 
 def variable(number: int) -> str:
@@ -62,28 +62,28 @@ def variable(number: int) -> str:
     return f"?x{number + 1}"
 
 
-def alike(instances: Sequence[Instance]) -> list[list[Instance]]:
+def group_alike(instances: Sequence[Instance]) -> list[list[Instance]]:
     """Return actions in groups: one if they are alike, else those that are the same with variables for arguments.
 
     Where that makes many groups, whose numbers would say nothing to a reader, each action is one of its own.
     """
-    if lifted(instances) is not None:
+    if lift(instances) is not None:
         return [list(instances)]
     groups: dict[Hashable, list[Instance]] = {}
     for each in instances:
         pattern = tuple(each.arguments.index(argument) for argument in each.arguments)
         own = each._replace(arguments=tuple(dict.fromkeys(each.arguments)))
-        form = tuple(case.meant for case in _with_variables(own))
+        form = tuple(case.key for case in _with_variables(own))
         groups.setdefault((pattern, frozenset(form)), []).append(own)
     return list(groups.values()) if len(groups) <= FEW else [[each] for each in instances]
 
 
-def _with_variables(instance: Instance) -> tuple[Written, ...]:
+def _with_variables(instance: Instance) -> tuple[PddlCase, ...]:
     names = {argument: variable(number) for number, argument in enumerate(instance.arguments)}
-    return tuple(case.renamed(names) for case in instance.cases)
+    return tuple(case.rename(names) for case in instance.cases)
 
 
-def lifted(instances: Sequence[Instance]) -> tuple[Written, ...] | None:
+def lift(instances: Sequence[Instance]) -> tuple[PddlCase, ...] | None:
     """Return the cases with variables that all of some actions have, None where there are none."""
     arity = len(instances[0].arguments)
     model = next((each for each in instances if len(set(each.arguments)) == arity), None)
@@ -91,12 +91,12 @@ def lifted(instances: Sequence[Instance]) -> tuple[Written, ...] | None:
         return None
     found, names = _with_variables(model), [*map(variable, range(arity))]
     for each in instances:
-        made = [case.renamed(dict(zip(names, each.arguments, strict=True))) for case in found]
-        if {case.meant for case in made} != {case.meant for case in each.cases} or any(map(_collapsed, made)):
+        images = [case.rename(dict(zip(names, each.arguments, strict=True))) for case in found]
+        if {case.key for case in images} != {case.key for case in each.cases} or any(map(_collapsed, images)):
             return None
     return found
 
 
-def _collapsed(case: Written) -> bool:
-    """Tell whether two effects have become one: a variable stands for the same object as another."""
-    return len(set(case.after)) < len(case.after)
+def _collapsed(case: PddlCase) -> bool:
+    """Return whether two effects have become one: a variable stands for the same object as another."""
+    return len(set(case.effects)) < len(case.effects)

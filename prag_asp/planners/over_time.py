@@ -14,9 +14,17 @@ from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.ground.program import with_facts
 from prag_asp.logic.step.transition import Transition
 from prag_asp.planners.evaluation import After, StepFunctions, holds
-from prag_asp.planners.ground_action import CARRIED, Case, Effect, Ground, GroundAction, Proposition, Value
+from prag_asp.planners.ground_action import (
+    CARRIED,
+    Case,
+    ConditionalEffect,
+    GroundAction,
+    PlanningTask,
+    Proposition,
+    Value,
+)
 from prag_asp.planners.grounding import rules_over_time
-from prag_asp.planners.implied_values import Implied
+from prag_asp.planners.implied_values import ImpliedValues
 
 MOST_NODES = 1_000_000
 """Nodes of diagrams that are made at most."""
@@ -35,10 +43,10 @@ Change = tuple[Value, Node]
 
 def ground_over_time(
     domain: Domain, stated: Mapping[clingo.Symbol, bool], goal: Mapping[clingo.Symbol, bool] | None, *, whole: bool
-) -> Ground:
-    """Return a domain from a first state on, of which `stated` names what is not false.
+) -> PlanningTask:
+    """Return a domain from an initial state on, of which `stated` names what is not false.
 
-    With a `goal`, the last state has these values as well. Where `whole`, no effect has a condition and no condition a
+    With a `goal`, the final state has these values as well. Where `whole`, no effect has a condition and no condition a
     disjunction: an action has as many cases as there are ways in which they come out (Nebel 2000).
 
     Raises:
@@ -68,7 +76,7 @@ class _Step:
         self._terms = transition.actions
         self._preconditions = domain.facts.preconditions
         self._functions = Functions(MOST_NODES)
-        self._implied = Implied(domain.facts, unknown)
+        self._implied = ImpliedValues(domain.facts, unknown)
         try:
             self._step = StepFunctions(transition, unknown, self._functions)
         except TooLarge:
@@ -77,7 +85,7 @@ class _Step:
         self._numbers = {each: number for number, each in enumerate(self._propositions)}
         self.unknown: set[clingo.Symbol] = set()
 
-    def ground(self, goal: Mapping[clingo.Symbol, bool], *, whole: bool) -> Ground:
+    def ground(self, goal: Mapping[clingo.Symbol, bool], *, whole: bool) -> PlanningTask:
         """Return what is written of the domain, if no fluent is left unknown that was taken for known."""
         first = self._step.first
         initial = {self._propositions[number] for number, value in first.items() if value}
@@ -88,11 +96,11 @@ class _Step:
             demands += [(self._value(each),) for each in opposed if each is not None]
         except TooLarge:
             raise self._too_large("the goal") from None
-        wanted, clauses = self._implied.units(demands)
+        goal_values, clauses = self._implied.units(demands)
         end = None
         if whole and clauses:
             end = self._functions.all(map(self._clause, demands))
-            wanted, clauses = {REACHED: True}, ()
+            goal_values, clauses = {REACHED: True}, ()
             propositions.append(REACHED)
             initial |= {REACHED} if self._functions.where(end, first) == TRUE else set()
         actions = []
@@ -103,11 +111,11 @@ class _Step:
                 raise self._too_large(str(term)) from None
             if cases:
                 actions.append(GroundAction(term, cases))
-        return Ground(tuple(propositions), frozenset(initial), tuple(actions), wanted, clauses)
+        return PlanningTask(tuple(propositions), frozenset(initial), tuple(actions), goal_values, clauses)
 
     def _too_large(self, what: str) -> DomainError:
-        told = f"{what} depends on the state in more ways than can be written"
-        return DomainError(f"{self._place()}: {told}; let its rules read fewer fluents at once")
+        problem = f"{what} depends on the state in more ways than can be written"
+        return DomainError(f"{self._place()}: {problem}; let its rules read fewer fluents at once")
 
     def _place(self) -> str:
         """Return the line of the first rule over time, where there is one; which of them is at fault is not known."""
@@ -128,12 +136,14 @@ class _Step:
         changes = [*self._changes(tried.after, fixed)]
         if end is not None:
             changes += self._reaching(tried.after, end, fixed)
-        changes = [(made, where) for made, where in changes if where != FALSE]
+        changes = [(value, where) for value, where in changes if where != FALSE]
         if whole:
             yield from self._split(str(self._terms[letter]), before, clauses, changes)
             return
-        cubes = ((made, cube) for made, where in changes for cube in self._functions.cubes(where))
-        yield Case(before, clauses, tuple(Effect(tuple(map(self._value, cube)), made) for made, cube in cubes))
+        cubes = ((value, cube) for value, where in changes for cube in self._functions.cubes(where))
+        yield Case(
+            before, clauses, tuple(ConditionalEffect(tuple(map(self._value, cube)), value) for value, cube in cubes)
+        )
 
     def _left_unknown(self, after: After, refused: Iterable[Node]) -> set[clingo.Symbol]:
         """Return the fluents that are not either true or false after a step."""
@@ -151,7 +161,7 @@ class _Step:
     def _changes(self, after: After, fixed: Mapping[int, bool]) -> Iterator[Change]:
         """Yield where each proposition becomes true, and where false.
 
-        No state is in both, for planners do not agree on what then happens.
+        No state is in both, because planners disagree on what then happens.
         """
         functions = self._functions
         for number in self._step.changed(after):
@@ -186,30 +196,32 @@ class _Step:
         """Yield a case for each way in which the conditions of an action come out."""
         functions = self._functions
         may = functions.all(map(self._clause, clauses))
-        kept = [(made, functions.choice(may, where, FALSE)) for made, where in changes]
-        read = (may, *(where for _, where in kept))
+        restricted = [(value, functions.choice(may, where, FALSE)) for value, where in changes]
+        read = (may, *(where for _, where in restricted))
 
         def possible(cube: Cube) -> bool:
             return self._implied.possible([*map(self._value, cube), *before.items()])
 
         for number, (cube, (occurs, *constants)) in enumerate(functions.cases(read, possible)):
             if number == MOST_CASES:
-                told = f"{name} depends on {len(functions.variables(read))} fluents, which makes more than"
+                problem = f"{name} depends on {len(functions.variables(read))} fluents, which makes more than"
                 hint = "let it keep its conditional effects"
-                raise DomainError(f"{self._place()}: {told} {MOST_CASES:,} copies of it; {hint}")
+                raise DomainError(f"{self._place()}: {problem} {MOST_CASES:,} copies of it; {hint}")
             if occurs == TRUE:
-                made = [made for (made, _), constant in zip(kept, constants, strict=True) if constant == TRUE]
+                effects = [
+                    value for (value, _), constant in zip(restricted, constants, strict=True) if constant == TRUE
+                ]
                 case = {**before, **dict(map(self._value, cube))}
-                yield Case(case, (), tuple(Effect((), each) for each in made))
+                yield Case(case, (), tuple(ConditionalEffect((), each) for each in effects))
 
     def _where(self, function: Node, fixed: Mapping[int, bool]) -> Node:
         """Return where a function is true, without states that contradict some values by the invariants."""
-        given = [*map(self._value, fixed.items())]
+        fixed_values = [*map(self._value, fixed.items())]
         functions = self._functions
         return functions.any(
             functions.all(functions.variable(number, value=value) for number, value in cube)
             for cube in functions.cubes(function)
-            if self._implied.possible([*map(self._value, cube), *given])
+            if self._implied.possible([*map(self._value, cube), *fixed_values])
         )
 
     def _clauses(self, refused: Iterable[Node]) -> Iterator[tuple[Value, ...]]:

@@ -14,7 +14,7 @@ import clingo
 from prag_asp.atom import symbol_of
 from prag_asp.domain.load import Domain
 from prag_asp.errors import DomainError, EngineError, LimitReached
-from prag_asp.planners.ground_action import Case, Ground, GroundAction, Proposition, Value
+from prag_asp.planners.ground_action import Case, GroundAction, PlanningTask, Proposition, Value
 from prag_asp.planners.grounding import (
     broken_invariant,
     ground_plain,
@@ -23,17 +23,16 @@ from prag_asp.planners.grounding import (
     rules_over_time,
     values_of,
 )
-from prag_asp.planners.lifted_actions import Clause, Instance, Literal, Written, alike, lifted, variable
-from prag_asp.planners.spelling import Spelling
-from prag_asp.planners.texts import all_of, as_text, effects, mirrored
+from prag_asp.planners.lifted_actions import Clause, Instance, Literal, PddlCase, group_alike, lift, variable
+from prag_asp.planners.pddl_text import Spelling, all_of, as_text, effects, mirror
 from prag_asp.program.facts import Facts
 from prag_asp.task import Task
 from prag_asp.wording import plural
 
 
 @dataclass(frozen=True)
-class Exported:
-    """The texts of a domain and of a problem, and the steps of the task's plan, if there is one."""
+class PddlExport:
+    """The texts of a domain and of a problem, and the steps of the plan of the task, if there is one."""
 
     domain: str
     problem: str
@@ -42,37 +41,37 @@ class Exported:
 
 @dataclass(frozen=True)
 class _Schema:
-    """An action as it is written: variables and a case; `allowed` says of which objects there is one."""
+    """An action schema: parameters and a case; `allowed` is the predicate of the objects that it applies to, or ""."""
 
     name: str
     variables: tuple[str, ...]
-    case: Written
+    case: PddlCase
     allowed: str = ""
 
 
-def write(domain: Domain, task: Task | None = None, *, negative: bool = True, conditional: bool = True) -> Exported:
-    """Write a domain as PDDL, or one task of it: its initial state, and as its goal what is known of its last state.
+def write(domain: Domain, task: Task | None = None, *, negative: bool = True, conditional: bool = True) -> PddlExport:
+    """Write a domain as PDDL, or one task of it: its initial state, and as its goal what is known of its final state.
 
-    What a task leaves open of its initial state is false in PDDL. Without rules over time, an effect that is unknown is
-    what the task needs it to be, and false in all other actions: of the plans of the domain, PDDL has those for which
-    that is so. Comments of the problem say both.
+    Fluents that a task leaves open in its initial state are false in PDDL. Without rules over time, an unknown effect
+    has the value that the task needs, and is false in all other actions: PDDL then has the plans of the domain for
+    which that holds. Comments of the problem say both.
 
-    Rules over time become conditions and effects of actions. Without `conditional`, no effect has a condition and no
-    condition a disjunction: an action has a copy for each way in which its conditions come out, so that plans keep
-    their length and their number (Nebel 2000). Without `negative`, no condition and no goal is negative: a predicate of
-    its own says what is not so.
+    Rules over time become preconditions and conditional effects. Without `conditional`, no effect has a condition and
+    no precondition a disjunction: an action has a copy for each combination of its conditions, so that plans keep their
+    length and their number (Nebel 2000). Without `negative`, no precondition and no goal is negative: a separate
+    predicate stands for each negation.
 
     Raises:
-        DomainError: the domain says what PDDL cannot, its first state breaks an invariant, it is an open world and no
-            task is given, or an action has too many copies.
+        DomainError: the domain cannot be expressed in PDDL, its initial state breaks an invariant, its world is
+            open and no task is given, or an action has too many copies.
     """
     name, facts = domain.name, domain.facts
     if task is None and not facts.closed:
-        told = "its world is open, so it has no first state that PDDL can say; state one"
-        raise DomainError(f"{name}: {told} with initially(...), or export a task")
+        problem = "its world is open, so it has no initial state that PDDL can say; state one"
+        raise DomainError(f"{name}: {problem} with initially(...), or export a task")
     stated = known_values(facts.initially) if task is None else values_of(task.initial)
     if broken_invariant(facts, stated):
-        raise DomainError(f"{name}: its first state breaks an invariant, so there is no plan; change either")
+        raise DomainError(f"{name}: its initial state breaks an invariant, so there is no plan; change either")
     last = None if task is None else values_of(task.states[-1] if task.states else task.initial)
     rule = next(rules_over_time(domain.program), None)
     if rule is None and not facts.composites:
@@ -82,7 +81,7 @@ def write(domain: Domain, task: Task | None = None, *, negative: bool = True, co
     else:
         ground, open_effects = _over_time(domain, stated, last, conditional=conditional), False
     comment = _comment(len(facts.fluents) - len(stated), open_effects)
-    return _Writer(name, facts, ground, negative).written(task, comment)
+    return _PddlWriter(name, facts, ground, negative).write(task, comment)
 
 
 def _over_time(
@@ -91,7 +90,7 @@ def _over_time(
     goal: Mapping[clingo.Symbol, bool] | None,
     *,
     conditional: bool,
-) -> Ground:
+) -> PlanningTask:
     """Return a domain whose rules look at steps.
 
     Raises:
@@ -104,27 +103,25 @@ def _over_time(
     except LimitReached:
         raise
     except EngineError as error:
-        text = str(error)
-        where = ":".join(text.split(":", 2)[:2])
         places = [f"{path}:{line}" for path, line in rules_over_time(domain.program)]
-        place = where if where in places else places[0] if places else domain.name
-        why = text.removeprefix(f"{place}: ").partition(";")[0]
+        place = error.place if error.place in places else places[0] if places else domain.name
+        why = error.what if error.place in ("", place) else f"{error.place}: {error.what}"
         hint = "leave it out, or export without it"
         raise DomainError(f"{place}: PDDL cannot say this rule over time: {why}; {hint}") from None
 
 
 def _comment(left_open: int, open_effects: bool) -> str:
     is_false = "is" if left_open == 1 else "are"
-    told = f"; {plural(left_open, 'fluent')} that the task leaves open {is_false} false here.\n" if left_open else ""
+    comment = f"; {plural(left_open, 'fluent')} that the task leaves open {is_false} false here.\n" if left_open else ""
     if open_effects:
-        told += "; Effects that the domain leaves open are what the task needs, and false otherwise.\n"
-    return told
+        comment += "; Effects that the domain leaves open are what the task needs, and false otherwise.\n"
+    return comment
 
 
-class _Writer:
-    """Names of PDDL for all that a domain has, and the texts that use them."""
+class _PddlWriter:
+    """The names of PDDL for a domain, and the texts that use them."""
 
-    def __init__(self, name: str, facts: Facts, ground: Ground, negative: bool) -> None:
+    def __init__(self, name: str, facts: Facts, ground: PlanningTask, negative: bool) -> None:
         self._ground = ground
         self._negative = negative
         self._spelling = Spelling()
@@ -142,19 +139,19 @@ class _Writer:
             by_name.setdefault((action.term.name, len(action.term.arguments)), []).append(action)
         self._schemas = [schema for key, found in by_name.items() for schema in self._schemas_of(key, found)]
 
-    def written(self, task: Task | None, comment: str) -> Exported:
+    def write(self, task: Task | None, comment: str) -> PddlExport:
         """Return the texts for the whole domain, or for a task."""
         goal, clauses = self._literals(self._ground.goal.items()), self._clauses(self._ground.clauses)
-        asked = [] if self._negative else [name for name, _, so in self._conditions(goal, clauses) if not so]
-        opposites = {name: self._spelling.name(("opposite", name), f"not-{name}") for name in asked}
+        negated = [] if self._negative else [name for name, _, so in self._conditions(goal, clauses) if not so]
+        opposites = {name: self._spelling.name(("opposite", name), f"not-{name}") for name in negated}
         first = [(*each[:2], proposition in self._ground.initial) for proposition, each in self._told.items()]
-        initial = [each for each in (*first, *mirrored(first, opposites)) if each[2]]
+        initial = [each for each in (*first, *mirror(first, opposites)) if each[2]]
         steps = tuple(self._plan(map(symbol_of, task.actions))) if task is not None else ()
-        wanted = all_of(goal, clauses, opposites)
-        return Exported(self._domain(opposites), self._problem([*initial, *self._allowed], wanted, comment), steps)
+        goal_text = all_of(goal, clauses, opposites)
+        return PddlExport(self._domain(opposites), self._problem([*initial, *self._allowed], goal_text, comment), steps)
 
     def _plan(self, actions: Iterable[clingo.Symbol]) -> Iterator[str]:
-        """Yield the steps of a plan: of an action with several cases, the one that is possible then."""
+        """Yield the steps of a plan: of an action with several cases, the one whose precondition holds."""
         state = set(self._ground.initial)
 
         def so(value: Value) -> bool:
@@ -165,9 +162,9 @@ class _Writer:
             found = [number for number, case in enumerate(cases[action]) if _possible(case, so)]
             number = found[0] if len(cases[action]) > 1 else 0
             effects = cases[action][number].effects
-            made = [effect.made for effect in effects if all(map(so, effect.where))]
-            state -= {each for each, _ in made}
-            state |= {each for each, value in made if value}
+            values = [effect.value for effect in effects if all(map(so, effect.condition))]
+            state -= {each for each, _ in values}
+            state |= {each for each, value in values if value}
             yield self._steps[action][number]
 
     def _conditions(self, goal: Clause, clauses: Iterable[Clause]) -> Iterator[Literal]:
@@ -193,21 +190,21 @@ class _Writer:
     def _clauses(self, clauses: Iterable[Sequence[Value]]) -> tuple[Clause, ...]:
         return tuple(sorted(map(self._literals, clauses)))
 
-    def _case(self, case: Case) -> Written:
-        after = sorted((self._literals(each.where), self._literal(*each.made)) for each in case.effects)
-        return Written(self._literals(case.before.items()), self._clauses(case.clauses), tuple(after))
+    def _case(self, case: Case) -> PddlCase:
+        after = sorted((self._literals(each.condition), self._literal(*each.value)) for each in case.effects)
+        return PddlCase(self._literals(case.precondition.items()), self._clauses(case.clauses), tuple(after))
 
     def _schemas_of(self, key: tuple[str, int], actions: Sequence[GroundAction]) -> Iterator[_Schema]:
-        """Yield the actions of a name: those that are alike as one with parameters."""
+        """Yield the schemas of the actions of a name: actions that are alike become one schema with parameters."""
         instances = [
             Instance(each.term, tuple(map(self._object, each.term.arguments)), tuple(map(self._case, each.cases)))
             for each in actions
         ]
         for instance in instances:
             self._terms.update(dict.fromkeys(instance.arguments))
-        groups = alike(instances)
+        groups = group_alike(instances)
         for number, group in enumerate(groups):
-            cases = lifted(group)
+            cases = lift(group)
             if cases is None or not key[1] or (len(group) == 1 < len(groups)):
                 for each in group:
                     yield from self._ground_schemas(each)
@@ -219,13 +216,13 @@ class _Writer:
             for term, arguments, own in group:
                 self._allowed.append((allowed, arguments, True))
                 values = dict(zip(variables, arguments, strict=True))
-                which_of = {case.renamed(values).meant: name for case, name in zip(cases, names, strict=True)}
-                self._steps[term] = tuple(f"({' '.join([which_of[c.meant], *arguments])})" for c in own)
+                which_of = {case.rename(values).key: name for case, name in zip(cases, names, strict=True)}
+                self._steps[term] = tuple(f"({' '.join([which_of[c.key], *arguments])})" for c in own)
             for name, case in zip(names, cases, strict=True):
                 yield _Schema(name, variables, case, allowed)
 
     def _ground_schemas(self, instance: Instance) -> Iterator[_Schema]:
-        """Yield an action without parameters, each of its cases on its own."""
+        """Yield a schema without parameters for each case of an action."""
         term, _, cases = instance
         names = [self._spelling.name(("action", term, number), _numbered(str(term), number, cases))
                  for number in range(len(cases))]  # fmt: skip
@@ -238,7 +235,7 @@ class _Writer:
         found = [":strips"]
         found += [":negative-preconditions"] * self._negative
         found += [":disjunctive-preconditions"] * (bool(self._ground.clauses) or any(case.clauses for case in cases))
-        found += [":conditional-effects"] * any(where for case in cases for where, _ in case.after)
+        found += [":conditional-effects"] * any(where for case in cases for where, _ in case.effects)
         return " ".join(found)
 
     def _domain(self, opposites: Mapping[str, str]) -> str:
@@ -260,12 +257,12 @@ class _Writer:
         for schema in self._schemas:
             case = schema.case
             before = [f" ({' '.join([schema.allowed, *schema.variables])})"] if schema.allowed else []
-            before.append(all_of(case.before, case.clauses, opposites))
+            before.append(all_of(case.precondition, case.clauses, opposites))
             lines += ["", f"  (:action {schema.name}", f"    :parameters ({' '.join(schema.variables)})"]
             lines += [f"    :precondition (and{''.join(before)})", f"    :effect (and{effects(case, opposites)}))"]
         return "\n".join([*lines, ")"]) + "\n"
 
-    def _problem(self, initial: Iterable[Literal], wanted: str, comment: str) -> str:
+    def _problem(self, initial: Iterable[Literal], goal_text: str, comment: str) -> str:
         """Return the text of the problem."""
         others = [name for name in self._entities if name not in self._terms]
         lines = [
@@ -275,14 +272,14 @@ class _Writer:
             "  (:init",
             *(f"   {as_text([each])}" for each in initial),
             "  )",
-            f"  (:goal (and{wanted}))",
+            f"  (:goal (and{goal_text}))",
         ]
         return comment + "\n".join([*lines, ")"]) + "\n"
 
 
 def _possible(case: Case, so: Callable[[Value], bool]) -> bool:
-    return all(map(so, case.before.items())) and all(any(map(so, clause)) for clause in case.clauses)
+    return all(map(so, case.precondition.items())) and all(any(map(so, clause)) for clause in case.clauses)
 
 
-def _numbered(name: str, number: int, cases: Sequence[Written]) -> str:
+def _numbered(name: str, number: int, cases: Sequence[PddlCase]) -> str:
     return name if len(cases) == 1 else f"{name}-{number + 1}"

@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 from prag_asp.errors import LimitReached, QueryError
 from prag_asp.processes.machine import family_of, memory_of, usual_memory
 from prag_asp.processes.workers import Child, Children, Ended
+from prag_asp.stop_reason import StopKind, StopReason
 
 POLL = 0.05
 """Seconds between two looks at what the process takes."""
@@ -47,12 +48,14 @@ def bounded(
             child.send(pickle.dumps((function, arguments)))
             returned: Returned = _awaited(child, until, most)
         except TimeoutError:
-            raise LimitReached(f"the time limit of {seconds:g} s was reached; allow more seconds", 0) from None
+            reason = StopReason(StopKind.TIME, seconds)
+            raise LimitReached(f"{reason.prose()} was reached; allow more seconds", 0, reason) from None
         except MemoryError:
-            told = f"the memory limit of {most / 10**6:,.0f} MB was reached"
-            raise LimitReached(f"{told}; allow more memory_bytes", 0) from None
+            reason = StopReason(StopKind.MEMORY, most)
+            raise LimitReached(f"{reason.prose()} was reached; allow more memory_bytes", 0, reason) from None
         except Ended as ended:
-            raise LimitReached(f"the process ended {ended}: too little memory, or too deep a term", 0) from None
+            what = f"the process ended {ended}: too little memory, or too deep a term"
+            raise LimitReached(what, 0, StopReason(StopKind.CRASH)) from None
     return returned
 
 

@@ -10,13 +10,13 @@ from pathlib import Path
 
 from clingo.ast import AST, ASTType
 
+from prag_asp.atom import STRING
 from prag_asp.program.problem import Problem
 
 Signature = tuple[str, int]
 """The name and the number of arguments of a predicate or a term."""
 
 TIMED_PARTS = ("step", "check")
-STRING = re.compile(r'"(?:\\.|[^"\\])*"')
 NAME = re.compile(r"(?<![\w'@#])_*[a-z][\w']*")
 VARIABLE = re.compile(r"(?<![\w'])_*[A-Z][\w']*")
 PLAIN_ATOM = re.compile(r"(?P<sign>not not |not )?(?P<name>-?_*[a-z][\w']*)(?:\((?P<arguments>.*)\))?$", re.S)

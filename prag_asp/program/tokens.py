@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-STRING = re.compile(r'"(?:\\["\\n]|[^"\\\n])*"')
+from prag_asp.atom import STRING
+
 COMMENT_EDGE = re.compile(r"%\*|\*%")
 
 

@@ -12,7 +12,7 @@ from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.processes.progress_events import Note
 from prag_asp.space.engines import AUTO, Engine, Level, select
 from prag_asp.space.engines.engine import Letters, Progress
-from prag_asp.space.engines.no_words import NoWords
+from prag_asp.space.engines.listed_words import NoWords
 from prag_asp.space.limits import Limits
 
 if TYPE_CHECKING:

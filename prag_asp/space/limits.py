@@ -1,4 +1,4 @@
-"""How much memory and time a question may take, and whether answers are kept for the next run."""
+"""Limits on memory and time, and whether results are cached for the next run."""
 
 from __future__ import annotations
 
@@ -10,24 +10,25 @@ from typing import TypeVar
 
 from prag_asp.errors import LimitReached, QueryError
 from prag_asp.processes.machine import memory_in_use
+from prag_asp.stop_reason import StopKind, StopReason
 
 UNITS = {"": 1, "k": 10**3, "m": 10**6, "g": 10**9, "t": 10**12}
 BINARY = {"ki": 2**10, "mi": 2**20, "gi": 2**30, "ti": 2**40}
 DURATIONS = {"": 1, "s": 1, "m": 60, "min": 60, "h": 3600}
 QUANTITY = r"(?P<number>\d+(\.\d+)?)\s*(?P<unit>[a-z]*)"
 LEAST_CLOSING, MOST_CLOSING = 0.1, 5.0
-"""Seconds after the limit in which what was found until then is counted; otherwise a twentieth of the limit."""
+"""Least and most seconds after the limit for counting what was found until then; between them, 5 % of the limit."""
 
 Found = TypeVar("Found")
 
 
 @dataclass(frozen=True)
 class Limits:
-    """What a question may take: memory of the whole process in bytes, seconds; None is without limit.
+    """The limits of a question: memory of the whole process in bytes, and seconds; None is without limit.
 
-    They hold where our own code looks at them, between two pieces of work; clingo's grounder, for one, hears nothing of
-    them. `cached` says whether what took long to compute is kept in the cache folder for the next run. `since` is when
-    the seconds of all questions together began, on the monotonic clock; with None, each question has its own.
+    They are checked between two pieces of work in Python; clingo's grounder, for one, does not check them. `cached`
+    says whether results that took long are cached for the next run. `since` is when the seconds of all questions
+    together began, on the monotonic clock; with None, each question has its own.
     """
 
     memory_bytes: int | None = None
@@ -51,13 +52,13 @@ class Budget:
     begun: float
     closing: float = 0.0
 
-    def spent(self, more_bytes: int = 0) -> str | None:
-        """Return which limit is reached, in words, or None; `more_bytes` are about to be taken."""
+    def reached_limit(self, more_bytes: int = 0) -> StopReason | None:
+        """Return which limit is reached, or None; `more_bytes` are about to be allocated."""
         seconds, memory = self.limits.seconds, self.limits.memory_bytes
         if seconds is not None and monotonic() - self.begun > seconds + self.closing:
-            return f"the time limit of {seconds:g} s"
+            return StopReason(StopKind.TIME, seconds)
         if memory is not None and memory_in_use() + more_bytes > memory:
-            return f"the memory limit of {memory / 10**6:,.0f} MB"
+            return StopReason(StopKind.MEMORY, memory)
         return None
 
     def left(self) -> float | None:
@@ -66,9 +67,9 @@ class Budget:
         return None if seconds is None else max(self.begun + seconds - monotonic(), 0.0)
 
     def to_close(self) -> Budget:
-        """Return the time that is left, or a little more, for counting what was found: nothing would be known without.
+        """Return the budget for counting what was found until a limit: the time that is left, and a little more.
 
-        Memory is no matter then, for counting takes little.
+        It has no limit on memory because counting takes little.
         """
         seconds = self.limits.seconds
         if seconds is None:
@@ -77,44 +78,45 @@ class Budget:
         late = max(monotonic() - self.begun - seconds, 0)
         return Budget(Limits(seconds=seconds), self.begun, late + own)
 
+    def to_report(self) -> Budget:
+        """Return the same, or `MOST_CLOSING` seconds where a limit on memory alone was reached."""
+        return Limits(seconds=MOST_CLOSING).begin() if self.limits.seconds is None else self.to_close()
+
 
 def within(limits: Limits, words: Iterator[Found], level: str, length: int) -> Iterator[Found]:
-    """Yield words, until a limit is reached.
+    """Yield words until a limit is reached.
 
     Raises:
-        LimitReached: it is; the error has the number of words that were found.
+        LimitReached: a limit is reached; the error has the number of words that were found.
     """
     budget = limits.begin()
     for found, word in enumerate(words):
-        stopped = budget.spent()
-        if stopped:
-            raise stopped_at(stopped, found, level, length)
+        reason = budget.reached_limit()
+        if reason:
+            raise limit_error(reason, found, level, length)
         yield word
 
 
-def stopped_at(limit: str, found: int, level: str, length: int, states: int = 0) -> LimitReached:
-    """Return the error for a limit, given in words, that ended a count when `found` words were found.
+def limit_error(reason: StopReason, found: int, level: str, length: int, states: int = 0) -> LimitReached:
+    """Return the error for a limit that ended a count when `found` words were found.
 
-    Where states are listed, it says how many were.
+    The message names the number of explored states where there are any.
     """
     explored = f" with {states:,} states explored" if states else ""
+    option = "time" if reason.kind == StopKind.TIME else "memory"
     return LimitReached(
-        f"{limit} was reached{explored}: there are at least {found} {level}s of length {length}; {allow_more(limit)}, "
-        "or ask for shorter ones",
+        f"{reason.prose()} was reached{explored}: there are at least {found} {level}s of length {length}; "
+        f"allow more (--{option}), or ask for shorter ones",
         found,
+        reason,
     )
-
-
-def allow_more(limit: str) -> str:
-    """Return what to do about a limit, given in words: the command's option that moves it."""
-    return f"allow more (--{'time' if limit.startswith('the time') else 'memory'})"
 
 
 def parse_memory(text: str) -> int:
     """Return a number of bytes given as 500MB, 4GB, 2GiB or a plain number.
 
     Raises:
-        QueryError: it is none.
+        QueryError: the text is no such quantity.
     """
     number, unit = _quantity(text)
     factor = {**UNITS, **BINARY}.get(unit.removesuffix("b"))
@@ -127,7 +129,7 @@ def parse_time(text: str) -> float:
     """Return a number of seconds given as 60, 60s, 1.5m or 2h.
 
     Raises:
-        QueryError: it is none.
+        QueryError: the text is no such quantity.
     """
     number, unit = _quantity(text)
     factor = DURATIONS.get(unit)

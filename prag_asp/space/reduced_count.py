@@ -28,8 +28,9 @@ from prag_asp.space.automaton.merged_states import count_merged
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.engines.engine import Engine, Letters, Level, Progress, name_in_prefix
 from prag_asp.space.engines.reachability import Explorer, Reach
-from prag_asp.space.limits import Limits, stopped_at
+from prag_asp.space.limits import Limits, limit_error
 from prag_asp.space.weights.weights import Weights
+from prag_asp.stop_reason import StopReason
 
 Group = tuple[clingo.Symbol, ...]
 
@@ -153,21 +154,22 @@ class ReducedModel:
         )
         assert unit == 1
         stage("counting")
-        found, stopped = self._weight(reach, length, prefix)
-        if reach.stopped or stopped:
-            raise stopped_at(reach.stopped or stopped, 0, "plan", length, reach.states)
+        found, stop = self._weight(reach, length, prefix)
+        reason = reach.stop or stop
+        if reason:
+            raise limit_error(reason, 0, "plan", length, reach.states)
         pairs = [(len(group), len(members)) for group, members in zip(self.groups, ground, strict=True)]
         return _renamed(found, [*zip(pairs, places, strict=False)])
 
-    def _weight(self, reach: Reach, length: int, prefix: Letters) -> tuple[int, str]:
+    def _weight(self, reach: Reach, length: int, prefix: Letters) -> tuple[int, StopReason | None]:
         """Return the weight of all words, and the limit that ended the sum, if any."""
         if not prefix:
-            return count_within(reach.completions, length, self.limits.begin().spent)
+            return count_within(reach.completions, length, self.limits.begin().reached_limit)
         names = [name_in_prefix(item, ()) for item in prefix]
         sets = [frozenset(letter for letter, own in enumerate(reach.names) if own == name) for name in names]
         if reach.merged:
-            return count_merged(reach.merged, reach.completions, length, sets), ""
-        return count_words(reach.completions, length, [each.__contains__ for each in sets]), ""
+            return count_merged(reach.merged, reach.completions, length, sets), None
+        return count_words(reach.completions, length, [each.__contains__ for each in sets]), None
 
     def listed_plans(self, length: int, prefix: Letters) -> int:
         """Return the number of plans of a length: enumerate the tasks, each of which stands for its renamings."""
@@ -184,7 +186,7 @@ class ReducedModel:
                     for units in self.model.symmetries(0).joint
                 )
         except LimitReached as limit:
-            raise stopped_at(str(limit).partition(" was reached")[0], found, "plan", length) from None
+            raise limit_error(limit.reason, found, "plan", length) from None
         return found
 
     @cached_property

@@ -8,6 +8,7 @@ import pytest
 
 from prag_asp import errors
 from prag_asp.cli.exits import MEANINGS, Exit, exit_of
+from prag_asp.stop_reason import StopKind, StopReason
 from tests.commands import ok
 from tests.docs.pages import DOCS
 
@@ -29,7 +30,7 @@ def test_help_and_page_have_the_table_of_exit_codes() -> None:
         (errors.SceneError("s"), 2),
         (errors.EngineError("e"), 2),
         (errors.PhysicsMissingError("p"), 2),
-        (errors.LimitReached("l", 7), 3),
+        (errors.LimitReached("l", 7, StopReason(StopKind.TIME, 1.0)), 3),
         (errors.NotFound("n"), 1),
         (errors.OutputError("o"), 4),
         (errors.WorkerError("w"), 5),

@@ -320,12 +320,13 @@ def test_figures_are_told_where_foreign_code_turns_an_interruption_into_a_mistak
     assert ends(work.format(raised="pass")) == (2, "error in callback\n")
 
 
-@pytest.mark.parametrize("raised", ['LimitReached("own line", 0)', "SystemExit(3)"])
+@pytest.mark.parametrize("raised", ['LimitReached("own line", 0, StopReason(StopKind.TIME))', "SystemExit(3)"])
 def test_a_limit_that_strikes_while_a_command_is_ending_already_adds_no_line(raised: str) -> None:
     work = f"""
     import atexit
     from prag_asp.cli import exit_control
     from prag_asp.errors import LimitReached
+    from prag_asp.stop_reason import StopKind, StopReason
     atexit.register(time.sleep, 2)
     atexit.register(exit_control.limit, 0.3)
     raise {raised}"""

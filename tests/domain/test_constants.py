@@ -17,7 +17,7 @@ from prag_asp.logic.formula.cnf import dimacs
 from prag_asp.program.constants import Constant
 from prag_asp.program.paths import shipped_domains
 from prag_asp.space.engines import LEVELS, automaton_engine
-from prag_asp.space.engines.stored_automata import shelf_for
+from prag_asp.space.engines.stored_automata import automaton_slot
 from prag_asp.space.engines.word_formula import word_formula
 
 HANOI = (shipped_domains()["hanoi"] / "domain.lp").read_text(encoding="utf-8")
@@ -169,6 +169,6 @@ def test_what_is_kept_for_one_value_is_never_taken_for_another(tmp_path: Path, m
     keys = {
         shelf.key
         for domain in (load_domain("hanoi"), load_domain("hanoi", constants={"discs": 3}))
-        if (shelf := shelf_for(tmp_path, DomainLogic(domain), "task", None))
+        if (shelf := automaton_slot(tmp_path, DomainLogic(domain), "task", None))
     }
     assert len(keys) == 1  # the same program

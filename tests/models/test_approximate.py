@@ -48,7 +48,7 @@ def estimated(approxmc: Child, cnf: Cnf, seed: int, tolerance: Tolerance) -> int
 @needs_approxmc
 @pytest.mark.parametrize(("text", "project", "count"), KNOWN)
 def test_of_twenty_seeds_all_are_within_the_bounds(text: str, project: bool, count: int, approxmc: Child) -> None:
-    cnf = answer_sets(text=text, project=project)._counted.cnf
+    cnf = answer_sets(text=text, project=project)._counting_formula.cnf
     told = [estimated(approxmc, cnf, seed, Tolerance()) for seed in range(20)]
     assert all(count / 1.8 <= each <= count * 1.8 for each in told), told
 

@@ -23,7 +23,7 @@ BESIDE = "prag_asp.{}.PATIENCE"
 
 @needs_ganak
 def test_where_clingo_would_never_end_a_counter_answers_and_that_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(BESIDE.format("space.engines.auto"), 0)
+    monkeypatch.setattr(BESIDE.format("space.engines.auto_engine"), 0)
     told: list[str] = []
     before = set(children())
     space = TaskSpace(domain_of(APART), 40, progress=told.append)
@@ -36,7 +36,7 @@ def test_where_clingo_would_never_end_a_counter_answers_and_that_is_said(monkeyp
 @needs_ganak
 @pytest.mark.parametrize("fails", [False, True])
 def test_a_counter_that_fails_leaves_the_question_to_clingo(fails: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(BESIDE.format("space.engines.auto"), 0)
+    monkeypatch.setattr(BESIDE.format("space.engines.auto_engine"), 0)
     monkeypatch.setattr("prag_asp.space.engines.clingo_engine.POLL", 0)
 
     def fail(*_: object) -> None:
@@ -54,9 +54,9 @@ def test_a_counter_that_fails_leaves_the_question_to_clingo(fails: bool, monkeyp
     ("what", "error"),
     [
         ("logic.formula.counter.TemporaryFile", OSError(ENOSPC, "No space left on device")),
-        ("processes.children.Pipe", OSError(EMFILE, "Too many open files")),
-        ("processes.children.Child.send", MemoryError()),
-        ("processes.children.Child.receive", MemoryError()),
+        ("processes.workers.Pipe", OSError(EMFILE, "Too many open files")),
+        ("processes.workers.Child.send", MemoryError()),
+        ("processes.workers.Child.receive", MemoryError()),
     ],
 )
 def test_where_there_is_no_room_for_a_counter_the_count_goes_on_alone(
@@ -114,6 +114,6 @@ def test_a_program_that_is_not_tight_is_counted_by_whoever_is_done_first(monkeyp
     monkeypatch.setattr(counter.CountBeside, "__call__", slow)
     found = answer_sets(text=text, tell=notes.append)
     assert found.count() == expected
-    assert waited == [True] and "_weighed" not in found.__dict__
+    assert waited == [True] and "_diagram" not in found.__dict__
     assert any("ganak counts as well" in note for note in notes)
     assert sum(found.marginals().values()) > 0

@@ -12,7 +12,7 @@ import pytest
 
 from prag_asp import DomainError, QueryError, answer_sets
 from prag_asp.errors import NotFound
-from prag_asp.models.diagram import Branch, Diagram, Weighed
+from prag_asp.models.diagram import Branch, Diagram, WeightedDiagram
 from tests.chance import Chance
 from tests.models.test_known_numbers import COLOURING, QUEENS, TREE
 
@@ -66,11 +66,11 @@ def test_the_same_seed_gives_the_same_draws_and_a_longer_sample_begins_like_a_sh
 
 
 def test_a_share_that_64_bits_do_not_tell_from_another_is_decided_by_more() -> None:
-    choice = Weighed(Diagram(((Branch((1,), ()), Branch((-1,), ())),)), {1: 1, -1: 2})
+    choice = WeightedDiagram(Diagram(((Branch((1,), ()), Branch((-1,), ())),)), {1: 1, -1: 2})
     threshold, one, other, exactly = choice._choice(0)
     assert (one.literals, other.literals) == ((1,), (-1,)) and threshold == 2**64 // 3
     assert exactly(iter([threshold, threshold - 1])) and not exactly(iter([threshold, threshold + 1]))
-    even = Weighed(Diagram(((Branch((1,), ()), Branch((-1,), ())),)), {})
+    even = WeightedDiagram(Diagram(((Branch((1,), ()), Branch((-1,), ())),)), {})
     assert not even._choice(0)[3](iter([])), "half of all words lie below"
 
 

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis.strategies import integers
 
 from prag_asp import Domain, DomainError, Task, TaskSpace, load_domain, parse_atom
-from prag_asp.planners import Exported, write
+from prag_asp.planners import PddlExport, write
 from tests.brute_force import Toy
 from tests.chance import examples
 from tests.pddl.forward import Search, signed
@@ -23,7 +23,9 @@ from tests.pddl.test_read import written
 from tests.strategies import toys
 
 
-def exported(domain: Domain, task: Task | None = None, *, negative: bool = True, conditional: bool = True) -> Exported:
+def exported(
+    domain: Domain, task: Task | None = None, *, negative: bool = True, conditional: bool = True
+) -> PddlExport:
     return write(domain, task, negative=negative, conditional=conditional)
 
 
@@ -123,7 +125,7 @@ def test_rules_of_the_encodings_go_out_and_a_task_under_them_keeps_its_plan(rule
         assert reaches(task)
 
 
-def reaches(task: Exported) -> bool:
+def reaches(task: PddlExport) -> bool:
     search = Search(task.domain, task.problem)
     state = search.start
     for step in task.plan:
@@ -280,7 +282,7 @@ def test_what_pddl_cannot_say_is_refused(tmp_path: Path) -> None:
         exported(load_domain(text=text), conditional=False)
     with pytest.raises(DomainError, match="unknown, which PDDL cannot say; let the action make it true or false"):
         exported(load_domain(text="fluent(f). initially(f,true). action(a). postcondition(a,f,unknown).\n"))
-    with pytest.raises(DomainError, match="prag: its world is open, so it has no first state that PDDL can say"):
+    with pytest.raises(DomainError, match="prag: its world is open, so it has no initial state that PDDL can say"):
         exported(load_domain("prag"))
 
 

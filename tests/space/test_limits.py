@@ -15,8 +15,9 @@ from prag_asp.space import limits
 from prag_asp.space.automaton.bounded_count import count_within
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.limits import Limits, memory_in_use, parse_memory, parse_time
+from prag_asp.stop_reason import StopKind, StopReason
 from tests.domains import domain_of
-from tests.space.automaton.test_explore import LAMPS
+from tests.space.automaton.test_exploration import LAMPS
 
 AT_ONCE = Limits(seconds=0)
 
@@ -75,14 +76,17 @@ def test_clingo_says_how_many_it_has_enumerated() -> None:
     assert 0 < next(some) < 12**12
 
 
+TIME = StopReason(StopKind.TIME, 1.0)
+
+
 @pytest.mark.parametrize("stop_after", [0, 1, 5, 29])
 def test_counting_that_is_stopped_knows_the_words_that_begin_with_one_path(stop_after: int) -> None:
     engine = AutomatonEngine(DomainLogic(load_domain("prag")), "plan")
     completions, calls = engine.explored(30).completions, iter(range(100))
-    found, stopped = count_within(completions, 30, lambda: "time" if next(calls) >= stop_after else None)
-    assert stopped == "time" and 0 < found < engine.count(30)
+    found, stop = count_within(completions, 30, lambda: TIME if next(calls) >= stop_after else None)
+    assert stop == TIME and 0 < found < engine.count(30)
     assert found >= engine.count(stop_after) // 48  # at least what completes some state that 48 actions lead to
-    assert count_within(completions, 30, lambda: None) == (engine.count(30), "")
+    assert count_within(completions, 30, lambda: None) == (engine.count(30), None)
 
 
 def test_a_count_that_is_stopped_follows_its_path_to_the_end_however_long_that_is() -> None:
@@ -90,15 +94,15 @@ def test_a_count_that_is_stopped_follows_its_path_to_the_end_however_long_that_i
     automaton, calls = completions.automaton, iter(range(1000))
     for length in range(6, 40):
         until = next(calls) + 5
-        found, _ = count_within(completions, length, lambda until=until: "time" if next(calls) >= until else None)
+        found, _ = count_within(completions, length, lambda until=until: TIME if next(calls) >= until else None)
         row, state = completions.row(4), 0
         for _ in range(length - 4):
             edges = range(int(automaton.offsets[state]), int(automaton.offsets[state + 1]))
             state = int(automaton.targets[max(edges, key=lambda edge: int(row[automaton.targets[edge]]))])
         assert found == int(row[state])
     begun = next(calls)
-    far, stopped = count_within(completions, 10**18, lambda: "time" if next(calls) >= begun + 100 else None)
-    assert stopped == "time" and far > 10**90
+    far, stop = count_within(completions, 10**18, lambda: TIME if next(calls) >= begun + 100 else None)
+    assert stop == TIME and far > 10**90
 
 
 def test_a_long_count_says_how_far_it_is(monkeypatch: pytest.MonkeyPatch) -> None:

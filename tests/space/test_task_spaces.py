@@ -16,7 +16,7 @@ from prag_asp.errors import LimitReached
 from prag_asp.space.engines.engine import Level
 from prag_asp.space.limits import Limits
 from tests.sharing import logic_shared
-from tests.space.drawing.test_sampling import DOMAIN, KINDS, expected_weight
+from tests.space.sampling.test_sampling import DOMAIN, KINDS, expected_weight
 
 DRAWS = 20_000
 SPACES = TaskSpaces(DOMAIN, range(3))

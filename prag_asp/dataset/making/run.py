@@ -34,10 +34,10 @@ from prag_asp.dataset.store.manifest import (
     write_manifest,
 )  # fmt: skip
 from prag_asp.dataset.validation_jobs import Draw, Found, Look, Telling
-from prag_asp.domain.identity import digest
 from prag_asp.errors import NotFound, OutputError, QueryError
 from prag_asp.integers import digits_of, number_of
 from prag_asp.output import Lines, file_in, make_folder, replace_file
+from prag_asp.output.digests import digest
 from prag_asp.processes.workers import uninterrupted
 from prag_asp.safe_reading import read_bytes
 from prag_asp.space.without_replacement import Ordered, at, lengths_of, ordered_parts, tell

@@ -24,10 +24,10 @@ from prag_asp.dataset.suites.suite_manifest import (
     take_note,
     write_note,
 )
-from prag_asp.domain.identity import digest
 from prag_asp.errors import NotFound, OutputError, QueryError
 from prag_asp.missing import require_pyarrow
 from prag_asp.output import file_in, make_folder, replace_file
+from prag_asp.output.digests import digest
 from prag_asp.physics import require_physics
 from prag_asp.space.limits import UNLIMITED
 from prag_asp.space.without_replacement import Division

@@ -22,7 +22,7 @@ from prag_asp.dataset.suites.suite_tables import (
 )  # fmt: skip
 from prag_asp.domain.load import load_domain
 from prag_asp.errors import QueryError
-from prag_asp.fields import read
+from prag_asp.fields import FieldError, read
 from prag_asp.grammar.phrasings import Phrasings
 from prag_asp.program.paths import shipped_domains, suite_file
 from prag_asp.program.settings import key_line, parse_table
@@ -76,9 +76,8 @@ class _Reader:
         self._refuse_unknown(told)
         try:
             self._table = read(told, SuiteTable, "")
-        except QueryError as error:
-            trail = [each for each in re.split(r"[.\[\]]+", str(error).partition(": ")[0]) if each]
-            raise QueryError(f"{self._place(*trail)}: {error}") from None
+        except FieldError as error:
+            raise QueryError(f"{self._place(*map(str, error.trail))}: {error}") from None
         self._written: Mapping[str, Mapping[str, Any]] = told["parts"]
 
     def suite(self, domain: Domain | None) -> Suite:

@@ -11,8 +11,8 @@ import msgspec
 
 from prag_asp.dataset.store.manifest import NAME, Manifest, PartNote, Shard, derive
 from prag_asp.dataset.verification.finding import Finding
-from prag_asp.domain.identity import digest
 from prag_asp.integers import grouped, number_of
+from prag_asp.output.digests import digest
 
 if TYPE_CHECKING:
     from prag_asp.space.task_space import TaskSpace

@@ -1,4 +1,9 @@
-"""Boolean functions as binary decision diagrams (Bryant 1986): equal functions are the same node, a whole number."""
+"""Boolean functions as binary decision diagrams (Bryant 1986): equal functions are the same node, a whole number.
+
+They serve the export to PDDL, whose functions read a few dozen fluents at most. A library such as `dd` or OxiDD would
+save the 60 lines that make nodes; what the export needs beside them, cubes that cover a function within a bound and
+cases of several functions at once, neither has. `diagrams.py` has the measurements.
+"""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ from dataclasses import dataclass, field
 from functools import partial
 
 from prag_asp.logic.formula.clause_builder import TRUE, ClauseBuilder, Literal
-from prag_asp.logic.ground.ground_step import Rule
+from prag_asp.logic.ground.rules import Rule
 from prag_asp.program.finite.components import components
 
 

@@ -18,6 +18,7 @@ from prag_asp.errors import EngineError, LimitReached
 from prag_asp.logic.formula.clause_builder import Literal
 from prag_asp.logic.formula.cnf import Cnf
 from prag_asp.processes.workers import Child, Children, Ended, answered
+from prag_asp.stop_reason import StopKind, StopReason
 
 
 @dataclass(frozen=True)
@@ -89,8 +90,8 @@ def run_counter(
             child.send((cnf.variables, cnf.shown, clauses, *more))
             return child.receive(seconds)
         except TimeoutError:
-            told = f"{request}: no count after {seconds:.3g} s"
-            raise LimitReached(f"{told}; allow more (--time), or ask for less", 0) from None
+            what = f"{request}: no count after {seconds:.3g} s; allow more (--time), or ask for less"
+            raise LimitReached(what, 0, StopReason(StopKind.TIME, seconds)) from None
         except Ended as ended:
             said = _last_line(complaints)
             raise EngineError(f"{request}: {counter.name} ended {ended} ({said}); choose another engine") from None

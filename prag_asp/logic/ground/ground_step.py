@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -12,7 +12,8 @@ import clingo
 from prag_asp.errors import EngineError
 from prag_asp.logic.ground.derivable import may_derive
 from prag_asp.logic.ground.growth import locate_head
-from prag_asp.logic.ground.stationary import StepReads
+from prag_asp.logic.ground.rules import GroundRecorder, Rule, Unsupported
+from prag_asp.logic.ground.stationary import Obstacle, StepReads
 from prag_asp.program.atom_arrays import ground_atoms
 from prag_asp.program.facts import Facts
 from prag_asp.program.finite.checks import BoundReached, measure
@@ -48,19 +49,6 @@ Seeds = dict[clingo.Symbol, None]
 """The atoms that step t-1 may have, without their time, in the order in which they are declared to clingo."""
 
 
-class Rule(NamedTuple):
-    """A ground rule: a head follows if the weights of the true literals of the body reach `bound`.
-
-    Literals are atoms, negative if negated. Without `weights`, all literals of the body have to be true.
-    """
-
-    heads: tuple[int, ...]
-    body: tuple[int, ...]
-    choice: bool = False
-    bound: int = 0
-    weights: tuple[int, ...] = ()
-
-
 @dataclass(frozen=True)
 class GroundStep:
     """The ground rules of one step in any state, by program part.
@@ -79,7 +67,7 @@ class GroundStep:
     now: Mapping[clingo.Symbol, int]
     initial: frozenset[clingo.Symbol]
     consistent: bool
-    obstacles: tuple[str, ...]
+    obstacles: tuple[Obstacle, ...]
     after_steps_alone: bool = False
     grounding: Grounding | None = field(default=None, repr=False, compare=False)
 
@@ -97,7 +85,8 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
         return _ground_step(program, facts, reads)
     except BoundReached as error:
         # A plan of a given length may not reach the bound: engines that unroll the steps decide that.
-        return _unbounded(str(error), reads)
+        place = f"{error.problem.path}:{error.problem.line}"
+        return _unbounded(Obstacle(error.problem.text, place), reads)
 
 
 def _ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
@@ -118,11 +107,11 @@ def _ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep
         started = _start(program, reads)
     name, arity = endless or _signature(min(new))
     where = locate_head(program, (name, arity))
-    obstacle = f"{where}: {name}/{arity} takes new values at every step without end; add a condition that ends it"
-    return _unbounded(obstacle, reads)
+    what = f"{name}/{arity} takes new values at every step without end"
+    return _unbounded(Obstacle(what, where, "add a condition that ends it"), reads)
 
 
-def _unbounded(obstacle: str, reads: StepReads) -> GroundStep:
+def _unbounded(obstacle: Obstacle, reads: StepReads) -> GroundStep:
     """Return an empty step with the obstacle that it makes new atoms without end."""
     return GroundStep({}, {}, {}, {}, frozenset(), consistent=True, obstacles=(*reads.obstacles, obstacle))
 
@@ -246,27 +235,6 @@ def _open_values(facts: Facts) -> Iterator[list[clingo.Symbol]]:
             yield [fluent, value]
 
 
-class _Recorder(clingo.Observer):
-    """Keeps the rules that clingo grounds, by the part under way."""
-
-    def __init__(self) -> None:
-        self.part = "base"
-        self.rules: dict[str, list[Rule]] = {}
-        self.obstacles: list[str] = []
-
-    def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
-        if body or choice or len(head) != 1 or self.part != "base":
-            self.rules.setdefault(self.part, []).append(Rule(tuple(head), tuple(body), choice))
-
-    def weight_rule(self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[tuple[int, int]]) -> None:
-        literals, weights = tuple(each[0] for each in body), tuple(each[1] for each in body)
-        found = Rule(tuple(head), literals, choice, lower_bound, weights)
-        self.rules.setdefault(self.part, []).append(found)
-
-    def theory_atom(self, *_: object) -> None:
-        self.obstacles.append("the program uses a theory")
-
-
 def extend_step(
     step: GroundStep, rules: Program, carried: Iterable[clingo.Symbol], reads: StepReads
 ) -> GroundStep | None:
@@ -322,7 +290,7 @@ def _ground_end(started: Grounding, reads: StepReads) -> GroundStep:
     return _recorded(started.grounder, started.recorder, reads)
 
 
-def _ground_parts(grounder: Grounder, recorder: _Recorder, parts: Iterable[str]) -> None:
+def _ground_parts(grounder: Grounder, recorder: GroundRecorder, parts: Iterable[str]) -> None:
     for part in parts:
         recorder.part = part
         grounder.ground([(part, [NOW])])
@@ -382,20 +350,22 @@ class Grounding:
     """A grounder with at least the base part of a program; `initial` are the atoms of the start without their time."""
 
     grounder: Grounder
-    recorder: _Recorder
+    recorder: GroundRecorder
     initial: set[clingo.Symbol]
     extended: bool = False
 
 
 def _start(program: Program, reads: StepReads) -> Grounding:
-    grounder, recorder = Grounder(program), _Recorder()
+    grounder, recorder = Grounder(program), GroundRecorder(base_facts=False)
     grounder.control.register_observer(recorder)
     grounder.ground([("base", [])])
     return Grounding(grounder, recorder, _initial(grounder, reads))
 
 
-def _recorded(grounder: Grounder, recorder: _Recorder, reads: StepReads) -> GroundStep:
-    obstacles = [*reads.obstacles, *recorder.obstacles]
+def _recorded(grounder: Grounder, recorder: GroundRecorder, reads: StepReads) -> GroundStep:
+    obstacles = [*reads.obstacles]
+    if Unsupported.THEORY in recorder.unsupported:
+        obstacles.append(Obstacle(Unsupported.THEORY.value))
     names: dict[int, clingo.Symbol] = {}
     found: dict[clingo.Symbol, dict[clingo.Symbol, int]] = {NOW: {}, BEFORE: {}}
     initial: set[clingo.Symbol] = set()
@@ -408,7 +378,7 @@ def _recorded(grounder: Grounder, recorder: _Recorder, reads: StepReads) -> Grou
             if time == START:
                 initial.add(clingo.Function(name, others))
                 if not is_fact:
-                    obstacles.append(f"{symbol} depends on a choice: plans do not begin in one state")
+                    obstacles.append(Obstacle(f"{symbol} depends on a choice: plans do not begin in one state"))
                 continue
             if time == NOW and is_fact and (name, arity) in reads.timed & (reads.last | CONTRACT):
                 always.append(clingo.Function(name, others))
@@ -416,7 +386,7 @@ def _recorded(grounder: Grounder, recorder: _Recorder, reads: StepReads) -> Grou
             if time in found:
                 found[time][clingo.Function(name, others)] = literal
     if any(rule.heads for rule in recorder.rules.get("base", [])):
-        obstacles.append("the base part makes a choice")
+        obstacles.append(Obstacle("the base part makes a choice"))
     return GroundStep(
         {part: tuple(rules) for part, rules in recorder.rules.items()},
         names, found[BEFORE], found[NOW], frozenset(initial),

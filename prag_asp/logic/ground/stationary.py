@@ -14,10 +14,12 @@ from functools import cache, cached_property, lru_cache
 import clingo
 from clingo.ast import AST, ASTType
 
+from prag_asp.atom import STRING
+from prag_asp.errors import EngineError
 from prag_asp.logic.ground.growth import growing_heads
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.sources import Program, owned
-from prag_asp.program.syntax import STRING, AtomNode, Signature, Statement, atoms, children_of, plain_atom, spelled
+from prag_asp.program.syntax import AtomNode, Signature, Statement, atoms, children_of, plain_atom, spelled
 
 START = "0"
 """The text of the time of the start."""
@@ -67,6 +69,19 @@ _times = cache(_Times)
 
 
 @dataclass(frozen=True)
+class Obstacle:
+    """Why a step is not a function of the state and the action: `what` at a `place`, which is a file and a line."""
+
+    what: str
+    place: str = ""
+    remedy: str = ""
+
+    def error(self) -> EngineError:
+        """Return the obstacle as an error."""
+        return EngineError(self.what, place=self.place, remedy=self.remedy)
+
+
+@dataclass(frozen=True)
 class StepReads:
     """What the rules of a step read of the step before.
 
@@ -77,7 +92,7 @@ class StepReads:
 
     timed: frozenset[Signature]
     previous: frozenset[Signature]
-    obstacles: tuple[str, ...]
+    obstacles: tuple[Obstacle, ...]
     growing: frozenset[Signature]
     last: frozenset[Signature]
 
@@ -98,6 +113,10 @@ class _TimedRule:
         """Yield all atoms, including those of conditions."""
         yield from self.statement.heads
         yield from self.statement.body
+
+    def obstacle(self, what: str, remedy: str = "") -> Obstacle:
+        """Return an obstacle at the line of the rule."""
+        return Obstacle(what, f"{self.statement.path}:{self.statement.line}", remedy)
 
 
 @lru_cache(maxsize=1024)
@@ -131,14 +150,14 @@ def read_step(program: Program) -> StepReads:
         for rule in rules[name]:
             obstacle = _obstacle(rule, name, timed, previous)
             if obstacle:
-                obstacles.append(f"{_place(rule)} {obstacle}")
+                obstacles.append(obstacle)
     stepping = (rule.statement for rule in rules["step"])
     growing = {head for each in stepping for head in growing_heads(each.heads, each.literals, timed)}
     last = {atom.signature for rule in rules["check"] for atom in rule.atoms() if _time_of(atom) == rule.times.now}
     return StepReads(frozenset(timed), frozenset(previous), tuple(obstacles), frozenset(growing), frozenset(last))
 
 
-def _numbered(rules: Mapping[str, Sequence[_TimedRule]], timed: Collection[Signature]) -> Iterator[str]:
+def _numbered(rules: Mapping[str, Sequence[_TimedRule]], timed: Collection[Signature]) -> Iterator[Obstacle]:
     """Yield the rules of the base part or the last check that state atoms by the number of a step."""
     last = {atom.signature for rule in rules["check"] for atom in rule.heads if _time_of(atom) == rule.times.now}
     at, before = set(last), set[Signature]()
@@ -149,17 +168,14 @@ def _numbered(rules: Mapping[str, Sequence[_TimedRule]], timed: Collection[Signa
                 if time == rule.times.now and atom.signature not in timed:
                     at.add(atom.signature)
                     if name == "step" and atom.signature in last:
-                        yield f"{_place(rule)} {spelled(atom.signature)} is read in a step, and made after the last one"
+                        what = "is read in a step, and made after the last one"
+                        yield rule.obstacle(f"{spelled(atom.signature)} {what}")
                 elif time == rule.times.before:
                     before.add(atom.signature)
     for rule in rules["base"]:
         for atom in rule.heads:
             if atom.signature in at or (atom.signature in before and _time_of(atom) != START):
-                yield f"{_place(rule)} {spelled(atom.signature)} is stated by the number of a step"
-
-
-def _place(rule: _TimedRule) -> str:
-    return f"{rule.statement.path}:{rule.statement.line}:"
+                yield rule.obstacle(f"{spelled(atom.signature)} is stated by the number of a step")
 
 
 def _may_carry_time(rule: _TimedRule, timed: Collection[Signature]) -> bool:
@@ -168,35 +184,37 @@ def _may_carry_time(rule: _TimedRule, timed: Collection[Signature]) -> bool:
     return rule.times.before in text or any(name in text for name, _ in timed)
 
 
-def _obstacle(rule: _TimedRule, part: str, timed: Collection[Signature], previous: set[Signature]) -> str | None:
+def _obstacle(rule: _TimedRule, part: str, timed: Collection[Signature], previous: set[Signature]) -> Obstacle | None:
     """Return why a rule is not the same at every step, or None; add what it reads of step t-1 to `previous`."""
     for atom in rule.atoms():
-        obstacle = _read_elsewhere(atom, timed) if part == "base" else _misread(atom, part, rule.times, timed)
-        if obstacle:
-            return f"{atom.name}/{len(atom.arguments)} {obstacle}"
+        wrong = _read_elsewhere(atom, timed) if part == "base" else _misread(atom, part, rule.times, timed)
+        if wrong:
+            return rule.obstacle(f"{atom.name}/{len(atom.arguments)} {wrong[0]}", *wrong[1:])
         if _time_of(atom) == rule.times.before:
             previous.add(atom.signature)
     if part == "step" and any(_time_of(atom) != rule.times.now for atom in rule.heads):
-        return f"a head in step({rule.times.now}) does not carry the time {rule.times.now}"
+        return rule.obstacle(f"a head in step({rule.times.now}) does not carry the time {rule.times.now}")
     if part != "base" and _reads_number(rule):
-        return "the rule reads the number of the step; carry a counter along instead"
+        return rule.obstacle("the rule reads the number of the step", "carry a counter along instead")
     return None
 
 
-def _read_elsewhere(atom: AtomNode, timed: Collection[Signature]) -> str | None:
+def _read_elsewhere(atom: AtomNode, timed: Collection[Signature]) -> tuple[str, ...] | None:
+    """Return what is wrong with reading an atom in the base part, None where nothing is."""
     if atom.signature in timed and _time_of(atom) != START:
-        return "is read outside of the parts step(t) and check(t)"
+        return ("is read outside of the parts step(t) and check(t)",)
     return None
 
 
-def _misread(atom: AtomNode, part: str, times: _Times, timed: Collection[Signature]) -> str | None:
+def _misread(atom: AtomNode, part: str, times: _Times, timed: Collection[Signature]) -> tuple[str, ...] | None:
+    """Return what is wrong with an atom of a step or a check, and the remedy if there is one; None if nothing is."""
     time = _time_of(atom)
     if atom.name.startswith("-") and (time in (times.now, times.before) or atom.signature in timed):
-        return "is strongly negated; carry a predicate of another name along instead"
+        return "is strongly negated", "carry a predicate of another name along instead"
     if time == times.before and part == "check":
-        return "is read at step t-1 by the check after the last step"
+        return ("is read at step t-1 by the check after the last step",)
     if atom.signature in timed and time not in (times.now, times.before, START):
-        return "is read at a step other than t and t-1"
+        return ("is read at a step other than t and t-1",)
     return None
 
 

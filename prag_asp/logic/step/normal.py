@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import clingo
 
 from prag_asp.errors import EngineError
-from prag_asp.logic.ground.ground_step import GroundStep, Rule
+from prag_asp.logic.ground.ground_step import GroundStep
+from prag_asp.logic.ground.rules import Rule
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ def normal_step(ground: GroundStep) -> NormalStep:
         EngineError: the step is not a function of the state and the action.
     """
     if ground.obstacles:
-        raise EngineError(ground.obstacles[0])
+        raise ground.obstacles[0].error()
     rules = (rule for part in ("step", "check") for rule in ground.rules.get(part, ()))
     choosable = {atom for rule in rules if rule.choice for atom in rule.heads}
     timed = (

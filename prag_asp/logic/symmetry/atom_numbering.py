@@ -19,7 +19,8 @@ import clingo
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.logic.ground.ground_step import GroundStep, Rule
+from prag_asp.logic.ground.ground_step import GroundStep
+from prag_asp.logic.ground.rules import Rule
 from prag_asp.logic.symmetry.fact_propagation import propagate_facts
 from prag_asp.logic.symmetry.renaming import Shaped, Shapes
 from prag_asp.program.finite.components import components

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 
-from prag_asp.logic.ground.ground_step import Rule
+from prag_asp.logic.ground.rules import Rule
 
 
 def propagate_facts(rules: Sequence[Rule], facts: Iterable[int] = ()) -> tuple[list[Rule], set[int]]:

@@ -9,12 +9,12 @@ from __future__ import annotations
 import json
 import pickle
 from functools import cache
-from hashlib import blake2b
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 from prag_asp.missing import require_pddl
 from prag_asp.output.cache_files import cache_folder, keep, read_kept
+from prag_asp.output.digests import digest
 
 if TYPE_CHECKING:
     from lark import Lark
@@ -42,7 +42,7 @@ def grammar() -> Lark:
     if folder is None:
         return _made()
     texts = [path.read_text(encoding="utf-8") for path in sorted(PARSERS_DIRECTORY.glob("*.lark"))]
-    key = blake2b(json.dumps([lark.__version__, *texts]).encode(), digest_size=20).hexdigest()
+    key = digest([lark.__version__, *texts])
     path = folder / f"{key}.grammar"
     known = read_kept(path, LARGEST)
     found = None if known is None else _read(known)

@@ -12,6 +12,7 @@ import clingo
 from prag_asp.errors import DomainError
 from prag_asp.integers import LARGEST, fits
 from prag_asp.program.finite.arithmetic import Expression, OutOfRange, check_range, divides
+from prag_asp.program.problem import Problem
 
 MOST_VALUES = 25_000
 """The number of values of which one rule may make larger terms within one step; grounding them takes a second."""
@@ -28,7 +29,11 @@ BOUND = "bound it by a condition such as N < 10"
 
 
 class BoundReached(DomainError):
-    """Grounding made a number that is out of range, or exceeded a bound."""
+    """Grounding made a number that is out of range, or exceeded a bound, at the place of `problem`."""
+
+    def __init__(self, problem: Problem) -> None:
+        super().__init__(str(problem))
+        self.problem = problem
 
 
 @dataclass(frozen=True)
@@ -44,7 +49,7 @@ class Site:
 
     def error(self, what: str) -> BoundReached:
         """Return the error at this place."""
-        return BoundReached(f"{self.path}:{self.line}: {what}")
+        return BoundReached(Problem(self.path, self.line, what))
 
 
 @dataclass

@@ -54,7 +54,7 @@ def guard_program(program: Program) -> Guarded:
     for source in program.sources:
         problem = number_problem(source)
         if problem:
-            raise BoundReached(str(problem))
+            raise BoundReached(problem)
     read = {source: parse_sources([(source, own)])[0] for source, own in owned(program) if source.path != ADDED}
     _require_no_scripts(chain.from_iterable(read.values()))
     endless: dict[Statement, list[EndlessRule]] = {}

@@ -59,7 +59,7 @@ def read_urdf(path: Path, folder: Path) -> Shape:
         missing = "<collision>" if mass is not None else "<mass> in an <inertial>"
         raise SceneError(f"{path}:{lines[link]}: {name} has no {missing}; add one")
     with _told_of(path, lines[mass], name):
-        weight = _lengths(mass, "value", 1, path)[0]
+        weight = _lengths(mass, "value", 1)[0]
     low, high = (_size([end(corner[i] for corner in corners) for i in range(3)]) for end in (min, max))
     middle = _size([(a + b) / 2 for a, b in zip(low, high, strict=True)])
     centred = tuple(solid._replace(at=_minus(solid.at, middle)) for solid in solids)
@@ -90,7 +90,7 @@ def _parsed(path: Path, folder: Path) -> tuple[ElementTree.Element, dict[Element
     try:
         parser.Parse(content, True)
     except expat.ExpatError as error:
-        raise SceneError(f"{path}:{error.lineno}: not XML: {str(error).partition(':')[0]}; mend the line") from error
+        raise SceneError(f"{path}:{error.lineno}: not XML: {expat.ErrorString(error.code)}; mend the line") from error
     except (LookupError, ValueError) as error:
         raise SceneError(f"{path}:1: not XML: its encoding cannot be read; save it as UTF-8") from error
     return builder.close(), lines
@@ -106,7 +106,7 @@ def _told_of(path: Path, line: int, what: str) -> Iterator[None]:
     try:
         yield
     except SceneError as error:
-        raise SceneError(f"{path}:{line}: {what}: {str(error).removeprefix(f'{path}: ')}") from error
+        raise SceneError(f"{path}:{line}: {what}: {error}") from error
 
 
 def _require_inside(path: Path, folder: Path) -> None:
@@ -129,32 +129,32 @@ def _solid(element: ElementTree.Element, path: Path, folder: Path) -> Solid:
     """
     origin = element.find("origin")
     at, turn = ((ZEROS if origin is None else origin.get(name, ZEROS)) for name in ("xyz", "rpy"))
-    place = (_numbers(at, 3, path, "the xyz of <origin>"), _numbers(turn, 3, path, "the rpy of <origin>"))
+    place = (_numbers(at, 3, "the xyz of <origin>"), _numbers(turn, 3, "the rpy of <origin>"))
     geometry = element.find("geometry")
     shape = None if geometry is None else next(iter(geometry), None)
     if shape is None:
-        raise SceneError(f"{path}: has no <geometry>; give it a box, cylinder, sphere or mesh")
+        raise SceneError("has no <geometry>; give it a box, cylinder, sphere or mesh")
     if shape.tag == "mesh":
         file = path.parent / shape.get("filename", "").removeprefix("package://")
         _require_inside(file, folder)
-        return Solid("mesh", _lengths(shape, "scale", 3, path, "1 1 1"), *place, str(file))
+        return Solid("mesh", _lengths(shape, "scale", 3, "1 1 1"), *place, str(file))
     if shape.tag == "box":
-        return _thick(Solid("box", _lengths(shape, "size", 3, path), *place), path)
+        return _thick(Solid("box", _lengths(shape, "size", 3), *place))
     if shape.tag in ("cylinder", "sphere"):
-        diameter = 2 * _lengths(shape, "radius", 1, path)[0]
-        height = _lengths(shape, "length", 1, path)[0] if shape.tag == "cylinder" else diameter
-        return _thick(Solid(shape.tag, (diameter, diameter, height), *place), path)
-    raise SceneError(f"{path}: unknown geometry <{shape.tag}>; known are box, cylinder, sphere and mesh")
+        diameter = 2 * _lengths(shape, "radius", 1)[0]
+        height = _lengths(shape, "length", 1)[0] if shape.tag == "cylinder" else diameter
+        return _thick(Solid(shape.tag, (diameter, diameter, height), *place))
+    raise SceneError(f"unknown geometry <{shape.tag}>; known are box, cylinder, sphere and mesh")
 
 
-def _thick(solid: Solid, path: Path) -> Solid:
+def _thick(solid: Solid) -> Solid:
     """Return a solid that is nowhere too thin to collide with.
 
     Raises:
         SceneError: it is.
     """
     if min(solid.size) < SMALLEST:
-        raise SceneError(f"{path}: a <{solid.kind}> is {_thin(min(solid.size))}")
+        raise SceneError(f"a <{solid.kind}> is {_thin(min(solid.size))}")
     return solid
 
 
@@ -163,19 +163,19 @@ def _thin(thickness: float) -> str:
     return f"{thickness:.3g} m thin; make it at least {SMALLEST:g} m thick"
 
 
-def _lengths(element: ElementTree.Element, name: str, count: int, path: Path, default: str = "") -> Size:
+def _lengths(element: ElementTree.Element, name: str, count: int, default: str = "") -> Size:
     """Return positive numbers of an attribute, zeros after the first `count`.
 
     Raises:
         SceneError: they are not.
     """
-    values = _numbers(element.get(name, default), count, path, f"the {name} of <{element.tag}>")
+    values = _numbers(element.get(name, default), count, f"the {name} of <{element.tag}>")
     if min(values[:count]) <= 0.0:
-        raise SceneError(f"{path}: <{element.tag}> has the {name} {element.get(name)!r}; give positive numbers")
+        raise SceneError(f"<{element.tag}> has the {name} {element.get(name)!r}; give positive numbers")
     return values
 
 
-def _numbers(text: str, count: int, path: Path, name: str) -> Size:
+def _numbers(text: str, count: int, name: str) -> Size:
     """Return finite numbers of an attribute, zeros after the first `count`.
 
     Raises:
@@ -186,7 +186,7 @@ def _numbers(text: str, count: int, path: Path, name: str) -> Size:
     except ValueError:
         values = []
     if len(values) != count or not all(map(math.isfinite, values)):
-        raise SceneError(f"{path}: {name} is {text!r}; give {count} finite number{'s' if count > 1 else ''}")
+        raise SceneError(f"{name} is {text!r}; give {count} finite number{'s' if count > 1 else ''}")
     return _size([*values, 0.0, 0.0][:3])
 
 

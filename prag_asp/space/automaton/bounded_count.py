@@ -1,4 +1,4 @@
-"""Counting that a limit may end: what is known then is a lower bound."""
+"""Counting within limits: a count that a limit ends is a lower bound."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from prag_asp.space.automaton.automaton import Automaton, Completions
+from prag_asp.stop_reason import LimitCheck, StopReason
 
 REPORTED = 4096
 """Letters between two reports of progress."""
@@ -16,33 +17,33 @@ REPORTED = 4096
 def count_within(
     completions: Completions,
     length: int,
-    spent: Callable[[], str | None],
+    check: LimitCheck,
     tell: Callable[[str], None] = lambda words: None,
-) -> tuple[int, str]:
-    """Return the weight of all words of a length, and "", or what is known of it when a limit is reached, and which.
+) -> tuple[int, StopReason | None]:
+    """Return the weight of all words of a length, and None; or what is known of it at a limit, and which limit it is.
 
     What is known then is no more than the weight of the words that begin with one path, to where the completions are
     known. `tell` hears now and then how far it is.
     """
     automaton = completions.automaton
     if not automaton.states:
-        return 0, ""
+        return 0, None
     row = completions.row(0)
     for left in range(length):
-        stopped = spent()
-        if stopped:
-            return _along_one_path(automaton, length - left, row), stopped
+        stop = check()
+        if stop:
+            return _along_one_path(automaton, length - left, row), stop
         row = completions.following(row)
         if left % REPORTED == 0:
             tell(f"counted {left:,} of {length:,} actions")
-    return int(row[0]), ""
+    return int(row[0]), None
 
 
 def _along_one_path(automaton: Automaton, steps: int, row: NDArray[Any]) -> int:
-    """Return a weight of words that begin with one path of so many steps, where `row` has what completes it.
+    """Return a weight of words that begin with one path of `steps` steps, where `row` has what completes it.
 
     In each state the path goes on in the same way, so that it soon goes around; rounds that are left out count once,
-    which is no more than they weigh, for weights are whole numbers.
+    which is a lower bound because weights are whole numbers.
     """
     state, weight, left = 0, 1, steps
     seen: dict[int, int] = {}

@@ -18,6 +18,7 @@ from prag_asp.logic.step.packed import Rows
 from prag_asp.logic.step.transition import Successors, Transition
 from prag_asp.space.automaton.automaton import Automaton
 from prag_asp.space.automaton.numbering import Numbering
+from prag_asp.stop_reason import StopReason
 
 if TYPE_CHECKING:
     from prag_asp.logic.step.relaxation import Relaxation
@@ -25,13 +26,13 @@ if TYPE_CHECKING:
     from prag_asp.logic.symmetry.twins import Twins
 
 MOST, FEWEST = 16_384, 64
-"""States that are expanded together: enough to make NumPy's overhead small, few enough for the memory at hand."""
+"""States that are expanded together: enough to amortise the overhead of NumPy, few enough for the memory."""
 
 MANY = 4096
-"""States from which on those are not expanded that are too far from the end of a plan: fewer are expanded as fast."""
+"""Number of states from which those too far from the end of a plan are not expanded; fewer are expanded as fast."""
 
 FEW = 1 / 16
-"""The share of states that are too far from which on it is worth the time to look for them."""
+"""The least share of states too far from the end for which it pays to look for them."""
 
 ROOM = 2**26
 """Bytes that the states after those expanded together should take at most."""
@@ -39,7 +40,7 @@ ROOM = 2**26
 
 @dataclass(frozen=True)
 class Extent:
-    """How far exploring has come; `nbytes` is the memory in use, counting what putting the edges together takes."""
+    """The extent of an exploration; `nbytes` is the memory in use, including what concatenating the edges takes."""
 
     depth: int
     states: int
@@ -47,13 +48,13 @@ class Extent:
     nbytes: int
 
 
-Watch = Callable[[Extent], "str | None"]
-"""Told now and then how far exploring has come; a text that it returns says why exploring has to stop."""
+Watch = Callable[[Extent], "StopReason | None"]
+"""Called now and then with the extent of the exploration; returns why it has to stop, None as long as it may go on."""
 
 
 @dataclass(frozen=True)
 class Renamings:
-    """What the edges and states of an automaton stand for whose states were merged.
+    """The meaning of edges and states of an automaton with merged states.
 
     An edge stands for `multiplicities` actions, shape (edges,); its letter is the first of them. The state after it,
     renamed, is the target: entity ``orders[order_of[edge], j]`` of the one is entity j of the other. `twins` says of
@@ -67,16 +68,16 @@ class Renamings:
 
 
 @dataclass(frozen=True)
-class Explored:
+class Exploration:
     """The automaton of the plans of a step function.
 
-    `labels` has shape (edges, number of labels). `stopped` says why exploring had to stop early, if it had: some states
+    `labels` has shape (edges, number of labels). `stop` is why exploration ended early, if it did: some states
     then have no edges, so that words are missing, none wrong.
     """
 
     automaton: Automaton
     labels: NDArray[np.bool_]
-    stopped: str = ""
+    stop: StopReason | None = None
     renamings: Renamings | None = None
 
 
@@ -86,35 +87,36 @@ def explore(
     watch: Watch | None = None,
     *,
     merging: Merging | None = None,
-    object_to: Callable[[Rows], str] | None = None,
-) -> Explored:
+    object_to: Callable[[Rows], StopReason | None] | None = None,
+) -> Exploration:
     """Return the automaton of all plans of up to `length` actions, with states merged as `merging` allows.
 
     Letters are numbers of `transition.actions`. Where plans end in some states alone, and there are `MANY` states, a
     state is not expanded from which no plan ends within the steps left. A state is found first where most steps are
-    left, so words of more than `length` actions alone may be missing. `object_to` sees all states; a text that it
-    returns says why exploring has to stop.
+    left, so words of more than `length` actions alone may be missing. `object_to` sees all states, and
+    returns why exploration has to stop, if it has to.
     """
-    search = _Search(transition, merging)
-    first, depth, stopped = 0, 0, ""
+    search = _BreadthFirst(transition, merging)
+    first, depth = 0, 0
+    stop: StopReason | None = None
     while first < len(search.states):
         last = len(search.states)
         while first < last:
             rows = search.states.rows[first : min(first + search.together, last)]
-            search.take(rows, 0 if stopped else length - depth)
+            search.take(rows, 0 if stop else length - depth)
             first += len(rows)
             if object_to:
-                stopped = object_to(rows) or stopped
-            if watch and not stopped:
-                stopped = watch(Extent(depth + 1, len(search.states), search.edges, search.nbytes)) or ""
+                stop = object_to(rows) or stop
+            if watch and not stop:
+                stop = watch(Extent(depth + 1, len(search.states), search.edges, search.nbytes))
         if depth == length:
-            return search.explored(length, stopped)
+            return search.result(length, stop)
         depth += 1
-    return search.explored(length if search.cut else None, stopped)
+    return search.result(length if search.cut else None, stop)
 
 
-class _Search:
-    """What a search has found so far."""
+class _BreadthFirst:
+    """The states and edges found so far."""
 
     def __init__(self, transition: Transition, merging: Merging | None) -> None:
         self._transition = transition
@@ -122,7 +124,7 @@ class _Search:
         self.states = Numbering(transition.initial.shape[1])
         self.states.add(transition.initial)
         self.together = FEWEST
-        self._orders = Numbering(_packed(np.zeros((0, merging.size), dtype=np.int64)).shape[1]) if merging else None
+        self._orders = Numbering(_pack(np.zeros((0, merging.size), dtype=np.int64)).shape[1]) if merging else None
         self._accepting: list[NDArray[np.bool_]] = []
         self._degrees: list[NDArray[np.int64]] = []
         self._edges: list[_Edges] = []
@@ -134,7 +136,7 @@ class _Search:
 
     @cached_property
     def _relaxation(self) -> Relaxation | None:
-        """What tells how far states are from the end of a plan; None where plans end anywhere."""
+        """The relaxation that bounds the distance of states to the end of a plan; None if plans end anywhere."""
         if not self._transition.step.final:
             return None
         from prag_asp.logic.step.relaxation import relax
@@ -143,7 +145,7 @@ class _Search:
 
     @property
     def nbytes(self) -> int:
-        """The memory in use, counting what putting the edges together takes."""
+        """The memory in use in bytes, including what concatenating the edges takes."""
         return self.states.nbytes + 2 * self._bytes
 
     def take(self, rows: Rows, left: int) -> None:
@@ -163,7 +165,7 @@ class _Search:
         order = np.argsort(sources, kind="stable")
         self._degrees[-1][places] = np.bincount(sources, minlength=len(rows))
         if len(order):
-            edges = self._numbered(found, order, twins)
+            edges = self._number_edges(found, order, twins)
             self._edges.append(edges)
             self._bytes += edges.nbytes
             self.edges += len(edges.letters)
@@ -184,7 +186,7 @@ class _Search:
         self._worth_a_look = (left, len(rows) - len(places) > len(rows) * FEW)
         return places
 
-    def _numbered(self, found: list[Successors], order: NDArray[np.intp], twins: Twins | None) -> _Edges:
+    def _number_edges(self, found: list[Successors], order: NDArray[np.intp], twins: Twins | None) -> _Edges:
         """Return the edges of some successors in order of source and letter, and number the states that they reach."""
         letters = np.concatenate([np.full(len(each.sources), each.letter, dtype=np.int32) for each in found])[order]
         states = np.concatenate([each.states for each in found])[order]
@@ -196,9 +198,9 @@ class _Search:
         states, orders = self._merging.canonical(states)
         targets = self.states.add(states).astype(np.int32)
         multiplicities = np.concatenate([twins.multiplicity(each.letter, each.sources) for each in found])[order]
-        return _Edges(letters, targets, labels, multiplicities, self._orders.add(_packed(orders)).astype(np.int32))
+        return _Edges(letters, targets, labels, multiplicities, self._orders.add(_pack(orders)).astype(np.int32))
 
-    def explored(self, horizon: int | None, stopped: str) -> Explored:
+    def result(self, horizon: int | None, stop: StopReason | None) -> Exploration:
         """Return all that was found; without a horizon, every word is."""
         offsets = np.zeros(len(self.states) + 1, dtype=np.int64)
         if self._degrees:
@@ -210,30 +212,30 @@ class _Search:
         automaton = Automaton(offsets, letters, targets, ends, horizon=horizon)
         labels = np.concatenate([each.labels for each in edges])
         if self._merging is None or self._orders is None:
-            return Explored(automaton, labels, stopped)
+            return Exploration(automaton, labels, stop)
         renamings = Renamings(
             np.concatenate([each.multiplicities for each in edges]),
             np.concatenate([each.order_of for each in edges]),
-            _unpacked(self._orders.rows, self._merging.size),
+            _unpack(self._orders.rows, self._merging.size),
             np.concatenate([np.zeros((0, self._merging.size), dtype=np.bool_), *self._twins]),
         )
-        return Explored(automaton, labels, stopped, renamings)
+        return Exploration(automaton, labels, stop, renamings)
 
 
-def _packed(orders: Orders) -> Rows:
+def _pack(orders: Orders) -> Rows:
     """Return orders of entities as rows of words."""
     short = np.zeros((len(orders), -(-orders.shape[1] // 4) * 4), dtype=np.uint16)
     short[:, : orders.shape[1]] = orders
     return short.view(np.uint64)
 
 
-def _unpacked(rows: Rows, entities: int) -> Orders:
+def _unpack(rows: Rows, entities: int) -> Orders:
     return np.ascontiguousarray(rows).view(np.uint16)[:, :entities].astype(np.int64)
 
 
 @dataclass(frozen=True)
 class _Edges:
-    """Some edges, in order; see `Explored`."""
+    """Some edges, in order; see `Exploration`."""
 
     letters: NDArray[np.int32]
     targets: NDArray[np.int32]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
+from heapq import nlargest
 from itertools import accumulate
 from sys import maxsize
 from weakref import WeakSet
@@ -20,19 +21,23 @@ from prag_asp.logic.diagram.pieces import Piece, SetStep
 from prag_asp.logic.step.transition import Transition
 from prag_asp.space.automaton.automaton import Word
 from prag_asp.space.automaton.walks import Choice, owner_of, words_along
+from prag_asp.stop_reason import LimitCheck
 
 Look = Callable[[], None]
-"""Called now and then; raises an error where a limit is reached."""
+"""Called now and then; raises an error at a limit."""
 
 Key = tuple[int, tuple[tuple[int, tuple[int, int]], ...], tuple[int, ...]]
-"""What all states of a piece have in common: the letter, the changes, the labels."""
+"""The letter, the changes and the labels of a piece, which all its states share."""
 
 REMEMBERED = 1 << 14
-"""States whose successors are remembered."""
+"""Number of states whose successors are remembered."""
+
+WIDER = 4
+"""Factor by which the beam of `count_along` grows from round to round, as long as there is time."""
 
 
 @dataclass(frozen=True)
-class Onward:
+class DiagramEdge:
     """One edge of a state: its letter, what it weighs, and the state after it."""
 
     letter: int
@@ -70,11 +75,11 @@ class Layers:
         self._pieces: dict[Key, Node] = {}
         self._rows: list[Node] = []
         self._covered = -1
-        self._onward: dict[State, list[Onward]] = {}
+        self._onward: dict[State, list[DiagramEdge]] = {}
 
     @property
     def closed(self) -> bool:
-        """Whether no further step reaches a new state."""
+        """True if no further step reaches a new state."""
         return not self._frontier
 
     def row(self, length: int, left: int) -> Node:
@@ -141,7 +146,7 @@ class Layers:
         """Return whether a word may end in one of some states."""
         return bool(self._step.accepted(states))
 
-    def onward(self, state: State) -> list[Onward]:
+    def onward(self, state: State) -> list[DiagramEdge]:
         """Return the edges of a state reached, in order of their letters."""
         if state not in self._onward:
             while len(self._onward) >= REMEMBERED:
@@ -152,7 +157,7 @@ class Layers:
                     after = list(state)
                     for level, (keep, put) in changes:
                         after[level] = (after[level] & keep) | put
-                    found.append(Onward(letter, self._weigh(letter, labels), tuple(after)))
+                    found.append(DiagramEdge(letter, self._weigh(letter, labels), tuple(after)))
             self._onward[state] = sorted(found, key=lambda edge: edge.letter)
         return self._onward[state]
 
@@ -222,9 +227,37 @@ class LayeredWords:
             if (allowed is None or edge.letter in allowed) and self._behind(edge, step):
                 yield edge.letter, edge.state
 
-    def _behind(self, edge: Onward, step: int) -> int:
+    def _behind(self, edge: DiagramEdge, step: int) -> int:
         """Return the weight of all words that go on over an edge, from it on."""
         left = self._length - step - 1
         early = len(self._prefix) - step - 1
         row = self.early[early - 1] if early > 0 else self._layers.row(self._length, left)
         return edge.weight * self._layers.diagrams.value(row, edge.state)
+
+
+def count_along(layers: Layers, length: int, prefix: Sequence[Collection[int]], check: LimitCheck) -> int:
+    """Return a number of words of a length that there are at least, found until `check` says that a limit is reached.
+
+    From step to step, those states go on that most ways lead to: first one, then four, and so on (beam search). Where
+    it is known what completes them, that is taken. What diagrams have found is true, if not all, and each way that is
+    counted is a word.
+    """
+    rows = layers.rows_so_far(length)
+    left = min(len(rows) - 1, length - len(prefix))
+    best, width, dropped = 0, 1, True
+    while left >= 0 and dropped:
+        ways: dict[State, int] = {layers.start: 1}
+        dropped = False
+        for step in range(length - left):
+            following: dict[State, int] = {}
+            for state, number in ways.items():
+                if check():
+                    return best
+                for edge in layers.onward(state):
+                    if step >= len(prefix) or edge.letter in prefix[step]:
+                        following[edge.state] = following.get(edge.state, 0) + number * edge.weight
+            dropped = dropped or len(following) > width
+            ways = dict(nlargest(width, following.items(), key=lambda each: each[1]))
+        best = max(best, sum(number * layers.diagrams.value(rows[left], state) for state, number in ways.items()))
+        width *= WIDER
+    return best

@@ -1,4 +1,4 @@
-"""Words, ranks and draws of an automaton whose states were merged up to renaming of interchangeable entities.
+"""Words, ranks and samples of an automaton whose states were merged up to renaming of interchangeable entities.
 
 A path of the merged automaton stands for many words. Walking along it, the names of its entities are composed edge by
 edge, and each edge is spread into the actions that it stands for. So words come in the order that they have in the
@@ -27,7 +27,7 @@ Names = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
-class Place:
+class UnmergedState:
     """A state before merging: a merged one, with the names of its entities."""
 
     state: int
@@ -44,7 +44,7 @@ class _Branches:
 
 
 @dataclass(frozen=True)
-class Merged:
+class MergedAutomaton:
     """An automaton whose states were merged.
 
     `base` has no weights; `own` has the weight of each edge, which each of the actions that it stands for has, or is
@@ -66,11 +66,11 @@ class Merged:
         return replace(self.base, weights=weights)
 
     @property
-    def start(self) -> Place:
+    def start(self) -> UnmergedState:
         """The initial state."""
-        return Place(0, np.array([*range(self.actions.places), -1]))
+        return UnmergedState(0, np.array([*range(self.actions.places), -1]))
 
-    def branches(self, place: Place) -> _Branches:
+    def branches(self, place: UnmergedState) -> _Branches:
         """Return the edges of a place in order of their letters."""
         edges, entities = self._orbit(place.state)
         patterns = self.actions.pattern[self.base.letters[edges]]
@@ -78,7 +78,7 @@ class Merged:
         order = np.argsort(letters)
         return _Branches(edges[order], entities[order], letters[order])
 
-    def after(self, place: Place, branches: _Branches, branch: int) -> Place:
+    def after(self, place: UnmergedState, branches: _Branches, branch: int) -> UnmergedState:
         """Return the place that a branch leads to."""
         edge = int(branches.edges[branch])
         swapped = np.arange(self.actions.places)
@@ -88,7 +88,7 @@ class Merged:
                 other = int(np.flatnonzero(swapped == named)[0])
                 swapped[[entity, other]] = swapped[[other, entity]]
         order = self.renamings.orders[self.renamings.order_of[edge]]
-        return Place(int(self.base.targets[edge]), np.append(place.names[swapped[order]], -1))
+        return UnmergedState(int(self.base.targets[edge]), np.append(place.names[swapped[order]], -1))
 
     def _orbit(self, state: int) -> tuple[NDArray[np.intp], NDArray[np.int64]]:
         """Return each edge of a state as often as it has renamings by twins, and the entities named in each."""
@@ -111,7 +111,7 @@ class Merged:
         return self._orbits[state]
 
 
-def accepts_merged(merged: Merged, word: Sequence[int]) -> bool:
+def accepts_merged(merged: MergedAutomaton, word: Sequence[int]) -> bool:
     """Return whether a word belongs to the automaton before merging."""
     automaton = merged.base
     if not automaton.states:
@@ -126,17 +126,19 @@ def accepts_merged(merged: Merged, word: Sequence[int]) -> bool:
     return bool(automaton.accepting[place.state])
 
 
-def count_merged(merged: Merged, completions: Completions, length: int, prefix: Sequence[frozenset[int]] = ()) -> int:
+def count_merged(
+    merged: MergedAutomaton, completions: Completions, length: int, prefix: Sequence[frozenset[int]] = ()
+) -> int:
     """Return the weight of all words of a length whose first letters are among those of `prefix`.
 
     Places that differ only in who stands for entities that no later letter of the prefix names count as one.
     """
     if not completions.automaton.states or len(prefix) > length:
         return 0
-    reached: dict[tuple[int, ...], tuple[int, Place]] = {(): (1, merged.start)}
+    reached: dict[tuple[int, ...], tuple[int, UnmergedState]] = {(): (1, merged.start)}
     for number, allowed in enumerate(prefix):
         told = _told_apart(merged.actions, prefix[number + 1 :])
-        following: dict[tuple[int, ...], tuple[int, Place]] = {}
+        following: dict[tuple[int, ...], tuple[int, UnmergedState]] = {}
         for weight, place in reached.values():
             branches = merged.branches(place)
             for branch in range(len(branches.letters)):
@@ -154,7 +156,7 @@ def count_merged(merged: Merged, completions: Completions, length: int, prefix: 
 
 
 def _told_apart(actions: Patterns, prefix: Sequence[frozenset[int]]) -> list[int]:
-    """Return the entities that some of these sets of letters tell apart from others of their group."""
+    """Return the entities that some of these sets of letters distinguish from others of their group."""
     found: set[int] = set()
     for allowed in prefix:
         letters = np.array(sorted(allowed), dtype=np.intp)
@@ -167,13 +169,13 @@ def _told_apart(actions: Patterns, prefix: Sequence[frozenset[int]]) -> list[int
 
 
 def merged_words(
-    merged: Merged, completions: Completions, length: int, prefix: Sequence[frozenset[int]] = ()
+    merged: MergedAutomaton, completions: Completions, length: int, prefix: Sequence[frozenset[int]] = ()
 ) -> Iterator[Word]:
     """Yield the words of a length in order, lazily; `prefix` as in `count_merged`."""
     if not completions.automaton.states or len(prefix) > length:
         return
 
-    def onward(place: Place, step: int) -> Iterator[tuple[int, Place]]:
+    def onward(place: UnmergedState, step: int) -> Iterator[tuple[int, UnmergedState]]:
         branches = merged.branches(place)
         for branch, letter in enumerate(branches.letters.tolist()):
             if step >= len(prefix) or letter in prefix[step]:
@@ -188,7 +190,7 @@ def merged_words(
 class MergedRanking:
     """The words of one length in the order and with the ranks that they have before merging; see `Ranking`."""
 
-    def __init__(self, merged: Merged, completions: Completions, length: int) -> None:
+    def __init__(self, merged: MergedAutomaton, completions: Completions, length: int) -> None:
         self._merged = merged
         self._completions = completions
         self._length = length
@@ -212,7 +214,7 @@ class MergedRanking:
             place = self._merged.after(place, branches, branch)
         return rank
 
-    def _totals(self, place: Place, branches: _Branches, left: int) -> NDArray[Any]:
+    def _totals(self, place: UnmergedState, branches: _Branches, left: int) -> NDArray[Any]:
         """Return the running totals of the weights behind the branches of a place with `left` letters to go."""
         behind = self._completions.row(left - 1)[self._merged.base.targets[branches.edges]]
         exact = behind.astype(self._completions.row(left).dtype)

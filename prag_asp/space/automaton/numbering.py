@@ -44,7 +44,7 @@ class Numbering:
         numbers = np.empty(len(rows), dtype=np.int64)
         known = self._size
         waiting = np.arange(len(rows))
-        slots = (_hashed(rows) & np.uint64(mask)).astype(np.int64)
+        slots = (_hash(rows) & np.uint64(mask)).astype(np.int64)
         first_seen: list[NDArray[np.int64]] = []
         taken: list[NDArray[np.int64]] = []
         while len(waiting):
@@ -96,7 +96,7 @@ class Numbering:
         self._rows[known : self._size] = rows[fresh]
 
     def _make_slots(self, size: int) -> None:
-        """Make the table large enough for so many rows."""
+        """Enlarge the table for a number of rows."""
         slots = len(self._table)
         while size > FULLEST * slots:
             slots *= 2
@@ -104,7 +104,7 @@ class Numbering:
             return
         self._table = np.full(slots, EMPTY, dtype=np.int64)
         waiting, mask = np.arange(self._size), slots - 1
-        places = (_hashed(self.rows) & np.uint64(mask)).astype(np.int64)
+        places = (_hash(self.rows) & np.uint64(mask)).astype(np.int64)
         while len(waiting):
             free = self._table[places] == EMPTY
             self._table[places[free]] = waiting[free]
@@ -112,7 +112,7 @@ class Numbering:
             waiting, places = waiting[left], (places[left] + 1) & mask
 
 
-def _hashed(rows: Rows) -> NDArray[np.uint64]:
+def _hash(rows: Rows) -> NDArray[np.uint64]:
     """Return a hash for each row, shape (number of rows,): Fibonacci hashing (Knuth, TAOCP 3, 6.4), word by word."""
     mixed = np.zeros(len(rows), dtype=np.uint64)
     for word in rows.T:

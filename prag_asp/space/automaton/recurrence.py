@@ -10,9 +10,10 @@ modulo the polynomial (Fiduccia, An efficient formula for linear recurrences, 19
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from prag_asp.space.automaton.automaton import Completions
+from prag_asp.stop_reason import LimitCheck
 
 SHORTEST = 2_000
 """Lengths up to which words are counted step by step: that is as fast."""
@@ -27,12 +28,10 @@ PRIMES = (2**127 - 1, 2**1279 - 1)
 """Primes (Mersenne's) that coefficients are found with; where they are too small for these, the proof fails."""
 
 
-def count_by_recurrence(
-    completions: Completions, length: int, spent: Callable[[], str | None] = lambda: None
-) -> int | None:
+def count_by_recurrence(completions: Completions, length: int, check: LimitCheck = lambda: None) -> int | None:
     """Return the weight of all words of a length, None where that is not known to be faster than step by step.
 
-    Also None where `spent` says that a limit is reached.
+    Also None where `check` says that a limit is reached.
     """
     automaton = completions.automaton
     states = automaton.states
@@ -47,7 +46,7 @@ def count_by_recurrence(
         if len(terms) < terms_needed:
             terms = _terms(completions, terms_needed)
         if _holds(found, terms, states):
-            return _nth(found, terms, length, spent)
+            return _nth(found, terms, length, check)
     return None
 
 
@@ -96,14 +95,14 @@ def _holds(recurrence: Sequence[int], terms: Sequence[int], states: int) -> bool
     )
 
 
-def _nth(recurrence: Sequence[int], terms: Sequence[int], place: int, spent: Callable[[], str | None]) -> int | None:
+def _nth(recurrence: Sequence[int], terms: Sequence[int], place: int, check: LimitCheck) -> int | None:
     """Return a term by the remainder of x^place modulo the polynomial of the recurrence."""
     order = len(recurrence)
     if not order:
         return 0
     power = [1] + [0] * (order - 1)
     for bit in bin(place)[2:]:
-        if spent():
+        if check():
             return None
         power = _remainder(_square(power), recurrence)
         if bit == "1":

@@ -1,4 +1,4 @@
-"""The words of several automata, shuffled: in order, by rank and by chance, without the automaton of them all.
+"""The words of several automata, shuffled: in order, by rank and as samples, without their product automaton.
 
 A state of the whole is a state of each part. The words that complete it are the shuffles of words that complete these:
 with n letters to come, the sum over the ways to write n as a sum of one length for each part, of the multinomial
@@ -21,7 +21,7 @@ from prag_asp.space.automaton.automaton import Completions, Word
 from prag_asp.space.automaton.walks import Choice, owner_of, words_along
 
 REMEMBERED = 1 << 12
-"""Of how many states it is remembered what completes them, with so many letters left."""
+"""Number of states whose completions are remembered."""
 
 Ways = tuple[int, ...]
 """Weights of words by their length, from 0 on; what is not there is 0."""
@@ -34,7 +34,7 @@ State = tuple[int, ...]
 
 
 @dataclass(frozen=True)
-class Onward:
+class PartEdge:
     """One edge of a state: its letter, what it weighs, the part that acts, and the state of the part after it."""
 
     letter: int
@@ -54,9 +54,9 @@ class ShuffledWords:
         self._parts = parts
         self._letters = letters
         self._length = length
-        self._ways = lru_cache(REMEMBERED)(self._found_ways)
-        self._own = lru_cache(REMEMBERED)(self._found_own)
-        self._behind = lru_cache(REMEMBERED)(self._found_behind)
+        self._ways = lru_cache(REMEMBERED)(self._compute_ways)
+        self._own = lru_cache(REMEMBERED)(self._compute_own)
+        self._behind = lru_cache(REMEMBERED)(self._compute_behind)
         self._beside = lru_cache(REMEMBERED)(_beside_each)
         self._start: State = (0,) * len(parts)
         inhabited = all(part.automaton.states for part in parts)
@@ -78,7 +78,7 @@ class ShuffledWords:
         def onward(state: State, step: int) -> Iterator[tuple[int, State]]:
             for edge, behind in zip(self._onward(state), self._behind(state, self._length - step - 1), strict=True):
                 if behind and (step >= len(prefix) or edge.letter in prefix[step]):
-                    yield edge.letter, _moved(state, edge)
+                    yield edge.letter, _move(state, edge)
 
         yield from words_along(self._start, self._length, onward)
 
@@ -92,7 +92,7 @@ class ShuffledWords:
             for state, weight in reached.items():
                 for edge in self._onward(state):
                     if edge.letter in allowed:
-                        after = _moved(state, edge)
+                        after = _move(state, edge)
                         following[after] = following.get(after, 0) + weight * edge.weight
             reached = following
         left = self._length - len(prefix)
@@ -114,7 +114,7 @@ class ShuffledWords:
             if place is None or running[place] == before:
                 return None
             rank += before
-            state = _moved(state, edges[place])
+            state = _move(state, edges[place])
         return rank
 
     def walk(self, choose: Choice) -> tuple[Word, int]:
@@ -124,28 +124,28 @@ class ShuffledWords:
             edge = self._onward(state)[choose(step, self._running(state, step))]
             word.append(edge.letter)
             weight *= edge.weight
-            state = _moved(state, edge)
+            state = _move(state, edge)
         return tuple(word), weight
 
     def _running(self, state: State, step: int) -> list[int]:
         return list(accumulate(self._behind(state, self._length - step - 1)))
 
-    def _onward(self, state: State) -> list[Onward]:
+    def _onward(self, state: State) -> list[PartEdge]:
         """Return the edges of a state, in order of their letters."""
         edges = (edge for part, own in enumerate(state) for edge in self._own(part, own))
         return sorted(edges, key=lambda edge: edge.letter)
 
-    def _found_own(self, part: int, state: int) -> list[Onward]:
+    def _compute_own(self, part: int, state: int) -> list[PartEdge]:
         automaton = self._parts[part].automaton
         first, last = automaton.offsets[state : state + 2].tolist()
         weights = [1] * (last - first) if automaton.weights is None else automaton.weights[first:last].tolist()
         letters, targets = automaton.letters[first:last].tolist(), automaton.targets[first:last].tolist()
         return [
-            Onward(self._letters[part][letter], weight, part, target)
+            PartEdge(self._letters[part][letter], weight, part, target)
             for letter, target, weight in zip(letters, targets, weights, strict=True)
         ]
 
-    def _found_ways(self, part: int, state: int) -> Ways:
+    def _compute_ways(self, part: int, state: int) -> Ways:
         """Return the weight of the words of a part that complete a state of it, by their length."""
         return tuple([int(self._parts[part].row(left)[state]) for left in range(self._length + 1)])
 
@@ -153,10 +153,10 @@ class ShuffledWords:
         """Return the weight of all words of a length that complete a state."""
         found: Ways = NOTHING
         for part, own in enumerate(state):
-            found = _shuffled(found, self._ways(part, own), left)
+            found = _shuffle(found, self._ways(part, own), left)
         return found[left]
 
-    def _found_behind(self, state: State, left: int) -> list[int]:
+    def _compute_behind(self, state: State, left: int) -> list[int]:
         """Return the weight of all words that go on over each edge of a state, with `left` letters after it."""
         ways = [self._ways(part, own) for part, own in enumerate(state)]
         beside = self._beside(tuple(sorted(ways)), left)
@@ -172,21 +172,21 @@ def _beside_each(ways: Sequence[Ways], left: int) -> dict[Ways, list[int]]:
     That is the weight of the shuffles of one word of each other part, times the ways to put them and the word together
     to `left` letters. Parts that have the same have the same beside them.
     """
-    before = list(accumulate(ways[:-1], partial(_shuffled, length=left), initial=NOTHING))
-    behind = list(accumulate(ways[:0:-1], partial(_shuffled, length=left), initial=NOTHING))
+    before = list(accumulate(ways[:-1], partial(_shuffle, length=left), initial=NOTHING))
+    behind = list(accumulate(ways[:0:-1], partial(_shuffle, length=left), initial=NOTHING))
     found = {}
     for own, sooner, later in zip(ways, before, reversed(behind), strict=True):
         if own not in found:
-            rest = _shuffled(sooner, later, left)
+            rest = _shuffle(sooner, later, left)
             found[own] = [number * each for number, each in zip(_binomials(left), reversed(rest), strict=True)]
     return found
 
 
-def _moved(state: State, edge: Onward) -> State:
+def _move(state: State, edge: PartEdge) -> State:
     return (*state[: edge.part], edge.target, *state[edge.part + 1 :])
 
 
-def _shuffled(first: Ways, second: Ways, length: int) -> Ways:
+def _shuffle(first: Ways, second: Ways, length: int) -> Ways:
     """Return the weight of the shuffles of two words by their length, up to one (binomial convolution)."""
     second = second + (0,) * (length + 1 - len(second))
     return tuple([sum(map(mul, map(mul, _binomials(n), first), reversed(second[: n + 1]))) for n in range(length + 1)])

@@ -1,4 +1,4 @@
-"""The automaton of skeletons: relabel, merge what cannot be told apart, determinise.
+"""The automaton of skeletons: relabel, merge bisimilar states, determinise.
 
 Merging bisimilar states first keeps the subset construction small (Rabin and Scott 1959; partition refinement after
 Kanellakis and Smolka 1983).
@@ -6,7 +6,6 @@ Kanellakis and Smolka 1983).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import prod
 
 import numpy as np
@@ -14,31 +13,29 @@ from numpy.typing import NDArray
 
 from prag_asp.space.automaton.automaton import Automaton
 from prag_asp.space.automaton.numbering import Numbering
+from prag_asp.stop_reason import LimitCheck, StopReason
 
 LOOK = 1024
-"""Subsets between two looks at what has been spent."""
-
-Spent = Callable[[], "str | None"]
-"""Says which limit is reached, if one is."""
+"""Subsets between two checks of the limits."""
 
 
 def skeleton_automaton(
-    automaton: Automaton, names: NDArray[np.int64], spent: Spent = lambda: None
-) -> tuple[Automaton, str]:
+    automaton: Automaton, names: NDArray[np.int64], check: LimitCheck = lambda: None
+) -> tuple[Automaton, StopReason | None]:
     """Return the deterministic automaton of the words of `automaton` with each letter replaced by its name.
 
     `names` maps letters to numbers of names, shape (number of letters,). Where a limit is reached on the way, it is
     returned as well: some states then have no edges, so that words are missing, none wrong.
     """
     if not automaton.states:
-        return automaton, ""
+        return automaton, None
     blocks, letters, sources, targets = _quotient(automaton, names[automaton.letters])
     accepting = np.zeros(int(blocks.max()) + 1, dtype=np.bool_)
     accepting[blocks[automaton.accepting]] = True
     moves: dict[int, dict[int, list[int]]] = {}
     for source, letter, target in zip(sources.tolist(), letters.tolist(), targets.tolist(), strict=True):
         moves.setdefault(source, {}).setdefault(letter, []).append(target)
-    return _determinised(int(blocks[0]), moves, accepting, automaton.horizon, spent)
+    return _determinise(int(blocks[0]), moves, accepting, automaton.horizon, check)
 
 
 def _quotient(
@@ -50,7 +47,7 @@ def _quotient(
     number = int(blocks.max()) - int(blocks.min()) + 1
     while True:
         edges = _distinct(sources, letters, blocks[automaton.targets])
-        refined = _refined(blocks, *edges)
+        refined = _refine(blocks, *edges)
         found = int(refined.max()) + 1
         if found == number:
             first, letter, target = _distinct(blocks[edges[0]], edges[1], edges[2])
@@ -69,10 +66,10 @@ def _distinct(*columns: NDArray[np.int64]) -> tuple[NDArray[np.int64], ...]:
     return tuple(np.unique(np.stack(columns, axis=1), axis=0).T)
 
 
-def _refined(
+def _refine(
     blocks: NDArray[np.int64], sources: NDArray[np.int64], letters: NDArray[np.int64], targets: NDArray[np.int64]
 ) -> NDArray[np.int64]:
-    """Return blocks told apart by their edges, which are sorted: edge by edge, all states at once."""
+    """Return the blocks refined by their edges, which are sorted: edge by edge, all states at once."""
     starts = np.searchsorted(sources, np.arange(len(blocks) + 1))
     degrees = np.diff(starts)
     kinds = blocks.copy()
@@ -88,18 +85,22 @@ def _numbers(*columns: NDArray[np.int64]) -> NDArray[np.int64]:
     return Numbering(len(columns)).add(rows)
 
 
-def _determinised(
-    start: int, moves: dict[int, dict[int, list[int]]], accepting: NDArray[np.bool_], horizon: int | None, spent: Spent
-) -> tuple[Automaton, str]:
+def _determinise(
+    start: int,
+    moves: dict[int, dict[int, list[int]]],
+    accepting: NDArray[np.bool_],
+    horizon: int | None,
+    check: LimitCheck,
+) -> tuple[Automaton, StopReason | None]:
     numbers: dict[frozenset[int], int] = {frozenset({start}): 0}
     subsets = [frozenset({start})]
     offsets, letters, targets = [0], [], []
-    stopped = ""
+    stop: StopReason | None = None
     for place, subset in enumerate(subsets):
-        if place % LOOK == LOOK - 1 and not stopped:
-            stopped = spent() or ""
+        if place % LOOK == LOOK - 1 and not stop:
+            stop = check()
         union: dict[int, set[int]] = {}
-        for state in () if stopped else subset:
+        for state in () if stop else subset:
             for letter, found in moves.get(state, {}).items():
                 union.setdefault(letter, set()).update(found)
         for letter in sorted(union):
@@ -118,4 +119,4 @@ def _determinised(
         ends,
         horizon=horizon,
     )
-    return automaton, stopped
+    return automaton, stop

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-from prag_asp.atom import split_terms
+from prag_asp.atom import STRING, split_terms
 from prag_asp.errors import QueryError
 from prag_asp.integers import TOLD, shortened, too_large
 from prag_asp.space.conditions.clause_kinds import (
@@ -44,7 +44,7 @@ def parse_clause(text: str) -> Clause:
         raise QueryError(f"condition {text!r}: " + unknown(keyword, KEYWORDS, "condition"))
     if bool(rest) == (keyword in WHOLE):
         raise QueryError(f"condition {text!r}: write it like {EXAMPLES[keyword]!r}")
-    for _, digits in too_large(words.partition(" by seed ")[0]):
+    for _, digits in too_large(STRING.sub(" ", words.partition(" by seed ")[0])):
         raise QueryError(f"condition {text!r}: the number {shortened(digits)} is out of range: {TOLD}")
     return KEYWORDS[keyword](rest)
 

@@ -16,7 +16,7 @@ CHOICE, OTHERWISE = (
     "prag_asp.space.engines.auto_engine.AutoEngine",
     "prag_asp.space.engines.auto_engine.searching_engine",
 )
-"""What ``auto`` tries first, and what takes over where a step is no function of the state: clingo."""
+"""The class that ``auto`` tries first, and the function that returns clingo if a step is no function of the state."""
 
 
 def select(
@@ -29,15 +29,15 @@ def select(
 
     Raises:
         QueryError: there is no such engine.
-        EngineError: the engine asked for cannot express the domain.
+        EngineError: the requested engine cannot express the domain.
     """
     if name == AUTO:
         try:
-            return _loaded(CHOICE)(model, level, progress, limits)
+            return _load(CHOICE)(model, level, progress, limits)
         except EngineError as error:
             if progress:
                 progress(Note(f"note: engine clingo, because {error}"))
-            return _loaded(OTHERWISE)(model, level, progress, limits)
+            return _load(OTHERWISE)(model, level, progress, limits)
     if name not in ENGINES:
         raise QueryError(f"no engine {name!r}; there are {', '.join((AUTO, *ENGINES))}")
     return engine_class(name)(model, level, progress, limits)
@@ -45,10 +45,10 @@ def select(
 
 def engine_class(name: str) -> MakeEngine:
     """Return the class of an engine that `ENGINES` names."""
-    return _loaded(ENGINES[name])
+    return _load(ENGINES[name])
 
 
-def _loaded(path: str) -> MakeEngine:
+def _load(path: str) -> MakeEngine:
     module, _, own = path.rpartition(".")
     made: MakeEngine = getattr(import_module(module), own)
     return made

@@ -1,7 +1,7 @@
-"""The choice of an engine: states are listed if that will end in the memory there is; else they become diagrams.
+"""The choice of an engine: states are listed if they fit into memory, otherwise they become diagrams.
 
-Whether it will is estimated by what was measured: how many states each step has added so far. Where there are no states
-to list, clingo enumerates, and once that takes longer, a model counter counts as well: the first that is done answers.
+A forecast from the number of states that each step has added so far decides. Where there are no states to list, clingo
+enumerates; if that takes longer, a model counter runs beside it, and the first to finish answers.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from prag_asp.space.automaton.bounded_count import count_within
 from prag_asp.space.automaton.exploration import Extent
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.engines.engine import Engine, Letters, Level, Progress
-from prag_asp.space.engines.reachability import Reach, Unfit
-from prag_asp.space.limits import UNLIMITED, Limits, stopped_at
+from prag_asp.space.engines.reachability import Reach, TooManyStates
+from prag_asp.space.limits import UNLIMITED, Limits, limit_error
 from prag_asp.space.weights.weights import Weighed, Weights
 
 if TYPE_CHECKING:
@@ -29,13 +29,13 @@ if TYPE_CHECKING:
     from prag_asp.space.engines.clingo_engine import ClingoEngine
 
 PATIENCE = 2.0
-"""Seconds for which clingo enumerates alone: it finds some 100,000 words in each."""
+"""Seconds for which clingo enumerates alone; it finds some 100,000 words a second."""
 
 EARLY, SURE = 64, 4
-"""No forecast counts before the states listed take this share of the memory, nor one of less than so many times it."""
+"""A forecast counts once the listed states take 1/`EARLY` of the memory, and exceeds it by a factor of `SURE`."""
 
 FAR = 1e18
-"""States beyond which nobody lists them."""
+"""Number of states beyond which a forecast stops."""
 
 
 Answer = TypeVar("Answer")
@@ -43,16 +43,16 @@ Answer = TypeVar("Answer")
 
 @dataclass
 class Growth:
-    """How many states exploring has found after each number of steps, and what memory it may take, in bytes."""
+    """The number of states after each number of steps, and the memory that exploration may take, in bytes."""
 
     memory: int
     states: dict[int, int] = field(default_factory=dict)
 
     def hopeless(self, extent: Extent, length: int) -> bool:
-        """Return whether, by how exploring has grown, its memory will not do for `length` steps.
+        """Return whether exploration is forecast to exceed the memory within `length` steps.
 
-        Each step is taken to add as many times more states than the one before as that did, less what the ratio itself
-        has fallen: spaces that fill up grow more slowly from step to step. Memory is taken to grow with the states.
+        The ratio of the states that two successive steps add is taken to go on falling as it has fallen, because spaces
+        that fill up grow more slowly from step to step. Memory is taken to be proportional to the states.
         """
         if self.states and extent.depth < max(self.states):
             self.states.clear()
@@ -62,7 +62,7 @@ class Growth:
         return self.forecast(extent, length) > SURE * self.memory
 
     def forecast(self, extent: Extent, length: int) -> int:
-        """Return the bytes that exploring will have taken after `length` steps, at a guess."""
+        """Return the forecast of the bytes that exploration takes for `length` steps."""
         depths = sorted(self.states)[:-1]  # the last one is not over
         sizes = [self.states[depth] for depth in depths]
         layers = [later - sooner for sooner, later in zip([0, *sizes], sizes, strict=False)]
@@ -90,11 +90,11 @@ class AutoEngine:
     def __init__(
         self, model: DomainLogic, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
     ) -> None:
-        self._asked = (model, level, progress, limits)
+        self._request = (model, level, progress, limits)
         growth = Growth(usual_memory() if limits.memory_bytes is None else limits.memory_bytes)
         self._listing = AutomatonEngine(model, level, progress, limits, hopeless=growth.hopeless)
         self._diagrams: Engine | None = None
-        self._unfit: tuple[int, Reach] | None = None
+        self._exceeded: tuple[int, Reach] | None = None
 
     @property
     def letters(self) -> Letters:
@@ -108,71 +108,71 @@ class AutoEngine:
             LimitReached: a limit ended the count; the error has the number of words that were found.
         """
         try:
-            return self._asking(length, lambda engine: engine.count(length, prefix))
+            return self._answer(length, lambda engine: engine.count(length, prefix))
         except LimitReached as reached:
             if not self._too_long(length):
                 raise
-            found = max(reached.at_least, 0 if prefix else self._found(length))
-            raise stopped_at(str(reached).partition(" was reached")[0], found, self._asked[1], length) from None
+            found = max(reached.at_least, 0 if prefix else self._count_listed(length))
+            raise limit_error(reached.reason, found, self._request[1], length) from None
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a length in order, lazily."""
-        engine = self._asking(length, lambda engine: self._explored(engine, length))
+        engine = self._answer(length, lambda engine: self._explore(engine, length))
         yield from engine.words(length, prefix)
 
     def contains(self, word: Letters) -> bool:
         """Return whether a word belongs to the level."""
-        return self._asking(len(word), lambda engine: engine.contains(word))
+        return self._answer(len(word), lambda engine: engine.contains(word))
 
     def unrank(self, length: int, rank: int) -> Letters:
         """Return the word of a rank from 0 to count - 1."""
-        return self._asking(length, lambda engine: engine.unrank(length, rank))
+        return self._answer(length, lambda engine: engine.unrank(length, rank))
 
     def rank(self, word: Letters) -> int | None:
         """Return the rank of a word among those of its length, or None where it is no word."""
-        return self._asking(len(word), lambda engine: engine.rank(word))
+        return self._answer(len(word), lambda engine: engine.rank(word))
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
         """Return the words of a length with their weights."""
-        return self._asking(length, lambda engine: engine.weighed(length, weights, goals=goals, plain=plain))
+        return self._answer(length, lambda engine: engine.weighed(length, weights, goals=goals, plain=plain))
 
-    def _asking(self, length: int, ask: Callable[[Engine], Answer]) -> Answer:
-        """Return what the engine answers that is fit for a length."""
+    def _answer(self, length: int, ask: Callable[[Engine], Answer]) -> Answer:
+        """Return the answer of the engine for a length."""
         if not self._too_long(length):
             try:
                 return ask(self._listing)
-            except Unfit as unfit:
-                self._give_up(length, unfit)
+            except TooManyStates as error:
+                self._switch(length, error)
         return ask(self._by_diagrams())
 
-    def _explored(self, engine: Engine, length: int) -> Engine:
+    def _explore(self, engine: Engine, length: int) -> Engine:
         if engine is self._listing:
             self._listing.known(length)
         return engine
 
     def _too_long(self, length: int) -> bool:
-        return self._unfit is not None and length >= self._unfit[0]
+        return self._exceeded is not None and length >= self._exceeded[0]
 
-    def _give_up(self, length: int, unfit: Unfit) -> None:
-        _, _, progress, _ = self._asked
-        self._unfit = (length, unfit.reach)
+    def _switch(self, length: int, error: TooManyStates) -> None:
+        _, _, progress, _ = self._request
+        self._exceeded = (length, error.reach)
         if progress:
-            why = f"{unfit.reach.states:,} states are listed, and {length} steps reach more than memory holds"
+            why = f"{error.reach.states:,} states are listed, and {length} steps reach more than memory holds"
             progress(Note(f"note: engine symbolic, because {why}"))
 
     def _by_diagrams(self) -> Engine:
         if self._diagrams is None:
             from prag_asp.space.engines.symbolic_engine import SymbolicEngine
 
-            self._diagrams = SymbolicEngine(*self._asked)
+            self._diagrams = SymbolicEngine(*self._request)
         return self._diagrams
 
-    def _found(self, length: int) -> int:
-        """Return how many words of a length are among the states that were listed."""
-        _, level, _, limits = self._asked
-        if level == "skeleton" or self._unfit is None:  # what was listed has no names yet
+    def _count_listed(self, length: int) -> int:
+        """Return the number of words of a length among the listed states."""
+        _, level, _, limits = self._request
+        if level == "skeleton" or self._exceeded is None:  # what was listed has no names yet
             return 0
-        return count_within(self._unfit[1].completions, length, limits.begin().to_close().spent)[0]
+        return count_within(self._exceeded[1].completions, length, limits.begin().to_close().reached_limit)[0]
 
 
 def searching_engine(

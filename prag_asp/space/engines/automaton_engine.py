@@ -1,4 +1,4 @@
-"""The automaton engine: explore the states once, then count, rank and draw by dynamic programming."""
+"""The automaton engine: explore the states once, then count, rank and sample by dynamic programming."""
 
 from __future__ import annotations
 
@@ -19,32 +19,32 @@ from prag_asp.space.automaton.automaton import NO_PATHS, Ranking, accepts, count
 from prag_asp.space.automaton.bounded_count import count_within
 from prag_asp.space.automaton.recurrence import count_by_recurrence
 from prag_asp.space.engines.engine import Letters, Level, Progress, name_in_prefix
-from prag_asp.space.engines.independent_components import Apart
-from prag_asp.space.engines.reachability import HALTED, UNFIT, Explorer, Forecast, Halt, Reach, Unfit
-from prag_asp.space.limits import UNLIMITED, Budget, Limits, stopped_at
+from prag_asp.space.engines.independent_components import IndependentParts
+from prag_asp.space.engines.reachability import FORECAST, HALT, Explorer, Forecast, Halt, Reach, TooManyStates
+from prag_asp.space.limits import UNLIMITED, Budget, Limits, limit_error
 from prag_asp.space.weights.weights import Weighed, Weights, edge_weights, refuse_weights
 
 if TYPE_CHECKING:
     from prag_asp.space.automaton.merged_states import MergedRanking
     from prag_asp.space.automaton.shuffle_product import ShuffledWords
-    from prag_asp.space.engines.stored_automata import Shelf
+    from prag_asp.space.engines.stored_automata import AutomatonSlot
 
 WORTH_KEEPING = 0.2
-"""Seconds of exploring from which what was found is kept for the next run."""
+"""Seconds of exploration from which its result is cached for the next run."""
 
 RANKED = 8
-"""Lengths whose rankings are kept."""
+"""Number of lengths whose rankings are kept."""
 
 LONG = 10_000
-"""From this length on counting says how far it is."""
+"""Length from which counting reports its progress."""
 
 
 class AutomatonEngine:
     """Answers for one domain at one level; what was explored is kept for the next question.
 
     `merge` says whether states are merged up to renaming of interchangeable entities; None lets their number decide.
-    No answer depends on it. `explorer` is how states are found, where it is not by listing them; where `hopeless` says
-    that listing them will not end, each question raises `Unfit`.
+    No answer depends on it. `explorer` finds the states, by default by listing them. If `hopeless` forecasts that they
+    exceed the memory, each question raises `TooManyStates`.
 
     Raises:
         EngineError: the step is not a function of the state and the action.
@@ -67,14 +67,14 @@ class AutomatonEngine:
         self._tell = progress or (lambda words: None)
         self._explorer: Explorer = explorer or Explorer(model, level, progress, merge, hopeless)
         self._plain = Explorer(model, level, progress, merge=False)
-        self._shelf = _shelf_for(model, level, merge) if limits.cached and explorer is None else None
-        self._reached: Reach | None = self._shelf.read() if self._shelf else None
+        self._slot = _automaton_slot(model, level, merge) if limits.cached and explorer is None else None
+        self._reached: Reach | None = self._slot.read() if self._slot else None
         self._ranked: dict[int, Ranking | MergedRanking | ShuffledWords] = {}
-        self._apart = Apart(self._explorer, lambda: self._transition, self._tell)
+        self._parts = IndependentParts(self._explorer, lambda: self._transition, self._tell)
         self._weighed: tuple[tuple[int, Weights, bool, bool], Weighed] | None = None
         begun = monotonic()
         if self._reached is None:
-            self._transition  # noqa: B018  what cannot be expressed is told at once
+            self._transition  # noqa: B018  what cannot be expressed is an error at once
         self._prepared = monotonic() - begun
 
     @cached_property
@@ -108,44 +108,45 @@ class AutomatonEngine:
             LimitReached: a limit ended the exploration; the error has the number of words that were found.
         """
         budget = self._limits.begin()
-        reach = self._reach(length, budget, self._apart.spreads if prefix else self._apart.falls_apart)
-        if reach.stopped == HALTED:
+        reach = self._reach(length, budget, self._parts.spreads if prefix else self._parts.falls_apart)
+        if reach.stop == HALT:
             apart = self._count_apart(length, budget, reach, prefix)
             if apart is not None:
                 return apart
             reach = self._reach(length, budget)
         stage("counting")
-        if not prefix and not reach.stopped and reach.completions.automaton.horizon is None:
-            known = count_by_recurrence(reach.completions, length, budget.spent)
+        if not prefix and not reach.stop and reach.completions.automaton.horizon is None:
+            known = count_by_recurrence(reach.completions, length, budget.reached_limit)
             if known is not None:
                 return known
         if prefix or (self._limits.seconds is None and length < LONG):
-            found, stopped = self._count(reach, length, prefix), reach.stopped
+            found, stop = self._count(reach, length, prefix), reach.stop
         else:
-            found, stopped = count_within(reach.completions, length, budget.to_close().spent, self._tell)
-        if stopped or reach.stopped:
-            raise stopped_at(reach.stopped or stopped, found, self._level, length, reach.states)
+            found, stop = count_within(reach.completions, length, budget.to_close().reached_limit, self._tell)
+        reason = reach.stop or stop
+        if reason:
+            raise limit_error(reason, found, self._level, length, reach.states)
         return found
 
     def _count_apart(self, length: int, budget: Budget, whole: Reach, prefix: Letters) -> int | None:
-        """Return the number of words of a length, part by part; None where the parts are not independent after all.
+        """Return the number of words of a length, part by part; None if the parts are not independent after all.
 
-        `whole` is what was explored of the whole until then.
+        `whole` is the part of the whole that was explored until then.
 
         Raises:
             LimitReached: a limit ended the count; the error has the number of words that were found.
         """
         if prefix:
-            words = self._apart.words(length, self._numbers, budget)
+            words = self._parts.words(length, self._numbers, budget)
             return words.count(self._sets(prefix)) if words else None
-        counted = self._apart.count(length, budget)
+        counted = self._parts.count(length, budget)
         if counted is None:
             return None
-        if counted.stopped:
+        if counted.stop:
             least = counted.found
             if self._level != "skeleton":  # what was explored of the whole has no names yet
-                least = max(least, count_within(whole.completions, length, budget.to_close().spent)[0])
-            raise stopped_at(counted.stopped, least, self._level, length, counted.states)
+                least = max(least, count_within(whole.completions, length, budget.to_close().reached_limit)[0])
+            raise limit_error(counted.stop, least, self._level, length, counted.states)
         return counted.found
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
@@ -161,7 +162,7 @@ class AutomatonEngine:
         else:
             found = words(reach.completions, length, [allowed.__contains__ for allowed in sets])
         for word in found:
-            yield self._spelled(word)
+            yield self._spell(word)
 
     def contains(self, word: Letters) -> bool:
         """Return whether a word belongs to the level."""
@@ -179,7 +180,7 @@ class AutomatonEngine:
 
     def unrank(self, length: int, rank: int) -> Letters:
         """Return the word of a rank from 0 to count - 1."""
-        return self._spelled(self._ranking(length).unrank(rank))
+        return self._spell(self._ranking(length).unrank(rank))
 
     def rank(self, word: Letters) -> int | None:
         """Return the rank of a word among those of its length, or None where it is no word."""
@@ -196,7 +197,7 @@ class AutomatonEngine:
             self._weighed = (key, self._weigh(length, weights, goals, plain))
         return self._weighed[1]
 
-    def _spelled(self, word: Sequence[int]) -> Letters:
+    def _spell(self, word: Sequence[int]) -> Letters:
         return tuple(self.letters[letter] for letter in word)
 
     def _sets(self, prefix: Letters) -> list[frozenset[int]]:
@@ -224,14 +225,14 @@ class AutomatonEngine:
         begun = monotonic()
         stage("exploring")
         found = self._explorer.reach(self._transition, length, budget, halt)
-        if found.stopped == UNFIT and halt and self._apart.finds:
-            return replace(found, stopped=HALTED)
-        if found.stopped == UNFIT:
-            raise Unfit(found)
+        if found.stop == FORECAST and halt and self._parts.finds:
+            return replace(found, stop=HALT)
+        if found.stop == FORECAST:
+            raise TooManyStates(found)
         if found.covers(length):
             self._reached = found
-            if self._shelf and self._prepared + monotonic() - begun > WORTH_KEEPING:
-                self._shelf.write(found)
+            if self._slot and self._prepared + monotonic() - begun > WORTH_KEEPING:
+                self._slot.write(found)
         return found
 
     def known(self, length: int) -> Reach | ShuffledWords:
@@ -241,8 +242,8 @@ class AutomatonEngine:
             LimitReached: a limit ended the exploration.
         """
         budget = self._limits.begin()
-        halted = self._apart.has_words(length) or self._reach(length, budget, self._apart.spreads).stopped == HALTED
-        found = self._apart.words(length, self._numbers, budget) if halted else None
+        halted = self._parts.has_words(length) or self._reach(length, budget, self._parts.spreads).stop == HALT
+        found = self._parts.words(length, self._numbers, budget) if halted else None
         return found or self.explored(length, budget)
 
     def explored(self, length: int, budget: Budget | None = None) -> Reach:
@@ -253,13 +254,13 @@ class AutomatonEngine:
         """
         budget = budget or self._limits.begin()
         reach = self._reach(length, budget)
-        if not reach.covers(length):
-            found, _ = count_within(reach.completions, length, budget.to_close().spent)
-            raise stopped_at(reach.stopped, found, self._level, length, reach.states)
+        if reach.stop:
+            found, _ = count_within(reach.completions, length, budget.to_close().reached_limit)
+            raise limit_error(reach.stop, found, self._level, length, reach.states)
         return reach
 
     def _ranking(self, length: int) -> Ranking | MergedRanking | ShuffledWords:
-        """Return the ranking of a length, and keep the last ones made: tasks of several lengths are told by turns."""
+        """Return the ranking of a length, and keep the last ones: lengths may alternate."""
         if length not in self._ranked:
             reach = self.known(length)
             stage("ranking")
@@ -285,25 +286,25 @@ class AutomatonEngine:
                 return Weighed(whole.completions)
         budget = self._limits.begin()
         divides = weights.of_actions_alone and not (plain or goals)
-        apart = self._weigh_apart(length, weights, budget) if divides and self._apart.has_words(length) else None
+        apart = self._weigh_apart(length, weights, budget) if divides and self._parts.has_words(length) else None
         if apart:
             return apart
-        reach, unit, marks = explorer.weighed(length, weights, budget, read, self._apart.spreads if divides else None)
-        if divides and reach.stopped in {HALTED, UNFIT} and self._apart.finds:
+        reach, unit, marks = explorer.weighed(length, weights, budget, read, self._parts.spreads if divides else None)
+        if divides and reach.stop in {HALT, FORECAST} and self._parts.finds:
             apart = self._weigh_apart(length, weights, budget)
             if apart:
                 return apart
             reach, unit, marks = explorer.weighed(length, weights, budget, read)
-        if reach.stopped == UNFIT:
-            raise Unfit(reach)
-        if not reach.covers(length):
-            raise stopped_at(reach.stopped, 0, self._level, length, reach.states)
+        if reach.stop == FORECAST:
+            raise TooManyStates(reach)
+        if reach.stop:
+            raise limit_error(reach.stop, 0, self._level, length, reach.states)
         ends = numbered_goals(hindsight, marks) if hindsight else None
         return Weighed(reach.completions, unit**length, ends, _merged_ranking(reach, length))
 
     def _weigh_apart(self, length: int, weights: Weights, budget: Budget) -> Weighed | None:
         """Return the words with the weights of their actions by those of the parts, if these give them."""
-        words = self._apart.words(length, self._numbers, budget)
+        words = self._parts.words(length, self._numbers, budget)
         if words is None:
             return None
         by_letter, _ = edge_weights(self._transition.actions, weights)
@@ -312,14 +313,14 @@ class AutomatonEngine:
         return Weighed(NO_PATHS, Fraction(1, scale**length), ranking=words.weighing(whole))
 
 
-def _shelf_for(model: DomainLogic, level: Level, merge: bool | None) -> Shelf | None:
+def _automaton_slot(model: DomainLogic, level: Level, merge: bool | None) -> AutomatonSlot | None:
     """Return the place in the cache for a level of a domain, or None where there is no cache."""
     folder = cache_folder()
     if folder is None:
         return None
-    from prag_asp.space.engines.stored_automata import shelf_for
+    from prag_asp.space.engines.stored_automata import automaton_slot
 
-    return shelf_for(folder, model, level, merge)
+    return automaton_slot(folder, model, level, merge)
 
 
 def _ranking_of(reach: Reach, length: int) -> Ranking | MergedRanking:

@@ -19,7 +19,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.array_archive import BadArchive, read_arrays
 from prag_asp.output.cache_files import keep, read_kept
 
 HEADER = "header"
@@ -30,29 +29,29 @@ LARGEST_FILE, LARGEST_FOLDER = 200_000_000, 1_000_000_000
 
 
 @dataclass(frozen=True)
-class Entry:
+class CacheEntry:
     """Texts as JSON allows them, and arrays by name."""
 
     texts: Mapping[str, Any]
     arrays: Mapping[str, NDArray[Any]]
 
 
-def read_entry(folder: Path, key: str, names: Collection[str]) -> Entry | None:
+def read_entry(folder: Path, key: str, names: Collection[str]) -> CacheEntry | None:
     """Return what was kept under a key, of its arrays those of some names; or None."""
     content = read_kept(folder / f"{key}{SUFFIX}", LARGEST_FILE)
+    if content is None:
+        return None
+    from prag_asp.array_archive import BadArchive, read_arrays  # zipfile is not loaded where there is no entry
+
     try:
-        return None if content is None else _parsed(content, key, names)
+        arrays = read_arrays(BytesIO(content), (HEADER, *names), LARGEST_FILE)
+        header = json.loads(arrays.pop(HEADER).tobytes())
+        return CacheEntry(header["texts"], arrays) if header["key"] == key else None
     except (BadArchive, ValueError, KeyError, TypeError, RecursionError):
         return None
 
 
-def _parsed(content: bytes, key: str, names: Collection[str]) -> Entry | None:
-    arrays = read_arrays(BytesIO(content), (HEADER, *names), LARGEST_FILE)
-    header = json.loads(arrays.pop(HEADER).tobytes())
-    return Entry(header["texts"], arrays) if header["key"] == key else None
-
-
-def write_entry(folder: Path, key: str, entry: Entry) -> bool:
+def write_entry(folder: Path, key: str, entry: CacheEntry) -> bool:
     """Keep something under a key, in one stroke; return whether that was possible."""
     header = np.frombuffer(json.dumps({"key": key, "texts": entry.texts}).encode(), np.uint8)
     arrays: dict[str, Any] = {HEADER: header, **entry.arrays}

@@ -16,23 +16,24 @@ from prag_asp.processes.workers import uninterrupted
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.sources import Program
 from prag_asp.space.engines.engine import Letters, Level, Progress, all_letters, name_in_prefix
-from prag_asp.space.engines.listed_words import listed
-from prag_asp.space.limits import UNLIMITED, Budget, Limits, stopped_at, within
+from prag_asp.space.engines.listed_words import weigh_words
+from prag_asp.space.limits import UNLIMITED, Budget, Limits, limit_error, within
 from prag_asp.space.weights.weights import Weighed, Weights
+from prag_asp.stop_reason import StopReason
 
 POLL = 0.2
-"""Seconds between two looks at a solver that runs, so that Ctrl-C gets through."""
+"""Seconds between two checks of a running solver, so that Ctrl-C takes effect."""
 
 
 Ask = Callable[[], "int | None"]
-"""Returns a number that somebody else has found, None as long as there is none."""
+"""Returns the count of another process, None as long as it has none."""
 
 Beside = Callable[[int, Letters], AbstractContextManager[Ask]]
-"""Counts the words of a length that begin with a prefix, while clingo does so too: the first that is done answers."""
+"""Counts the words of a length that begin with a prefix while clingo does, too; the first to finish answers."""
 
 
 class ClingoEngine:
-    """Answers for one domain at one level by search; each length is ground once and kept until another is asked."""
+    """Answers for one domain at one level by search; the ground program of the last length is kept."""
 
     def __init__(
         self,
@@ -47,7 +48,7 @@ class ClingoEngine:
         self._limits = limits
         self._level = level
         self._progress = progress
-        self._unrolled: tuple[int, _Unrolled] | None = None
+        self._unrolled: tuple[int, _UnrolledPlans] | None = None
         self._symbols = all_letters(model, level)
         self.letters = tuple(self._symbols)
 
@@ -66,9 +67,9 @@ class ClingoEngine:
             self._progress(f"enumerating answer sets for length {length}")
         stage("enumerating answer sets")
         with self._beside(length, prefix) as ask:
-            found, stopped = plans.count(assumptions, budget, ask)
-        if stopped:
-            raise stopped_at(stopped, found, self._level, length)
+            found, stop = plans.count(assumptions, budget, ask)
+        if stop:
+            raise limit_error(stop, found, self._level, length)
         return found
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
@@ -115,20 +116,20 @@ class ClingoEngine:
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
         """Return the words of a length with their weights, by enumerating them all."""
-        return listed(self.words(length), self.letters, self._model, self._level, length, weights, goals)
+        return weigh_words(self.words(length), self.letters, self._model, self._level, length, weights, goals)
 
-    def _plans(self, length: int) -> _Unrolled:
+    def _plans(self, length: int) -> _UnrolledPlans:
         if self._unrolled is None or self._unrolled[0] != length:
             program = self._model.program if self._level == "plan" else self._model.task_program(length)
             shown = "named" if self._level == "skeleton" else "occurs"
             found = _in_use.get((id(program), length, shown))
             if found is None:
-                found = _in_use[id(program), length, shown] = _Unrolled(program, length, shown, self._symbols)
+                found = _in_use[id(program), length, shown] = _UnrolledPlans(program, length, shown, self._symbols)
             self._unrolled = (length, found)
         return self._unrolled[1]
 
 
-class _Unrolled:
+class _UnrolledPlans:
     """The ground program of all plans of one length; between two questions it is as it was before."""
 
     def __init__(self, program: Program, length: int, shown: str, letters: Mapping[str, clingo.Symbol]) -> None:
@@ -165,7 +166,7 @@ class _Unrolled:
 
     def satisfiable(self, assumptions: Sequence[int]) -> bool:
         """Return whether some answer set satisfies the literals."""
-        return self._found(assumptions, ()) is not None
+        return self._true_literals(assumptions, ()) is not None
 
     def following(self, word: Letters, wanted: Letters) -> Iterator[str]:
         """Yield the letters, in order, that follow `word` in words that go on as `wanted`, each as soon as it is known.
@@ -185,7 +186,7 @@ class _Unrolled:
         searches, complete = 1, False
         for letter, literal in literals.items():
             if not complete and literal not in found:
-                new = self._found([*assumptions, literal], literals.values())
+                new = self._true_literals([*assumptions, literal], literals.values())
                 if new is not None:
                     found |= new
                 elif searches:
@@ -201,7 +202,7 @@ class _Unrolled:
         Encodings that are no copies of ours may let a step have no action, or several: then none is of use.
         """
         for _ in range(searches):
-            new = self._found([*assumptions, *(-each for each in found)], literals)
+            new = self._true_literals([*assumptions, *(-each for each in found)], literals)
             if new is None:
                 return True, 0
             found |= new
@@ -209,7 +210,7 @@ class _Unrolled:
                 return False, 0
         return False, 2 * searches
 
-    def _found(self, assumptions: Sequence[int], literals: Iterable[int]) -> set[int] | None:
+    def _true_literals(self, assumptions: Sequence[int], literals: Iterable[int]) -> set[int] | None:
         """Return which literals hold in an answer set that satisfies what is assumed, or None where there is none.
 
         For an error in what it calls at the end, clingo ends the process: so nothing interrupts it.
@@ -219,18 +220,19 @@ class _Unrolled:
             model = handle.model()
             return None if model is None else {each for each in literals if model.is_true(each)}
 
-    def count(self, assumptions: Sequence[int], budget: Budget, ask: Ask) -> tuple[int, str | None]:
+    def count(self, assumptions: Sequence[int], budget: Budget, ask: Ask) -> tuple[int, StopReason | None]:
         """Return the number of projected answer sets that satisfy the literals, and the limit that was reached, if any.
 
         Those found until then are counted, unless `ask` knows the number before all are found.
         """
         self._limit(0)
-        stopped, known = None, None
+        stop: StopReason | None = None
+        known: int | None = None
         with self._control.solve(assumptions=list(assumptions), async_=True) as handle:
             try:
                 while not handle.wait(POLL):
-                    stopped, known = budget.spent(), ask()
-                    if stopped or known is not None:
+                    stop, known = budget.reached_limit(), ask()
+                    if stop or known is not None:
                         handle.cancel()
                         break
             except BaseException:
@@ -241,7 +243,7 @@ class _Unrolled:
             last = handle.last()
         if known is not None:
             return known, None
-        return last.number if last is not None else 0, stopped
+        return last.number if last is not None else 0, stop
 
     def _limit(self, models: int) -> None:
         solving = self._control.configuration.solve
@@ -249,6 +251,6 @@ class _Unrolled:
         solving.models = str(models)
 
 
-_in_use: WeakValueDictionary[tuple[int, int, str], _Unrolled] = WeakValueDictionary()
-"""What engines of one domain have ground, by the program, the length and what is shown: without interchangeable
-entities, tasks are plans."""
+_in_use: WeakValueDictionary[tuple[int, int, str], _UnrolledPlans] = WeakValueDictionary()
+"""The ground programs of engines of one domain, by program, length and shown predicate; without interchangeable
+entities, the levels plan and task share one."""

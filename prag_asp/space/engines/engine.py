@@ -1,4 +1,4 @@
-"""What every engine answers, and what it is asked for."""
+"""The interface of the engines."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ Letters = tuple[str, ...]
 
 @dataclass(frozen=True)
 class Draw:
-    """A plan or task drawn, with the exact probability that it had."""
+    """A sampled plan or task with its exact probability."""
 
     word: Letters
     probability: Fraction
 
 
 class Engine(Protocol):
-    """A way to count, enumerate and draw the words of one domain at one level.
+    """A way to count, enumerate and sample the words of one domain at one level.
 
     `prefix` holds, for the first steps, the text of a letter or the name of several (see `name_in_prefix`). Words come
     in the order of their letters: actions in clingo's order of terms, names in alphabetical order.
@@ -69,16 +69,16 @@ class Engine(Protocol):
         With `plain` (or `goals`), each path is one word; otherwise it may stand for several.
 
         Raises:
-            QueryError: the weights tell interchangeable entities apart, or skeletons are weighed.
+            QueryError: the weights distinguish interchangeable entities, or skeletons are weighed.
         """
         ...
 
 
 Progress = Callable[[str], None]
-"""Told in a few words how far a long computation is."""
+"""Called with a short text on the progress of a long computation."""
 
 ALL = "(...)"
-"""What an item of a prefix ends with that is a name though an action is spelled like it: all actions of that name."""
+"""Ending of an item of a prefix that means all actions of a name, even if one action is spelled like the name."""
 
 
 def name_in_prefix(item: str, letters: Container[str]) -> str | None:

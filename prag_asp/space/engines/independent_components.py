@@ -1,4 +1,4 @@
-"""A level whose domain falls into parts that have nothing in common: each is explored by itself, then all are shuffled.
+"""Levels of domains that consist of independent parts: each is explored separately, then their words are shuffled.
 
 A plan of the whole is a plan of each part, together with which of its steps belong to which part; so the plans of
 length n are the sum, over the ways to write n as a sum of one length for each part, of the multinomial coefficient and
@@ -17,33 +17,34 @@ from prag_asp.logic.step.transition import Transition
 from prag_asp.processes.progress_events import stage
 from prag_asp.space.automaton.automaton import Completions
 from prag_asp.space.automaton.exploration import Extent
-from prag_asp.space.engines.reachability import HALTED, Explorer, Halt, Reach
-from prag_asp.space.limits import Budget, stopped_at
+from prag_asp.space.engines.reachability import HALT, Explorer, Halt, Reach
+from prag_asp.space.limits import Budget, limit_error
+from prag_asp.stop_reason import LimitCheck, StopReason
 
 if TYPE_CHECKING:
     from prag_asp.space.automaton.shuffle_product import ShuffledWords
 
 FEW_STATES = 4096
-"""States up to which a domain is counted as a whole, though it may fall into parts: it answers more questions so."""
+"""States up to which a domain is counted as a whole even if it has parts, because the whole answers more questions."""
 
 MANY_EDGES = 5_000_000
-"""Edges of the whole beyond which words are found part by part: up to that, listing them all is soon done."""
+"""Edges of the whole beyond which words are found part by part; up to that, exploring the whole is fast."""
 
 LARGE_PART = 5_000_000
-"""Edges of a part beyond which nothing is won by finding its words apart."""
+"""Edges of a part beyond which finding words part by part gains nothing."""
 
 
 @dataclass(frozen=True)
-class Counted:
-    """How many words there are, the states explored for that, and which limit ended it, in words."""
+class PartCount:
+    """The number of words, the number of states explored for it, and which limit ended the count, if any."""
 
     found: int
     states: int
-    stopped: str
+    stop: StopReason | None
 
 
-class Apart:
-    """The independent parts of one level of a domain, and what is found by way of them.
+class IndependentParts:
+    """The independent parts of one level of a domain, and the answers that they give.
 
     `explorer` explores the whole, and `transition` returns its step function; parts are looked for when it has grown.
     """
@@ -58,7 +59,7 @@ class Apart:
 
     @property
     def counts(self) -> bool:
-        """Whether words may be counted part by part, as far as is known."""
+        """True if words may be counted part by part, as far as is known."""
         if self._explorer.merge is not None:
             return False
         if self._parts is None:
@@ -69,24 +70,24 @@ class Apart:
 
     @property
     def finds(self) -> bool:
-        """Whether words may be found part by part, as far as is known: none of the parts is large itself."""
+        """True if words may be found part by part, as far as is known: no part is large."""
         return self.counts and not self._large
 
     def falls_apart(self, extent: Extent) -> bool:
-        """Return whether the whole has so many states that its parts, if it has any, are counted apart."""
+        """Return whether the whole has enough states for counting by parts, and has parts."""
         return extent.states > FEW_STATES and self.counts
 
     def spreads(self, extent: Extent) -> bool:
-        """Return whether the whole has so many edges that words are found in its parts, if it has any."""
+        """Return whether the whole has enough edges for finding words by parts, and has parts."""
         return extent.edges > MANY_EDGES and self.finds
 
-    def count(self, length: int, budget: Budget) -> Counted | None:
+    def count(self, length: int, budget: Budget) -> PartCount | None:
         """Return the number of words of a length; None where some part does not rest while another one acts.
 
         A limit leaves words out; none is wrong. Of skeletons, no two parts have a name of actions in common, or two of
         theirs could be shuffled to the same one.
         """
-        reaches = self._explored(replace(self._explorer, hopeless=None), length, budget)
+        reaches = self._explore_parts(replace(self._explorer, hopeless=None), length, budget)
         if reaches is None:
             self._parts = ()
             return None
@@ -94,8 +95,8 @@ class Apart:
         self._tell(f"counted in {len(reaches)} independent parts with {states:,} states")
         counts = [_terms(reach.completions, length) for reach in reaches]
         stage("counting shuffles")
-        number, late = shuffled(counts, budget.to_close().spent)
-        return Counted(number, states, _stopped(reaches) or late)
+        number, late = count_shuffles(counts, budget.to_close().reached_limit)
+        return PartCount(number, states, _first_stop(reaches) or late)
 
     def has_words(self, length: int) -> bool:
         """Return whether the words of a length are found already, those of each part."""
@@ -113,20 +114,20 @@ class Apart:
 
         if self._reached is None or not self.has_words(length):
             plain = Explorer(self._explorer.model, self._explorer.level, self._explorer.tell, merge=False)
-            reaches = self._explored(plain, length, budget, _is_large)
+            reaches = self._explore_parts(plain, length, budget, _is_large)
             if reaches is None:
                 self._large = True
                 return None
-            states, stopped = sum(reach.states for reach in reaches), _stopped(reaches)
-            if stopped:
-                raise stopped_at(stopped, 0, self._explorer.level, length, states)
+            states, stop = sum(reach.states for reach in reaches), _first_stop(reaches)
+            if stop:
+                raise limit_error(stop, 0, self._explorer.level, length, states)
             self._reached = (length, reaches)
             self._tell(f"found in {len(reaches)} independent parts with {states:,} states")
         reaches = self._reached[1]
         letters = [[numbers[letter] for letter in reach.letters] for reach in reaches]
         return ShuffledWords([reach.completions for reach in reaches], letters, length)
 
-    def _explored(
+    def _explore_parts(
         self, explorer: Explorer, length: int, budget: Budget, halt: Halt | None = None
     ) -> list[Reach] | None:
         """Return what each part reaches; None where `halt` says so, or one does not rest while another one acts.
@@ -135,9 +136,9 @@ class Apart:
         """
         found: list[Reach] = []
         for part in self._parts or ():
-            steps = 0 if _stopped(found) else length
+            steps = 0 if _first_stop(found) else length
             found.append(explorer.reach(part, steps, budget, halt, allow=part.rests))
-            if found[-1].stopped == HALTED:
+            if found[-1].stop == HALT:
                 return None
         return found
 
@@ -146,16 +147,16 @@ def _is_large(extent: Extent) -> bool:
     return extent.edges > LARGE_PART
 
 
-def _stopped(reaches: Sequence[Reach]) -> str:
-    """Return the limit that ended one of them first, in words, or ""."""
-    return next((reach.stopped for reach in reaches if reach.stopped), "")
+def _first_stop(reaches: Sequence[Reach]) -> StopReason | None:
+    """Return why the first of them that ended early did."""
+    return next((reach.stop for reach in reaches if reach.stop), None)
 
 
-def shuffled(counts: Sequence[Sequence[int]], spent: Callable[[], str | None] = lambda: None) -> tuple[int, str]:
-    """Return the number of shuffles of one word of each part that have the greatest length, and "".
+def count_shuffles(counts: Sequence[Sequence[int]], check: LimitCheck = lambda: None) -> tuple[int, StopReason | None]:
+    """Return the number of shuffles of one word of each part that have the greatest length, and None.
 
-    `counts` has, for each part, the numbers of words of the lengths 0, 1, ..., n. Where `spent` says that a limit is
-    reached, that is returned, and no more than the words of the parts that were shuffled until then.
+    `counts` has, for each part, the numbers of words of the lengths 0, 1, ..., n. Where `check` says that a limit is
+    reached, that limit is returned with no more than the words of the parts that were shuffled until then.
     """
     first, *others = counts
     whole, length = list(first), len(first) - 1
@@ -164,12 +165,12 @@ def shuffled(counts: Sequence[Sequence[int]], spent: Callable[[], str | None] = 
         used = [k for k, count in enumerate(part) if count]
         following = []
         for n in wanted:
-            stopped = spent()
-            if stopped:
-                return whole[length] * prod(rest[0] for rest in others[place - 1 :]), stopped
+            stop = check()
+            if stop:
+                return whole[length] * prod(rest[0] for rest in others[place - 1 :]), stop
             following.append(sum(comb(n, k) * part[k] * whole[n - k] for k in used if k <= n))
         whole = following
-    return whole[-1], ""
+    return whole[-1], None
 
 
 def _terms(completions: Completions, length: int) -> list[int]:

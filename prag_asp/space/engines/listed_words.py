@@ -1,17 +1,16 @@
-"""The words of a level and length with their weights, listed: for engines that find words one by one."""
+"""The words of engines that find them one by one, with their weights; and the engine of lengths without words."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 
 from prag_asp.logic.domain_logic import DomainLogic
-from prag_asp.space.engines.engine import Letters, Level
-from prag_asp.space.plans.task_builder import Narrator
-from prag_asp.space.weights.tree import word_tree
+from prag_asp.space.engines.engine import Letters, Level, all_letters
 from prag_asp.space.weights.weights import Weighed, Weights, refuse_weights
 
 
-def listed(
+def weigh_words(
     words: Iterable[Letters],
     letters: Letters,
     model: DomainLogic,
@@ -20,11 +19,14 @@ def listed(
     weights: Weights,
     goals: bool,
 ) -> Weighed:
-    """Return all words of a level and length with their weights; with `goals`, also what is known after each.
+    """Return all words of a level and length with their weights; with `goals`, also the known final state of each.
 
     Raises:
-        QueryError: the weights tell interchangeable entities apart, or skeletons are weighed.
+        QueryError: the weights distinguish interchangeable entities, or skeletons are weighed.
     """
+    from prag_asp.space.plans.task_builder import Narrator
+    from prag_asp.space.weights.tree import word_tree
+
     refuse_weights(level, weights, model, length)
     everything = list(words)
     numbers = {letter: number for number, letter in enumerate(letters)}
@@ -34,3 +36,40 @@ def listed(
     actions = {str(action): action for action in model.domain.facts.actions}
     weighs = [weights.of_plan([actions[letter] for letter in word]) for word in everything] if weights else None
     return word_tree(spelled, length, weighs, Narrator(model).last_states(everything) if goals else None)
+
+
+@dataclass(frozen=True)
+class NoWords:
+    """The engine for lengths that no word of a level has; nothing is ground for it."""
+
+    model: DomainLogic
+    level: Level
+
+    @property
+    def letters(self) -> Letters:
+        """The texts of the letters, in their order."""
+        return tuple(all_letters(self.model, self.level))
+
+    def count(self, length: int, prefix: Letters = ()) -> int:
+        """Return the number of words of a length."""
+        return 0
+
+    def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
+        """Yield the words of a length in order."""
+        return iter(())
+
+    def contains(self, word: Letters) -> bool:
+        """Return whether a word belongs to the level."""
+        return False
+
+    def unrank(self, length: int, rank: int) -> Letters:
+        """Raise an error: no rank has a word."""
+        raise IndexError(rank)
+
+    def rank(self, word: Letters) -> int | None:
+        """Return the rank of a word, which is none."""
+        return None
+
+    def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
+        """Return the words of a length with their weights."""
+        return weigh_words((), self.letters, self.model, self.level, length, Weights(), goals=False)

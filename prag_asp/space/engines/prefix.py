@@ -1,4 +1,4 @@
-"""What a word has to begin with, and the actions that a plan is made of."""
+"""Prefixes and plans as users write them."""
 
 from __future__ import annotations
 

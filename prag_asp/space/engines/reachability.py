@@ -1,4 +1,4 @@
-"""What an automaton engine explores of one level of a domain: whole or up to a limit, merged or not."""
+"""The automaton of one level of a domain: whole or up to a limit, with or without merged states."""
 
 from __future__ import annotations
 
@@ -21,60 +21,64 @@ from prag_asp.logic.symmetry.symmetries import Unit
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.entity_names import action_name, mentioned_entities
 from prag_asp.space.automaton.automaton import Automaton, Completions
-from prag_asp.space.automaton.exploration import Explored, Extent, Watch, explore
+from prag_asp.space.automaton.exploration import Exploration, Extent, Watch, explore
 from prag_asp.space.automaton.skeletons import skeleton_automaton
 from prag_asp.space.limits import Budget
 from prag_asp.space.weights.weights import Weights, weigh, weighing_facts
+from prag_asp.stop_reason import StopKind, StopReason
 
 if TYPE_CHECKING:
     from prag_asp.logic.symmetry.canonical_states import Merging
-    from prag_asp.space.automaton.merged_states import Merged
+    from prag_asp.space.automaton.merged_states import MergedAutomaton
     from prag_asp.space.engines.engine import Level
 
 PATIENCE, WORDS, LARGE = 250_000, 4, 100
-"""Edges of a space beyond which its states are merged, where these take few words, and have so many renamings."""
+"""Edges beyond which states are merged, 64-bit words of a state up to which that holds, and the least number of
+renamings for it."""
 
 FEW_STATES, FEW_EDGES = 4096, 50_000
 """States and edges up to which all levels share what was explored."""
 
 MORE_PATIENCE = 5_000_000
-"""Edges beyond which states are merged that have fewer renamings: plain arrays are faster as long as they fit."""
+"""Edges beyond which states with fewer renamings are merged; plain arrays are faster as long as they fit."""
 
-OUTGROWN, HALTED, UNFIT = "outgrown", "halted", "unfit"
-"""Why exploring stopped where no limit ended it."""
+SIZE, HALT, FORECAST = StopReason(StopKind.SIZE), StopReason(StopKind.HALT), StopReason(StopKind.FORECAST)
+"""Why exploration ended where no limit did."""
 
 Halt = Callable[[Extent], bool]
-"""Tells, by how far exploring has come, whether to leave it."""
+"""Returns, for the extent of an exploration, whether to stop it."""
 
 Forecast = Callable[[Extent, int], bool]
-"""Tells, by how far exploring has come and the length, that it will not come to its end in the memory there is."""
+"""Returns, for the extent of an exploration and the length, whether it is forecast to exceed the memory."""
 
 Allow = Callable[[Rows], NDArray[np.bool_]]
-"""Tells of states whether exploring may go on; where one of them forbids it, it is halted."""
+"""Returns for each state whether exploration may go on; one that forbids it halts the exploration."""
 
 Groups = Sequence[Sequence[Unit]]
 
 
 @dataclass(frozen=True)
 class Reach:
-    """What is known of the words of a level.
+    """The known words of a level.
 
     `letters` are the texts of the letters and `names` those of their actions' names. `merged` is what walks along words
-    where states were merged; `stopped` says which limit ended the exploration, in words, and is empty where nothing is
+    where states were merged; `stop` says what ended the exploration, and is None where nothing is
     missing up to the automaton's horizon. With `sets`, the automaton's states are sets of the domain's.
     """
 
     letters: tuple[str, ...]
     names: tuple[str, ...]
     completions: Completions
-    merged: Merged | None = None
-    stopped: str = ""
+    merged: MergedAutomaton | None = None
+    stop: StopReason | None = None
     sets: bool = False
 
     @classmethod
-    def of_merged(cls, letters: tuple[str, ...], names: tuple[str, ...], merged: Merged, stopped: str = "") -> Reach:
+    def of_merged(
+        cls, letters: tuple[str, ...], names: tuple[str, ...], merged: MergedAutomaton, stop: StopReason | None = None
+    ) -> Reach:
         """Return what is known where states were merged."""
-        return cls(letters, names, Completions(merged.automaton), merged, stopped)
+        return cls(letters, names, Completions(merged.automaton), merged, stop)
 
     @property
     def states(self) -> int:
@@ -84,14 +88,14 @@ class Reach:
     def covers(self, length: int) -> bool:
         """Return whether all words of a length are known."""
         horizon = self.completions.automaton.horizon
-        return not self.stopped and (horizon is None or horizon >= length)
+        return not self.stop and (horizon is None or horizon >= length)
 
 
-class Unfit(Exception):
-    """Exploring was given up, for it would not end in the memory there is; `reach` is what was found until then."""
+class TooManyStates(Exception):
+    """Exploration would exceed the memory limit; `reach` is what was found until then."""
 
     def __init__(self, reach: Reach) -> None:
-        super().__init__(UNFIT)
+        super().__init__(StopKind.FORECAST.value)
         self.reach = reach
 
 
@@ -99,7 +103,7 @@ class Unfit(Exception):
 class Explorer:
     """Explores one level of a domain; `merge` says whether states are merged, or is None to let their number decide.
 
-    Exploring is given up, as unfit, where `hopeless` says so once it is decided whether states are merged.
+    Exploration stops if `hopeless` forecasts too many states, once it is decided whether states are merged.
     """
 
     model: DomainLogic
@@ -127,15 +131,15 @@ class Explorer:
         halt: Halt | None = None,
         allow: Allow | None = None,
     ) -> Reach:
-        """Return what is reached within `length` steps, or until the budget is spent or `halt` or `allow` says so."""
-        explored, merging = self._explored(transition, length, budget, Weights(), halt, allow)
+        """Return what is reached within `length` steps, or until a limit is reached or `halt` or `allow` stops it."""
+        explored, merging = self._explore(transition, length, budget, Weights(), halt, allow)
         names = tuple(map(action_name, transition.actions))
-        if self.level == "skeleton" and explored.stopped not in {HALTED, UNFIT}:
+        if self.level == "skeleton" and explored.stop not in {HALT, FORECAST}:
             stage("merging plans of one skeleton")
             letters = tuple(sorted(set(names)))
             numbers = np.array([letters.index(name) for name in names], dtype=np.int64)
-            automaton, stopped = skeleton_automaton(explored.automaton, numbers, budget.spent)
-            return Reach(letters, letters, Completions(automaton), None, explored.stopped or stopped)
+            automaton, stop = skeleton_automaton(explored.automaton, numbers, budget.reached_limit)
+            return Reach(letters, letters, Completions(automaton), None, explored.stop or stop)
         return _known(transition, explored, merging, explored.automaton)
 
     def weighed(
@@ -151,14 +155,14 @@ class Explorer:
         The latter has shape (edges, atoms read).
         """
         transition = self.transition(weights, read)
-        explored, merging = self._explored(transition, length, budget, weights, halt)
+        explored, merging = self._explore(transition, length, budget, weights, halt)
         own = explored.labels.shape[1] - len(read)
         automaton, scale = explored.automaton, 1
-        if weights and explored.stopped not in {HALTED, UNFIT}:
+        if weights and explored.stop not in {HALT, FORECAST}:
             automaton, scale = weigh(automaton, explored.labels[:, :own], transition.actions, weights)
         return _known(transition, explored, merging, automaton), Fraction(1, scale), explored.labels[:, own:]
 
-    def _explored(
+    def _explore(
         self,
         transition: Transition,
         length: int,
@@ -166,7 +170,7 @@ class Explorer:
         weights: Weights,
         halt: Halt | None = None,
         allow: Allow | None = None,
-    ) -> tuple[Explored, Merging | None]:
+    ) -> tuple[Exploration, Merging | None]:
         if self.merge:
             merging = self._merging(transition, weights)
             return explore(transition, length, self._watch(length, budget), merging=merging), merging
@@ -177,27 +181,27 @@ class Explorer:
         words = transition.initial.shape[1]
         patience = None if self.merge is False else PATIENCE // max(words // WORDS, 1)
         explored = explore(transition, length, self._watch(length, budget, patience, halt), object_to=object_to)
-        if explored.stopped == OUTGROWN:
+        if explored.stop == SIZE:
             merging = self._merging(transition, weights)
             if merging is not None and prod(factorial(len(group)) for group in merging.groups) < LARGE:
                 explored = explore(
                     transition, length, self._watch(length, budget, MORE_PATIENCE, halt), object_to=object_to
                 )
-                if explored.stopped != OUTGROWN:
+                if explored.stop != SIZE:
                     return explored, None
             return explore(
                 transition, length, self._watch(length, budget, halt=halt), merging=merging, object_to=object_to
             ), merging
-        if not explored.stopped and explored.automaton.states <= FEW_STATES and len(explored.labels) <= FEW_EDGES:
+        if not explored.stop and explored.automaton.states <= FEW_STATES and len(explored.labels) <= FEW_EDGES:
             _small[transition] = explored
         return explored, None
 
     def _known_to_others(
         self, transition: Transition, length: int, budget: Budget, halt: Halt | None
-    ) -> Explored | None:
-        """Return what an engine of another level has explored, where it is small and this one would find the same.
+    ) -> Exploration | None:
+        """Return the exploration of an engine of another level, if it is small and this one would find the same.
 
-        Who wants to hear of progress, or limits it, does so anew.
+        With limits, or where progress is reported, the exploration is done again.
         """
         limits, known = budget.limits, _small.get(transition)
         if known is None or self.tell or (limits.seconds, limits.memory_bytes) != (None, None):
@@ -216,38 +220,38 @@ class Explorer:
     def _watch(self, length: int, budget: Budget, patience: int | None = None, halt: Halt | None = None) -> Watch:
         """Return what tells of progress, and says when to stop: by the budget, `patience` with the edges, or `halt`."""
 
-        def watch(extent: Extent) -> str | None:
+        def watch(extent: Extent) -> StopReason | None:
             if self.tell:
                 memory = f"{extent.nbytes / 10**6:,.0f} MB"
                 self.tell(f"depth {extent.depth}: {extent.states:,} states, {extent.edges:,} edges, {memory}")
             if halt and halt(extent):
-                return HALTED
+                return HALT
             if patience is None and self.hopeless and self.hopeless(extent, length):
-                return UNFIT
+                return FORECAST
             outgrown = patience is not None and extent.edges > patience
-            return OUTGROWN if outgrown else budget.spent(extent.nbytes // 2)
+            return SIZE if outgrown else budget.reached_limit(extent.nbytes // 2)
 
         return watch
 
 
-_small: WeakKeyDictionary[Transition, Explored] = WeakKeyDictionary()
-"""What was last explored of a step function, as long as there is one."""
+_small: WeakKeyDictionary[Transition, Exploration] = WeakKeyDictionary()
+"""The last exploration of a step function, as long as the function exists."""
 
 
-def _known(transition: Transition, explored: Explored, merging: Merging | None, automaton: Automaton) -> Reach:
+def _known(transition: Transition, explored: Exploration, merging: Merging | None, automaton: Automaton) -> Reach:
     """Return what was explored, with the weights of `automaton`."""
     letters, names = tuple(map(str, transition.actions)), tuple(map(action_name, transition.actions))
     if merging is None or explored.renamings is None:
-        return Reach(letters, names, Completions(automaton), None, explored.stopped)
-    from prag_asp.space.automaton.merged_states import Merged
+        return Reach(letters, names, Completions(automaton), None, explored.stop)
+    from prag_asp.space.automaton.merged_states import MergedAutomaton
 
     base = explored.automaton
-    merged = Merged(base, explored.renamings, merging.actions, merging.groups, automaton.weights)
-    return Reach.of_merged(letters, names, merged, explored.stopped)
+    merged = MergedAutomaton(base, explored.renamings, merging.actions, merging.groups, automaton.weights)
+    return Reach.of_merged(letters, names, merged, explored.stop)
 
 
-def _objection(allow: Allow, rows: Rows) -> str:
-    return "" if allow(rows).all() else HALTED
+def _objection(allow: Allow, rows: Rows) -> StopReason | None:
+    return None if allow(rows).all() else HALT
 
 
 def _present(groups: Groups, transition: Transition) -> list[Sequence[Unit]]:
@@ -260,7 +264,7 @@ def _present(groups: Groups, transition: Transition) -> list[Sequence[Unit]]:
 
 
 def equal_groups(groups: Groups, weights: Weights) -> list[tuple[Unit, ...]]:
-    """Return the groups of units that neither the domain nor the weights tell apart."""
+    """Return the groups of units that neither the domain nor the weights distinguish."""
     entities = {entity for group in groups for unit in group for entity in unit}
     single = {entity for action in weights.actions for entity in mentioned_entities(action, entities)}
     found: list[tuple[Unit, ...]] = []

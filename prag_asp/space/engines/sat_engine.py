@@ -11,9 +11,9 @@ from prag_asp.logic.formula.clause_builder import TRUE
 from prag_asp.logic.formula.solver import Solver
 from prag_asp.processes.progress_events import stage
 from prag_asp.space.engines.engine import Letters, Level, Progress, all_letters
-from prag_asp.space.engines.listed_words import listed
+from prag_asp.space.engines.listed_words import weigh_words
 from prag_asp.space.engines.word_formula import WordFormula, word_formula
-from prag_asp.space.limits import UNLIMITED, Limits, stopped_at, within
+from prag_asp.space.limits import UNLIMITED, Limits, limit_error, within
 from prag_asp.space.weights.weights import Weighed, Weights
 
 REPORTED = 1000
@@ -21,7 +21,7 @@ REPORTED = 1000
 
 
 class SatEngine:
-    """Answers for one domain at one level by search; each length is kept until another is asked for.
+    """Answers for one domain at one level by search; the formula of the last length is kept.
 
     Raises:
         EngineError: by each question, where the program has no counterpart in clauses.
@@ -34,7 +34,7 @@ class SatEngine:
         self._limits = limits
         self._level = level
         self._progress = progress
-        self._search: _Search | None = None
+        self._search: _WordSearch | None = None
         self.letters = tuple(all_letters(model, level))
 
     def count(self, length: int, prefix: Letters = ()) -> int:
@@ -49,9 +49,9 @@ class SatEngine:
             found += 1
             if self._progress and found % REPORTED == 0:
                 self._progress(f"{found:,} {self._level}s found")
-            stopped = budget.spent()
-            if stopped:
-                raise stopped_at(stopped, found, self._level, length)
+            stop = budget.reached_limit()
+            if stop:
+                raise limit_error(stop, found, self._level, length)
         return found
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
@@ -83,7 +83,7 @@ class SatEngine:
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
         """Return the words of a length with their weights, by finding them all."""
-        return listed(self.words(length), self.letters, self._model, self._level, length, weights, goals)
+        return weigh_words(self.words(length), self.letters, self._model, self._level, length, weights, goals)
 
     def formula(self, length: int) -> WordFormula:
         """Return the formula whose models are the words of a length."""
@@ -104,15 +104,15 @@ class SatEngine:
                 yield formula.word(model)
                 solver.add([-TRUE, *(-variable for variable in formula.cnf.shown if model[variable - 1] > 0)])
 
-    def _searching(self, length: int) -> _Search:
+    def _searching(self, length: int) -> _WordSearch:
         if self._search is None or self._search.formula.length != length:
-            self._search = _Search(word_formula(self._model, self._level, length))
+            self._search = _WordSearch(word_formula(self._model, self._level, length))
             stage("searching words")
         return self._search
 
 
-class _Search:
-    """A solver of the words of one level and length; it is freed with the last question that uses it."""
+class _WordSearch:
+    """A solver of the words of one level and length."""
 
     def __init__(self, formula: WordFormula) -> None:
         self.formula = formula

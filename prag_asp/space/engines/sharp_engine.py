@@ -1,6 +1,6 @@
 """The sharp engine: an exact model counter on the unrolled program, for state graphs that are too large to explore.
 
-Beside it stands a counter that is not exact, for what no engine counts.
+`estimate_words` uses an approximate counter, for spaces that no engine counts.
 """
 
 from __future__ import annotations

@@ -1,13 +1,11 @@
-"""What an engine explored, kept for the next run of the same program."""
+"""Exploration automata in the cache, for the next run of the same program."""
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 
@@ -17,14 +15,15 @@ from numpy.typing import NDArray
 
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.symmetry.symmetries import Unit
+from prag_asp.output.digests import digest, files_digest
 from prag_asp.program.paths import PACKAGE
 from prag_asp.space.automaton.automaton import Automaton, Completions
 from prag_asp.space.automaton.exploration import Renamings
-from prag_asp.space.engines.cache import Entry, read_entry, write_entry
+from prag_asp.space.engines.cache import CacheEntry, read_entry, write_entry
 from prag_asp.space.engines.reachability import Reach
 
 ROOMS = ("program", "domain", "logic", "space")
-"""Whose code has a say in what is explored."""
+"""The rooms whose code affects what is explored."""
 
 RENAMINGS = {"multiplicities": ("i", 1), "order_of": ("i", 1), "orders": ("i", 2), "twins": ("b", 2)}
 ARRAYS = {"offsets": ("i", 1), "letters": ("i", 1), "targets": ("i", 1), "accepting": ("b", 1), **RENAMINGS}
@@ -32,22 +31,22 @@ ARRAYS = {"offsets": ("i", 1), "letters": ("i", 1), "targets": ("i", 1), "accept
 
 
 @dataclass(frozen=True)
-class Shelf:
-    """The place in the cache for one level of a domain, in a folder."""
+class AutomatonSlot:
+    """The cached automaton of one level of a domain."""
 
     folder: Path
     key: str
 
     def read(self) -> Reach | None:
-        """Return what was kept, where it can be believed."""
+        """Return the cached automaton if it is valid, otherwise None."""
         entry = read_entry(self.folder, self.key, ARRAYS)
         try:
-            return _restored(entry) if entry else None
+            return _restore(entry) if entry and entry.texts["code"] == code_digest() else None
         except (KeyError, TypeError, ValueError, RuntimeError):  # clingo raises the latter where a text is no term
             return None
 
     def write(self, reach: Reach) -> bool:
-        """Keep what was explored, and return whether that was possible."""
+        """Write an automaton, and return whether that was possible."""
         base = reach.merged.base if reach.merged else reach.completions.automaton
         arrays: dict[str, NDArray[Any]] = {
             name: getattr(base, name) for name in ("offsets", "letters", "targets", "accepting")
@@ -57,35 +56,37 @@ class Shelf:
             arrays |= {name: getattr(reach.merged.renamings, name) for name in RENAMINGS}
             groups = reach.merged.groups
         texts = {
+            "code": code_digest(),
             "letters": reach.letters,
             "names": reach.names,
             "horizon": base.horizon,
             "groups": [[list(map(str, unit)) for unit in group] for group in groups],
         }
-        return write_entry(self.folder, self.key, Entry(texts, arrays))
+        return write_entry(self.folder, self.key, CacheEntry(texts, arrays))
 
 
 OF_TASKS = ("canonical_names", "joint_names", "closed_invariants")
-"""The rules by which tasks are told from plans."""
+"""The rules that select tasks among plans."""
 
 
-def shelf_for(folder: Path, model: DomainLogic, level: str, merge: bool | None) -> Shelf | None:
-    """Return the place for a level of a domain in the folder of the cache, or None where encodings cannot be read.
+def automaton_slot(folder: Path, model: DomainLogic, level: str, merge: bool | None) -> AutomatonSlot | None:
+    """Return the slot of a level of a domain in the cache folder, or None if the encodings cannot be read.
 
-    The key covers all that the arrays depend on: the program, what of it is never reached, the same without conditions
-    and of that of which it is a part, the rules of tasks, and the code that explores.
+    The key covers all that the arrays depend on but the code: the program, what of it is never reached, the same
+    without conditions and of that of which it is a part, and the rules of tasks. An entry has the digest of the code,
+    which is computed only where there is an entry.
     """
     domain = model.domain
     rules = [domain.encodings / "rules" / f"{name}.lp" for name in OF_TASKS] if level == "task" else []
     try:
-        told = [domain.program.text, *(path.read_text(encoding="utf-8") for path in rules), _code()]
+        values = [domain.program.text, *(path.read_text(encoding="utf-8") for path in rules)]
     except OSError:
         return None
-    told += map(str, domain.facts.unreached)
+    values += map(str, domain.facts.unreached)
     for other in (model.bare, *_wholes(model)):
-        told += [other.domain.program.text, *map(str, other.domain.facts.unreached)] if other else [""]
-    told += [level, str(merge), clingo.__version__, np.__version__, sys.version]
-    return Shelf(folder, blake2b(json.dumps(told).encode(), digest_size=20).hexdigest())
+        values += [other.domain.program.text, *map(str, other.domain.facts.unreached)] if other else [""]
+    values += [level, str(merge), clingo.__version__, np.__version__, sys.version]
+    return AutomatonSlot(folder, digest(values))
 
 
 def _wholes(model: DomainLogic) -> Iterator[DomainLogic]:
@@ -95,17 +96,13 @@ def _wholes(model: DomainLogic) -> Iterator[DomainLogic]:
 
 
 @cache
-def _code() -> str:
-    """Return what tells this version of the code from every other: what its files hold, not their size and date."""
-    digest = blake2b(digest_size=20)
-    for path in sorted([*PACKAGE.glob("*.py"), *(path for room in ROOMS for path in (PACKAGE / room).rglob("*.py"))]):
-        content = path.read_bytes()
-        digest.update(f"{path.relative_to(PACKAGE)}:{len(content)}:".encode())
-        digest.update(content)
-    return digest.hexdigest()
+def code_digest() -> str:
+    """Return a digest of the code that affects what is explored."""
+    paths = [*PACKAGE.glob("*.py"), *(path for room in ROOMS for path in (PACKAGE / room).rglob("*.py"))]
+    return files_digest(paths, PACKAGE)
 
 
-def _restored(entry: Entry) -> Reach | None:
+def _restore(entry: CacheEntry) -> Reach | None:
     """Return an entry as what was explored, or None where its parts do not fit together."""
     arrays, texts = entry.arrays, entry.texts
     merged = "twins" in arrays
@@ -116,12 +113,12 @@ def _restored(entry: Entry) -> Reach | None:
     automaton = Automaton(
         arrays["offsets"], arrays["letters"], arrays["targets"], arrays["accepting"], horizon=horizon
     )  # fmt: skip
-    if not _sound(automaton, len(letters)) or len(names) != len(letters):
+    if not _is_sound(automaton, len(letters)) or len(names) != len(letters):
         return None
     if not merged:
         return Reach(letters, names, Completions(automaton))
     from prag_asp.logic.symmetry.term_patterns import read_patterns
-    from prag_asp.space.automaton.merged_states import Merged
+    from prag_asp.space.automaton.merged_states import MergedAutomaton
 
     groups = tuple(tuple(tuple(map(clingo.parse_term, unit)) for unit in group) for group in texts["groups"])
     actions = read_patterns([clingo.parse_term(letter) for letter in letters], groups)
@@ -130,10 +127,10 @@ def _restored(entry: Entry) -> Reach | None:
     shapes = [array.shape for array in (renamings.multiplicities, renamings.order_of, renamings.twins)]
     if actions is None or shapes != [(edges,), (edges,), (automaton.states, entities)]:
         return None
-    return Reach.of_merged(letters, names, Merged(automaton, renamings, actions, groups))
+    return Reach.of_merged(letters, names, MergedAutomaton(automaton, renamings, actions, groups))
 
 
-def _sound(automaton: Automaton, letters: int) -> bool:
+def _is_sound(automaton: Automaton, letters: int) -> bool:
     """Return whether the arrays are those of an automaton."""
     offsets, edges = automaton.offsets, len(automaton.letters)
     return bool(

@@ -1,25 +1,22 @@
-"""The symbolic engine: diagrams over the states instead of a list of them, for more states than memory holds."""
+"""The symbolic engine: decision diagrams over the states, for more states than memory holds."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from fractions import Fraction
 from math import lcm, prod
 
 from prag_asp.errors import LimitReached
 from prag_asp.logic.domain_logic import DomainLogic
-from prag_asp.logic.step.transition import Transition
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.entity_names import action_name
-from prag_asp.space.automaton.automaton import NO_PATHS, Completions
-from prag_asp.space.automaton.beam import count_along
-from prag_asp.space.automaton.layers import LayeredWords, Layers
-from prag_asp.space.automaton.state_sets import SetWords
+from prag_asp.space.automaton.automaton import NO_PATHS
+from prag_asp.space.automaton.layers import LayeredWords, Layers, count_along
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.engines.engine import Engine, Letters, Level, Progress, name_in_prefix
-from prag_asp.space.engines.reachability import Allow, Explorer, Halt, Reach
-from prag_asp.space.limits import MOST_CLOSING, UNLIMITED, Budget, Limits, stopped_at
+from prag_asp.space.engines.reachability import Explorer
+from prag_asp.space.engines.set_explorer import SetExplorer
+from prag_asp.space.limits import UNLIMITED, Limits, limit_error
 from prag_asp.space.weights.weights import Weighed, Weights, edge_weights, refuse_weights, weighing_facts
 
 
@@ -42,7 +39,7 @@ class SymbolicEngine:
                 model, level, progress, limits, explorer=SetExplorer(model, level, progress)
             )  # fmt: skip
         else:
-            self._answers = _Paths(model, level, progress, limits)
+            self._answers = _PathEngine(model, level, progress, limits)
 
     @property
     def letters(self) -> Letters:
@@ -76,12 +73,12 @@ class SymbolicEngine:
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
         """Return the words of a length with their weights, and keep the last ones made.
 
-        With `goals` or `plain`, paths are asked for: then states are listed after all, within the same limits.
+        With `goals` or `plain`, each path is one word: then states are listed after all, within the same limits.
         """
         return self._answers.weighed(length, weights, goals=goals, plain=plain)
 
 
-class _Paths:
+class _PathEngine:
     """Answers for plans or tasks, each of which is one path of states."""
 
     def __init__(
@@ -108,17 +105,16 @@ class _Paths:
         try:
             return self._words(length, prefix).total
         except LimitReached as reached:
-            limit = str(reached).partition(" was reached")[0]
-            raise stopped_at(limit, self._found(length, prefix), self._level, length) from None
+            raise limit_error(reached.reason, self._lower_bound(length, prefix), self._level, length) from None
 
-    def _found(self, length: int, prefix: Letters) -> int:
+    def _lower_bound(self, length: int, prefix: Letters) -> int:
         """Return how many words there are at least, by what was found before a limit was reached."""
         if self._layers is None or len(prefix) > length:
             return 0
-        self._budget = closing(self._budget)
+        self._budget = self._budget.to_report()
         try:
             sets = [self._matching(text) for text in prefix]
-            return count_along(self._layers, length, sets, self._budget.spent)
+            return count_along(self._layers, length, sets, self._budget.reached_limit)
         except LimitReached:
             return 0
 
@@ -144,12 +140,12 @@ class _Paths:
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
         """Return the words of a length with their weights, and keep the last ones made.
 
-        With `goals` or `plain`, paths are asked for: then states are listed after all, within the same limits.
+        With `goals` or `plain`, each path is one word: then states are listed after all, within the same limits.
         """
         refuse_weights(self._level, weights, self._model, length)
         if goals or plain:
             if self._listed is None:
-                self._tell("listing states, for paths are asked for")
+                self._tell("listing states, because each path is one word")
                 self._listed = AutomatonEngine(self._model, self._level, self._tell, self._limits)
             return self._listed.weighed(length, weights, goals=goals, plain=plain)
         key = (length, weights)
@@ -184,71 +180,12 @@ class _Paths:
         self._budget, self._length = self._limits.begin(), length
 
     def _look(self) -> None:
-        stopped = self._budget.spent()
-        if stopped:
-            raise stopped_at(stopped, 0, self._level, self._length)
+        stop = self._budget.reached_limit()
+        if stop:
+            raise limit_error(stop, 0, self._level, self._length)
 
     def _matching(self, text: str) -> frozenset[int]:
         name = name_in_prefix(text, self._numbers)
         if name is None:
             return frozenset({self._numbers[text]})
         return frozenset(n for n, action in enumerate(self._transition.actions) if action_name(action) == name)
-
-
-@dataclass(frozen=True)
-class SetExplorer(Explorer):
-    """Finds the skeletons of a domain: from set to set of states, each a diagram (Rabin and Scott 1959)."""
-
-    def reach(
-        self,
-        transition: Transition,
-        length: int,
-        budget: Budget,
-        halt: Halt | None = None,
-        allow: Allow | None = None,
-    ) -> Reach:
-        """Return what is reached within `length` steps, or what was found until the budget was spent."""
-        actions = list(map(action_name, transition.actions))
-        letters = tuple(sorted(set(actions)))
-        names = [letters.index(name) for name in actions]
-        watch = _Watch(budget)
-        found = SetWords()
-        try:
-            layers = Layers(transition, watch.look, self.tell or (lambda words: None))
-            if layers.inhabited:
-                try:
-                    layers.extend(length)
-                except _Spent:
-                    watch.close()
-                found.follow(layers, names, length)
-        except _Spent:
-            watch.close()
-        return Reach(letters, letters, Completions(found.automaton), None, watch.stopped, sets=True)
-
-
-class _Spent(Exception):
-    """A limit is reached."""
-
-
-@dataclass
-class _Watch:
-    """Looks at the limits; `stopped` is the first one that was reached, in words."""
-
-    budget: Budget
-    stopped: str = ""
-
-    def look(self) -> None:
-        """Raise an error where the time is over."""
-        spent = self.budget.spent()
-        if spent:
-            self.stopped = self.stopped or spent
-            raise _Spent
-
-    def close(self) -> None:
-        """Go on for a little while, to tell what was found."""
-        self.budget = closing(self.budget)
-
-
-def closing(budget: Budget) -> Budget:
-    """Return the little time in which what was found is told once a limit is reached, be it one of memory alone."""
-    return Limits(seconds=MOST_CLOSING).begin() if budget.limits.seconds is None else budget.to_close()

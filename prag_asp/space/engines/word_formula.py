@@ -1,4 +1,4 @@
-"""The words of a level as a formula: which literals say that a word begins so, and which word a model is."""
+"""The words of a level as a formula: the literals of a prefix, and the word of a model."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from prag_asp.logic.formula.cnf import Cnf, plan_cnf
 from prag_asp.space.engines.engine import Letters, Level, all_letters, name_in_prefix
 
 SHOWN = {"plan": "occurs", "task": "occurs", "skeleton": "named"}
-"""The predicate whose atoms tell the words of a level apart."""
+"""The predicate whose atoms distinguish the words of a level."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ class WordFormula:
 
     @cached_property
     def _known(self) -> dict[tuple[int, str], Literal]:
-        """The literals that were asked for, by step and letter."""
+        """The literals that are known, by step and letter."""
         return {}
 
     def _literal(self, step: int, letter: str) -> Literal:

@@ -17,8 +17,8 @@ from prag_asp.logic.formula.clark_completion import complete
 from prag_asp.logic.formula.clause_builder import TRUE, ClauseBuilder
 from prag_asp.logic.formula.cnf import dimacs, plan_cnf
 from prag_asp.logic.formula.solver import Solver
-from prag_asp.logic.ground.ground_step import Rule
 from prag_asp.logic.ground.program import whole_program
+from prag_asp.logic.ground.rules import Rule
 from prag_asp.program.finite.components import components
 from tests.chance import examples
 from tests.domains import domain_of

@@ -47,7 +47,10 @@ def test_whatever_form_an_atom_of_the_step_before_has_it_is_carried_along(rules:
 )
 def test_a_rule_that_differs_between_steps_is_told_with_its_line(rule: str, told: str) -> None:
     domain = domain_of(TWO + "#program step(t).\n" + rule)
-    assert [told in obstacle and ".lp:" in obstacle for obstacle in DomainLogic(domain).reads.obstacles[:1]] == [True]
+    assert [
+        told in str(obstacle.error()) and ".lp:" in obstacle.place
+        for obstacle in DomainLogic(domain).reads.obstacles[:1]
+    ] == [True]
     with pytest.raises(EngineError):
         TaskSpace(domain, 2, engine="automaton").count("plan")
 

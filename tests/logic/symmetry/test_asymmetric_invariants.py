@@ -9,8 +9,8 @@ from itertools import combinations
 import pytest
 
 from prag_asp import TaskSpace
-from prag_asp.logic.ground.ground_step import Rule
 from prag_asp.logic.ground.program import closed_program
+from prag_asp.logic.ground.rules import Rule
 from prag_asp.logic.symmetry.asymmetric_invariants import states_unevenly
 from prag_asp.logic.symmetry.fact_propagation import propagate_facts
 from tests.chance import Chance

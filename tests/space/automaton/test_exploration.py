@@ -9,8 +9,9 @@ from prag_asp import load_domain
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step.packed import unpack
 from prag_asp.logic.step.transition import Transition
-from prag_asp.space.automaton import explore as exploring
-from prag_asp.space.automaton.exploration import Explored, Extent, explore
+from prag_asp.space.automaton import exploration as exploring
+from prag_asp.space.automaton.exploration import Exploration, Extent, explore
+from prag_asp.stop_reason import StopKind, StopReason
 from tests.chance import Chance
 from tests.domains import domain_of
 
@@ -78,12 +79,15 @@ def test_independent_lamps_have_as_many_states_and_edges_as_they_should() -> Non
     assert explored.automaton.horizon == 12
 
 
-def stopped_after(transition: Transition, states: int) -> tuple[Explored, list[Extent]]:
+ENOUGH = StopReason(StopKind.HALT)
+
+
+def stopped_after(transition: Transition, states: int) -> tuple[Exploration, list[Extent]]:
     told: list[Extent] = []
 
-    def watch(extent: Extent) -> str | None:
+    def watch(extent: Extent) -> StopReason | None:
         told.append(extent)
-        return "enough" if extent.states >= states else None
+        return ENOUGH if extent.states >= states else None
 
     return explore(transition, 12, watch), told
 
@@ -92,7 +96,7 @@ def test_an_exploration_that_is_stopped_has_only_words_that_there_are() -> None:
     transition = lamps(12)
     whole = explore(transition, 12).automaton
     part, told = stopped_after(transition, 500)
-    assert part.stopped == "enough" and 500 <= part.automaton.states < whole.states
+    assert part.stop == ENOUGH and 500 <= part.automaton.states < whole.states
     edges = len(part.automaton.letters)
     assert np.array_equal(part.automaton.letters, whole.letters[:edges])
     assert np.array_equal(part.automaton.targets, whole.targets[:edges])

@@ -19,7 +19,7 @@ from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step.packed import Rows
 from prag_asp.logic.step.relaxation import Relaxation
 from prag_asp.random_bits import SeededBits
-from prag_asp.space.automaton import explore as exploring
+from prag_asp.space.automaton import exploration as exploring
 from prag_asp.space.automaton.exploration import explore
 from prag_asp.space.engines import LEVELS, Draw, Level
 from prag_asp.space.engines.automaton_engine import AutomatonEngine

@@ -29,7 +29,7 @@ def test_rows_are_numbered_as_a_dictionary_numbers_them(batches: list[list[tuple
 
 
 def test_rows_that_all_hash_alike_are_told_apart(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(numbering, "_hashed", lambda rows: np.full(len(rows), 7, dtype=np.uint64))
+    monkeypatch.setattr(numbering, "_hash", lambda rows: np.full(len(rows), 7, dtype=np.uint64))
     numbered([[(i % 5, i) for i in range(30)], [(1, 1), (3, 3), (1, 2)], [(i % 2, i) for i in range(40)]])
 
 

@@ -17,13 +17,13 @@ from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.output.cache_files import cache_folder
 from prag_asp.space.engines import cache, stored_automata
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
-from prag_asp.space.engines.cache import Entry, read_entry, write_entry
+from prag_asp.space.engines.cache import CacheEntry, read_entry, write_entry
 from prag_asp.space.limits import Limits
 from tests.domains import domain_of
 from tests.logic.symmetry.test_unit_symmetry import SAUCERS
 
 KEY = "0123"
-ENTRY = Entry(
+ENTRY = CacheEntry(
     {"letters": ["a", "b"], "horizon": None},
     {"offsets": np.arange(3), "flags": np.array([[True, False]]), "none": np.zeros((0, 4), dtype=np.int32)},
 )
@@ -220,13 +220,13 @@ def test_arrays_that_do_not_make_an_automaton_are_not_believed(folder: Path) -> 
     key = files(folder)[0].stem
     entry = read_entry(folder, key, ENTRY.arrays)
     assert entry is not None
-    shelf = stored_automata.shelf_for(folder, DomainLogic(domain), "plan", None)
+    shelf = stored_automata.automaton_slot(folder, DomainLogic(domain), "plan", None)
     assert shelf is not None and shelf.key == key and shelf.read() is not None
     for name, array in entry.arrays.items():
         for wrong in (array[:-1], array.astype(np.int64) + 10**6, array.reshape(1, -1)):
-            write_entry(folder, key, Entry(entry.texts, {**entry.arrays, name: wrong}))
+            write_entry(folder, key, CacheEntry(entry.texts, {**entry.arrays, name: wrong}))
             assert shelf.read() is None, (name, wrong)
-    write_entry(folder, key, Entry({**entry.texts, "names": []}, entry.arrays))
+    write_entry(folder, key, CacheEntry({**entry.texts, "names": []}, entry.arrays))
     assert shelf.read() is None
-    write_entry(folder, key, Entry({}, entry.arrays))
+    write_entry(folder, key, CacheEntry({}, entry.arrays))
     assert shelf.read() is None

@@ -20,12 +20,12 @@ from prag_asp.logic.step import independent
 from prag_asp.logic.step.independent import independent_parts
 from prag_asp.program.entity_names import action_name
 from prag_asp.random_bits import SeededBits
-from prag_asp.space.automaton import explore as exploring
+from prag_asp.space.automaton import exploration as exploring
 from prag_asp.space.automaton.shuffle_product import ShuffledWords
 from prag_asp.space.engines import LEVELS, Level
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
-from prag_asp.space.engines.independent_components import shuffled
-from prag_asp.space.engines.reachability import Reach, Unfit
+from prag_asp.space.engines.independent_components import count_shuffles
+from prag_asp.space.engines.reachability import Reach, TooManyStates
 from prag_asp.space.sampling.draws import drawn_words, make_drawer
 from prag_asp.space.weights.weights import Weights, parse_weights
 from tests.brute_force import Action, Toy
@@ -288,7 +288,7 @@ def test_shuffles_are_counted_as_one_by_one(counts: list[list[int]]) -> None:
     expected = 0
     for owners in itertools.product(range(len(counts)), repeat=length):
         expected += prod(part[owners.count(number)] for number, part in enumerate(counts))
-    assert shuffled(counts) == (expected, "")
+    assert count_shuffles(counts) == (expected, None)
 
 
 def test_a_limit_leaves_words_out_and_says_so() -> None:
@@ -339,7 +339,7 @@ def test_parts_answer_where_the_whole_would_not_fit_into_memory(level: Level, mo
     monkeypatch.setattr("prag_asp.space.engines.reachability.PATIENCE", 0)
     engine = AutomatonEngine(DomainLogic(domain), level, hopeless=lambda extent, length: extent.depth > 3)
     if level == "skeleton":
-        with pytest.raises(Unfit):
+        with pytest.raises(TooManyStates):
             engine.count(7)
     else:
         assert engine.count(7) == counts

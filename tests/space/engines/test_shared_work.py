@@ -11,7 +11,7 @@ from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step.transition import Transition
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.sources import Program
-from prag_asp.space.automaton.exploration import Explored, explore
+from prag_asp.space.automaton.exploration import Exploration, explore
 from prag_asp.space.engines import clingo_engine, reachability
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.engines.clingo_engine import ClingoEngine
@@ -25,7 +25,7 @@ def explored(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """The lengths up to which states are explored."""
     lengths: list[int] = []
 
-    def counted(transition: Transition, length: int, *others: object, **more: object) -> Explored:
+    def counted(transition: Transition, length: int, *others: object, **more: object) -> Exploration:
         lengths.append(length)
         return explore(transition, length, *others, **more)  # type: ignore[arg-type]
 

@@ -17,7 +17,8 @@ from prag_asp.space.automaton.exploration import Extent
 from prag_asp.space.engines import LEVELS, Level
 from prag_asp.space.engines.auto_engine import Growth
 from prag_asp.space.engines.symbolic_engine import SymbolicEngine
-from prag_asp.space.limits import stopped_at
+from prag_asp.space.limits import limit_error
+from prag_asp.stop_reason import StopKind, StopReason
 from tests.brute_force import Toy, term
 from tests.chance import Chance, examples
 from tests.conditions import clauses, entities, satisfied
@@ -242,12 +243,14 @@ class Looks:
     def begin(self) -> Looks:
         return self
 
-    def spent(self) -> str | None:
+    def reached_limit(self) -> StopReason | None:
         self.left[0] -= 1
-        return None if self.left[0] >= 0 else "the time limit of 1 s"
+        return None if self.left[0] >= 0 else StopReason(StopKind.TIME, 1)
 
     def to_close(self) -> Looks:
         return Looks([10**9])  # more than are needed
+
+    to_report = to_close
 
 
 @pytest.mark.parametrize("by", LEVELS)
@@ -297,7 +300,7 @@ def test_auto_tells_how_many_were_found_where_diagrams_reach_a_limit(monkeypatch
     narrow(monkeypatch)
 
     def refuse(self: SymbolicEngine, length: int, prefix: tuple[str, ...] = ()) -> int:
-        raise stopped_at("the time limit of 9 s", 0, "plan", length)
+        raise limit_error(StopReason(StopKind.TIME, 9), 0, "plan", length)
 
     monkeypatch.setattr(SymbolicEngine, "count", refuse)
     text = CARRIED.format(things=5, places=8).replace("goal(at(thing(I),place(I+1)), true)", "seen(I)")

@@ -27,7 +27,7 @@ from prag_asp.space.sampling.samplers import ByWeight
 from prag_asp.space.weights.weights import Number, Weighed
 from tests.chance import Chance
 from tests.domains import domain_of
-from tests.space.drawing.test_sampling import expected_weight
+from tests.space.sampling.test_sampling import expected_weight
 from tests.spaces import with_engine
 
 DRAWS = 1_000_000

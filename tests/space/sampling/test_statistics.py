@@ -20,7 +20,7 @@ from prag_asp.space.weights.weights import Number
 from tests.brute_force import Toy, term
 from tests.chance import Chance, examples
 from tests.domains import domain_of
-from tests.space.drawing.test_sampling import KINDS, expected_weight, pairs, words_of_pairs
+from tests.space.sampling.test_sampling import KINDS, expected_weight, pairs, words_of_pairs
 from tests.spaces import with_engine
 from tests.strategies import toys
 

@@ -1,4 +1,4 @@
-"""The automaton of skeletons by sets of states, each a diagram (Rabin and Scott 1959): as far as it is known."""
+"""Skeletons by sets of states, each a diagram (Rabin and Scott 1959), as far as the limits allow."""
 
 from __future__ import annotations
 
@@ -8,8 +8,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from prag_asp.logic.diagram.diagrams import EMPTY, Node
-from prag_asp.space.automaton.automaton import NOTHING, Automaton
+from prag_asp.logic.step.transition import Transition
+from prag_asp.program.entity_names import action_name
+from prag_asp.space.automaton.automaton import NOTHING, Automaton, Completions
 from prag_asp.space.automaton.layers import Layers
+from prag_asp.space.engines.reachability import Allow, Explorer, Halt, Reach
+from prag_asp.space.limits import Budget
+from prag_asp.stop_reason import StopReason
 
 
 @dataclass
@@ -59,3 +64,57 @@ class SetWords:
         edges = np.array([edge for row in rows for edge in row], dtype=np.int64).reshape(-1, 2)
         return Automaton(offsets, edges[:, 0], edges[:, 1], np.array(self.accepting, dtype=np.bool_),
                          horizon=self.horizon)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class SetExplorer(Explorer):
+    """Finds the skeletons of a domain: from set to set of states, each a diagram (Rabin and Scott 1959)."""
+
+    def reach(
+        self,
+        transition: Transition,
+        length: int,
+        budget: Budget,
+        halt: Halt | None = None,
+        allow: Allow | None = None,
+    ) -> Reach:
+        """Return what is reached within `length` steps, or what was found until the budget was spent."""
+        actions = list(map(action_name, transition.actions))
+        letters = tuple(sorted(set(actions)))
+        names = [letters.index(name) for name in actions]
+        watch = _Watch(budget)
+        found = SetWords()
+        try:
+            layers = Layers(transition, watch.look, self.tell or (lambda words: None))
+            if layers.inhabited:
+                try:
+                    layers.extend(length)
+                except _Spent:
+                    watch.close()
+                found.follow(layers, names, length)
+        except _Spent:
+            watch.close()
+        return Reach(letters, letters, Completions(found.automaton), None, watch.stop, sets=True)
+
+
+class _Spent(Exception):
+    """A limit is reached."""
+
+
+@dataclass
+class _Watch:
+    """Checks the limits; `stop` is the first one that was reached."""
+
+    budget: Budget
+    stop: StopReason | None = None
+
+    def look(self) -> None:
+        """Raise an error at a limit."""
+        reason = self.budget.reached_limit()
+        if reason:
+            self.stop = self.stop or reason
+            raise _Spent
+
+    def close(self) -> None:
+        """Go on for a little while, to tell what was found."""
+        self.budget = self.budget.to_report()

@@ -1,0 +1,119 @@
+"""Ground rules, and the observer that records what clingo grounds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import Enum
+from typing import NamedTuple
+
+import clingo
+
+BASE = "base"
+"""The name of the program part that is ground first."""
+
+Condition = tuple[int, ...]
+"""Literals that have to be true together."""
+
+
+class Unsupported(Enum):
+    """Statements that no rule expresses."""
+
+    MINIMIZE = "the program minimizes a sum"
+    ACYCLIC = "the program has a graph that must stay acyclic"
+    THEORY = "the program uses a theory"
+
+
+class Rule(NamedTuple):
+    """A ground rule: some head follows where the weights of the true literals of the body reach `bound`.
+
+    Literals are atoms, negative where negated. Without `weights`, all literals of the body have to be true.
+    """
+
+    heads: tuple[int, ...]
+    body: tuple[int, ...]
+    choice: bool = False
+    bound: int = 0
+    weights: tuple[int, ...] = ()
+
+    @property
+    def is_disjunctive(self) -> bool:
+        """Whether one of several heads follows, whichever."""
+        return len(self.heads) > 1 and not self.choice
+
+    @property
+    def disjunctive(self) -> bool:
+        """Whether the rule has a disjunction as its head."""
+        return len(self.heads) > 1 and not self.choice
+
+
+class GroundRecorder(clingo.Observer):
+    """Records the ground statements of a control; its methods are called by clingo.
+
+    `rules` are those of each program part; the caller sets the `part` before it is ground. Without `base_facts`, facts
+    of the base part are not recorded. `shown` are the conditions under which a symbol is shown, `projected` the atoms
+    of ``#project``, None where there is no such statement. `externals` have the last value stated of each.
+    """
+
+    def __init__(self, *, base_facts: bool = True) -> None:
+        self.part = BASE
+        self.rules: dict[str, list[Rule]] = {}
+        self.shown: dict[clingo.Symbol, list[Condition]] = {}
+        self.projected: set[int] | None = None
+        self.externals: dict[int, clingo.TruthValue] = {}
+        self.unsupported: dict[Unsupported, None] = {}
+        self._base_facts = base_facts
+
+    @property
+    def all_rules(self) -> list[Rule]:
+        """The rules of all parts."""
+        return [rule for rules in self.rules.values() for rule in rules]
+
+    def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
+        """Record a rule."""
+        if self._base_facts or body or choice or len(head) != 1 or self.part != BASE:
+            self._add(head, tuple(body), choice)
+
+    def weight_rule(self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[tuple[int, int]]) -> None:
+        """Record a rule whose body is a sum, unless the sum cannot reach its bound."""
+        if lower_bound <= 0:
+            self._add(head, (), choice)
+        elif body:
+            literals, weights = zip(*body, strict=True)
+            self._add(head, literals, choice, lower_bound, weights)
+
+    def output_atom(self, symbol: clingo.Symbol, atom: int) -> None:
+        """Record a shown atom; a fact has the number 0."""
+        self.shown.setdefault(symbol, []).append((atom,) if atom else ())
+
+    def output_term(self, symbol: clingo.Symbol, condition: Sequence[int]) -> None:
+        """Record a shown term."""
+        self.shown.setdefault(symbol, []).append(tuple(condition))
+
+    def project(self, atoms: Sequence[int]) -> None:
+        """Record projection variables."""
+        self.projected = (self.projected or set()) | {atom for atom in atoms if atom}
+
+    def external(self, atom: int, value: clingo.TruthValue) -> None:
+        """Record the value of an external atom."""
+        self.externals[atom] = value
+
+    def minimize(self, *_: object) -> None:
+        """Record that there is a sum to minimize."""
+        self.unsupported[Unsupported.MINIMIZE] = None
+
+    def acyc_edge(self, *_: object) -> None:
+        """Record that there is a graph that must stay acyclic."""
+        self.unsupported[Unsupported.ACYCLIC] = None
+
+    def theory_atom(self, *_: object) -> None:
+        """Record that there is a theory."""
+        self.unsupported[Unsupported.THEORY] = None
+
+    def theory_atom_with_guard(self, *_: object) -> None:
+        """Record the same."""
+        self.unsupported[Unsupported.THEORY] = None
+
+    def _add(self, head: Sequence[int], body: Condition, choice: bool, bound: int = 0, weights: Condition = ()) -> None:
+        """Add a rule; a disjunction may name an atom twice."""
+        heads = tuple(head) if len(head) < 2 else tuple(dict.fromkeys(head))
+        self.rules.setdefault(self.part, []).append(Rule(heads, body, choice, bound, weights))

@@ -1,0 +1,37 @@
+"""Why work stopped early, as a value. Code compares the values; prose is made where a message is printed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+
+
+class StopKind(Enum):
+    """The kinds of reasons: the first three end a question, an engine answers the others with another method."""
+
+    TIME = "the time limit"
+    MEMORY = "the memory limit"
+    CRASH = "the end of a child process"
+    SIZE = "more edges than are explored without merging states"
+    HALT = "a criterion of the caller"
+    FORECAST = "a forecast that exceeds the memory"
+
+
+@dataclass(frozen=True)
+class StopReason:
+    """A kind, and the value of the limit: seconds of a time limit, bytes of a memory limit, otherwise None."""
+
+    kind: StopKind
+    limit: float | None = None
+
+    def prose(self) -> str:
+        """Return the reason as messages name it."""
+        if self.limit is None:
+            return self.kind.value
+        size = f"{self.limit:g} s" if self.kind == StopKind.TIME else f"{self.limit / 10**6:,.0f} MB"
+        return f"{self.kind.value} of {size}"
+
+
+LimitCheck = Callable[[], "StopReason | None"]
+"""Returns which limit is reached, or None."""
