@@ -83,7 +83,7 @@ def _timed(run: Callable[[], object], count: int) -> float:
 def _demonstrated(name: str, scene: Scene, seed: int) -> Demonstration:
     """Return the recording of the first task that is demonstrated."""
     with open_validator(scene) as validator:
-        for index, task in enumerate(TaskSpace(load_domain(name), 3).draw(seed=seed)):
+        for index, task in enumerate(TaskSpace(load_domain(name), 3).stream(seed=seed)):
             verdict = validator.validate(task, seed=seed, index=index, budget=Budget(tier="demonstration"))
             if verdict.demonstration is not None:
                 return verdict.demonstration

@@ -14,8 +14,8 @@ from rich.table import Table
 
 from prag_asp import TaskSpace, load_domain
 from prag_asp.rl import Adaptive, Bandit, Novelty
-from prag_asp.rl.curriculum.course import Attempt, Course, Episode
 from prag_asp.rl.curriculum.task_pool import Pool
+from prag_asp.rl.curriculum.task_sampler import Attempt, Course, Episode
 
 SPACES = {"prag": 15, "tabletop": 5}
 COUNT, TIMES = 100, 3
@@ -49,7 +49,7 @@ def figures(space: TaskSpace) -> Iterator[str]:
 
     def drawn(number: int) -> None:
         weights = {each: f"{number + place + 2}/3" for place, each in enumerate(names)}
-        list(islice(space.draw(seed=1, weights={**weights, f"{names[0]}>{names[1]}": 3}), COUNT))
+        list(islice(space.stream(seed=1, weights={**weights, f"{names[0]}>{names[1]}": 3}), COUNT))
 
     yield f"{smallest(drawn):.2f}"
     yield f"{smallest(lambda _: drawn(TIMES - 1)):.2f}"
@@ -67,7 +67,7 @@ def main() -> None:
         table.add_column(column)
     for name, length in SPACES.items():
         space = TaskSpace(load_domain(name), length)
-        next(space.draw(seed=0))
+        next(space.stream(seed=0))
         table.add_row(f"{name}, n = {length}", *figures(space))
     Console(width=120).print(table)
 

@@ -67,20 +67,20 @@ def chi_square(words: Iterator[tuple[str, ...]], draws: int) -> float:
 def main() -> None:
     """Print the rates at one length and the chi-square at a short one, for each way to draw."""
     space, short = TaskSpace(DOMAIN, LENGTH), TaskSpace(DOMAIN, SHORT)
-    tasks = space.draw(seed=0, weights={})
+    tasks = space.stream(seed=0, weights={})
     found = clingo_draws(LENGTH)
-    letters = short.letters()
-    rows = short.draw_array(CHECKED, seed=2, weights={}).tolist()
+    letters = short.action_texts()
+    rows = short.sampling(weights={}).array(CHECKED, seed=2).tolist()
     arrays = (tuple(letters[letter] for letter in row) for row in rows)
-    lines = (tuple(map(str, task.actions)) for task in short.draw(seed=3, weights={}))
+    lines = (tuple(map(str, task.actions)) for task in short.stream(seed=3, weights={}))
     weighed = {"grasp": 2, "grasp>move": "1/3", "object": "1/2"}
     ways: list[tuple[str, float, float | None]] = [
-        ("array", rate(lambda n: space.draw_array(n, seed=0, weights={}), 1_000_000), chi_square(arrays, CHECKED)),
-        ("array, weighed", rate(lambda n: space.draw_array(n, seed=0, weights=weighed), 1_000_000), None),
+        ("array", rate(lambda n: space.sampling(weights={}).array(n, seed=0), 1_000_000), chi_square(arrays, CHECKED)),
+        ("array, weighed", rate(lambda n: space.sampling(weights=weighed).array(n, seed=0), 1_000_000), None),
         ("Task objects", rate(lambda n: list(islice(tasks, n)), 50_000), chi_square(lines, CHECKED)),
         ("JSON lines", rate(lambda n: [write_line(Record(task)) for task in islice(tasks, n)], 20_000), None),
-        ("over skeletons", rate(lambda n: space.draw_array(n, seed=0, weights={}, over="skeletons"), 10_000), None),
-        ("over goals", rate(lambda n: space.draw_array(n, seed=0, weights={}, over="goals"), 200_000), None),
+        ("over skeletons", rate(lambda n: space.sampling(weights={}, over="skeletons").array(n, seed=0), 10_000), None),
+        ("over goals", rate(lambda n: space.sampling(weights={}, over="goals").array(n, seed=0), 200_000), None),
         ("clingo, random", rate(lambda n: list(islice(found, n)), 300), chi_square(clingo_draws(SHORT), BY_CLINGO)),
     ]
     table = Table("way to draw", f"tasks/s at length {LENGTH}", f"chi2/df at length {SHORT}")

@@ -20,20 +20,20 @@ from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
 
-from prag_asp import Dataset, TaskSpaces, load_domain
+from prag_asp import Dataset, TaskSpace, load_domain
 from prag_asp.dataset import generate
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.physics import validate_tasks
-from prag_asp.space.without_replacement import Division, ordered_parts, tell
+from prag_asp.space.without_replacement import Division, ordered_parts, with_tasks
 
 LENGTHS = range(3, 7)
 MEASURE = """
 import json, resource, sys, time
-from prag_asp import TaskSpaces, load_domain
+from prag_asp import TaskSpace, load_domain
 from prag_asp.dataset import generate
 folder, tasks = sys.argv[1], int(sys.argv[2])
 begun = time.perf_counter()
-generate(TaskSpaces(load_domain("tabletop"), range(3, 7)), folder, tasks=tasks, physics=False)
+generate(TaskSpace(load_domain("tabletop"), range(3, 7)), folder, tasks=tasks, physics=False)
 print(json.dumps([time.perf_counter() - begun, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1000]))
 """
 
@@ -71,11 +71,11 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--large", type=int, default=100_000)
     given = parser.parse_args()
-    spaces = TaskSpaces(load_domain("tabletop"), LENGTHS)
-    (part,) = ordered_parts(spaces, Division.parse(None), seed=0).values()
+    spaces = TaskSpace(load_domain("tabletop"), LENGTHS)
+    (part,) = ordered_parts(spaces, Division.parse(None), seed=0, weights=spaces.weights()).values()
 
     def validated(draws: int) -> None:
-        drawn = (task for _, task in islice(tell(spaces, part.draws()), draws))
+        drawn = (task for _, task in islice(with_tasks(spaces, part.draws()), draws))
         for _ in validate_tasks(drawn, scene_of(spaces.domain), seed=0, workers=given.workers):
             pass
 

@@ -21,8 +21,8 @@ from rich.table import Table
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from prag_asp import Domain, PragError, Task, TaskSpace, load_domain, shipped_domains
-from prag_asp.dataset import Instructions, Teller, teller_of
-from prag_asp.dataset.language import start_of
+from prag_asp.dataset import Instructions, InstructionWriter, instruction_writer_of
+from prag_asp.dataset.language import context_of
 from prag_asp.grammar.reader import languages
 
 ROOT = Path(__file__).parents[1]
@@ -40,7 +40,7 @@ def main() -> None:
     wrong = list[str]()
     for domain, language in spoken:
         tasks = list(_drawn(domain, -(-options.count // len(spoken)), options.seed))
-        writer, reader = teller_of(domain, language), teller_of(domain, language)
+        writer, reader = instruction_writer_of(domain, language), instruction_writer_of(domain, language)
         begin = time.perf_counter()
         told = [writer.instructions(task, seed=options.seed) for task in tasks]
         middle = time.perf_counter()
@@ -70,7 +70,7 @@ def _drawn(domain: Domain, number: int, seed: int) -> Iterator[Task]:
         yield from TaskSpace(domain, length).sample(share, seed=seed, weights={})
 
 
-def _faults(reader: Teller, task: Task, told: Instructions) -> Iterator[str]:
+def _faults(reader: InstructionWriter, task: Task, told: Instructions) -> Iterator[str]:
     """Yield what is not read back."""
     for level, text in {"vague": told.vague, "default": told.default, "exact": told.exact}.items():
         try:
@@ -83,7 +83,7 @@ def _faults(reader: Teller, task: Task, told: Instructions) -> Iterator[str]:
             yield f"{task}: {level}: {text} read as {reading}"
     for number, (action, text) in enumerate(zip(task.actions, told.subgoals, strict=True)):
         try:
-            read = reader.read(start_of(task, number), text).actions
+            read = reader.read(context_of(task, number), text).actions
         except PragError as error:
             yield f"{task}: subgoal {number + 1}: {text} {error}"
             continue

@@ -38,7 +38,7 @@ def main() -> None:
     options = _options()
     domain = load_domain(options.domain)
     spaces = [TaskSpace(domain, length) for length in options.lengths]
-    tasks = _mixed([space.draw(seed=options.seed, weights={}) for space in spaces])
+    tasks = _mixed([space.stream(seed=options.seed, weights={}) for space in spaces])
     budget = Budget(options.restarts, options.samples, options.tier)
     curve = []
     steps = range(options.every, options.count + 1, options.every)

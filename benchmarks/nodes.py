@@ -19,7 +19,7 @@ from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
 
-from prag_asp import TaskSpaces, load_domain
+from prag_asp import TaskSpace, load_domain
 from prag_asp.dataset import generate
 
 NODES = """
@@ -69,7 +69,7 @@ def measured(nodes: int, tasks: int) -> tuple[float, float]:
 
     What two data sets take that differ in `tasks` alone is subtracted: each run connects and draws pictures.
     """
-    spaces = TaskSpaces(load_domain("tabletop"), range(3, 7))
+    spaces = TaskSpace(load_domain("tabletop"), range(3, 7))
     with TemporaryDirectory() as made, cluster(nodes):
         took = []
         for name, wanted in (("warm", WARM), ("few", WARM), ("many", WARM + tasks)):

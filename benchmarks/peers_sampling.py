@@ -31,7 +31,7 @@ def plan_formula(domain: Domain, length: int) -> Cnf:
 
 def automaton(domain: Domain, length: int) -> Draws:
     """Draw with our engine."""
-    for draw in TaskSpace(domain, length, engine="automaton").draw_words(seed=0, weights={}, by="plan"):
+    for draw in TaskSpace(domain, length, engine="automaton").sampling(weights={}, by="plan").draws(seed=0):
         yield draw.word
 
 

@@ -11,7 +11,7 @@ from prag_asp import Task
 from prag_asp.atom import Atom
 from prag_asp.physics.predicates import PREDICATES, Volume
 from prag_asp.physics.search.attempt import Failure, Search
-from prag_asp.physics.search.initial_state import draw_start
+from prag_asp.physics.search.initial_state import sample_initial_state
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import Fact, PhysicalTask, physical_task
 from prag_asp.physics.world.collisions import colliding
@@ -98,7 +98,7 @@ def right(search: Search, situation: Situation, facts: Sequence[Fact]) -> bool:
         BOX[0] <= pose.position[0] <= BOX[1] and BOX[2] <= pose.position[1] <= BOX[3]
         for pose in situation.poses.values()
     )
-    if not inside or not all(fact.satisfied(situation) for fact in facts):
+    if not inside or not all(fact.is_satisfied(situation) for fact in facts):
         return False
     return colliding(search.simulator, situation, search.objects, search.objects) is None
 
@@ -138,7 +138,7 @@ def by_placement(search: Search, wanted: PhysicalTask, tries: int) -> Situation 
     """Draw the scene as validation draws the first state of a task."""
     for _ in range(tries):
         try:
-            return draw_start(search, wanted).situation
+            return sample_initial_state(search, wanted).situation
         except Failure:
             continue
     return None

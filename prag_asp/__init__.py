@@ -44,7 +44,6 @@ if TYPE_CHECKING:
     from prag_asp.space.explanation import explain
     from prag_asp.space.limits import Limits
     from prag_asp.space.task_space import TaskSpace
-    from prag_asp.space.task_spaces import TaskSpaces
     from prag_asp.task import Task
 
 __all__ = [
@@ -67,7 +66,6 @@ __all__ = [
     "SceneError",
     "Task",
     "TaskSpace",
-    "TaskSpaces",
     "__version__",
     "answer_sets",
     "bounded",
@@ -101,7 +99,6 @@ _HOMES = {
     "prag_asp.space.limits": ("Limits",),
     "prag_asp.task": ("Task",),
     "prag_asp.space.task_space": ("TaskSpace",),
-    "prag_asp.space.task_spaces": ("TaskSpaces",),
     "prag_asp.versions": ("__version__",),
 }  # fmt: skip
 

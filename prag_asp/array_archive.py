@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 SUFFIX = ".npy"
 LONGEST_HEADER = 10_000
 KINDS = frozenset("biufU")
-"""What numbers and texts of NumPy are of: no objects, which are pickles, and nothing with fields."""
+"""The kinds of NumPy's numbers and texts: no objects, which are pickles, and no structured types."""
 
 
 class BadArchive(Exception):
-    """An archive holds something else than it has to."""
+    """An archive has other content than expected."""
 
 
 def read_arrays(file: BinaryIO, names: Collection[str], at_most: int) -> dict[str, NDArray[Any]]:

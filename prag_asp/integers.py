@@ -1,4 +1,4 @@
-"""The whole numbers that a logic program can hold: clingo's have 32 bits, and wrap around without a word."""
+"""The integers of a logic program: those of clingo have 32 bits, and overflow silently."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Random bits by their place: the same for a seed on every machine, in whatever portions they are asked for.
+"""Random bits by their place: the same for a seed on every machine, in requests of any size.
 
 The generator is Philox4x64-10 (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011): a published
 function from a key and a counter to four 64-bit words. Draw i owns its own counters, so it needs no draw before it. Raw

@@ -23,7 +23,7 @@ LONGEST_LINE = 16_000_000
 """Characters of a line of a file that is read line by line."""
 
 STANDARD_INPUT = "-"
-"""What stands for standard input in place of a file."""
+"""The name that stands for standard input in place of a file."""
 
 OPEN_ALREADY = ("/proc/", "/dev/fd/")
 """Where what a shell has opened for us lies: ``/dev/stdin``, and ``<(command)``."""
@@ -34,7 +34,7 @@ class Refused(OSError):
 
 
 def is_inside(path: str | Path, folder: str | Path) -> bool:
-    """Tell whether a path leads into a folder, or to it, once all links are followed.
+    """Return whether a path leads into a folder, or to it, once all links are followed.
 
     One with a null character leads nowhere.
     """

@@ -1,4 +1,4 @@
-"""What a child does in the tests of children."""
+"""The module that workers run in their tests."""
 
 from __future__ import annotations
 

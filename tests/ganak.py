@@ -13,7 +13,7 @@ import pytest
 from prag_asp.logic.formula.clause_builder import Literal
 from prag_asp.logic.formula.cnf import Cnf
 from prag_asp.logic.formula.counter import GANAK
-from prag_asp.processes.workers import Children
+from prag_asp.processes.workers import WorkerGroup
 
 CountModels = Callable[..., int]
 
@@ -21,7 +21,7 @@ CountModels = Callable[..., int]
 @contextmanager
 def one_process() -> Iterator[CountModels]:
     """Yield a function that counts models as that of the library does, by one process for all questions."""
-    with Children(GANAK.module) as children:
+    with WorkerGroup(GANAK.module) as children:
         ganak = children.start()
 
         def count_models(cnf: Cnf, assumptions: Sequence[Literal] = (), seconds: float | None = None) -> int:

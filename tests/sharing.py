@@ -19,15 +19,15 @@ from prag_asp.lint.stages import Checked
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.program.paths import data_folder
 from prag_asp.program.sources import Program, Source
-from prag_asp.space import word_space
-from prag_asp.space.engine_registry import Shared
+from prag_asp.space import task_space
+from prag_asp.space.domain_engines import DomainEngines
 from prag_asp.space.engines.engine import Progress
 from prag_asp.space.limits import UNLIMITED, Limits
 
 KEPT = 8
 """How many domains are kept: a data set has one, a file of tests few."""
 
-_shared: deque[Shared] = deque(maxlen=KEPT)
+_shared: deque[DomainEngines] = deque(maxlen=KEPT)
 _checked = lru_cache(maxsize=KEPT)(check)
 
 
@@ -39,7 +39,7 @@ def logic_shared() -> Iterator[None]:
     ever.
     """
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(word_space, "Shared", _known)
+        patch.setattr(task_space, "DomainEngines", _known)
         patch.setattr(load, "check", _check)
         yield
 
@@ -54,16 +54,16 @@ def small_pictures() -> Iterator[None]:
 
 def _known(
     model: DomainLogic, engine: str, progress: Progress | None, limits: Limits, fewest_actions: int = 0
-) -> Shared:
+) -> DomainEngines:
     """Return what a space shares with others: all that there is, or the logic alone."""
     if model.domain.reduction is not None or model.domain.irreducible:
-        return Shared(model, engine, progress, limits, fewest_actions)
+        return DomainEngines(model, engine, progress, limits, fewest_actions)
     like = [each for each in _shared if _alike(each.model, model)]
     asked = engine, progress, limits, fewest_actions
     for each in like:
-        if asked == (each.engine, None, UNLIMITED, each.fewest_actions):
+        if asked == (each.name, None, UNLIMITED, each.fewest_actions):
             return each
-    made = Shared(like[0].model if like else model, *asked)
+    made = DomainEngines(like[0].model if like else model, *asked)
     if progress is None and limits is UNLIMITED:
         _shared.append(made)
     return made

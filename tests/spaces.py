@@ -5,14 +5,14 @@ from __future__ import annotations
 from copy import copy
 
 from prag_asp import Domain, TaskSpace
-from prag_asp.space.engine_registry import Shared
+from prag_asp.space.domain_engines import DomainEngines
 from prag_asp.space.limits import UNLIMITED
 
 
 def with_engine(space: TaskSpace, engine: str) -> TaskSpace:
     """Return a space with a new engine, which shares nothing with that of the other but the logic of the domain."""
     other = copy(space)
-    other._shared = Shared(space._shared.model, engine, None, UNLIMITED)
+    other.engines = DomainEngines(space.engines.model, engine, None, UNLIMITED)
     return other
 
 

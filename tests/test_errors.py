@@ -16,10 +16,10 @@ def test_what_a_terminal_would_obey_is_spelled_as_in_python() -> None:
 
 
 def test_a_long_message_keeps_where_it_is_and_what_to_do() -> None:
-    text = f"domain.toml:7: unknown key {'x' * 5000}; did you mean title?"
+    text = f"domain.toml:7: {'x' * 5000}: unknown key; did you mean title?"
     line = one_line(text)
     assert len(line) == LONGEST
-    assert line.startswith("domain.toml:7: unknown key x") and line.endswith("x; did you mean title?")
+    assert line.startswith("domain.toml:7: x") and line.endswith("x: unknown key; did you mean title?")
     assert one_line("y" * LONGEST) == "y" * LONGEST
 
 

@@ -7,7 +7,6 @@ import pickle
 import pytest
 
 from prag_asp import EngineError, LimitReached, TaskSpace, load_domain
-from prag_asp.fields import FieldError, read
 from prag_asp.space.limits import Limits, limit_error
 from prag_asp.stop_reason import StopKind, StopReason
 
@@ -43,7 +42,3 @@ def test_errors_keep_their_fields_from_process_to_process() -> None:
     assert (limit.at_least, limit.reason) == (3, StopReason(StopKind.MEMORY, 10))
     engine = pickle.loads(pickle.dumps(EngineError("no", place="d.lp:2", remedy="go")))
     assert (str(engine), engine.what, engine.place, engine.remedy) == ("d.lp:2: no; go", "no", "d.lp:2", "go")
-    with pytest.raises(FieldError) as wrong:
-        read({"a": 1}, dict[str, str], "top")
-    field = pickle.loads(pickle.dumps(wrong.value))
-    assert (field.trail, str(field)) == (wrong.value.trail, str(wrong.value)) and field.trail == ("a",)

@@ -27,7 +27,7 @@ from rich.table import Table
 from stable_baselines3 import SAC
 from starts import HELD_OUT, TRAINING, moved, shown, witnessed
 
-from prag_asp.rl import Layout, Oracle, Rate, TaskEnv, run
+from prag_asp.rl import Layout, OraclePolicy, Rate, TaskEnv, run
 from prag_asp.rl.skill_chains import Policy
 
 DOMAIN, LEARNED = "prag", ("approach", "grasp")
@@ -64,7 +64,7 @@ def main() -> None:
         console.print(f"{kind}, seed {seed}, {seconds:.0f} s\n{runs.table()}\n", highlight=False)
         rows += [
             {"policy": kind, "seed": seed, "task": str(each.task), "reached": each.reached, "steps": list(each.steps)}
-            for each in runs.runs
+            for each in runs.rollouts
         ]
     env.close()
     options.output.mkdir(parents=True, exist_ok=True)
@@ -75,7 +75,7 @@ def main() -> None:
 
 def _policies(env: TaskEnv, options: argparse.Namespace) -> Iterator[tuple[str, int, Policies]]:
     """Yield each kind of policies, its seed, and the policies."""
-    expert = Oracle(env)
+    expert = OraclePolicy(env)
     yield "oracle", 0, expert
     rest = {skill.partition("(")[0]: expert for skill in env.layout.skills}
     for seed in range(options.seeds if options.learned is not None else 0):

@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.table import Table
 from starts import DOMAINS, HELD_OUT, Start, starts, witnessed
 
-from prag_asp.rl import Oracle, Rate, Runs, TaskEnv, run
+from prag_asp.rl import OraclePolicy, Rate, Rollouts, TaskEnv, run
 
 AIMS = {"approach": 95, "grasp": 95, "pick": 85, "place": 85, "tabletop, 4 actions": 60, "prag, 4 actions": 60}
 """What it should reach, in percent."""
@@ -52,20 +52,20 @@ def subgoals(given: Sequence[Start], *, tries: int) -> Rate:
     ended = []
     for start in given:
         env = TaskEnv(task=start.task, witness=start.witness, stage=start.stage, until="subgoal", reward="sparse")
-        runs = run(env, Oracle(env), 1, tries=tries, patience=PATIENCE)
+        runs = run(env, OraclePolicy(env), 1, tries=tries, patience=PATIENCE)
         env.close()
         ended.append(runs.whole().successes)
     return Rate(sum(ended), len(ended))
 
 
-def whole(domain: str, count: int, *, seed: int, tries: int) -> Runs:
+def whole(domain: str, count: int, *, seed: int, tries: int) -> Rollouts:
     """Return what became of whole tasks of four actions."""
     drawn = witnessed(domain, 4, seed=seed)
     given = [next(drawn) for _ in range(count)]
     drawn.close()
     env = TaskEnv(task=given[0][0], witness=given[0][1], reward="sparse")
     try:
-        return run(env, Oracle(env), given, tries=tries, patience=PATIENCE)
+        return run(env, OraclePolicy(env), given, tries=tries, patience=PATIENCE)
     finally:
         env.close()
 

@@ -104,7 +104,7 @@ def _curve(
         before = time.process_time()
         model.learn(options.every, reset_num_timesteps=step == options.every)
         seconds += time.process_time() - before
-        runs = run(test.env, policies, [(start.task, start.witness) for start in others], patience=AT_MOST).runs
+        runs = run(test.env, policies, [(start.task, start.witness) for start in others], patience=AT_MOST).rollouts
         came = [sum(each.reached > stage for each in runs) for stage in range(len(SKILLS))]
         rate = Rate(came[list(models).index(skill)], len(runs))
         console.print(f"{skill}, learned from {whence}, seed {seed}, {step} steps, {seconds:.0f} s: {rate} from home")

@@ -69,7 +69,7 @@ def stood(domain: str, count: int, *, length: int, seed: int) -> tuple[Rate, Rat
             env.reset(options={"task": task, "witness": witness, "stage": stage})
             for _ in range(SECOND):
                 env.step(still)
-            held = [fact.satisfied(env.situation) for fact in states[stage]]
+            held = [fact.is_satisfied(env.situation) for fact in states[stage]]
             facts += held
             stages.append(all(held))
             lost = [fact.sentence() for fact, holds in zip(states[stage], held, strict=True) if not holds]

@@ -45,7 +45,7 @@ def witnessed(
     """Yield feasible tasks with their witnesses, drawn uniformly, or by weights of actions, without end."""
     loaded = load_domain(domain)
     with open_validator(scene_of(loaded)) as validator:
-        for index, task in enumerate(TaskSpace(loaded, length).draw(seed=seed, weights=weights or {})):
+        for index, task in enumerate(TaskSpace(loaded, length).stream(seed=seed, weights=weights or {})):
             witness = validator.validate(task, seed=seed, index=index).witness
             if witness is not None:
                 yield task, witness

@@ -20,7 +20,7 @@ from PIL import Image, ImageDraw, ImageFont, ImageOps
 from pyarrow.parquet import read_table
 
 from prag_asp import TaskSpace, load_domain, load_scene
-from prag_asp.dataset import feasible, teller_of
+from prag_asp.dataset import feasible, instruction_writer_of
 from prag_asp.physics import Demonstration, Picture, Staging, film_strip, validate_task
 from prag_asp.scene.colours import more_colours
 
@@ -70,10 +70,10 @@ def draw(strip: Strip) -> Image.Image:
     domain = load_domain(path if path.is_dir() else strip.domain, trust=True)
     scene = load_scene(domain)
     space = TaskSpace(domain, strip.length).where(*strip.where)
-    drawn = space.draw(seed=strip.seed, weights=strip.weights)
+    drawn = space.stream(seed=strip.seed, weights=strip.weights)
     checked = ((task, validate_task(task, scene, seed=strip.seed).witness) for task in drawn)
     task, witness = next((task, witness) for task, witness in checked if witness is not None)
-    told = teller_of(domain).captions(task)
+    told = instruction_writer_of(domain).captions(task)
     picture = film_strip(task, witness, scene, size=strip.frame, columns=strip.columns, told=told)
     if not strip.start:
         subgoals = picture.crop((picture.width // (strip.length + 1), 0, picture.width, picture.height))

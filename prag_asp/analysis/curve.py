@@ -73,7 +73,7 @@ def counts_by_length(space: TaskSpace) -> Curve:
     if space.length < 1:
         raise QueryError("a curve needs lengths from 1 on; give a larger length")
     lengths = range(1, space.length + 1)
-    names = len(space.letters("skeleton"))
+    names = len(space.action_texts("skeleton"))
     counted = [
         Series(f"{level}s", tuple(space.at(length).count(level) for length in lengths))
         for level in ("plan", "task", "skeleton")

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from prag_asp.program.sources import Source
     from prag_asp.space.limits import Limits
     from prag_asp.space.task_space import TaskSpace
-    from prag_asp.space.task_spaces import TaskSpaces
 
 
 @dataclass(frozen=True)
@@ -89,21 +88,18 @@ class Asked:
 
     def space(self, tell: Callable[[str], None] | None = None, domain: Domain | None = None) -> TaskSpace:
         """Return the task space of the domain, or of another one, which tells its progress to `tell`."""
+        return self._space(self.one_length, tell, domain)
+
+    def spaces(self, tell: Callable[[str], None] | None = None) -> TaskSpace:
+        """Return the task space of the length, or of all lengths of a range."""
+        return self._space(self.length, tell, None)
+
+    def _space(self, length: int | range, tell: Callable[[str], None] | None, domain: Domain | None) -> TaskSpace:
         from prag_asp.space.task_space import TaskSpace
 
         limits = self._limits()
-        space = TaskSpace(domain or self.domain(), self.one_length, engine=self.engine, progress=tell, limits=limits)
+        space = TaskSpace(domain or self.domain(), length, engine=self.engine, progress=tell, limits=limits)
         return space.where(*self.where)
-
-    def spaces(self, tell: Callable[[str], None] | None = None) -> TaskSpace | TaskSpaces:
-        """Return the task space of the length, or the task spaces of a range of lengths as one."""
-        if isinstance(self.length, int):
-            return self.space(tell)
-        from prag_asp.space.task_spaces import TaskSpaces
-
-        limits = self._limits()
-        spaces = TaskSpaces(self.domain(), self.length, engine=self.engine, progress=tell, limits=limits)
-        return spaces.where(*self.where)
 
     @property
     def one_length(self) -> int:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from prag_asp.dataset.generation import generate
     from prag_asp.dataset.jsonl import Record, read_lines, read_tasks, write_line
     from prag_asp.dataset.language.instruction_reader import Reading, read_instruction
-    from prag_asp.dataset.language.instruction_writer import Instructions, Teller, teller_of
+    from prag_asp.dataset.language.instruction_writer import Instructions, InstructionWriter, instruction_writer_of
     from prag_asp.dataset.language.plain import instruction
     from prag_asp.dataset.learned_rules import Learned, learn
     from prag_asp.dataset.merging import merge
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Entry",
     "Finding",
+    "InstructionWriter",
     "Instructions",
     "Learned",
     "Outcome",
@@ -43,13 +44,13 @@ __all__ = [
     "Record",
     "Suite",
     "Tally",
-    "Teller",
     "count_suite",
     "export",
     "feasible",
     "generate",
     "generate_suite",
     "instruction",
+    "instruction_writer_of",
     "learn",
     "load_suite",
     "merge",
@@ -57,7 +58,6 @@ __all__ = [
     "read_lines",
     "read_tasks",
     "recheck",
-    "teller_of",
     "verify",
     "write_line",
 ]
@@ -69,7 +69,7 @@ _HOMES = {
     "prag_asp.dataset.jsonl": ("Record", "read_lines", "read_tasks", "write_line"),
     "prag_asp.dataset.language.plain": ("instruction",),
     "prag_asp.dataset.language.instruction_reader": ("Reading", "read_instruction"),
-    "prag_asp.dataset.language.instruction_writer": ("Instructions", "Teller", "teller_of"),
+    "prag_asp.dataset.language.instruction_writer": ("Instructions", "InstructionWriter", "instruction_writer_of"),
     "prag_asp.dataset.learned_rules": ("Learned", "learn"),
     "prag_asp.dataset.merging": ("merge",),
     "prag_asp.dataset.revalidation": ("Outcome", "recheck"),

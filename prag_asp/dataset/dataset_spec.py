@@ -12,12 +12,11 @@ from prag_asp.dataset.store.manifest import Asked, BudgetNote, StagingNote
 from prag_asp.errors import QueryError
 from prag_asp.grammar.phrasings import Phrasings
 from prag_asp.space.sampling.sharding import ALL, Deal
-from prag_asp.space.without_replacement import Division, lengths_of
+from prag_asp.space.without_replacement import Division
 
 if TYPE_CHECKING:
     from prag_asp.physics import Budget, Staging
     from prag_asp.space.task_space import TaskSpace
-    from prag_asp.space.task_spaces import TaskSpaces
     from prag_asp.space.weights.temperature import Temperature
     from prag_asp.space.weights.weights import Number
 
@@ -76,14 +75,14 @@ class Wanted:
         """Return after how many draws a part of some share is given up."""
         return self.max_draws or DRAWS_FOR_EACH * self.of(share)
 
-    def asked(self, space: TaskSpace | TaskSpaces) -> Asked:
+    def asked(self, space: TaskSpace) -> Asked:
         """Return all that identifies the data set of a space."""
         weights = space.domain.settings.weights if self.weights is None else self.weights
         division = self.division
         budget = None if self.budget is None else BudgetNote(**self.budget.to_json())
         staging = self.staging
         return Asked(
-            lengths=list(lengths_of(space)),
+            lengths=list(space.lengths),
             where=[str(clause) for clause in space.condition.clauses],
             seed=self.seed,
             weights={key: str(weight) for key, weight in weights.items()},

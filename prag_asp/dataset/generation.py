@@ -12,7 +12,7 @@ from prag_asp.dataset.making.run import Progress, Run
 from prag_asp.dataset.store.domain_snapshot import kept
 from prag_asp.errors import QueryError
 from prag_asp.missing import require_pyarrow
-from prag_asp.physics import Budget, require_physics
+from prag_asp.physics import Budget, Tier, require_physics
 from prag_asp.space.sampling.sharding import ALL, Deal
 from prag_asp.space.without_replacement import Division
 
@@ -21,13 +21,12 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
     from prag_asp.physics import Staging
     from prag_asp.space.task_space import TaskSpace
-    from prag_asp.space.task_spaces import TaskSpaces
     from prag_asp.space.weights.temperature import Temperature
     from prag_asp.space.weights.weights import Number
 
 
 def generate(
-    space: TaskSpace | TaskSpaces,
+    space: TaskSpace,
     folder: str | Path,
     *,
     tasks: int,
@@ -104,7 +103,7 @@ def _budget(
         return None
     require_physics()
     budget = given or Budget()
-    return Budget(budget.restarts, budget.samples, "demonstration") if demonstrate else budget
+    return Budget(budget.restarts, budget.samples, Tier.DEMONSTRATION) if demonstrate else budget
 
 
 def require_staging(staging: Staging, domain: Domain, demonstrate: bool, starts: int) -> None:

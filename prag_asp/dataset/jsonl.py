@@ -13,8 +13,8 @@ import msgspec
 
 from prag_asp.atom import Atom, parse_atom
 from prag_asp.errors import QueryError
-from prag_asp.fields import Number, decoded, read
 from prag_asp.safe_reading import LONGEST_LINE, lines_of, open_text
+from prag_asp.tables.json_fields import Number, decoded, read
 from prag_asp.task import FrozenDict, Task
 
 

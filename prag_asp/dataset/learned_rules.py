@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.domain.load import LEARNED, with_learned
-from prag_asp.physics.proofs.learned_exclusions import proved
+from prag_asp.physics.proofs.learned_exclusions import prove_exclusions
 from prag_asp.physics.proofs.schemas import rules, text_of
 from prag_asp.program.sources import Source
 from prag_asp.wording import plural
@@ -43,7 +43,7 @@ def learn(
         SceneError: the domain has no scene, or one that lacks the shape of an entity.
         PhysicsMissingError: PyBullet is not installed.
     """
-    found = rules(proved(domain.facts, scene_of(domain), progress), domain.facts)
+    found = rules(prove_exclusions(domain.facts, scene_of(domain), progress), domain.facts)
     text = text_of(found, domain.label)
     after = with_learned(domain, (Source(path, text),)) if found else domain
     return Learned(tuple(map(str, found)), sum(len(rule.proofs) for rule in found), text, after)

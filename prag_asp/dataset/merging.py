@@ -18,7 +18,6 @@ from prag_asp.physics import Budget, Staging
 from prag_asp.safe_reading import is_inside, read_bytes
 from prag_asp.space.sampling.sharding import ALL, Deal
 from prag_asp.space.task_space import TaskSpace
-from prag_asp.space.task_spaces import TaskSpaces
 from prag_asp.space.without_replacement import Division
 from prag_asp.wording import plural
 
@@ -63,7 +62,7 @@ def merge(
             raise QueryError(f"{folder}: {where} one of the parts; give a new folder")
     manifest = found[0].manifest
     domain, asked = found[0].domain, manifest.asked
-    space = TaskSpace(domain, asked.lengths[0]) if len(asked.lengths) == 1 else TaskSpaces(domain, asked.lengths)
+    space = TaskSpace(domain, asked.lengths)
     wanted = _wanted(manifest, max_draws)
     kept = {
         file.path: read_bytes(found[0].folder / file.path, within=found[0].folder)

@@ -13,18 +13,16 @@ from prag_asp.dataset.jsonl import Record
 from prag_asp.dataset.pass_rates import Tally
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.errors import QueryError
-from prag_asp.physics import Budget, Staging, Verdict, validate_numbered
-from prag_asp.space.without_replacement import drawn_tasks
+from prag_asp.physics import Budget, Staging, Tier, Verdict, validate_numbered
 
 if TYPE_CHECKING:
     from prag_asp.scene.scene import Scene
     from prag_asp.space.task_space import TaskSpace
-    from prag_asp.space.task_spaces import TaskSpaces
     from prag_asp.task import Task
 
 
 def feasible(
-    space: TaskSpace | TaskSpaces,
+    space: TaskSpace,
     scene: Scene | None = None,
     *,
     seed: int = 0,
@@ -38,7 +36,7 @@ def feasible(
 ) -> Generator[Record, None, None]:
     """Yield the feasible tasks among those drawn from a space, each with its verdict and its witness, without end.
 
-    `scene` is that of the space's domain unless another is given, `drawing` what `TaskSpace.draw` takes beside the
+    `scene` is that of the space's domain unless another is given, `drawing` what `TaskSpace.stream` takes beside the
     seed; with ``distinct=True`` (and weights alone), no task is drawn twice, and it ends with the last one. It ends
     after so many `draws`, feasible or not; `tally` counts all of them. With `demonstrate`, the robot performs each
     task, and recordings are written into that folder, which is made where it is missing, with what `staging` asks for:
@@ -59,7 +57,7 @@ def feasible(
 
 
 def draws_looked_at(
-    space: TaskSpace | TaskSpaces,
+    space: TaskSpace,
     scene: Scene | None = None,
     *,
     seed: int = 0,
@@ -81,7 +79,7 @@ def draws_looked_at(
         require_demonstrated(staging, demonstrate)
         staging.cameras_of(scene)
     budget, tally = budget_of(budget, demonstrate), Tally() if tally is None else tally
-    asked, kept = tee(islice(drawn_tasks(space, seed=seed, **drawing), tally.seen, draws))
+    asked, kept = tee(islice(space.stream(seed=seed, **drawing), tally.seen, draws))
     numbered = enumerate(asked, tally.seen)
     verdicts = validate_numbered(numbered, scene, seed=seed, workers=workers, budget=budget, staging=staging)
     return _recorded(kept, verdicts, Recordings(demonstrate), tally)
@@ -116,7 +114,7 @@ def _recorded(
 def budget_of(budget: Budget | None, demonstrate: str | Path | None) -> Budget:
     """Return a budget with the tier of demonstrations where these are to be recorded."""
     budget = budget or Budget()
-    return budget if demonstrate is None else Budget(budget.restarts, budget.samples, "demonstration")
+    return budget if demonstrate is None else Budget(budget.restarts, budget.samples, Tier.DEMONSTRATION)
 
 
 def require_demonstrated(staging: Staging, demonstrate: str | Path | None) -> None:

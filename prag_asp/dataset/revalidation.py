@@ -10,6 +10,7 @@ from itertools import chain, groupby, islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from prag_asp.batches import growing_batches
 from prag_asp.dataset.episode_files import Recordings
 from prag_asp.dataset.jsonl import Record, read_tasks
 from prag_asp.dataset.physics_filter import budget_of, require_demonstrated
@@ -18,7 +19,7 @@ from prag_asp.dataset.task_origin import foreign, index_of, named_domain, read_w
 from prag_asp.domain.load import load_domain
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Demonstration, Staging, validate_numbered
-from prag_asp.physics.tier_pool import pass_numbered
+from prag_asp.physics.validation import check_numbered
 from prag_asp.space.task_space import TaskSpace
 
 if TYPE_CHECKING:
@@ -114,14 +115,12 @@ def recheck(
 
 def _told(records: Iterable[Record], space: TaskSpace) -> Iterator[Told]:
     """Yield records with what is wrong with their tasks as values."""
-    iterator, size = iter(records), 1
-    while batch := list(islice(iterator, size)):
+    for batch in growing_batches(records, TOLD_TOGETHER):
         valid = [record.task in space.at(len(record.task)) for record in batch]
         plans = (tuple(map(str, r.task.actions)) for r, known in zip(batch, valid, strict=True) if known)
-        expected = space.narrate(plans)
+        expected = space.tasks_of_plans(plans)
         for record, known in zip(batch, valid, strict=True):
             yield record, _fault(record.task, next(expected)) if known else _stranger(record, space.domain)
-        size = min(2 * size, TOLD_TOGETHER)
 
 
 def _stranger(record: Record, domain: Domain) -> str:
@@ -183,15 +182,17 @@ def _witnesses(told: Iterator[Told], scene: Scene, search: _Search) -> Iterator[
             if not isinstance(found, Outcome):
                 yield index_of(record), (record.task, found)
 
-    passed = pass_numbered(
+    checked = check_numbered(
         shown(), scene, budget=search.budget, seed=search.seed, workers=search.workers, staging=search.staging
     )
-    with closing(passed) as passages:
-        for passage in passages:
+    with closing(checked) as outcomes:
+        for _, fault, demonstration in outcomes:
             yield from _known(waiting)
             record, _ = waiting.popleft()
-            status = "witness_fails" if passage.fault else "feasible"
-            yield Outcome(record, status, passage.fault, demonstration=None if passage.fault else passage.demonstration)
+            if fault is None:
+                yield Outcome(record, "feasible", demonstration=demonstration)
+            else:
+                yield Outcome(record, "witness_fails", fault.text or fault.cause)
     yield from _known(waiting)
 
 

@@ -64,7 +64,7 @@ def read_witness(record: Record, scene: Scene) -> Witness:
     from prag_asp.physics import Witness
 
     try:
-        return Witness.from_json(record.witness or {}, robot=next(iter(scene.robots)))
+        return Witness.from_json(record.witness or {})
     except QueryError as error:
         raise QueryError(f"{error}; {MEND}") from None
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from hashlib import sha256
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
     from prag_asp.physics import Budget, Demonstration, Staging, Validator, Verdict, Witness
     from prag_asp.scene.scene import Scene
-    from prag_asp.space.without_replacement import Placed
+    from prag_asp.space.distinct_sampling import RankedDraw
 
 START = 1 << 32
 """How far the index of a search is from that of the same task's search for the next first state."""
@@ -34,7 +34,7 @@ class Draw(NamedTuple):
 
     number: int
     search: int
-    drawn: Task | Placed
+    drawn: Task | RankedDraw
 
 
 class Found(NamedTuple):
@@ -76,31 +76,21 @@ class Telling:
     phrasings: str
 
 
-def answers(messages: Iterator[Any]) -> Iterator[list[Found]]:
-    """Yield what is known of numbered draws, many together; first of all comes how they are looked at.
-
-    Raises:
-        SceneError: the scene cannot be built, or a task speaks about something for which it has no shape.
-    """
-    with looker(next(messages)) as looked_at:
-        for numbered in messages:
-            yield looked_at([draw for _, draw in numbered])
-
-
 @contextmanager
-def looker(look: Look) -> Iterator[Callable[[Sequence[Draw]], list[Found]]]:
-    """Yield what looks at draws that are tasks; search s of a draw has the index ``search + s * START``.
+def looker(look: Look) -> Iterator[Callable[[int, Draw], Found]]:
+    """Yield what looks at a draw that is a task, by its index; search s of it has the index ``search + s * START``.
 
     So what it finds depends on the seed and these two alone. A search that finds no witness, or one from a first state
     that is there already, is made up for by the next one, up to `TRIES` for each first state.
 
     Raises:
-        SceneError: as `answers` does.
+        SceneError: the scene cannot be built, or a task speaks about something for which it has no shape.
     """
     with _validator(look) as validator:
 
-        def found(draws: Sequence[Draw]) -> list[Found]:
-            return [_found(look, draw, draw.drawn, validator)[1] for draw in draws if isinstance(draw.drawn, Task)]
+        def found(_: int, draw: Draw) -> Found:
+            assert isinstance(draw.drawn, Task)
+            return _found(look, draw, draw.drawn, validator)[1]
 
         yield found
 
@@ -110,7 +100,7 @@ def telling_looker(look: Look, telling: Telling) -> Iterator[Callable[[Sequence[
     """Yield what tells draws as tasks, and looks at them as `looker` does; with what is found come their packed rows.
 
     Raises:
-        SceneError: as `answers` does.
+        SceneError: as `looker` does.
     """
     from prag_asp.dataset.store.columns import Rows, packed
     from prag_asp.dataset.store.shard_writer import row_of
@@ -137,31 +127,22 @@ def _validator(look: Look) -> Iterator[Validator | None]:
     Raises:
         SceneError: the scene cannot be built.
     """
-    with ExitStack() as resources:
-        if look.scene is None:
-            yield None
-            return
-        from prag_asp.physics.worker import opened_validator
+    if look.scene is None:
+        yield None
+        return
+    from prag_asp.physics import open_validator
 
-        yield opened_validator(look.scene, resources)
+    with open_validator(look.scene) as validator:
+        yield validator
 
 
-def _teller(telling: Telling) -> tuple[Callable[[Sequence[Placed]], list[Task]], Words]:
+def _teller(telling: Telling) -> tuple[Callable[[Sequence[RankedDraw]], list[Task]], Words]:
     """Return what tells draws together as tasks, and what tells a task in words."""
     from prag_asp.dataset.store.instructions import telling_of
     from prag_asp.space.task_space import TaskSpace
-    from prag_asp.space.task_spaces import TaskSpaces
-    from prag_asp.space.without_replacement import tell
 
-    one = len(telling.lengths) == 1
-    domain = telling.domain
-    whole = TaskSpace(domain, telling.lengths[0]) if one else TaskSpaces(domain, telling.lengths)
-    space = whole.where(*telling.where)
-
-    def tasks(draws: Sequence[Placed]) -> list[Task]:
-        return [task for _, task in tell(space, iter(draws), together=len(draws))]
-
-    return tasks, telling_of(domain, telling.language, telling.seed, telling.phrasings)
+    space = TaskSpace(telling.domain, telling.lengths).where(*telling.where)
+    return space.tasks_of_draws, telling_of(telling.domain, telling.language, telling.seed, telling.phrasings)
 
 
 def _found(look: Look, draw: Draw, task: Task, validator: Validator | None) -> tuple[Looked, Found]:
@@ -178,7 +159,7 @@ def _searched(look: Look, draw: Draw, task: Task, validator: Validator) -> tuple
     verdicts = _verdicts(look, draw, task, validator)
     first = verdicts[0].to_json()
     texts = [first.pop("witness"), *(None if each.witness is None else each.witness.to_json() for each in verdicts[1:])]
-    recordings = tuple(None if each.demonstration is None else each.demonstration.packed() for each in verdicts)
+    recordings = tuple(None if each.demonstration is None else each.demonstration.to_bytes() for each in verdicts)
     starts = [
         Start(each.index, msgspec.Raw(msgspec.json.encode(text)), _recorded(each.demonstration, content))
         for each, text, content in zip(verdicts, texts, recordings, strict=True)

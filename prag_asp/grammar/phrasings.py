@@ -1,4 +1,4 @@
-"""Which of several ways to say the same are said: ``1 of 2`` is every second one from the first on."""
+"""Subsets of paraphrases: ``1 of 2`` is every second one from the first on."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ FRAMES = ("vague", "default")
 
 @dataclass(frozen=True)
 class Phrasings:
-    """Of each list of ways to say the same, every `all`-th from the `number`-th on, counted from 1.
+    """Of each list of paraphrases, every `all`-th from the `number`-th on, counted from 1.
 
-    A list that has none of these, such as one with a single way, is said as it is.
+    A list without any of these, such as one with a single paraphrase, is used as a whole.
     """
 
     number: int = 1
@@ -49,17 +49,17 @@ class Phrasings:
         return f"{self.number} of {self.all}" if self.all > 1 else ""
 
     def has(self, place: int) -> bool:
-        """Tell whether the way at a place of its list, from 0, is one of these."""
+        """Return whether the paraphrase at a place of its list, from 0, is one of these."""
         return place % self.all == self.number - 1
 
     def of(self, ways: Sequence[Way]) -> Sequence[Way]:
-        """Return those of a list of ways; all where there are none."""
+        """Return those of a list of paraphrases; all where there are none."""
         if self.all == 1:
             return ways
         return [way for place, way in enumerate(ways) if self.has(place)] or ways
 
     def disjoint(self, other: Phrasings) -> bool:
-        """Tell whether no way is one of both, however long its list is (by the Chinese remainder theorem)."""
+        """Return whether no paraphrase is in both, for lists of any length (by the Chinese remainder theorem)."""
         return (self.number - other.number) % gcd(self.all, other.all) != 0
 
     def require(
@@ -81,5 +81,5 @@ class Phrasings:
                 )
         for level in FRAMES:
             if len(frames[level]) < self.number:
-                told = f"the level {level} has only {len(frames[level])} in {language}"
-                raise QueryError(f"phrasings {self}: {told}; write more under [language.{language}.words.frames]")
+                text = f"the level {level} has only {len(frames[level])} in {language}"
+                raise QueryError(f"phrasings {self}: {text}; write more under [language.{language}.words.frames]")

@@ -1,4 +1,4 @@
-"""Read what a domain says of a language: ``[language.en]`` with its actions, facts, nouns and values."""
+"""Read the tables of a domain's language: ``[language.en]`` with its actions, facts, nouns and values."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Noun:
 
 @dataclass(frozen=True)
 class Where:
-    """How a fluent tells one of its arguments, the `subject`, from others: ``on {1}``."""
+    """A modifier of a noun phrase by a fluent: ``on {1}`` distinguishes its argument `subject`."""
 
     template: Template
     subject: int
@@ -46,7 +46,7 @@ class Where:
 
 @dataclass(frozen=True)
 class FactForms:
-    """How a fluent is told: that it is so, that it is not, and what it says of an argument; not at all if `silent`."""
+    """The sentences of a fluent: that it holds, that it does not, its modifiers; a `silent` one is not mentioned."""
 
     true: tuple[Template, ...] = ()
     false: tuple[Template, ...] = ()
@@ -72,10 +72,10 @@ class Grammar:
 
 
 class GrammarReader:
-    """Reads the part of a domain in one language; what is wrong there is told by the linter, and left out here."""
+    """Reads the tables of one language of a domain without wrong entries, which the linter reports."""
 
     def __init__(self, settings: Settings, facts: Facts, code: str) -> None:
-        """Take the settings of a domain and what it states.
+        """Read the settings and the facts of a domain.
 
         Raises:
             QueryError: there are no words of this language.
@@ -86,48 +86,48 @@ class GrammarReader:
         self.words = words_of(code, self._table("words"))
 
     def grammar(self) -> Grammar:
-        """Return all of it."""
+        """Return the grammar."""
         return Grammar(
             self.words, self.actions(), self.plain(), self.facts(), self.spare(), self.nouns(), self.values()
         )
 
     @cached_property
     def action_arguments(self) -> Mapping[Signature, list[set[str]]]:
-        """What stands at each place of the actions of a name."""
+        """The arguments at each place of the actions of a name."""
         return _arguments(self.states.declared_actions)
 
     @cached_property
     def fluent_arguments(self) -> Mapping[Signature, list[set[str]]]:
-        """What stands at each place of the fluents of a name."""
+        """The arguments at each place of the fluents of a name."""
         return _arguments(self.states.fluents)
 
     def actions(self) -> dict[Signature, tuple[Template, ...]]:
         """Return the sentences of each action: those of the language's table, or in English right under [language]."""
         table, found = self._table("actions"), {}
         for name, arity in self.action_arguments:
-            given = listed(table.get(name)) or (self._short(name) if self.code == FIRST else ())
-            found[name, arity] = tuple(self.templates(given, arity))
+            texts = listed(table.get(name)) or (self._short(name) if self.code == FIRST else ())
+            found[name, arity] = tuple(self.templates(texts, arity))
         return found
 
     def _short(self, name: str) -> tuple[str, ...]:
         """Return the sentences right under [language] in which no article stands before the place of an argument."""
-        given = listed(self.settings.grammar.get(name))
-        return tuple(text for text in given if not any(f"{article} {{" in text for article in self._articles))
+        texts = listed(self.settings.grammar.get(name))
+        return tuple(text for text in texts if not any(f"{article} {{" in text for article in self._articles))
 
     @cached_property
     def _articles(self) -> frozenset[str]:
         return self.words.articles | {"a", "an"}
 
     def plain(self) -> dict[Signature, Template]:
-        """Return sentences of the name of an action and what it speaks of, without what is the same for all of them."""
+        """Return sentences of the name and the arguments of actions, without arguments that all of them share."""
         defaults = self.words.table.get("defaults", {})
         if "action" not in defaults:
             return {}
         found, ways = {}, self._ways() if "from" in defaults and "to" in defaults else {}
         for (name, arity), places in self.action_arguments.items():
-            told = [index for index, known in enumerate(places) if len(known) > 1]
-            led = {index: way for index, way in ways.get((name, arity), {}).items() if index in told[1:]}
-            every = _joined([f"{{{index}}}" for index in told if index not in led], defaults["all"])
+            named = [index for index, known in enumerate(places) if len(known) > 1]
+            led = {index: way for index, way in ways.get((name, arity), {}).items() if index in named[1:]}
+            every = _joined([f"{{{index}}}" for index in named if index not in led], defaults["all"])
             text = str(defaults["action"]).format(name=plain(name), all=every).strip()
             text += "".join(str(defaults[way]).replace("{0}", f"{{{index}}}") for index, way in sorted(led.items()))
             found[name, arity] = parse_template(text, self.words.cases, arity)
@@ -163,7 +163,7 @@ class GrammarReader:
         return frozenset(members | kinds)
 
     def facts(self) -> dict[Signature, FactForms]:
-        """Return how each fluent is told: by the language's table, by the predicate that it means, or by its name."""
+        """Return the sentences of each fluent: from the language's table, its spatial predicate, or its name."""
         table = self._table("facts")
         return {
             (name, arity): self.forms(table.get(name) or self._meant(name, arity), arity)
@@ -171,8 +171,8 @@ class GrammarReader:
         }
 
     def _meant(self, name: str, arity: int) -> Mapping[str, Any]:
-        """Return the forms of a fluent that the domain's table leaves out."""
-        from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - who counts tells nothing
+        """Return the forms of a fluent that the domain's table does not have."""
+        from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - counting needs no instructions
 
         scene = self.settings.scene
         own = _below(_below(scene, "own"), name)
@@ -184,22 +184,22 @@ class GrammarReader:
         return self._default(name, arity)
 
     def spare(self) -> dict[Signature, FactForms]:
-        """Return how each fluent is told by its name."""
+        """Return the default sentences of each fluent, by its name."""
         return {(name, arity): self.forms(self._default(name, arity), arity) for name, arity in self.fluent_arguments}
 
     def _default(self, name: str, arity: int) -> Mapping[str, Any]:
-        """Return the forms that any fluent has: its name, and what it speaks of.
+        """Return the default forms of a fluent: its name and its arguments.
 
-        They tell nothing from others: nobody knows whether a picture shows it.
+        They have no modifier, because a picture may not show the fluent.
         """
         defaults = _below(self.words.table, "defaults")
         every = _joined([f"{{{index}}}" for index in range(arity)], defaults.get("all", (", ", ", ")))
         forms = _below(defaults, "state" if arity == 0 else "property" if arity == 1 else "fact")
         return {key: str(text).replace("{name}", plain(name)).replace("{all}", every) for key, text in forms.items()}
 
-    def forms(self, given: object, arity: int) -> FactForms:
-        """Return how a fluent is told, from what a table says: a sentence, several, or a table of forms."""
-        table = given if isinstance(given, Mapping) else {"is": given}
+    def forms(self, entry: object, arity: int) -> FactForms:
+        """Return the sentences of a fluent from an entry: a sentence, several, or a table of forms."""
+        table = entry if isinstance(entry, Mapping) else {"is": entry}
         true = listed(table.get("is"))
         false = listed(table.get("not"))
         return FactForms(
@@ -241,20 +241,20 @@ class GrammarReader:
     def nouns(self) -> dict[str, Noun]:
         """Return the noun of each class, and those of entities that have one of their own."""
         table = self._table("nouns")
-        found = {name: noun for name, given in table.items() if (noun := self.noun(given)) is not None}
+        found = {name: noun for name, entry in table.items() if (noun := self.noun(entry)) is not None}
         for name in map(str, self.states.classes):
             if name not in found and self.code == FIRST:
                 found[name] = Noun(self.words.genders[0], dict.fromkeys(self.words.cases, plain(name)))
         return found
 
-    def noun(self, given: object) -> Noun | None:
+    def noun(self, entry: object) -> Noun | None:
         """Return the noun that a value of a table spells, None where it spells none."""
-        table = given if isinstance(given, Mapping) else {"noun": given}
+        table = entry if isinstance(entry, Mapping) else {"noun": entry}
         word, gender = table.get("noun"), table.get("gender", self.words.genders[0])
         if not isinstance(word, str) or not word.strip() or gender not in self.words.genders:
             return None
-        given = {case: table.get(case, word) for case in self.words.cases}
-        forms = {case: self.words.expanded(form) for case, form in given.items() if isinstance(form, str)}
+        texts = {case: table.get(case, word) for case in self.words.cases}
+        forms = {case: self.words.expanded(form) for case, form in texts.items() if isinstance(form, str)}
         return Noun(str(gender), forms) if len(forms) == len(self.words.cases) else None
 
     def values(self) -> dict[str, str]:
@@ -263,7 +263,7 @@ class GrammarReader:
         return {name: self.words.expanded(text) for name, text in known if isinstance(text, str)}
 
     def missing(self) -> Iterator[tuple[str, str]]:
-        """Yield the table and the name of what instructions in this language need, but the domain does not say."""
+        """Yield the table and the name of each entry that instructions need and the domain lacks."""
         table = self._table("actions")
         if "action" not in _below(self.words.table, "defaults"):
             yield from (
@@ -279,7 +279,7 @@ class GrammarReader:
 
 
 def languages(settings: Settings) -> tuple[str, ...]:
-    """Return the codes of the languages that a domain speaks: English, and those that it has tables for."""
+    """Return the codes of a domain's languages: English, and those that it has tables for."""
     return tuple(dict.fromkeys([FIRST, *tables(settings)]))
 
 
@@ -288,9 +288,9 @@ def tables(settings: Settings) -> Mapping[str, Mapping[str, Any]]:
     return {code: table for code, table in settings.grammar.items() if isinstance(table, Mapping)}
 
 
-def listed(given: object) -> tuple[str, ...]:
-    """Return a text, or several of them, as a tuple; what is no text is left out."""
-    each = given if isinstance(given, list | tuple) else (given,)
+def listed(texts: object) -> tuple[str, ...]:
+    """Return a text or a list of texts as a tuple, without other values."""
+    each = texts if isinstance(texts, list | tuple) else (texts,)
     return tuple(text for text in each if isinstance(text, str))
 
 

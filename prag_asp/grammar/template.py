@@ -1,4 +1,4 @@
-"""Sentences with places for what they speak of: ``pick up {1} from {2:dat}``; filled in, and found again in a text."""
+"""Sentence templates with slots for arguments, ``pick up {1} from {2:dat}``: filled in, and matched with a text."""
 
 from __future__ import annotations
 
@@ -121,5 +121,5 @@ def _fields(text: str) -> Iterator[tuple[str, str | None, str]]:
 
 
 def agrees(text: str) -> bool:
-    """Tell whether a word of a sentence agrees with its first argument."""
+    """Return whether a word of a sentence agrees with its first argument."""
     return any(f"{{{verb}}}" in text for verb in VERBS)

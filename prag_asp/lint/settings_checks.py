@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from string import Formatter
 from typing import Any
 
 from prag_asp.atom import atom_of
-from prag_asp.program.entity_names import ambiguity, named, shared_names
+from prag_asp.program.entity_names import ambiguity, named
 from prag_asp.program.facts import Facts
 from prag_asp.program.problem import Problem
-from prag_asp.program.settings import KEYS, MAX_EXPONENT, Settings, key_shown, weight_of
+from prag_asp.program.settings import KEYS, MAX_EXPONENT, Settings, weight_of
+from prag_asp.tables.report import Keys, TableEntry, TableProblem, TableReport
 from prag_asp.wording import did_you_mean, is_misspelt
 
 TYPES: Mapping[str, tuple[type, str]] = {
@@ -20,103 +21,86 @@ TYPES: Mapping[str, tuple[type, str]] = {
     "language": (dict, 'a table, such as [language] with grasp = "grasp {1}" below it'),
     "scene": (dict, "a table that begins with [scene]"),
 }
+"""The type of each key, and how messages name it."""
 
 
 def table_problems(table: Mapping[str, Any], settings: Settings) -> Iterator[Problem]:
     """Yield the unknown keys and the wrong types of a domain.toml."""
-    path = settings.path
-    for key, value in table.items():
+    root = TableEntry(TableReport(), (), table)
+    for key, entry in root.entries():
         if key not in KEYS:
-            text = f"unknown key {key_shown(key)}; {did_you_mean(key, KEYS)}"
-            yield Problem(path, settings.line_of(key), text, "" if is_misspelt(key, KEYS) else "no-effect")
-        elif not isinstance(value, TYPES[key][0]):
-            yield Problem(path, settings.line_of(key), f"{key} is {_shown(value)}; make it {TYPES[key][1]}")
-        elif key == "scene" and not value:
-            yield Problem(path, settings.line_of(key), "[scene] is empty; give it [scene.shapes], or leave it out")
-    for key, value in _entries(table, "weights"):
-        if weight_of(value) is None:
-            yield Problem(
-                path,
-                settings.line_of("weights", key),
-                f"the weight of {key_shown(key)} is {_shown(value)}; make it a number from 0 to 1e{MAX_EXPONENT}",
-            )
-    for key, value in _entries(table, "language"):
+            entry.add(f"unknown key; {did_you_mean(key, KEYS)}", "" if is_misspelt(key, KEYS) else "no-effect")
+        elif not isinstance(entry.value, TYPES[key][0]):
+            entry.needs(TYPES[key][1])
+        elif key == "scene" and not entry.value:
+            entry.add("is empty; give it [scene.shapes], or leave it out")
+    for _, entry in root.at("weights").entries():
+        if weight_of(entry.value) is None:
+            entry.needs(f"a number from 0 to 1e{MAX_EXPONENT}")
+    for _, entry in root.at("language").entries():
+        value = entry.value
         several = isinstance(value, list) and bool(value) and all(isinstance(each, str) for each in value)
         if not (several or isinstance(value, str | Mapping)):
-            yield Problem(
-                path,
-                settings.line_of("language", key),
-                f"{key_shown(key)} is {_shown(value)}; make it a sentence in quotes",
-            )
+            entry.needs("a sentence in quotes, or several in a list")
+    yield from _located(root.report.problems, settings)
 
 
 def name_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
     """Yield the weights, the sentences and the parts of the scene that do not fit what the logic declares.
 
-    An action that is left out is declared all the same.
+    Pruned actions are declared all the same.
     """
-    yield from _weight_problems(settings, facts)
-    yield from _language_problems(settings, facts)
-    if settings.scene:
-        yield from _scene_problems(settings, facts)
-
-
-def _entries(table: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:
-    found = table.get(name, {})
-    if isinstance(found, Mapping):
-        yield from found.items()
-
-
-def _weight_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
-    if not settings.weights:
-        return
-    actions = facts.action_names
-    known, shared = set[str]().union(*named(facts).values()), shared_names(facts)
+    report = TableReport()
     for key in settings.weights:
-        parts = key.split(">")
-        for part in parts:
-            if len(parts) > 1 and part not in actions:
-                hint = did_you_mean(part, actions, f"actions are {', '.join(sorted(actions))}")
-                text = f"weight of {key}: there is no action {key_shown(part)}; {hint}"
-                yield _problem(settings, "weights", key, text)
-            elif part not in known:
-                hint = did_you_mean(part, known, "give the name of an action, a class or an entity")
-                text = f"weight of {key_shown(part)}: no action, class or entity has that name; {hint}"
-                yield _problem(settings, "weights", key, text)
-            elif len(parts) == 1 and part in shared:
-                yield _problem(settings, "weights", key, f"weight of {part}: {ambiguity(part, facts)}")
-        if len(parts) > 2:
-            text = f"weight of {key}: more than two actions; write pairs such as grasp>move"
-            yield _problem(settings, "weights", key, text)
+        _check_weight(TableEntry(report, ("weights", key)), key, facts)
+    _check_sentences(report, settings, facts)
+    yield from _located(report.problems, settings)
+    if settings.grammar:
+        from prag_asp.grammar.problems import grammar_problems  # noqa: PLC0415 - many domains have no language
+
+        yield from _located(grammar_problems(settings, facts), settings)
+    if settings.scene:
+        yield from _located(_scene_problems(settings, facts), settings)
 
 
-def _language_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
+def _located(problems: Iterable[TableProblem], settings: Settings) -> Iterator[Problem]:
+    """Yield problems of a domain.toml with the file and the line of their keys."""
+    for each in problems:
+        yield Problem(settings.path, settings.line_of(*each.keys), str(each), each.warning)
+
+
+def _check_weight(entry: TableEntry, key: str, facts: Facts) -> None:
+    """Report a weight whose key names nothing, or several things."""
+    actions, known = facts.action_names, set[str]().union(*named(facts).values())
+    parts = key.split(">")
+    for part in parts:
+        if len(parts) > 1 and part not in actions:
+            hint = did_you_mean(part, actions, f"actions are {', '.join(sorted(actions))}")
+            entry.add(f"there is no action {part or repr(part)}; {hint}")
+        elif part not in known:
+            hint = did_you_mean(part, known, "give the name of an action, a class or an entity")
+            entry.add(f"no action, class or entity has that name; {hint}")
+        elif len(parts) == 1 and (several := ambiguity(part, facts)):
+            entry.add(several)
+    if len(parts) > 2:
+        entry.add("has more than two actions; write pairs such as grasp>move")
+
+
+def _check_sentences(report: TableReport, settings: Settings, facts: Facts) -> None:
+    """Report the sentences right under ``[language]`` that belong to nothing, or name arguments that are not there."""
     arities: dict[str, int] = {}
     for term in (*facts.fluents, *facts.declared_actions) if settings.language else ():
         arities[term.name] = max(arities.get(term.name, 0), len(term.arguments))
     for name in settings.language:
+        entry = TableEntry(report, ("language", name), settings.grammar[name])
+        sentences = entry.value if isinstance(entry.value, list) else [str(entry.value)]
         if name not in arities:
             hint = did_you_mean(name, arities, "give the name of an action or a fluent")
-            text = f"sentence of {key_shown(name)}: no action or fluent has that name; {hint}"
-            yield _problem(settings, "language", name, text, "" if is_misspelt(name, arities) else "no-effect")
-        elif not all(_is_template(sentence, arities[name]) for sentence in _sentences(settings.grammar[name])):
+            warning = "" if is_misspelt(name, arities) else "no-effect"
+            entry.add(f"no action or fluent has that name; {hint}", warning)
+        elif not all(_is_template(sentence, arities[name]) for sentence in sentences):
             places = ", ".join(f"{{{index}}}" for index in range(arities[name])) or "no braces"
-            text = f"sentence of {name} has braces that name no argument; use {places}"
-            yield _problem(settings, "language", name, text)
-    if settings.grammar:
-        from prag_asp.grammar.problems import grammar_problems  # noqa: PLC0415 - many domains have no language
-
-        for fault in grammar_problems(settings, facts):
-            line = settings.line_of("language", *fault.keys)
-            yield Problem(settings.path, line, fault.text, fault.warning)
-
-
-def _sentences(given: object) -> Sequence[str]:
-    return given if isinstance(given, list) else [str(given)]
-
-
-def _problem(settings: Settings, table: str, key: str, text: str, name: str = "") -> Problem:
-    return Problem(settings.path, settings.line_of(table, key), text, name)
+            entry.add(f"has braces that name no argument; use {places}")
 
 
 def _is_template(sentence: str, arity: int) -> bool:
@@ -129,26 +113,14 @@ def _is_template(sentence: str, arity: int) -> bool:
         return False
 
 
-def _scene_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
-    """Yield the problems of the scene; one of a table follows from one within it."""
+def _scene_problems(settings: Settings, facts: Facts) -> Iterator[TableProblem]:
+    """Yield the problems of the scene, without those of tables that follow from a problem within them."""
     from prag_asp.scene.scene_loader import scene_problems  # noqa: PLC0415 - many domains have no scene
 
-    fluents = list(map(atom_of, facts.fluents))
     classes, entities, folder = facts.class_names, facts.entity_names, settings.path.parent
-    found = scene_problems(settings.scene, classes, entities, fluents, folder=folder)
-    reported: set[str] = set()
-    for key, text in found:
-        if not any(f"{each}.".startswith(f"{key}.") for each in reported):
-            reported.add(key)
-            yield Problem(
-                settings.path,
-                settings.line_of(*key.split(".")),
-                f"{key}: {text}{'' if ';' in text else f'; set {key}'}",
-            )
-
-
-def _shown(value: object) -> str:
-    """Return a value of a TOML file as it is spelled there, shortened."""
-    text = {True: "true", False: "false"}[value] if isinstance(value, bool) else str(value)
-    text = f'"{text}"' if isinstance(value, str) else text
-    return text if len(text) <= 40 else f"{text[:40]}..."
+    found = scene_problems(settings.scene, classes, entities, map(atom_of, facts.fluents), folder=folder)
+    reported: set[Keys] = set()
+    for problem in found:
+        if not any(keys[: len(problem.keys)] == problem.keys for keys in reported):
+            reported.add(problem.keys)
+            yield problem

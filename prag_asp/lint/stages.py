@@ -38,9 +38,10 @@ from prag_asp.program.grounding import Grounder
 from prag_asp.program.lint_comments import Allowed, allowance_problems, allowed_names, not_allowed
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.problem import Problem, raise_problems
-from prag_asp.program.settings import Settings, parse_table, settings_of
+from prag_asp.program.settings import Settings, settings_of
 from prag_asp.program.sources import ADDED, HIERARCHY, Program, Source, added_encodings, encodings_folder, owned
 from prag_asp.program.syntax import Statement
+from prag_asp.tables.toml_text import parse_toml
 
 STEP_PART = re.compile(r"(#program\s+)(step|check)\b")
 
@@ -86,7 +87,7 @@ def check(program: Program, given: Source, like: Mapping[clingo.Symbol, clingo.S
     """
     sources = owned(program)
     statements, problems = parse_sources(sources)
-    table = parse_table(given)
+    table = parse_toml(given.path, given.text)
     settings = settings_of(table, given)
     allowed = allowed_names((source for source, own in sources if own), settings)
     judge = _Judge(allowed)

@@ -1,7 +1,7 @@
-"""Whether a robot can do a task: spatial predicates, witnesses, and the search for them in PyBullet.
+"""Physical feasibility of tasks: spatial predicates, witnesses, and the search for them in PyBullet.
 
-The names below are loaded when they are first used: those that compute no motion need neither PyBullet nor frankik. The
-others raise `PhysicsMissingError` where these are not installed.
+The names below are loaded when they are first used. Those that compute no motion need neither PyBullet nor frankik; the
+others raise `PhysicsMissingError` if these are not installed.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ if TYPE_CHECKING:
     from prag_asp.physics.filming.film_check import check_footage
     from prag_asp.physics.motion.transit import travel
     from prag_asp.physics.pictures.rendering import animate, film_strip, still
-    from prag_asp.physics.pool import validate_numbered, validate_tasks
     from prag_asp.physics.predicates import PREDICATES, Predicate, Side, Volume, states
     from prag_asp.physics.required import require_physics
     from prag_asp.physics.search.attempt import CAUSES
     from prag_asp.physics.situation import Situation
     from prag_asp.physics.symbolic_facts import physical_task
-    from prag_asp.physics.tier_cascade import open_cascade
+    from prag_asp.physics.tiers import open_tier_check
+    from prag_asp.physics.validation import validate_numbered, validate_tasks
     from prag_asp.physics.validator import Validator, open_validator, validate_task
-    from prag_asp.physics.verdict import TIERS, Budget, Verdict
+    from prag_asp.physics.verdict import TIERS, Budget, Tier, Verdict
     from prag_asp.physics.witness import Arm, Moment, Waypoint, Witness
     from prag_asp.scene.geometry import Quaternion, yaw_of
     from prag_asp.scene.variation import Variation
@@ -54,6 +54,7 @@ __all__ = [
     "Side",
     "Situation",
     "Staging",
+    "Tier",
     "Validator",
     "Variation",
     "Verdict",
@@ -68,8 +69,8 @@ __all__ = [
     "demonstrate",
     "film",
     "film_strip",
-    "open_cascade",
     "open_settling",
+    "open_tier_check",
     "open_validator",
     "open_witness_check",
     "physical_task",
@@ -86,7 +87,7 @@ __all__ = [
 
 _HOMES = {
     "prag_asp.errors": ("PhysicsMissingError", "PicturesMissingError", "WorkerError"),
-    "prag_asp.physics.tier_cascade": ("open_cascade",),
+    "prag_asp.physics.tiers": ("open_tier_check",),
     "prag_asp.physics.checks.witness_check": ("check_witness", "open_witness_check"),
     "prag_asp.physics.checks.settling": ("open_settling", "settle"),
     "prag_asp.physics.demonstration.demonstration_check": ("check_demonstration",),
@@ -100,14 +101,14 @@ _HOMES = {
     "prag_asp.physics.filming.episode_options": ("Staging",),
     "prag_asp.physics.motion.transit": ("travel",),
     "prag_asp.physics.pictures.rendering": ("animate", "film_strip", "still"),
-    "prag_asp.physics.pool": ("validate_numbered", "validate_tasks"),
+    "prag_asp.physics.validation": ("validate_numbered", "validate_tasks"),
     "prag_asp.physics.predicates": ("PREDICATES", "Predicate", "Side", "Volume", "states"),
     "prag_asp.physics.situation": ("Situation",),
     "prag_asp.scene.geometry": ("Quaternion", "yaw_of"),
     "prag_asp.scene.variation": ("Variation",),
     "prag_asp.physics.search.attempt": ("CAUSES",),
     "prag_asp.physics.validator": ("Validator", "open_validator", "validate_task"),
-    "prag_asp.physics.verdict": ("TIERS", "Budget", "Verdict"),
+    "prag_asp.physics.verdict": ("TIERS", "Budget", "Tier", "Verdict"),
     "prag_asp.physics.witness": ("Arm", "Moment", "Waypoint", "Witness"),
 }
 

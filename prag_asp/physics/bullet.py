@@ -1,4 +1,4 @@
-"""PyBullet, loaded where it is first used; what its C++ prints is kept off standard output, where results go."""
+"""PyBullet, loaded when it is first used; its C++ output is kept off standard output, where results go."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ STDOUT, STDERR = 1, 2
 
 _LOCK = Lock()
 _MUTED: dict[int, tuple[int, int]] = {}
-"""Of each descriptor that is silent: how many want it so, and a copy of where it led.
+"""For each muted descriptor: how many contexts mute it, and a duplicate of the original.
 
-Threads silence at once: were each to keep what it found, the last to end would keep nowhere.
+Threads mute concurrently: if each saved what it found, the last one to leave would restore the null device.
 """
 
 
 @contextmanager
-def silenced(*descriptors: int) -> Iterator[None]:
-    """Send what is written to file descriptors to nowhere, buffered output of C included."""
+def mute_output(*descriptors: int) -> Iterator[None]:
+    """Discard what is written to file descriptors within the block, including the buffered output of C."""
     flush()
     for descriptor in descriptors:
         _mute(descriptor)
@@ -36,16 +36,16 @@ def silenced(*descriptors: int) -> Iterator[None]:
 
 
 def _mute(descriptor: int) -> None:
-    """Silence a file descriptor, unless that is so already, for this thread or another one."""
+    """Mute a file descriptor, unless this or another thread has done so already."""
     with _LOCK:
         users, copy = _MUTED.get(descriptor) or (0, os.dup(descriptor))
         if not users:
-            silence(descriptor)
+            redirect_to_null(descriptor)
         _MUTED[descriptor] = users + 1, copy
 
 
 def _unmute(descriptor: int) -> None:
-    """Give a file descriptor its voice back where nobody else needs it silent."""
+    """Restore a file descriptor if nobody else mutes it."""
     with _LOCK:
         users, copy = _MUTED.pop(descriptor)
         if users > 1:
@@ -55,22 +55,22 @@ def _unmute(descriptor: int) -> None:
             os.close(copy)
 
 
-def silence(descriptor: int) -> None:
-    """Send what is written to a file descriptor to nowhere, for the rest of the process."""
+def redirect_to_null(descriptor: int) -> None:
+    """Discard what is written to a file descriptor for the rest of the process."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, descriptor)
     os.close(nowhere)
 
 
 def flush() -> None:
-    """Write out what Python and C still hold for standard output and standard error."""
+    """Flush the buffers of Python and C for standard output and standard error."""
     for stream in (sys.stdout, sys.stderr):
         if stream is not None and not stream.closed:
             stream.flush()
     ctypes.CDLL(None).fflush(None)
 
 
-with silenced(STDOUT, STDERR):
+with mute_output(STDOUT, STDERR):
     pybullet, pybullet_data = needed("pybullet"), needed("pybullet_data")
 
 __all__ = ["pybullet", "pybullet_data"]

@@ -1,4 +1,4 @@
-"""PyBullet, required before any work is done that would be for nothing without it."""
+"""Check that PyBullet is installed before starting work that needs it."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from prag_asp.errors import PhysicsMissingError
 
 
 def require_physics(reason: str = "") -> None:
-    """Load PyBullet; `reason` says what asks for it.
+    """Load PyBullet; `reason` says what needs it, for the message.
 
     Raises:
         PhysicsMissingError: it is not installed, or cannot be loaded.
     """
     try:
-        import prag_asp.physics.bullet  # noqa: F401, PLC0415 - heavy, and asked for here
+        import prag_asp.physics.bullet  # noqa: F401, PLC0415 - heavy, and needed here only
     except PhysicsMissingError as error:
         raise PhysicsMissingError(f"{reason}, and {error}" if reason else str(error)) from None

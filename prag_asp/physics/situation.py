@@ -1,4 +1,4 @@
-"""What a spatial predicate can see of one moment: where everything is, and what the grippers do."""
+"""The state of the world at one moment, for spatial predicates: poses, arms and openings."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ TABLE_THICKNESS = 0.04
 
 
 class Body(NamedTuple):
-    """An object's pose, half the sides of its bounding box as it is turned, its corners and its centre; metres."""
+    """An object's pose, and the half-sides, corners and centre of its axis-aligned bounding box; metres."""
 
     pose: Pose
     half: Vector
@@ -33,10 +33,10 @@ class Body(NamedTuple):
 class Situation:
     """The poses of the objects, and the arms by the names of their robots.
 
-    `openings` say how far furniture is open, in metres or radians, where it is. `tools` are the poses of the points
-    between the finger tips as a simulator has them; those that it leaves out follow from the joint angles.
+    `openings` say how far furniture is open, in metres or radians; 0 by default. `tools` are the tool poses (of the
+    point between the fingertips) according to a simulator; others are computed from the joint angles.
 
-    `measured` remembers the boxes of poses already seen; situations made from one another share it.
+    `measured` caches the bounding boxes of poses; situations made from one another share it.
     """
 
     scene: Scene
@@ -58,7 +58,7 @@ class Situation:
         return arm
 
     def tool(self, robot: str) -> Pose:
-        """Return the pose of the point between the finger tips of a robot.
+        """Return the tool pose of a robot: that of the point between its fingertips.
 
         Raises:
             SceneError: its arm is not here.
@@ -85,11 +85,11 @@ class Situation:
         return shape
 
     def is_table(self, entity: str) -> bool:
-        """Tell whether an entity is the table."""
+        """Return whether an entity is the table."""
         return self.shape(entity).kind == "table"
 
     def is_surface(self, entity: str) -> bool:
-        """Tell whether an entity is the table, or a zone, which is a part of its top."""
+        """Return whether an entity is the table, or a zone, which is a part of its top."""
         return self.shape(entity).traits.surface
 
     def pose(self, entity: str) -> Pose:
@@ -143,19 +143,19 @@ class Situation:
         return self.openings.get(entity, 0.0)
 
     def part(self, entity: str) -> Pose:
-        """Return the pose of the moving part of furniture, and of other bodies their own."""
+        """Return the pose of the moving part of furniture; for other bodies, their own pose."""
         shape, pose = self.shape(entity), self.pose(entity)
         return part_pose(shape, pose, self.opening(entity)) if shape.traits.furniture else pose
 
     def floor(self, entity: str) -> Pose:
-        """Return the pose of the middle of the floor of something hollow."""
+        """Return the pose of the centre of the floor of a hollow body."""
         shape, pose = self.shape(entity), self.pose(entity)
         if shape.traits.furniture:
             return cavity_pose(shape, pose, self.opening(entity))
         return raised(pose, shape.wall - self.half(entity)[2])
 
     def half(self, entity: str) -> Vector:
-        """Return half the sides of the bounding box of an entity as it is turned, in metres."""
+        """Return the half-sides of the axis-aligned bounding box of an entity in metres."""
         return self.body(entity).half
 
     def top(self, entity: str) -> float:
@@ -175,30 +175,30 @@ class Situation:
         return Situation(self.scene, poses, self.arms, self.openings, self.tools, self.measured)
 
     def with_arm(self, robot: str, arm: Arm) -> Situation:
-        """Return the situation with an arm elsewhere, its gripper open otherwise, or holding something else."""
+        """Return the situation with another state of an arm."""
         tools = {name: tool for name, tool in self.tools.items() if name != robot}
         return Situation(self.scene, self.poses, {**self.arms, robot: arm}, self.openings, tools, self.measured)
 
     def with_opening(self, entity: str, opening: float) -> Situation:
-        """Return the situation with furniture open otherwise; what is in it stays where it is."""
+        """Return the situation with another opening of furniture; what is in it stays where it is."""
         measured = {other: body for other, body in self.measured.items() if other != entity}
         openings = {**self.openings, entity: opening}
         return Situation(self.scene, self.poses, self.arms, openings, self.tools, measured)
 
 
 def fixed_pose(scene: Scene, entity: str) -> Pose:
-    """Return the pose of a body that never moves, as the scene has it."""
+    """Return the pose of a fixed body of the scene."""
     x, y, yaw = scene.fixed[entity]
     return Pose((x, y, scene.shapes[entity].half[2]), yaw_quaternion(yaw))
 
 
 def _box(pose: Pose, half: Vector) -> Body:
-    """Return a pose with a bounding box around it."""
+    """Return a body from its pose and half-sides."""
     low, high = corners_of((pose.position, half))
     return Body(pose, half, low, high, pose.position)
 
 
 def _between(pose: Pose, corners: Corners) -> Body:
-    """Return a pose with the bounding box between two corners."""
+    """Return a body from its pose and the corners of its bounding box."""
     (centre, half), (low, high) = box_of(corners), corners
     return Body(pose, half, low, high, centre)

@@ -1,4 +1,4 @@
-"""From a symbolic task to what physics has to bring about: facts of states and effects of actions."""
+"""The physical meaning of a symbolic task: spatial facts of its states, and effects of its actions."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from prag_asp.task import State, Task
 from prag_asp.wording import plural
 
 BORDER = 1e-12
-"""How far it is from where a predicate just holds to where it does not, in metres or radians."""
+"""The distance from the border of a predicate to where it does not hold, in metres or radians."""
 
 
 class Fact(NamedTuple):
@@ -25,23 +25,23 @@ class Fact(NamedTuple):
     arguments: tuple[str, ...]
     value: bool
 
-    def satisfied(self, situation: Situation) -> bool:
-        """Check the fact on a situation."""
+    def is_satisfied(self, situation: Situation) -> bool:
+        """Return whether a situation satisfies the fact."""
         return self.predicate.holds(situation, self.arguments) == self.value
 
     def distance(self, situation: Situation) -> float:
-        """Return how far a situation is from satisfying the fact, in metres or radians; at most 0 where it does.
+        """Return the signed distance of a situation to satisfying the fact, in metres or radians; at most 0 if it does.
 
-        Where it is satisfied, this is minus what it has to spare. That of a predicate that shall not hold is how deep
-        the situation is in where it does: no less than what has to be moved, and more than 0 on the border.
+        If the fact is satisfied, it is minus the margin. For a predicate that must not hold, it is the depth of the
+        situation within the predicate: no less than the motion needed, and more than 0 on the border.
         """
         signed = self.predicate.signed_distance(situation, self.arguments)
         return signed if self.value else (-signed or BORDER)
 
     def way(self, situation: Situation) -> float:
-        """Return how far there is to go until a situation satisfies the fact, in metres or radians.
+        """Return the length of the way to a situation that satisfies the fact, in metres or radians.
 
-        It is the distance, or more where the shortest way is barred; at most 0 exactly where the fact is satisfied.
+        It is the distance, or more if the direct way is barred; at most 0 if and only if the fact is satisfied.
         """
         return self.predicate.signed_way(situation, self.arguments) if self.value else self.distance(situation)
 
@@ -51,7 +51,7 @@ class Fact(NamedTuple):
 
 
 class Step(NamedTuple):
-    """What a task says of one action: its number from 1, its subgoal, and the facts of the states around it."""
+    """One action of a task: its number from 1, its subgoal, and the facts of the states before and after it."""
 
     action: Atom
     number: int
@@ -61,16 +61,15 @@ class Step(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Effect:
-    """What one action does to the bodies.
+class ActionEffect:
+    """The physical effect of an action.
 
-    `grasps`, `releases` and `visits` name the object that the gripper takes, lets go, or goes to, `over` what it
-    moves to be over. `holds` is the object held before and after. The gripper is that of `robot`, and `giver` the
-    other one that lets a grasped object go. `leaves` is set where the gripper goes away from its
-    object, `lifts` where a grasped object leaves what it stands on, `stays` where the gripper remains at a released
-    object. `moved` are objects that the action makes the subject of a relation, `turns` the furniture that it opens or
-    closes. `after` are the facts of the state
-    `number` that it leads to, `fresh` those of them that the state before does not know.
+    `grasps`, `releases` and `visits` name the object that the gripper grasps, releases or moves to, `over` the one that
+    it moves over. `holds` is the object held before and after. The gripper is that of `robot`; `giver` is the other
+    robot in a handover. `leaves` means that the gripper leaves its object, `lifts` that a grasped object leaves its
+    support, `stays` that the gripper remains at a released object. `moved` are the objects that the action makes the
+    subject of a relation, `turns` is the furniture that it opens or closes, `closes` means that it closes the gripper.
+    `after` are the facts of the state `number` that results, `fresh` those of them that the state before does not have.
     """
 
     action: Atom
@@ -94,15 +93,15 @@ class Effect:
 
 @dataclass(frozen=True)
 class PhysicalTask:
-    """A task as physics sees it: the bodies that take part, the facts of the first state, the effects.
+    """The physical meaning of a task: its bodies, the facts of its initial state, and the effects of its actions.
 
-    `held` says what each robot that holds something holds in the first state.
+    `held` maps each robot that holds an object in the initial state to that object.
     """
 
     objects: tuple[str, ...]
     initial: tuple[Fact, ...]
     held: Mapping[str, str]
-    effects: tuple[Effect, ...]
+    effects: tuple[ActionEffect, ...]
 
     @property
     def states(self) -> tuple[tuple[Fact, ...], ...]:
@@ -111,25 +110,25 @@ class PhysicalTask:
 
 
 def facts(scene: Scene, state: State) -> tuple[Fact, ...]:
-    """Return what a state says about space; other fluents are left out.
+    """Return the spatial facts of a state; other fluents are ignored.
 
     Raises:
-        SceneError: the scene lacks the shape or the yaw of an entity that a spatial fluent speaks about.
+        SceneError: the scene lacks the shape or the yaw of an entity in a spatial fluent.
     """
     return _facts(scene, state, {})
 
 
 def physical_task(task: Task, scene: Scene) -> PhysicalTask:
-    """Return a task as physics sees it.
+    """Return the physical meaning of a task.
 
     Raises:
-        SceneError: the scene lacks the shape or the yaw of an entity that a spatial fluent speaks about.
+        SceneError: the scene lacks the shape or the yaw of an entity in a spatial fluent.
     """
     known: dict[tuple[Atom, bool], Fact | None] = {}
     states = [_facts(scene, state, known) for state in (task.initial, *task.states)]
     first = {robot: _only(of_robot(states[0], robot), Gripper.HOLDS) for robot in scene.robots}
     start = {robot: thing for robot, thing in first.items() if thing}
-    held, effects = dict(start), list[Effect]()
+    held, effects = dict(start), list[ActionEffect]()
     for k, action in enumerate(task.actions):
         subgoal = _facts(scene, task.subgoals[k], known)
         effect = _effect(scene, Step(action, k + 1, subgoal, states[k], states[k + 1]), held)
@@ -141,13 +140,13 @@ def physical_task(task: Task, scene: Scene) -> PhysicalTask:
             held[effect.robot] = effect.grasps
         effects.append(effect)
     named = {entity for facts_of in states for fact in facts_of for entity in fact.arguments}
-    # What never moves is there whether the task speaks of it or not.
+    # Fixed bodies are obstacles even if the task does not name them.
     objects = tuple(entity for entity in [*task.entities, *sorted(named), *scene.fixed] if _is_object(scene, entity))
     return PhysicalTask(tuple(dict.fromkeys(objects)), states[0], start, tuple(effects))
 
 
 def _facts(scene: Scene, state: State, known: dict[tuple[Atom, bool], Fact | None]) -> tuple[Fact, ...]:
-    """Return what a state says about space, each fluent read once into `known`."""
+    """Return the spatial facts of a state; `known` caches the meaning of fluents."""
     for item in state.items():
         if item not in known:
             known[item] = _fact(scene, *item)
@@ -156,7 +155,7 @@ def _facts(scene: Scene, state: State, known: dict[tuple[Atom, bool], Fact | Non
 
 
 def _fact(scene: Scene, atom: Atom, value: bool) -> Fact | None:
-    """Return a fluent as a fact, None where it means nothing to physics."""
+    """Return the fact of a fluent, None if it is not spatial."""
     name = scene.meaning(atom)
     if name is None:
         return None
@@ -176,14 +175,14 @@ def _fact(scene: Scene, atom: Atom, value: bool) -> Fact | None:
 
 
 def of_robot(state: Iterable[Fact], robot: str | None) -> list[Fact]:
-    """Return what a state says of a robot's gripper, and what it says of no gripper."""
+    """Return the facts of a state about a robot's gripper, and those about no gripper."""
     return [fact for fact in state if not fact.predicate.of_gripper or fact.arguments[0] == robot]
 
 
 def _acting(scene: Scene, subgoal: tuple[Fact, ...]) -> str | None:
-    """Return the robot that an action moves: the one that gets hold of something, or else whose gripper does most.
+    """Return the robot that an action moves: the one that grasps something, else the first of the subgoal.
 
-    None where the subgoal speaks of no gripper, and any of several may be meant.
+    None if the subgoal concerns no gripper and there are several robots.
     """
     grippers = [fact for fact in subgoal if fact.predicate.of_gripper]
     ranked = sorted(grippers, key=lambda fact: (not fact.value, fact.predicate.gripper is not Gripper.HOLDS))
@@ -192,7 +191,7 @@ def _acting(scene: Scene, subgoal: tuple[Fact, ...]) -> str | None:
 
 
 def _giver(subgoal: Iterable[Fact], robot: str | None, thing: str | None, all_held: Mapping[str, str]) -> str | None:
-    """Return the other robot that lets a thing go that one takes, None where none does."""
+    """Return the other robot that releases the object which one grasps, None if there is none."""
     for fact in subgoal:
         other = fact.arguments[0]
         lets_go = fact.predicate.gripper is Gripper.HOLDS and not fact.value and fact.arguments[1] == thing
@@ -201,8 +200,8 @@ def _giver(subgoal: Iterable[Fact], robot: str | None, thing: str | None, all_he
     return None
 
 
-def _effect(scene: Scene, step: Step, all_held: Mapping[str, str]) -> Effect:
-    """Return what an action does, read off its whole subgoal and the states around it."""
+def _effect(scene: Scene, step: Step, all_held: Mapping[str, str]) -> ActionEffect:
+    """Return the effect of an action, from its subgoal and the states before and after it."""
     robot = _acting(scene, step.subgoal)
     held = None if robot is None else all_held.get(robot)
     subgoal = of_robot(step.subgoal, robot)
@@ -212,7 +211,7 @@ def _effect(scene: Scene, step: Step, all_held: Mapping[str, str]) -> Effect:
     holds = held if grasps is None and releases is None else None
     moved = [_moved(fact, held) for fact in subgoal if fact.value and _moves(fact)]
     known_before = set(step.before)
-    return Effect(
+    return ActionEffect(
         action=step.action,
         number=step.number,
         grasps=grasps,
@@ -235,38 +234,38 @@ def _effect(scene: Scene, step: Step, all_held: Mapping[str, str]) -> Effect:
 
 
 def _moves(fact: Fact) -> bool:
-    """Tell whether an object is moved to make a fact true, not a gripper or a part of furniture."""
+    """Return whether a fact is made true by moving an object, not a gripper or a part of furniture."""
     return not (fact.predicate.of_gripper or fact.predicate.of_joint)
 
 
 def _moved(fact: Fact, held: str | None) -> str:
-    """Return the object that moves when a fact is made true: what the gripper holds, where it is one of two or more."""
+    """Return the object that moves when a fact is made true: the held one if it is an argument, else the subject."""
     if held in fact.arguments and not fact.predicate.places:
         return str(held)
     return fact.arguments[fact.predicate.subject]
 
 
 def _turns(fact: Fact, known: set[Fact]) -> bool:
-    """Tell whether a fact says that furniture is open or closed, and is not known already."""
+    """Return whether a fact about the opening of furniture is new."""
     return fact.predicate.of_joint and fact not in known
 
 
 def _closes(subgoal: Iterable[Fact]) -> bool:
-    """Tell whether an action closes the gripper."""
+    """Return whether an action closes the gripper."""
     return any(fact.predicate.gripper is Gripper.OPEN and not fact.value for fact in subgoal)
 
 
 def _only(state: Iterable[Fact], does: Gripper) -> str | None:
-    """Return the object with which a gripper is known to do something, None where there is none."""
+    """Return the object of a positive fact about a gripper, None if there is none."""
     return next((f.arguments[1] for f in state if f.predicate.gripper is does and f.value), None)
 
 
 def _known(state: Iterable[Fact], does: Gripper, entity: str | None) -> bool | None:
-    """Return whether a gripper is known to do something with an object or not to, None where it is unknown."""
+    """Return the value of a fact about a gripper and an object, None if it is unknown."""
     matching = (f.value for f in state if f.predicate.gripper is does and f.arguments[1] == entity)
     return next(matching, None)
 
 
 def _is_object(scene: Scene, entity: str) -> bool:
-    """Tell whether an entity is a body of its own: it has a shape, and is no robot, table or zone."""
+    """Return whether an entity is an object: it has a shape, and is no robot, table or zone."""
     return entity in scene.shapes and scene.shapes[entity].traits.body

@@ -1,7 +1,7 @@
-"""Files that are there only while PyBullet reads them.
+"""Temporary files that exist only while PyBullet reads them.
 
-Processes of multiprocessing end without Python's own finalizers, and workers are ended from outside: a folder that were
-there as long as its process would outlive it.
+Worker processes are killed from outside and run no finalizers: a folder that existed as long as its process would be
+left behind.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ REMEDY = "set TMPDIR to a folder with room that can be written"
 
 
 @contextmanager
-def lent(files: Mapping[str, bytes]) -> Iterator[Path]:
-    """Write files into a folder, which is gone afterwards; use it within no other one.
+def temporary_folder(files: Mapping[str, bytes]) -> Iterator[Path]:
+    """Write files into a temporary folder and delete it afterwards; calls must not be nested.
 
-    The folder has the same path each time in a thread, for PyBullet remembers meshes by their paths, for good: give
-    what differs different names. What an interruption left of it goes before it is made again.
+    A thread uses the same path each time, because PyBullet caches meshes by their paths for the life of the process:
+    give different contents different names. What an interruption left in the folder is deleted first.
 
     Raises:
         OutputError: it cannot be written.
@@ -49,7 +49,7 @@ def lent(files: Mapping[str, bytes]) -> Iterator[Path]:
 
 
 def _write(files: Mapping[str, bytes], folder: Path) -> None:
-    """Make a folder with files.
+    """Create a folder with files.
 
     Raises:
         OutputError: it cannot be written.
@@ -64,5 +64,5 @@ def _write(files: Mapping[str, bytes], folder: Path) -> None:
 
 @cache
 def _name(process: int, thread: int) -> str:
-    """Return a name that no other thread has, nor could anybody guess; a process that is forked has its own."""
+    """Return a name that is unique to a thread and cannot be guessed; a forked process gets its own."""
     return f"prag_asp_{process}_{thread:x}_{uuid4().hex}"

@@ -1,4 +1,4 @@
-"""Look for a witness of a task: restarts from new first states, samples of each action."""
+"""Search for a witness of a task: restarts from new initial states, samples of each action."""
 
 from __future__ import annotations
 
@@ -10,29 +10,28 @@ from dataclasses import replace
 import numpy as np
 
 from prag_asp.atom import Atom
-from prag_asp.errors import SceneError
-from prag_asp.physics.checks.settling import Settling, open_settling
-from prag_asp.physics.demonstration.demonstration import Demonstration
-from prag_asp.physics.demonstration.performance import Performer, open_performer
+from prag_asp.errors import PragError, SceneError
 from prag_asp.physics.filming.episode_options import Staging
-from prag_asp.physics.filming.film import film
-from prag_asp.physics.motion.transit import with_transit
 from prag_asp.physics.proofs.prover import Prover
 from prag_asp.physics.search.action_effects import advance
-from prag_asp.physics.search.attempt import CAUSES, NO_PATH, Exhausted, Failure, Fault, Search, Snapshot
+from prag_asp.physics.search.attempt import CAUSES, Exhausted, Failure, PhysicsFault, Search, Snapshot
 from prag_asp.physics.search.foresight import foresee
-from prag_asp.physics.search.initial_state import draw_start
+from prag_asp.physics.search.initial_state import sample_initial_state
 from prag_asp.physics.search.spans import foresee_spans
-from prag_asp.physics.symbolic_facts import Effect, PhysicalTask, physical_task
-from prag_asp.physics.verdict import Budget, Detail, Verdict
+from prag_asp.physics.symbolic_facts import ActionEffect, PhysicalTask, physical_task
+from prag_asp.physics.tiers import TierPipeline
+from prag_asp.physics.verdict import Budget, Detail, Status, Verdict
 from prag_asp.physics.witness import Waypoint, Witness
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.processes.progress_events import stage
 from prag_asp.scene.scene import Scene, Size
 from prag_asp.task import Task
 
+ACTIVITY = "checking tasks by physics"
+"""What validation is called where progress is shown."""
+
 LISTED = 8
-"""How many details of failed attempts a verdict tells at most."""
+"""Details of failed attempts that a verdict has at most."""
 
 
 class Validator:
@@ -40,25 +39,23 @@ class Validator:
 
     def __init__(self, scene: Scene, resources: ExitStack):
         self._scene = scene
-        self._resources = resources
         self._simulator = resources.enter_context(open_simulator(scene))
         self._prover = Prover(scene)
-        self._settling: Settling | None = None
-        self._performer: Performer | None = None
+        self._tiers = TierPipeline(scene, self._simulator, resources)
 
     def validate(
         self, task: Task, *, seed: int, index: int = 0, budget: Budget | None = None, staging: Staging | None = None
     ) -> Verdict:
-        """Return the verdict on a task; it depends on nothing but the arguments and the scene.
+        """Return the verdict on a task; it depends on the arguments and the scene alone.
 
-        `staging` says how it is demonstrated, where the budget asks for that.
+        `staging` says how the task is demonstrated, if the budget includes that tier.
 
         Raises:
-            SceneError: the task speaks about something for which the scene has no shape.
+            SceneError: the task names an entity that has no shape.
             QueryError: the scene has no camera of a name that `staging` has.
         """
         budget = budget or Budget()
-        stage("checking tasks by physics")
+        stage(ACTIVITY)
         physical = physical_task(task, self._scene)
         if len(physical.effects) != len(task.states):
             raise SceneError(f"the task {task} has {len(task.states)} states for {len(physical.effects)} actions")
@@ -68,47 +65,39 @@ class Validator:
         rng = np.random.default_rng([seed, index])
         ahead, spans = foresee(physical, self._scene), foresee_spans(physical, self._scene)
         search = Search(self._simulator, physical.objects, rng, ahead, spans)
-        return self._look(physical, search, budget, (seed, index), staging or Staging())
+        return self._search(physical, search, budget, (seed, index), staging or Staging())
 
-    def _look(
+    def _search(
         self, physical: PhysicalTask, search: Search, budget: Budget, seeds: tuple[int, int], staging: Staging
     ) -> Verdict:
-        """Search for a witness within a budget."""
-        (seed, index), faults = seeds, Counter[Fault]()
+        """Search for a witness that passes the tiers of a budget."""
+        faults = Counter[PhysicsFault]()
+        status: Status = "not_found"
+        restarts, witness, demonstration = budget.restarts, None, None
         for restart in range(budget.restarts):
             search, sizes = self._sized(physical, search)
-            witness = _attempt(physical, search, sizes, budget.samples, faults)
-            if witness is None or not self._settles(physical, witness, budget, faults):
+            candidate = _attempt(physical, search, sizes, budget.samples, faults)
+            if candidate is None:
                 continue
-            witness = self._travels(physical, witness, budget, faults)
-            if witness is None:
-                continue
-            demonstration = self._perform(physical, witness, budget, faults, ((*seeds, restart), staging))
-            if demonstration is None or demonstration.success:
-                return Verdict(
-                    "feasible",
-                    budget,
-                    seed,
-                    index,
-                    causes=_causes(faults),
-                    details=_details(faults, self._scene),
-                    restarts=restart + 1,
-                    witness=witness,
-                    demonstration=demonstration,
-                )
+            outcome = self._tiers.run(physical, candidate, budget, (*seeds, restart), staging)
+            if outcome.fault is None:
+                status, restarts, (witness, _, demonstration) = "feasible", restart + 1, outcome
+                break
+            faults[outcome.fault] += 1
         return Verdict(
-            "not_found",
+            status,
             budget,
-            seed,
-            index,
-            reason=_most_common(faults),
+            *seeds,
+            reason="" if witness is not None else _most_common(faults),
             causes=_causes(faults),
-            restarts=budget.restarts,
+            restarts=restarts,
+            witness=witness,
+            demonstration=demonstration,
             details=_details(faults, self._scene),
         )
 
     def _sized(self, physical: PhysicalTask, search: Search) -> tuple[Search, Mapping[str, Size]]:
-        """Return the search with sizes drawn for the objects that have a range of them, and the sizes in metres."""
+        """Return the search with random sizes of the objects that have a range of them, and these sizes in metres."""
         ranges = {entity: self._scene.ranges[entity] for entity in physical.objects if entity in self._scene.ranges}
         if not ranges:
             return search, {}
@@ -118,57 +107,22 @@ class Validator:
         sizes = {entity: shape.size for entity, shape in drawn.items()}
         return replace(search, foresight=foresee(physical, scene)), sizes
 
-    def _settles(self, physical: PhysicalTask, witness: Witness, budget: Budget, faults: Counter[Fault]) -> bool:
-        """Tell whether the states of a witness are stable, as far as a budget asks for it."""
-        if not budget.includes("settling"):
-            return True
-        if self._settling is None:
-            self._settling = self._resources.enter_context(open_settling(self._scene))
-        fault = self._settling.fault(physical, witness)
-        if fault is not None:
-            faults[fault] += 1
-        return fault is None
-
-    def _travels(
-        self, physical: PhysicalTask, witness: Witness, budget: Budget, faults: Counter[Fault]
-    ) -> Witness | None:
-        """Return a witness with the ways of the arm, as far as a budget asks for them; None where one is missing."""
-        if not budget.includes("transit"):
-            return witness
-        travelled = with_transit(self._simulator, physical, witness)
-        if travelled is None:
-            faults[Fault(NO_PATH)] += 1
-        return travelled
-
-    def _perform(
-        self,
-        physical: PhysicalTask,
-        witness: Witness,
-        budget: Budget,
-        faults: Counter[Fault],
-        staged: tuple[tuple[int, ...], Staging],
-    ) -> Demonstration | None:
-        """Return the recording of the robot performing a witness, None where a budget does not ask for it."""
-        if not budget.includes("demonstration"):
-            return None
-        if self._performer is None:
-            opened = open_performer(self._scene, self._simulator)
-            self._performer = self._resources.enter_context(opened)
-        seeds, staging = staged
-        variation = staging.drawn(self._scene.with_sizes(witness.sizes), physical.objects, seeds)
-        demonstration = self._performer.perform(physical, witness, variation)
-        if not demonstration.success:
-            faults[Fault(demonstration.cause, text=demonstration.detail)] += 1
-        elif staging.cameras:
-            return film(demonstration, self._scene, staging)
-        return demonstration
-
 
 @contextmanager
 def open_validator(scene: Scene) -> Iterator[Validator]:
-    """Open a validator, and close its simulators afterwards."""
+    """Open a validator, and close its simulators afterwards.
+
+    Raises:
+        SceneError: the scene cannot be built.
+    """
     with ExitStack() as resources:
-        yield Validator(scene, resources)
+        try:
+            validator = Validator(scene, resources)
+        except PragError:
+            raise
+        except Exception as error:
+            raise SceneError(f"the scene cannot be built: {type(error).__name__}: {error}") from error
+        yield validator
 
 
 def validate_task(
@@ -180,19 +134,19 @@ def validate_task(
     budget: Budget | None = None,
     staging: Staging | None = None,
 ) -> Verdict:
-    """Return the verdict on one task; open a validator to check many.
+    """Return the verdict on one task; `open_validator` is for many.
 
     Raises:
-        SceneError: the task speaks about something for which the scene has no shape.
+        SceneError: the task names an entity that has no shape.
     """
     with open_validator(scene) as validator:
         return validator.validate(task, seed=seed, index=index, budget=budget, staging=staging)
 
 
 def _attempt(
-    physical: PhysicalTask, search: Search, sizes: Mapping[str, Size], samples: int, faults: Counter[Fault]
+    physical: PhysicalTask, search: Search, sizes: Mapping[str, Size], samples: int, faults: Counter[PhysicsFault]
 ) -> Witness | None:
-    """Return a witness found from one first state, None where an action fails in all its samples."""
+    """Return a witness from one initial state, None if all samples of an action fail."""
     snapshot = _start(search, physical, samples, faults)
     if snapshot is None:
         return None
@@ -207,20 +161,20 @@ def _attempt(
     return Witness(tuple(moments), tuple(motions), sizes)
 
 
-def _start(search: Search, physical: PhysicalTask, samples: int, faults: Counter[Fault]) -> Snapshot | None:
-    """Return a first state, None where all samples fail."""
+def _start(search: Search, physical: PhysicalTask, samples: int, faults: Counter[PhysicsFault]) -> Snapshot | None:
+    """Return an initial state, None if all samples fail."""
     for _ in range(samples):
         try:
-            return draw_start(search, physical)
+            return sample_initial_state(search, physical)
         except Failure as failure:
             faults[failure.fault] += 1
     return None
 
 
 def _step(
-    search: Search, snapshot: Snapshot, effect: Effect, samples: int, faults: Counter[Fault]
+    search: Search, snapshot: Snapshot, effect: ActionEffect, samples: int, faults: Counter[PhysicsFault]
 ) -> tuple[Snapshot, tuple[Waypoint, ...]] | None:
-    """Return what an action leads to, None where all samples fail."""
+    """Return the snapshot and the waypoints after an action, None if all samples fail."""
     for attempt in range(samples):
         try:
             return advance(search, snapshot, effect, attempt)
@@ -231,26 +185,26 @@ def _step(
     return None
 
 
-def _causes(faults: Counter[Fault]) -> dict[str, int]:
-    """Return how often attempts failed for each cause, in the order of the checks."""
+def _causes(faults: Counter[PhysicsFault]) -> dict[str, int]:
+    """Return the number of failed attempts by cause, in the order of the checks."""
     counted = _by_cause(faults)
     return {cause: counted[cause] for cause in CAUSES if counted[cause]}
 
 
-def _most_common(faults: Counter[Fault]) -> str:
-    """Return the cause for which most attempts failed, of several the first one met."""
+def _most_common(faults: Counter[PhysicsFault]) -> str:
+    """Return the cause of most failed attempts; the first one met breaks ties."""
     return _by_cause(faults).most_common(1)[0][0]
 
 
-def _by_cause(faults: Counter[Fault]) -> Counter[str]:
+def _by_cause(faults: Counter[PhysicsFault]) -> Counter[str]:
     counted: Counter[str] = Counter()
     for fault, number in faults.items():
         counted[fault.cause] += number
     return counted
 
 
-def _details(faults: Counter[Fault], scene: Scene) -> tuple[Detail, ...]:
-    """Return of what the attempts failed that say so, the most common first, `LISTED` at most."""
+def _details(faults: Counter[PhysicsFault], scene: Scene) -> tuple[Detail, ...]:
+    """Return the details of failed attempts, the most common first, at most `LISTED`."""
     found: Counter[tuple[str, str, str, bool | None, tuple[str, ...]]] = Counter()
     for fault, number in faults.items():
         fact, value, text = "", None, fault.text

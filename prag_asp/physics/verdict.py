@@ -1,51 +1,60 @@
-"""The outcome of a physical check, as values that round-trip to JSON."""
+"""Budgets and verdicts of physical validation, as values that round-trip to JSON."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
-
-import msgspec
+from dataclasses import asdict, dataclass, field, replace
+from enum import Enum
+from typing import Any, Literal
 
 from prag_asp.errors import QueryError
-from prag_asp.fields import Whole, one_of, read
-from prag_asp.physics.witness import Witness, witness_of
-
-if TYPE_CHECKING:
-    from prag_asp.physics.demonstration.demonstration import Demonstration
+from prag_asp.physics.demonstration.demonstration import Demonstration
+from prag_asp.physics.witness import Witness
+from prag_asp.tables.json_fields import Whole, read, require_complete
 
 Status = Literal["feasible", "not_found", "infeasible"]
-Tier = Literal["kinematics", "settling", "transit", "demonstration"]
-STATUSES: tuple[Status, ...] = get_args(Status)
-TIERS: tuple[Tier, ...] = get_args(Tier)
-"""The tiers of checks, the cheapest first."""
 
 LONGEST = 9
-"""Digits of a number of a budget that a text spells."""
+"""Digits of a number of restarts or samples in a text, at most."""
+
+
+class Tier(str, Enum):
+    """A tier of checks, in order of cost; each includes those before it, and equals its name."""
+
+    KINEMATICS = "kinematics"
+    SETTLING = "settling"
+    TRANSIT = "transit"
+    DEMONSTRATION = "demonstration"
+
+    def __str__(self) -> str:
+        return self.value
+
+
+TIERS = tuple(Tier)
+"""The tiers of checks, in order of cost."""
 
 
 @dataclass(frozen=True)
 class Budget:
-    """How hard to look for a witness, and what it has to pass.
+    """How hard to search for a witness, and what it has to pass.
 
-    `restarts` are the first states tried for a task, `samples` the attempts at each action. `tier` is the
-    dearest tier of checks; those before it in `TIERS` are included.
+    `restarts` are the initial states tried for a task, `samples` the attempts at each action. `tier` is the most
+    expensive tier of checks, as a `Tier` or its name; those before it in `TIERS` are included.
 
     Raises:
         QueryError: a number is not positive, or the tier is unknown.
     """
 
-    restarts: int = 10
-    samples: int = 10
-    tier: Tier = "kinematics"
+    restarts: Whole = 10
+    samples: Whole = 10
+    tier: Tier = Tier.KINEMATICS
 
     @classmethod
-    def parse(cls, text: str, tier: Tier = "kinematics") -> Budget:
-        """Return the budget that a text such as ``10x10`` spells: restarts, and samples.
+    def parse(cls, text: str, tier: Tier = Tier.KINEMATICS) -> Budget:
+        """Return the budget of a text such as ``10x10``: restarts, and samples.
 
         Raises:
-            QueryError: it spells none.
+            QueryError: the text has another form.
         """
         restarts, _, samples = text.partition("x")
         if not all(each.isdecimal() and len(each) <= LONGEST and int(each) for each in (restarts, samples)):
@@ -58,51 +67,27 @@ class Budget:
             raise QueryError(f"a budget needs at least 1 restart and 1 sample; got {self.restarts} x {self.samples}")
         if self.tier not in TIERS:
             raise QueryError(f"unknown tier of checks {self.tier!r}; known are {', '.join(TIERS)}")
+        object.__setattr__(self, "tier", Tier(self.tier))
 
     def __str__(self) -> str:
         return f"{self.restarts} x {self.samples}, {self.tier}"
 
     def includes(self, tier: Tier) -> bool:
-        """Tell whether a tier of checks is asked for."""
+        """Return whether a tier of checks is this budget's, or cheaper."""
         return TIERS.index(tier) <= TIERS.index(self.tier)
 
     def to_json(self) -> dict[str, Any]:
         """Return the budget as JSON-able data."""
-        return {"restarts": self.restarts, "samples": self.samples, "tier": self.tier}
+        return {"restarts": self.restarts, "samples": self.samples, "tier": self.tier.value}
 
 
-class Detail(NamedTuple):
-    """Of what attempts failed for a cause, and how many of them.
+@dataclass(frozen=True)
+class Detail:
+    """What a number of attempts that failed for the same cause had in common.
 
-    `fact` is a spatial predicate with its arguments that should have the `value`, told in words by `text`; where no
-    fact is to blame it is "", and the value None. `entities` are the bodies and robots concerned.
+    `fact` is a spatial predicate with its arguments that should have the `value`, which `text` says in words; if no
+    fact is to blame, it is "" and the value None. `entities` are the bodies and robots concerned.
     """
-
-    cause: str
-    text: str
-    fact: str
-    value: bool | None
-    entities: tuple[str, ...]
-    attempts: int
-
-    def __str__(self) -> str:
-        return self.text or ", ".join(self.entities)
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the detail as JSON-able data."""
-        return {**self._asdict(), "entities": list(self.entities)}
-
-
-class _BudgetForm(msgspec.Struct):
-    """A budget as it stands in a file."""
-
-    restarts: Whole
-    samples: Whole
-    tier: str
-
-
-class _DetailForm(msgspec.Struct):
-    """A detail as it stands in a file."""
 
     cause: str
     text: str
@@ -111,38 +96,31 @@ class _DetailForm(msgspec.Struct):
     entities: tuple[str, ...]
     attempts: Whole
 
+    def __str__(self) -> str:
+        return self.text or ", ".join(self.entities)
 
-class _VerdictForm(msgspec.Struct):
-    """A verdict as it stands in a file."""
-
-    status: str
-    budget: _BudgetForm
-    seed: Whole
-    index: Whole
-    reason: str
-    causes: dict[str, Whole]
-    restarts: Whole
-    witness: Any
-    details: tuple[_DetailForm, ...] = ()
+    def to_json(self) -> dict[str, Any]:
+        """Return the detail as JSON-able data."""
+        return {**asdict(self), "entities": list(self.entities)}
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What physics says of a task, and how hard it looked.
+    """The result of validating a task, and how hard physics searched.
 
-    `reason` says why a task is proved infeasible or could not be looked at; `causes` counts why attempts failed, by the
-    kinds in `CAUSES`, and `details` name of what; `restarts` is how many first states were tried. `seed` and `index`
-    together repeat the search. `demonstration` is there where the budget asks for one; it is too large for JSON, and
-    has a file of its own.
+    `reason` says why a task is proved infeasible, or the cause for which most attempts failed; `causes` counts the
+    failed attempts by their cause (one of `CAUSES`), and `details` say of which facts and bodies; `restarts` is the
+    number of initial states tried. `seed` and `index` together repeat the search. `demonstration` is there if the
+    budget includes one; it is too large for JSON, and has a separate file.
     """
 
     status: Status
     budget: Budget
-    seed: int
-    index: int
+    seed: Whole
+    index: Whole
     reason: str = ""
-    causes: Mapping[str, int] = field(default_factory=dict)
-    restarts: int = 0
+    causes: Mapping[str, Whole] = field(default_factory=dict)
+    restarts: Whole = 0
     witness: Witness | None = None
     demonstration: Demonstration | None = None
     details: tuple[Detail, ...] = ()
@@ -154,11 +132,11 @@ class Verdict:
 
     @property
     def detail(self) -> str:
-        """In words the fact, or the bodies, to blame most often for the reason of a task that was not found."""
+        """In words, the fact or the bodies to blame most often for the reason of a task that was not found."""
         return next((str(detail) for detail in self.details if detail.cause == self.reason), "")
 
     def to_json(self) -> dict[str, Any]:
-        """Return the verdict as JSON-able data."""
+        """Return the verdict as JSON-able data, without the demonstration."""
         return {
             "status": self.status,
             "budget": self.budget.to_json(),
@@ -172,22 +150,13 @@ class Verdict:
         }
 
     @classmethod
-    def from_json(cls, data: Mapping[str, Any], robot: str = "panda") -> Verdict:
-        """Return the verdict that `to_json` wrote; `robot` is the single one of a witness of the form before.
+    def from_json(cls, data: Mapping[str, Any]) -> Verdict:
+        """Return the verdict that `to_json` wrote.
 
         Raises:
             QueryError: the data are of another form; the message names the field by its path.
         """
-        form = read(data, _VerdictForm, "verdict")
-        budget = form.budget
-        return cls(
-            status=one_of(STATUSES, form.status, "verdict.status"),
-            budget=Budget(budget.restarts, budget.samples, one_of(TIERS, budget.tier, "verdict.budget.tier")),
-            seed=form.seed,
-            index=form.index,
-            reason=form.reason,
-            causes=form.causes,
-            restarts=form.restarts,
-            witness=None if form.witness is None else witness_of(form.witness, "verdict.witness", robot),
-            details=tuple(Detail(*msgspec.structs.astuple(detail)) for detail in form.details),
-        )
+        verdict = read({**data, "witness": None, "demonstration": None}, cls, "verdict")
+        require_complete(data, verdict.to_json(), "verdict")
+        witness = data["witness"]
+        return replace(verdict, witness=None if witness is None else Witness.from_json(witness, "verdict.witness"))

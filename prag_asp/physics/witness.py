@@ -4,27 +4,50 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
-from prag_asp.physics.witness_json import VERSION, ArmForm, PoseForm, witness_form
+from prag_asp.errors import QueryError
 from prag_asp.scene.geometry import Pose
-from prag_asp.scene.robots import Joints
-from prag_asp.scene.scene import Size
+from prag_asp.tables.json_fields import Number, read, require_complete
+from prag_asp.tables.report import shown
+
+if TYPE_CHECKING:
+    from prag_asp.scene.robots import Joints
+
+VERSION = 2
+"""The version of the form in which witnesses and episodes are written."""
+
+ROBOT_PARTS = ("arm", "left finger", "right finger")
+"""The bodies of a robot whose contacts an episode records: each of them `of` a robot."""
 
 TRANSIT = "transit"
-"""The name of waypoints between those where something happens."""
+"""The name of waypoints on the collision-free path between two waypoints at which something happens."""
+
+if TYPE_CHECKING:
+    JointAngles = Joints
+else:  # as msgspec checks it
+    JointAngles = tuple[Number, Number, Number, Number, Number, Number, Number]
+
+BoxSize = tuple[Number, Number, Number]
+"""The sides of a bounding box in metres."""
 
 
-class Arm(NamedTuple):
-    """An arm at a moment: joint angles in radians, how far its gripper is open in metres, what it holds and how.
+@dataclass(frozen=True)
+class Arm:
+    """The state of an arm: its joint angles, how far its gripper is open in metres, what it holds and how.
 
     `grasp` is the pose of the `held` object in the frame of the tool.
     """
 
-    joints: Joints
-    width: float
+    joints: JointAngles
+    width: Number
     held: str | None = None
     grasp: Pose | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the arm as JSON-able data."""
+        grasp = None if self.grasp is None else _pose_json(self.grasp)
+        return {"joints": list(self.joints), "width": self.width, "held": self.held, "grasp": grasp}
 
 
 @dataclass(frozen=True)
@@ -37,7 +60,7 @@ class Moment:
 
     poses: Mapping[str, Pose]
     arms: Mapping[str, Arm]
-    openings: Mapping[str, float] = field(default_factory=dict)
+    openings: Mapping[str, Number] = field(default_factory=dict)
 
     @property
     def held(self) -> frozenset[str]:
@@ -45,10 +68,10 @@ class Moment:
         return frozenset(arm.held for arm in self.arms.values() if arm.held is not None)
 
     def to_json(self) -> dict[str, Any]:
-        """Return the moment as JSON-able data, without `openings` where no furniture takes part."""
+        """Return the moment as JSON-able data, without `openings` if no furniture takes part."""
         data: dict[str, Any] = {
             "poses": {entity: _pose_json(pose) for entity, pose in self.poses.items()},
-            "arms": {name: _arm_json(arm) for name, arm in self.arms.items()},
+            "arms": {name: arm.to_json() for name, arm in self.arms.items()},
         }
         if self.openings:
             data["openings"] = dict(self.openings)
@@ -57,22 +80,22 @@ class Moment:
 
 @dataclass(frozen=True)
 class Waypoint:
-    """A configuration that the arm of a `robot` passes during an action.
+    """A joint configuration that the arm of a `robot` passes during an action.
 
-    `name` is approach (above the object), at, lift, carry, pull, retreat, move (empty) or stay; transit on the way
-    there. `held` is what the gripper holds there; where that is the handle of furniture, `opening` is how far it is
-    open, in metres or radians.
+    `name` is approach (above the object), at, lift, carry, pull, retreat, move (empty) or stay; transit on the path
+    there. `held` is what the gripper holds there; if that is the handle of furniture, `opening` is how far it is open,
+    in metres or radians.
     """
 
     name: str
     robot: str
-    joints: Joints
-    width: float
+    joints: JointAngles
+    width: Number
     held: str | None = None
-    opening: float | None = None
+    opening: Number | None = None
 
     def to_json(self) -> dict[str, Any]:
-        """Return the waypoint as JSON-able data, without `opening` where it holds no furniture."""
+        """Return the waypoint as JSON-able data, without `opening` if it holds no furniture."""
         data = {
             "name": self.name,
             "robot": self.robot,
@@ -87,20 +110,20 @@ class Waypoint:
 class Witness:
     """How a task can be done: a moment for every state, and waypoints from each to the next.
 
-    `sizes` are the sides in metres of the bounding boxes of the objects whose size was drawn.
+    `sizes` are those of the objects whose size was drawn.
     """
 
     moments: tuple[Moment, ...]
     motions: tuple[tuple[Waypoint, ...], ...]
-    sizes: Mapping[str, Size] = field(default_factory=dict)
+    sizes: Mapping[str, BoxSize] = field(default_factory=dict)
 
     @property
-    def travels(self) -> bool:
-        """Whether it shows the ways of the arm between the waypoints."""
+    def has_transit(self) -> bool:
+        """Whether it has the paths of the arm between the waypoints at which something happens."""
         return any(waypoint.name == TRANSIT for motion in self.motions for waypoint in motion)
 
     def to_json(self) -> dict[str, Any]:
-        """Return the witness as JSON-able data, without `sizes` where none was drawn."""
+        """Return the witness as JSON-able data, without `sizes` if none was drawn."""
         data: dict[str, Any] = {
             "version": VERSION,
             "moments": [moment.to_json() for moment in self.moments],
@@ -111,54 +134,21 @@ class Witness:
         return data
 
     @classmethod
-    def from_json(cls, data: Mapping[str, Any], robot: str = "panda") -> Witness:
-        """Return the witness that `to_json` wrote, now or in the form before, in which a single `robot` had no name.
+    def from_json(cls, data: object, name: str = "witness") -> Witness:
+        """Return the witness that `to_json` wrote; the paths of fields in messages begin with `name`.
 
         Raises:
             QueryError: the data are of another form; the message names the field by its path.
         """
-        return witness_of(data, "witness", robot)
+        if isinstance(data, Mapping) and "version" not in data:
+            raise QueryError(f"{name}.version: is missing")
+        if isinstance(data, Mapping) and (type(data["version"]) is not int or data["version"] != VERSION):
+            raise QueryError(f"{name}.version: needs {VERSION}; got {shown(data['version'])}")
+        witness = read(data, cls, name)
+        require_complete(data, witness.to_json(), name)
+        return witness
 
 
 def _pose_json(pose: Pose) -> list[list[float]]:
     """Return a pose as its position and its quaternion (x, y, z, w)."""
     return [list(pose.position), list(pose.quaternion)]
-
-
-def _arm_json(arm: Arm) -> dict[str, Any]:
-    """Return an arm as JSON-able data."""
-    grasp = None if arm.grasp is None else _pose_json(arm.grasp)
-    return {"joints": list(arm.joints), "width": arm.width, "held": arm.held, "grasp": grasp}
-
-
-def witness_of(data: object, name: str, robot: str) -> Witness:
-    """Return the witness that `Witness.to_json` wrote; `name` begins the paths of fields in messages.
-
-    Raises:
-        QueryError: the data are of another form.
-    """
-    form = witness_form(data, name, robot)
-    moments = (
-        Moment(
-            {entity: _pose(pose) for entity, pose in each.poses.items()},
-            {name: _arm(arm) for name, arm in each.arms.items()},
-            each.openings or {},
-        )
-        for each in form.moments
-    )
-    motions = (
-        tuple(Waypoint(at.name, at.robot, at.joints, at.width, at.held, at.opening) for at in motion)
-        for motion in form.motions
-    )
-    return Witness(tuple(moments), tuple(motions), form.sizes or {})
-
-
-def _pose(form: PoseForm) -> Pose:
-    """Return the pose that `_pose_json` wrote."""
-    position, quaternion = form
-    return Pose(position, quaternion)
-
-
-def _arm(form: ArmForm) -> Arm:
-    """Return the arm that `_arm_json` wrote."""
-    return Arm(form.joints, form.width, form.held, None if form.grasp is None else _pose(form.grasp))

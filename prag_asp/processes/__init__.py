@@ -1,1 +1,1 @@
-"""Processes beside this one: how they are started, what they may take, and what this one is just doing."""
+"""Worker processes: how they are started and limited; the memory of the machine; and progress events."""

@@ -1,7 +1,7 @@
-"""A line between two processes: where the one that holds it ends, in whatever way, the kernel ends the other at once.
+"""A pipe by which the kernel kills a process as soon as the process that holds the other end is gone.
 
-Foreign code may keep the interpreter for hours, so that no thread of ours runs; the kernel, it cannot keep off.
-Elsewhere than on Linux there is no such line, and a process ends when it next looks.
+Foreign code may hold the interpreter for hours, so that no Python thread runs; it cannot hold off a signal of the
+kernel. Systems other than Linux have no such signal: there, the process ends when it next reads from its parent.
 """
 
 from __future__ import annotations
@@ -11,19 +11,19 @@ import sys
 from signal import SIGKILL
 
 OWN_SIGNAL = 10
-"""What Linux calls F_SETSIG, which Python has no name for before 3.11."""
+"""Linux's F_SETSIG, which Python names from 3.11 on."""
 
 
 def held_line() -> tuple[int, int]:
-    """Return two descriptors: for the process that hangs on the line, and for the one that holds it to its end."""
+    """Return two file descriptors: the read end for the dependent process, the write end for the one that holds it."""
     return tuple(map(above_the_standard_ones, os.pipe()))  # type: ignore[return-value]
 
 
 def hang_on(descriptor: int) -> None:
-    """End this process when the line is let go, by SIGKILL; at once where it is already."""
+    """Have the kernel kill this process when the write end is closed; exit at once if it is closed already."""
     os.set_inheritable(descriptor, False)
     if sys.platform == "linux":
-        import fcntl  # noqa: PLC0415  there is none on Windows
+        import fcntl  # noqa: PLC0415  not on Windows
 
         fcntl.fcntl(descriptor, fcntl.F_SETOWN, os.getpid())
         fcntl.fcntl(descriptor, OWN_SIGNAL, SIGKILL)
@@ -36,7 +36,7 @@ def hang_on(descriptor: int) -> None:
 
 
 def above_the_standard_ones(descriptor: int) -> int:
-    """Return the same with a number above 2: where a standard stream is closed, a new descriptor takes its place."""
+    """Return a descriptor moved above 2: if a standard stream is closed, a new descriptor takes its number."""
     if descriptor > 2:
         return descriptor
     import fcntl  # noqa: PLC0415

@@ -1,4 +1,4 @@
-"""What memory the machine has for us, and what processes take of it, as Linux tells."""
+"""The memory of the machine, and the memory that processes use, as Linux reports them."""
 
 from __future__ import annotations
 
@@ -6,19 +6,19 @@ import os
 import sys
 
 SHARE = 80
-"""Per cent of the machine's memory that a command takes at most, unless it is told otherwise."""
+"""Per cent of the machine's memory that a command may use by default."""
 
 FALLBACK = 4 * 10**9
-"""Bytes that a machine is taken to have which does not tell."""
+"""Bytes that a machine is assumed to have if the system does not report them."""
 
 
 def usual_memory() -> int:
-    """Return the bytes that a command may take where it is not told: a share of what the machine or its group has."""
+    """Return the default memory limit of a command in bytes: a share of the memory of the machine or control group."""
     return machine_memory() * SHARE // 100
 
 
 def machine_memory() -> int:
-    """Return the bytes that the machine has, or the control group of this process where that is less."""
+    """Return the memory of the machine in bytes, or of the control group of this process if that is less."""
     try:
         found = [os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")]
     except (ValueError, OSError):
@@ -28,7 +28,7 @@ def machine_memory() -> int:
 
 
 def _group_limits() -> list[int]:
-    """Return the limits of the control groups that this process belongs to, of both versions."""
+    """Return the memory limits of the control groups (version 1 and 2) of this process, in bytes."""
     found = []
     for line in _lines("/proc/self/cgroup"):
         number, _, rest = line.partition(":")
@@ -39,7 +39,7 @@ def _group_limits() -> list[int]:
             root, name = "/sys/fs/cgroup/memory", "memory.limit_in_bytes"
         else:
             continue
-        # In a container the path may be the host's: what lies at the root is then its own group.
+        # In a container the path may be the host's; the root is then the container's own group.
         parts = [part for part in path.split("/") if part]
         for depth in range(len(parts) + 1):
             place = "/".join([root, *parts[:depth], name])
@@ -48,7 +48,7 @@ def _group_limits() -> list[int]:
 
 
 def memory_of(processes: list[int]) -> int:
-    """Return the bytes that processes have in memory; one that is gone has none."""
+    """Return the resident memory of processes in bytes; a process that is gone counts 0."""
     pages = 0
     for process in processes:
         try:
@@ -60,7 +60,7 @@ def memory_of(processes: list[int]) -> int:
 
 
 def memory_in_use() -> int:
-    """Return the memory of this process in bytes: what is resident now, or the most that ever was."""
+    """Return the resident memory of this process in bytes, or its peak where the system reports only that."""
     now = memory_of([os.getpid()])
     if now:
         return now
@@ -71,13 +71,13 @@ def memory_in_use() -> int:
 
 
 def most_addresses() -> int:
-    """Return the most bytes of addresses that this process has had, 0 where the system does not tell."""
+    """Return the peak size of the address space of this process in bytes, 0 if the system does not report it."""
     sizes = (line.split()[1] for line in _lines("/proc/self/status") if line.startswith("VmPeak:"))
     return 1024 * int(next(sizes, 0))
 
 
 def family_of(process: int) -> list[int]:
-    """Return a process and all that it, or one that it has started, has started."""
+    """Return the ids of a process and of all its descendants."""
     found = [process]
     for each in found:
         try:

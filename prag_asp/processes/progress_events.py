@@ -1,4 +1,4 @@
-"""What the program is just doing: told by those who do it, heard by who says where a limit has struck."""
+"""Progress events: which stage the program is in, for messages about limits and for progress bars."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ Listener = Callable[[str], None]
 
 
 class Note(str):
-    """Words of progress that are to be read whatever else is told, also where no terminal shows it."""
+    """A message to the user that is shown even where progress is not, such as without a terminal."""
 
     __slots__ = ()
 
@@ -18,27 +18,27 @@ _now = ""
 
 
 def stage(words: str) -> None:
-    """Say what is done from now on, in words that go on ``while``: "grounding tabletop"."""
+    """Report that a stage begins, in words that follow ``while``: "grounding tabletop"."""
     global _now  # noqa: PLW0603  a process does one thing at a time
     _now = words
-    _tell(words)
+    _publish(words)
 
 
 def so_far(words: str) -> None:
-    """Say how far the stage is."""
-    _tell(f"{_now} ({words})" if _now else words)
+    """Report how far the current stage is."""
+    _publish(f"{_now} ({words})" if _now else words)
 
 
 def note(words: str) -> None:
-    """Say what is to be read, and leaves the stage what it is."""
-    _tell(Note(words))
+    """Report a message to the user; the stage stays the same."""
+    _publish(Note(words))
 
 
 def hear(listener: Listener) -> None:
-    """Have a function hear what is done from now on."""
+    """Call a function with every event from now on."""
     _listeners.append(listener)
 
 
-def _tell(words: str) -> None:
+def _publish(words: str) -> None:
     for listener in _listeners:
         listener(words)

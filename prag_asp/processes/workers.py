@@ -1,11 +1,12 @@
-"""Python processes of our own: whatever befalls them or the one that started them, they say nothing and end with it.
+"""Worker processes that print nothing, and that end with the process that started them, however that ends.
 
-`multiprocessing` cannot promise that: a process that is just being started tells of arguments that never came where
-its parent has ended, and a tracker that it runs beside tells of semaphores. Here nothing that a child does before it
-listens depends on its parent; it hears no Ctrl-C, which is for its parent to answer; and a line that is cut ends it at
-once. Where its parent is gone, the kernel ends it, even while foreign code keeps it from hearing anything.
+`multiprocessing` cannot promise that: where its parent is killed, a process that is just being spawned prints a
+traceback about arguments that never came, and the resource tracker beside it warns of semaphores. A worker of this
+module depends on nothing of its parent before it listens. It ignores Ctrl-C, which its parent handles. It ends when its
+connection is closed, and the kernel kills it when its parent is gone, even while foreign code runs in it.
 
-A child runs `answers(messages)` of a module: an iterator over what is sent to it makes one over what it answers.
+A worker runs ``answers(messages)`` of a module: an iterator over the messages that are sent to it becomes one over its
+answers.
 """
 
 from __future__ import annotations
@@ -29,58 +30,58 @@ from typing import Any
 from prag_asp.processes.lifeline import hang_on, held_line
 
 
-class Ended(Exception):
-    """A child has ended before it answered: the message says how."""
+class WorkerEnded(Exception):
+    """A worker ended before it answered; the message says how."""
 
 
-class There(Exception):
-    """Where an error was raised in a child, as Python tells it."""
+class RemoteTraceback(Exception):
+    """The traceback of an error that was raised in a worker: the cause of that error here."""
 
 
 @dataclass(frozen=True, eq=False)
-class Child:
-    """A process, and the line to it; what is sent waits there, not here, until the child comes to it."""
+class Worker:
+    """A process and the connection to it; messages wait there, not here, until the worker reads them."""
 
     process: subprocess.Popen[bytes]
-    line: Connection
-    held: int
-    """The end of its lifeline that we hold as long as we live."""
+    connection: Connection
+    lifeline: int
+    """The file descriptor that keeps it alive while it is open here."""
 
     def send(self, message: object) -> None:
-        """Send it something that can be pickled.
+        """Send it a message, which is pickled.
 
         Raises:
-            Ended: it is gone.
+            WorkerEnded: it is gone.
         """
         content = pickle.dumps(message)
         try:
-            self.line.send_bytes(content)
+            self.connection.send_bytes(content)
         except OSError:
-            raise Ended(self._how()) from None
+            raise WorkerEnded(self._exit()) from None
 
     def receive(self, seconds: float | None = None) -> Any:
         """Return its next answer.
 
         Raises:
             TimeoutError: there was none within the seconds.
-            Ended: it is gone.
-            Exception: it met this error.
+            WorkerEnded: it is gone.
+            Exception: the worker raised it.
         """
         try:
-            if not self.line.poll(seconds):
+            if not self.connection.poll(seconds):
                 raise TimeoutError
-            content = self.line.recv_bytes()
+            content = self.connection.recv_bytes()
         except TimeoutError:
             raise
         except (EOFError, OSError):
-            raise Ended(self._how()) from None
+            raise WorkerEnded(self._exit()) from None
         answer, error, place = pickle.loads(content)
         if error is not None:
-            raise error from There(place)
+            raise error from RemoteTraceback(place)
         return answer
 
-    def _how(self) -> str:
-        """Return how a child has ended that has closed its line."""
+    def _exit(self) -> str:
+        """Return how a worker ended that has closed its connection."""
         try:
             code = self.process.wait(timeout=10)
         except subprocess.TimeoutExpired:
@@ -91,35 +92,35 @@ class Child:
             return f"by signal {-code}"
 
 
-class Children:
-    """Processes that run a module, and that end with the block, whatever ends that."""
+class WorkerGroup:
+    """Workers that run a module, as a context: they end with the block, however that ends."""
 
-    def __init__(self, module: str, complaints: int | None = None):
-        """Start none yet; `complaints` is the file descriptor that they have as standard error, by default ours."""
-        self._module, self._complaints = module, complaints
-        self._all: list[Child] = []
+    def __init__(self, module: str, stderr: int | None = None):
+        """Start none yet; `stderr` is the file descriptor of their standard error, by default that of this process."""
+        self._module, self._stderr = module, stderr
+        self._workers: list[Worker] = []
 
-    def __enter__(self) -> Children:
+    def __enter__(self) -> WorkerGroup:
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         with uninterrupted():
-            for child in [*self._all]:
-                self.end(child)
+            for worker in [*self._workers]:
+                self.end(worker)
 
-    def start(self) -> Child:
-        """Start one more. It takes nothing from stdin and leaves nothing on stdout.
+    def start(self) -> Worker:
+        """Start a worker, with empty stdin and with stdout discarded.
 
         Raises:
-            Ended: the system has no room for it.
+            WorkerEnded: the system cannot start it.
         """
-        with uninterrupted(), _unheard():
+        with uninterrupted(), _sigint_blocked():
             ours, theirs = Pipe()
-            hanging, held = held_line()
+            hanging, lifeline = held_line()
             with theirs:
-                # The path is handed over, and the folder that the user stands in, which Python would add, left out.
+                # sys.path is passed on, so that the current folder, which Python would add, is not on it.
                 code = (
                     f"import sys; sys.path[:] = {[*map(str, sys.path)]!r}; "
                     "from prag_asp.processes.workers import serve; "
@@ -130,58 +131,65 @@ class Children:
                         [sys.executable, "-c", code],
                         stdin=subprocess.DEVNULL,
                         stdout=subprocess.DEVNULL,
-                        stderr=self._complaints,
+                        stderr=self._stderr,
                         pass_fds=[theirs.fileno(), hanging],
                     )
                 except OSError as error:
-                    os.close(held)
-                    raise Ended(f"before it began: {error.strerror}") from None
+                    os.close(lifeline)
+                    raise WorkerEnded(f"before it began: {error.strerror}") from None
                 finally:
                     os.close(hanging)
-            child = Child(process, ours, held)
-            self._all.append(child)
-        return child
+            worker = Worker(process, ours, lifeline)
+            self._workers.append(worker)
+        return worker
 
-    def end(self, child: Child) -> None:
-        """End one in the middle of what it does, and wait until it is gone."""
+    def end(self, worker: Worker) -> None:
+        """Kill a worker, whatever it does, and wait until it is gone."""
         with uninterrupted():
-            child.process.kill()
-            child.process.wait()
-            child.line.close()
-            os.close(child.held)
-            self._all.remove(child)
+            worker.process.kill()
+            worker.process.wait()
+            worker.connection.close()
+            os.close(worker.lifeline)
+            self._workers.remove(worker)
+
+
+def ready_workers(workers: Collection[Worker], seconds: float | None = None) -> list[Worker]:
+    """Return the workers that have answered or ended; wait at most `seconds` for the first (None: without limit)."""
+    ready = wait([worker.connection for worker in workers], seconds)
+    return [worker for worker in workers if worker.connection in ready]
 
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Put off what SIGINT, SIGTERM and SIGALRM do until the block has ended.
+    """Defer the handlers of SIGINT, SIGTERM and SIGALRM to the end of the block.
 
-    Blocking them would not do: another thread may take them, one of NumPy's for instance, and the main one answers.
+    Blocking the signals is not enough: another thread, such as one of NumPy's, may receive them, and Python then runs
+    the handlers in the main thread all the same.
     """
     if current_thread() is not main_thread():
         yield
         return
-    came: list[int] = []
+    received: list[int] = []
 
-    def put_off(number: int, frame: FrameType | None) -> None:
-        came.append(number)
+    def defer(number: int, frame: FrameType | None) -> None:
+        received.append(number)
 
-    usual = {each: signal.getsignal(each) for each in (signal.SIGTERM, signal.SIGINT, signal.SIGALRM)}
-    known = {each: handler for each, handler in usual.items() if callable(handler)}
+    handlers = {each: signal.getsignal(each) for each in (signal.SIGTERM, signal.SIGINT, signal.SIGALRM)}
+    known = {each: handler for each, handler in handlers.items() if callable(handler)}
     try:
         for each in known:
-            signal.signal(each, put_off)
+            signal.signal(each, defer)
         yield
     finally:
         for each, handler in known.items():
             signal.signal(each, handler)
-        for number in came:
+        for number in received:
             signal.raise_signal(number)
 
 
 @contextmanager
-def _unheard() -> Iterator[None]:
-    """Have what is started here never hear of SIGINT, from its first instruction on: what is blocked is inherited."""
+def _sigint_blocked() -> Iterator[None]:
+    """Block SIGINT, so that a process started here inherits the block and ignores Ctrl-C from its first instruction."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -189,51 +197,44 @@ def _unheard() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def answered(children: Collection[Child], seconds: float | None = None) -> list[Child]:
-    """Return those from which there is something to receive, be it their end; wait until there is one, or so long."""
-    ready = wait([child.line for child in children], seconds)
-    return [child for child in children if child.line in ready]
-
-
 def serve(descriptor: int, lifeline: int, module: str) -> None:
-    """Be a child: answer what comes, tell of an error and end, and end at once when a line is cut."""
+    """Run a worker: answer messages until an error, which is sent to the parent; exit when the connection is closed."""
     hang_on(lifeline)
-    line = Connection(descriptor)
+    connection = Connection(descriptor)
     os.set_inheritable(descriptor, False)
     messages: SimpleQueue[bytes] = SimpleQueue()
-    Thread(target=_listen, args=(line, messages), daemon=True).start()
+    Thread(target=_listen, args=(connection, messages), daemon=True).start()
     try:
         for answer in import_module(module).answers(_unpacked(messages)):
-            _say(line, pickle.dumps((answer, None, "")))
+            _send(connection, pickle.dumps((answer, None, "")))
     except Exception as error:
-        _say(line, _told(error, traceback.format_exc()))
+        _send(connection, _pickled(error, traceback.format_exc()))
 
 
-def _listen(line: Connection, messages: SimpleQueue[bytes]) -> None:
-    """Take messages off the line as they come, and end the process when there can be no more."""
+def _listen(connection: Connection, messages: SimpleQueue[bytes]) -> None:
+    """Queue messages as they arrive, and exit the process when the connection is closed."""
     try:
         while True:
-            messages.put(line.recv_bytes())
+            messages.put(connection.recv_bytes())
     finally:
         os._exit(1)
 
 
 def _unpacked(messages: SimpleQueue[bytes]) -> Iterator[Any]:
-    """Yield messages without an end."""
     while True:
         yield pickle.loads(messages.get())
 
 
-def _say(line: Connection, content: bytes) -> None:
-    """Send to the parent; where it is gone, so is the reason to be."""
+def _send(connection: Connection, content: bytes) -> None:
+    """Send to the parent; exit if it is gone."""
     try:
-        line.send_bytes(content)
+        connection.send_bytes(content)
     except OSError:
         os._exit(1)
 
 
-def _told(error: Exception, place: str) -> bytes:
-    """Return an error as it travels; one that cannot travel becomes one that has its words."""
+def _pickled(error: Exception, place: str) -> bytes:
+    """Return an error pickled; one that cannot be unpickled again becomes a `RuntimeError` with its text."""
     try:
         content = pickle.dumps((None, error, place))
         pickle.loads(content)

@@ -2,29 +2,18 @@
 
 from __future__ import annotations
 
-import re
-import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from decimal import Decimal, InvalidOperation
+from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from prag_asp.errors import DomainError
 from prag_asp.program.sources import Source, read_text
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from prag_asp.tables.toml_text import key_line, parse_toml, without_blanks
 
 KEYS = ("title", "description", "weights", "language", "scene")
 MAX_EXPONENT = 1000
-HEADER = r"\s*\[{1,2}(?P<name>[^\[\]]*)\]{1,2}\s*(?:#.*)?$"
-KEY = r"""\s*(?P<name>(?:"[^"]*"|'[^']*'|[\w.\- ])+?)\s*="""
-INNER_KEY = r"""(?<=[{,])\s*([\w.-]+|"[^"]*")\s*="""
-KEY_PART = r""""([^"]*)"|'([^']*)'|([\w-]+)"""
 
 
 @dataclass(frozen=True)
@@ -45,7 +34,7 @@ class Settings:
     scene: Mapping[str, Any] = field(default_factory=dict)
     text: str = field(default="", repr=False, compare=False)
 
-    def line_of(self, *keys: str) -> int:
+    def line_of(self, *keys: str | int) -> int:
         """Return the line that sets the key reached through `keys`, or 1 where there is none."""
         return key_line(self.text, keys)
 
@@ -56,26 +45,7 @@ def read_table(path: Path) -> dict[str, Any]:
     Raises:
         DomainError: the file is missing, unreadable or not TOML.
     """
-    return parse_table(Source(path, read_text(path)))
-
-
-def parse_table(source: Source) -> dict[str, Any]:
-    """Return the text of a TOML file as a table, its decimal numbers unrounded.
-
-    Raises:
-        DomainError: it is not TOML.
-    """
-    path, text = source.path, source.text
-    try:
-        table: dict[str, Any] = tomllib.loads(text, parse_float=Decimal)
-    except tomllib.TOMLDecodeError as error:
-        words = str(error)
-        place = re.search(r" \(at (?:line (\d+)|end of document).*\)", words)
-        line = place[1] if place and place[1] else str(len(text.rstrip().split("\n")))
-        raise DomainError(f"{path}:{line}: not TOML: {words.split(' (at ', maxsplit=1)[0]}; mend the line") from None
-    except (ValueError, RecursionError, InvalidOperation) as error:
-        raise DomainError(f"{path}:1: not TOML: {error}; shorten its numbers and nested lists") from None
-    return table
+    return parse_toml(path, read_text(path))
 
 
 def settings_of(table: Mapping[str, Any], source: Source) -> Settings:
@@ -86,17 +56,12 @@ def settings_of(table: Mapping[str, Any], source: Source) -> Settings:
         source.path,
         title=str(table.get("title", "")),
         description=str(table.get("description", "")),
-        weights={weight_key(key): weight for key, weight in weights.items() if weight is not None},
+        weights={without_blanks(key): weight for key, weight in weights.items() if weight is not None},
         language={key: text for key, value in grammar.items() for text in _sentences(value)[:1]},
         grammar=grammar,
         scene=_rounded(_table(table, "scene")),
         text=source.text,
     )
-
-
-def weight_key(key: str) -> str:
-    """Return a key of the weights without blanks around the arrow of a pair: ``grasp>move``."""
-    return ">".join(part.strip() for part in key.split(">"))
 
 
 def key_shown(key: str) -> str:
@@ -130,51 +95,3 @@ def _rounded(value: Any) -> Any:
     if isinstance(value, list):
         return [_rounded(each) for each in value]
     return float(value) if isinstance(value, Decimal) else value
-
-
-def key_line(text: str, keys: Sequence[str]) -> int:
-    """Return the first line that sets the key reached through `keys`, or the nearest table above it."""
-    wanted = tuple(map(weight_key, keys))
-    best, depth = 1, 0
-    for number, here in _keys(text):
-        if here == wanted:
-            return number
-        if len(here) > depth and here == wanted[: len(here)]:
-            best, depth = number, len(here)
-    return best
-
-
-def _keys(text: str) -> Iterator[tuple[int, tuple[str, ...]]]:
-    """Yield each key of a TOML text with the number of its line; keys of an inline table are yielded too."""
-    table: tuple[str, ...] = ()
-    until = ""
-    for number, line in enumerate(text.split("\n"), 1):
-        if until:
-            until = "" if until in line else until
-            continue
-        header = re.match(HEADER, line)
-        if header:
-            table = _parts(header["name"])
-            yield number, table
-            continue
-        key = re.match(KEY, line)
-        if key:
-            name = (*table, *_parts(key["name"]))
-            yield number, name
-            for inner in re.finditer(INNER_KEY, line[key.end() :]):
-                yield number, (*name, *_parts(inner[1]))
-        for quotes in ('"""', "'''"):
-            until = quotes if line.count(quotes) % 2 else until
-
-
-def _parts(name: str) -> tuple[str, ...]:
-    parts = re.findall(KEY_PART, name)
-    return tuple(weight_key(_unescaped(quoted) + literal + bare) for quoted, literal, bare in parts)
-
-
-def _unescaped(text: str) -> str:
-    """Return what is between the quotes of a key as the key that it spells."""
-    try:
-        return str(tomllib.loads(f'key = "{text}"')["key"]) if "\\" in text else text
-    except tomllib.TOMLDecodeError:
-        return text

@@ -1,4 +1,4 @@
-"""Task spaces to learn in: an environment by the interface of Gymnasium, its rewards, curricula, plans by parts.
+"""Reinforcement learning: a Gymnasium environment over task spaces, its rewards, curricula, and chains of skills.
 
 >>> import gymnasium, prag_asp.rl
 >>> from prag_asp import TaskSpace, load_domain
@@ -8,7 +8,7 @@
 'pick(panda,brick_1,table_1) place(panda,brick_1,behind,can_1)'
 >>> env.close()
 
-To import it is to register ``prag_asp/Task-v0``; it raises `LearningMissingError` where Gymnasium is not installed.
+Importing it registers ``prag_asp/Task-v0``; it raises `LearningMissingError` where Gymnasium is not installed.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
     from prag_asp.rl.curriculum.novelty import Novelty
     from prag_asp.rl.environment import TaskEnv
     from prag_asp.rl.observations import Layout
-    from prag_asp.rl.scripted_agent import Oracle, oracle
-    from prag_asp.rl.skill_chains import Rate, Run, Runs, run
+    from prag_asp.rl.scripted_agent import OraclePolicy, oracle
+    from prag_asp.rl.skill_chains import Rate, Rollout, Rollouts, run
 
 __all__ = [
-    "Adaptive", "Backwards", "Bandit", "Layout", "Lengths", "Novelty", "Oracle", "Rate", "Run", "Runs", "TaskEnv",
-    "oracle", "run",
+    "Adaptive", "Backwards", "Bandit", "Layout", "Lengths", "Novelty", "OraclePolicy", "Rate", "Rollout", "Rollouts",
+    "TaskEnv", "oracle", "run",
 ]  # fmt: skip
 
 require_gymnasium().register(id="prag_asp/Task-v0", entry_point="prag_asp.rl.environment:TaskEnv")
@@ -44,8 +44,8 @@ _HOMES = {
     "prag_asp.rl.curriculum.novelty": ("Novelty",),
     "prag_asp.rl.environment": ("TaskEnv",),
     "prag_asp.rl.observations": ("Layout",),
-    "prag_asp.rl.skill_chains": ("Rate", "Run", "Runs", "run"),
-    "prag_asp.rl.scripted_agent": ("Oracle", "oracle"),
+    "prag_asp.rl.skill_chains": ("Rate", "Rollout", "Rollouts", "run"),
+    "prag_asp.rl.scripted_agent": ("OraclePolicy", "oracle"),
 }
 
 __getattr__ = names_from(__name__, _HOMES)

@@ -1,4 +1,4 @@
-"""A world with forces that an agent acts in, put to any moment of any witness."""
+"""A dynamic simulation for an agent, which can be reset to any moment of any witness."""
 
 from __future__ import annotations
 
@@ -12,36 +12,36 @@ from prag_asp.physics.demonstration.acting import SQUEEZE
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Moment, Witness
-from prag_asp.physics.world.dynamics import TIME_STEP, Command, open_dynamics
-from prag_asp.rl.control import Control, commanded
+from prag_asp.physics.world.dynamics import TIME_STEP, ArmCommand, open_dynamics
+from prag_asp.rl.control import Control, motor_command
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.robots import Joints, robot_of
 from prag_asp.scene.scene import Scene
 
 SUBSTEPS = 6
-"""How many steps of the simulation an action lasts: an agent acts 20 times a second."""
+"""Steps of the simulation in an action: an agent acts 20 times a second."""
 
 PERIOD = SUBSTEPS * TIME_STEP
 """How long an action lasts, in seconds."""
 
 SHARES = tuple((i + 1) / SUBSTEPS for i in range(SUBSTEPS))
-"""How far the motors are told to be on their way in each step of the simulation."""
+"""The share of the way that the motors are commanded in each step of the simulation."""
 
 
 class Arena:
-    """One world, which is built anew only where other bodies take part or they have other sizes."""
+    """A simulated world, which is rebuilt only where other bodies take part or they have other sizes."""
 
     def __init__(self, scene: Scene, resources: ExitStack):
         self._scene = scene
         self._world = resources.enter_context(open_dynamics(scene))
         self._begun: tuple[Scene, tuple[str, ...]] | None = None
-        self._commands: dict[str, Command] = {}
+        self._commands: dict[str, ArmCommand] = {}
         self._tools: dict[str, Vector] = {}
         self._speeds: dict[str, Vector] = {}
         self._situation: Situation | None = None
 
     def start(self, witness: Witness, number: int) -> Situation:
-        """Put the world to a moment of a witness, by its number; what follows depends on nothing else.
+        """Reset the world to a moment of a witness, by its number; what follows depends on nothing else.
 
         Raises:
             SceneError: the witness has sizes that the scene does not give.
@@ -57,38 +57,38 @@ class Arena:
         for robot, command in self._commands.items():
             self._world.drive(robot, command)
         self._tools, self._situation = {}, None
-        return self._look()
+        return self._observe()
 
     def act(self, action: NDArray[np.float64], control: Control) -> Situation:
-        """Let all arms act for one `PERIOD`; `action` has the numbers of each robot in turn, between -1 and 1."""
+        """Apply an action for one `PERIOD`; it has the numbers of each robot in turn, between -1 and 1."""
         assert self._situation is not None
-        wanted, ways = {}, {}
+        commands, ways = {}, {}
         for (robot, last), own in zip(self._commands.items(), action.reshape(len(self._commands), -1), strict=True):
             arm = self._situation.arm(robot)
-            wanted[robot] = commanded(self._situation.robot(robot), arm, last, own, control, PERIOD)
-            ways[robot] = [(a, b - a) for a, b in zip(_driven(last), _driven(wanted[robot]), strict=True)]
+            commands[robot] = motor_command(self._situation.robot(robot), arm, last, own, control, PERIOD)
+            ways[robot] = [(a, b - a) for a, b in zip(_driven(last), _driven(commands[robot]), strict=True)]
         speeds = {robot: [by / PERIOD for _, by in way[:-1]] for robot, way in ways.items()}
         for share in SHARES:
             for robot, way in ways.items():
                 *joints, opening = [at + share * by for at, by in way]
-                self._world.drive(robot, Command(tuple(joints), opening), speeds[robot])
+                self._world.drive(robot, ArmCommand(tuple(joints), opening), speeds[robot])
             self._world.step()
-        self._commands = wanted
+        self._commands = commands
         self._world.at_rest()
-        return self._look()
+        return self._observe()
 
     @property
     def speeds(self) -> Mapping[str, Vector]:
-        """How fast the tool of each robot has moved in the last period, in metres a second."""
+        """The velocity of the tool of each robot in the last period, in metres a second."""
         return self._speeds
 
     @property
-    def asked(self) -> Mapping[str, float]:
-        """How far each gripper is told to open, in metres."""
+    def commanded_openings(self) -> Mapping[str, float]:
+        """The commanded opening of each gripper, in metres."""
         return {robot: command.opening for robot, command in self._commands.items()}
 
-    def _look(self) -> Situation:
-        """Return where everything is now, and note how fast the tools have moved."""
+    def _observe(self) -> Situation:
+        """Return the current situation, and update the velocities of the tools."""
         world = self._world
         scene, arms = world.scene, world.arms()
         tools = {name: tool_pose(robot_of(scene, name), arm.joints) for name, arm in arms.items()}
@@ -106,7 +106,7 @@ def _in_order(scene: Scene, moment: Moment) -> tuple[str, ...]:
 
 
 def _after(last: Situation | None, now: Situation) -> Situation:
-    """Return a situation that keeps what was measured of bodies that stand where they stood in the last one."""
+    """Return a situation that keeps the measurements of bodies that have not moved since the last one."""
     if last is None or last.scene is not now.scene or last.openings != now.openings:
         return now
     stood = last.poses
@@ -114,18 +114,18 @@ def _after(last: Situation | None, now: Situation) -> Situation:
     return Situation(now.scene, poses, now.arms, now.openings, now.tools, last.measured)
 
 
-def _driven(command: Command) -> Joints:
+def _driven(command: ArmCommand) -> Joints:
     """Return what the motors of an arm drive to: the joints in radians, and the opening in metres."""
     return (*command.joints, command.opening)
 
 
-def _holding(moment: Moment, robot: str) -> Command:
+def _holding(moment: Moment, robot: str) -> ArmCommand:
     """Return what the motors of an arm drive to so that it stays as it is at a moment, and holds what it holds."""
     arm = moment.arms[robot]
-    return Command(arm.joints, arm.width - (SQUEEZE if arm.held is not None else 0.0))
+    return ArmCommand(arm.joints, arm.width - (SQUEEZE if arm.held is not None else 0.0))
 
 
 def _speed(one: Sequence[float], two: Sequence[float]) -> Vector:
-    """Return how fast something has moved in a period, in metres a second."""
+    """Return the velocity between two points in a period, in metres a second."""
     x, y, z = ((b - a) / PERIOD for a, b in zip(one, two, strict=True))
     return (x, y, z)

@@ -1,4 +1,4 @@
-"""What cameras of a scene see of a moment, in a world of its own that is only looked at."""
+"""Camera images of moments, rendered in a separate world without dynamics."""
 
 from __future__ import annotations
 
@@ -20,9 +20,10 @@ Image = NDArray[np.uint8]
 
 
 class Viewer:
-    """Looks at moments; its world is built anew only where other bodies take part or they have other sizes.
+    """Renders moments; its world is rebuilt only where other bodies take part or they have other sizes.
 
-    `names` are the cameras whose pictures observations have. Where there are none, the first of the scene looks alone.
+    `names` are the cameras whose images are in observations. Where there are none, the first of the scene is for
+    `TaskEnv.render` alone.
 
     Raises:
         QueryError: there is no such camera, one is named twice, or the size is none.
@@ -38,33 +39,33 @@ class Viewer:
         """Forget the world, which was closed."""
         self._own: ExitStack | None = None
         self._studio: Studio | None = None
-        self._begun: tuple[Scene, tuple[str, ...]] | None = None
+        self._shown: tuple[Scene, tuple[str, ...]] | None = None
 
     @property
     def spaces(self) -> dict[str, spaces.Box]:
-        """What observations can have of each camera."""
+        """The observation space of each camera."""
         sizes = {name: self._cameras[name].size for name in self._observed}
         return {f"camera_{name}": spaces.Box(0, 255, (high, wide, 3), np.uint8) for name, (wide, high) in sizes.items()}
 
-    def pictures(self, situation: Situation) -> dict[str, Image]:
-        """Return what observations have of a moment, each of shape (height, width, 3)."""
+    def images(self, situation: Situation) -> dict[str, Image]:
+        """Return the images of a moment for an observation, each of shape (height, width, 3)."""
         if not self._observed:
             return {}
-        studio = self._shown(situation)
+        studio = self._studio_at(situation)
         return {f"camera_{name}": studio.take(self._cameras[name]).rgb for name in self._observed}
 
-    def picture(self, situation: Situation) -> Image:
-        """Return what the first camera sees of a moment, of shape (height, width, 3)."""
-        return self._shown(situation).take(next(iter(self._cameras.values()))).rgb
+    def image(self, situation: Situation) -> Image:
+        """Return the image of the first camera, of shape (height, width, 3)."""
+        return self._studio_at(situation).take(next(iter(self._cameras.values()))).rgb
 
-    def _shown(self, situation: Situation) -> Studio:
-        """Return the world, put to a moment."""
-        begun = situation.scene, tuple(situation.poses)
+    def _studio_at(self, situation: Situation) -> Studio:
+        """Return the studio that shows a moment."""
+        shown = situation.scene, tuple(situation.poses)
         if self._own is None:
             self._own = self._resources.enter_context(ExitStack())
-        if self._studio is None or self._begun != begun:
+        if self._studio is None or self._shown != shown:
             self._own.close()
-            self._studio, self._begun = self._own.enter_context(open_studio(*begun)), begun
+            self._studio, self._shown = self._own.enter_context(open_studio(*shown)), shown
         self._studio.show(Moment(situation.poses, situation.arms, situation.openings))
         return self._studio
 

@@ -1,7 +1,7 @@
-"""From the actions of an agent to what the motors of an arm drive to.
+"""Turn the actions of an agent into motor commands of an arm.
 
-An agent moves the tool by a displacement and a turn about the vertical, or each joint; and its fingers. What it asks
-for is cut to the speeds and the limits of the robot, so no action is refused.
+An agent moves the tool by a displacement and a turn about the vertical, or each joint; and its fingers. Actions are
+clipped to the speeds and the limits of the robot, so none is refused.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.robot.kinematics import nudged
+from prag_asp.physics.robot.kinematics import nudge_joints
 from prag_asp.physics.witness import Arm
-from prag_asp.physics.world.dynamics import Command
+from prag_asp.physics.world.dynamics import ArmCommand
 from prag_asp.scene.geometry import rotate
 from prag_asp.scene.robots import Robot
 
@@ -28,21 +28,21 @@ FINGERS = 0.01
 """How much a gripper opens or closes in a step at most, in metres."""
 
 LEASH = 0.1
-"""How far ahead of a joint its motor may be told to be, in radians: an arm that is blocked presses no harder."""
+"""How far the target of a motor may be ahead of its joint, in radians: it bounds the force of a blocked arm."""
 
 GAP = 0.001
 """How far above the table the tips of the fingers are kept, in metres."""
 
 SIZES = {"tool": 5, "joints": 8}
-"""How many numbers an arm takes: x, y, z, yaw, fingers; or seven joints and the fingers. All are between -1 and 1."""
+"""The size of an action of an arm: x, y, z, yaw, fingers; or seven joints and the fingers. All are between -1 and 1."""
 
 
-def commanded(
-    robot: Robot, arm: Arm, last: Command, action: NDArray[np.float64], control: Control, seconds: float
-) -> Command:
-    """Return what the motors of an arm drive to, `seconds` from now.
+def motor_command(
+    robot: Robot, arm: Arm, last: ArmCommand, action: NDArray[np.float64], control: Control, seconds: float
+) -> ArmCommand:
+    """Return the command of an arm for the next `seconds`.
 
-    `last` is what they drive to until now, `arm` where it really is; `action` has the shape (`SIZES[control]`,), each
+    `last` is the command until now, `arm` its actual state; `action` has the shape (`SIZES[control]`,), each
     number between -1 and 1.
     """
     joints, (speeds, lower, upper) = np.array(last.joints), _bounds(robot)
@@ -54,7 +54,7 @@ def commanded(
         np.maximum(joints, least, out=joints)
         np.minimum(joints, most, out=joints)
     opening = min(max(last.opening + FINGERS * float(action[-1]), 0.0), robot.opening)
-    return Command(tuple(joints.tolist()), opening)
+    return ArmCommand(tuple(joints.tolist()), opening)
 
 
 @cache
@@ -71,4 +71,4 @@ def _towards(robot: Robot, joints: NDArray[np.float64], action: NDArray[np.float
     # The cross product of where the tool points and straight down: it turns the one to the other.
     leaning, rolling, _ = rotate(robot.base.quaternion, (-float(here[1, 2]), float(here[0, 2]), 0.0))
     twist = np.array((STRIDE * x, STRIDE * y, max(STRIDE * z, lowest), leaning, rolling, TURN * yaw))
-    return nudged(robot, joints, here, twist)
+    return nudge_joints(robot, joints, here, twist)

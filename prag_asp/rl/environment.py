@@ -1,4 +1,4 @@
-"""An environment in which an agent pursues the subgoals of tasks, by the interface of Gymnasium."""
+"""A Gymnasium environment in which an agent pursues the subgoals of tasks."""
 
 from __future__ import annotations
 
@@ -24,25 +24,24 @@ from prag_asp.rl.control import SIZES, Control
 from prag_asp.rl.environment_options import Until, check_episodes, check_figures, moves_of, options_of
 from prag_asp.rl.goals import PLACES
 from prag_asp.rl.observations import Layout, observe
-from prag_asp.rl.reward_annealing import Fading
-from prag_asp.rl.rewards import Reward, earned, reached
-from prag_asp.rl.state_checksum import check_seal, sealed
-from prag_asp.rl.tasks.episode_starts import Draws
-from prag_asp.rl.tasks.source_options import Curricula, Origin
-from prag_asp.rl.tasks.task_sources import Finder
+from prag_asp.rl.reward_annealing import RewardAnnealing
+from prag_asp.rl.rewards import Reward, reached, step_rewards
+from prag_asp.rl.state_checksum import verify_checksum, with_checksum
+from prag_asp.rl.tasks.episode_sampler import EpisodeSampler
+from prag_asp.rl.tasks.task_origin import Curricula, TaskOrigin
+from prag_asp.rl.tasks.task_sources import WitnessFinder
 from prag_asp.space.parts.ranked_tasks import RankedTasks
 from prag_asp.space.task_space import TaskSpace
-from prag_asp.space.task_spaces import TaskSpaces
 from prag_asp.task import Task
 
 if TYPE_CHECKING:
     from prag_asp.physics.situation import Situation
 
 Observation = dict[str, Any]
-"""What an agent sees: arrays of 32-bit floats by their names."""
+"""An observation: arrays by their names."""
 
 STEPS = 100
-"""For how many steps a subgoal may be pursued, unless something else is asked for."""
+"""The default limit of steps for a subgoal."""
 
 
 class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
@@ -55,20 +54,20 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     ("joints"), each between -1 and 1; it lasts 1/20 s.
 
     `stage` is the subgoal to begin with, from 0, from the state in which a witness has it begin (-1 is the last,
-    "any" draws one); the episode lasts `until` that "subgoal" is reached, or the whole "task", and at most `steps` for
-    each of them. Whether one is reached, the predicates decide alone. With `everything`, all bodies are seen, not those
-    alone of which the action speaks. The dense part of a "faded" reward fades over so many steps, or with "success";
-    `discount` is that of its potentials. Witnesses of tasks from a space are looked for within a `budget`.
+    "any" is random); the episode lasts `until` that "subgoal" is reached, or the whole "task", and at most `steps` for
+    each of them. The predicates alone decide whether a subgoal is reached. With `everything`, all bodies are observed,
+    not only those of the action. The dense part of a "faded" reward is annealed over `fade` steps, or with "success";
+    `discount` is that of its potentials. Witnesses of tasks from a space are searched for within a `budget`.
 
-    Only tasks of a `part` of the space are given, where there is one. A `curriculum` says which come next: `Lengths`,
-    `Novelty`, `Adaptive` or `Bandit`, and `Backwards` of subgoals; or two of them, one of each kind. It learns from the
-    ends of episodes of this environment alone. `info` has the exact `probability` of the draw of a task and of its
-    `stage_probability`, and how many draws were `rejected` before it. What `cameras` see is in observations, too, as
-    `camera_` and the name: 8-bit colours, of `size` width and height in pixels; and so is it with `render`.
+    With a `part` of the space, only its tasks are used. A `curriculum` chooses the tasks: `Lengths`, `Novelty`,
+    `Adaptive` or `Bandit`; `Backwards` chooses the initial subgoals; or give two, one of each kind. It learns from the
+    episodes of this environment alone. `info` has the exact `probability` of the task and of its
+    stage (`stage_probability`), and the number of samples that were `rejected` before it. Images of `cameras` are in
+    observations, too, as `camera_` and the name: 8-bit colours, of `size` width and height in pixels.
 
     Raises:
-        QueryError: it is asked for in a wrong way, or the task has no witness.
-        SceneError: the domain has no scene, or a task speaks of something for which that has no shape.
+        QueryError: an argument is wrong, or the task has no witness.
+        SceneError: the domain has no scene, or the scene has no shape for an entity of a task.
         PhysicsMissingError: PyBullet or frankik is not installed.
     """
 
@@ -76,7 +75,7 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     def __init__(
         self,
-        space: TaskSpace | TaskSpaces | None = None,
+        space: TaskSpace | None = None,
         *,
         part: RankedTasks | None = None,
         dataset: Dataset | None = None,
@@ -97,7 +96,7 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         size: int | tuple[int, int] | None = None,
         render_mode: Literal["rgb_array"] | None = None,
     ) -> None:
-        origin = Origin(space, part, dataset, task, curriculum)
+        origin = TaskOrigin(space, part, dataset, task, curriculum)
         check_episodes(until=until, reward=reward, control=control, stage=stage, steps=steps)
         modes = self.metadata["render_modes"]
         check_figures(discount=discount, budget=budget, render_mode=render_mode, modes=modes)
@@ -106,16 +105,16 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.domain = origin.domain(domain)
         self.scene = scene_of(self.domain)
         self._resources = ExitStack()
-        # Who forgets to close it leaves nothing behind either, not even at the end of the process.
+        # Releases the simulators also where the environment is not closed.
         weakref.finalize(self, self._resources.close)
         self._viewer = Viewer(self.scene, cameras, size, self._resources)
         self.layout = Layout.of(self.scene, map(atom_of, self.domain.facts.actions), everything=everything)
         self.control, self._until, self._steps, self._discount = control, until, int(steps), float(discount)
-        fading = Fading(fade)
-        self._share, self._fading = float(reward != "sparse"), fading if reward == "faded" else None
-        self._made = f"{origin.title}, {fade if reward == 'faded' else 'no fading'}"
-        finder = Finder(self.scene, self._resources, budget)
-        self._draws = Draws(origin, witness, stage, finder, domain=self.domain, layout=self.layout)
+        annealing = RewardAnnealing(fade)
+        self._share, self._annealing = float(reward != "sparse"), annealing if reward == "faded" else None
+        self._spec = f"{origin.title}, {fade if reward == 'faded' else 'no fading'}"
+        finder = WitnessFinder(self.scene, self._resources, budget)
+        self._sampler = EpisodeSampler(origin, witness, stage, finder, domain=self.domain, layout=self.layout)
         self._arena: Arena | None = None
         self._over = True
         self.action_space = spaces.Box(-1.0, 1.0, (SIZES[control] * len(self.layout.robots),), np.float32)
@@ -130,39 +129,40 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     ) -> tuple[Observation, dict[str, Any]]:
         """Begin an episode.
 
-        `options` may have the `task` (and its `witness`) or the `rank` of a task (in a data set, its number), and the
-        `stage` to begin with; what they leave out is drawn. With a `seed`, all that is drawn from then on depends on it
-        alone; without any, on chance.
+        `options` may have the `task` (and its `witness`) or the `rank` of a task (in a dataset, its number), and the
+        initial `stage`; the rest is sampled. With a `seed`, all samples from then on depend on it alone; without any,
+        they are random.
 
         Raises:
             QueryError: the options are wrong, or the task has no witness.
-            NotFound: no feasible task is drawn in `PATIENCE` draws.
+            NotFound: `PATIENCE` samples in a row are not feasible.
         """
-        asked = options_of(options)
+        request = options_of(options)
         super().reset(seed=seed)
-        if seed is not None or not self._draws.seeded:
-            self._draws.seed(self.np_random)
-        begun = self._draws.begin(asked, self.np_random)
-        # Until here the episode that goes on is untouched: after what is refused, its steps are still its own.
-        self._begun, self.task, self.witness, self.stage = begun, begun.given.task, begun.given.witness, begun.stage
+        if seed is not None or not self._sampler.seeded:
+            self._sampler.seed(self.np_random)
+        start = self._sampler.begin(request, self.np_random)
+        # An error before this line leaves the current episode as it is.
+        self._start, self.stage = start, start.stage
+        self.task, self.witness = start.assignment.task, start.assignment.witness
         self._over = False
-        self._last = self.stage if self._until == "subgoal" else len(begun.subgoals) - 1
+        self._last = self.stage if self._until == "subgoal" else len(start.subgoals) - 1
         self._left = self._steps * (self._last + 1 - self.stage)
         if self._arena is None:
             self._arena = Arena(self.scene, self._resources)
-        if self._fading is not None:
-            self._share = self._fading.share
+        if self._annealing is not None:
+            self._share = self._annealing.share
         self.situation = self._arena.start(self.witness, self.stage)
         measured, here = self._goal(self.situation)
         self._before = here
-        info, curriculum = begun.told() | self._told(measured, success=False), self._draws.told()
-        return self._seen(self.situation, here), info | ({"curriculum": curriculum} if curriculum else {})
+        info, curriculum = start.info() | self._info(measured, success=False), self._sampler.summary()
+        return self._observation(self.situation, here), info | ({"curriculum": curriculum} if curriculum else {})
 
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Let the agent act for 1/20 s; numbers of an action beyond -1 and 1 count as these.
+        """Apply an action for 1/20 s; its numbers are clipped to -1 and 1.
 
         Raises:
-            QueryError: the action is none, or no episode has begun.
+            QueryError: the action is malformed, or no episode has begun.
         """
         arena, moves = self._begun_arena, moves_of(action, SIZES[self.control] * len(self.layout.robots))
         self.situation = situation = arena.act(moves, self.control)
@@ -170,34 +170,34 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         if here[1:].max() <= 0.0 and self.stage < self._last:
             self.stage += 1
             measured, here = self._goal(situation)
-        seen = self._seen(situation, here)
-        gain, ended = self._earned(seen["achieved_goal"], seen["desired_goal"])
+        seen = self._observation(situation, here)
+        reward, ended = self._rewards(seen["achieved_goal"], seen["desired_goal"])
         self._before = here
         self._left -= 1
         done, late = bool(ended), self._left <= 0
-        if self._fading is not None:
-            self._fading.step()
+        if self._annealing is not None:
+            self._annealing.step()
         if (done or late) and not self._over:
             self._over = True
-            if self._fading is not None:
-                self._fading.end(done)
-            self._draws.report(self._begun, self.stage, success=done)
-        return seen, float(gain), done, late and not done, self._told(measured, success=done)
+            if self._annealing is not None:
+                self._annealing.end(done)
+            self._sampler.update(self._start, self.stage, success=done)
+        return seen, float(reward), done, late and not done, self._info(measured, success=done)
 
     def compute_reward(self, achieved_goal: NDArray[np.floating], desired_goal: NDArray[np.floating], info: Any) -> Any:
-        """Return what steps earn that lead to `achieved_goal`, of the shape (..., 2, `PLACES`); `info` is not read."""
-        gain, _ = self._earned(np.asarray(achieved_goal), np.asarray(desired_goal))
-        return float(gain) if gain.ndim == 0 else gain
+        """Return the rewards of steps that lead to `achieved_goal`, shape (..., 2, `PLACES`); `info` is ignored."""
+        reward, _ = self._rewards(np.asarray(achieved_goal), np.asarray(desired_goal))
+        return float(reward) if reward.ndim == 0 else reward
 
     def compute_terminated(
         self, achieved_goal: NDArray[np.floating], desired_goal: NDArray[np.floating], info: Any
     ) -> Any:
-        """Return whether steps end at their goals that lead to `achieved_goal`; `info` is not read."""
+        """Return whether steps that lead to `achieved_goal` reach their goals; `info` is not used."""
         found = reached(np.asarray(achieved_goal)[..., 0, :], np.asarray(desired_goal)[..., 0, :])
         return bool(found) if found.ndim == 0 else found
 
     def render(self) -> Image | None:
-        """Return what the first of the `cameras` sees now, of the scene's where there are none; None without a mode.
+        """Return an image of the first of the `cameras`, or of the scene's first one; None without a render mode.
 
         Raises:
             QueryError: no episode has begun.
@@ -205,54 +205,54 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         if self.render_mode is None:
             return None
         assert self._begun_arena
-        return self._viewer.picture(self.situation)
+        return self._viewer.image(self.situation)
 
     def state_dict(self) -> dict[str, Any]:
-        """Return what the draws of tasks and subgoals, and the fading, have come to, of what JSON can write.
+        """Return a checkpoint of the samplers, the curricula and the annealing, as values of JSON.
 
-        An environment that is made alike, and loads it, begins the next episodes as this one does. The episode that
+        An environment with the same arguments that loads it begins the next episodes as this one does. The episode that
         goes on is no part of it.
 
         Raises:
             QueryError: nothing was drawn yet.
         """
-        if not self._draws.seeded:
+        if not self._sampler.seeded:
             raise QueryError("there is no state yet; reset the environment")
         state = {
             "rng": dict(self.np_random.bit_generator.state),
-            **self._draws.state_dict(),
-            "fading": None if self._fading is None else self._fading.state_dict(),
+            **self._sampler.state_dict(),
+            "annealing": None if self._annealing is None else self._annealing.state_dict(),
         }
-        return sealed(state, self._made)
+        return with_checksum(state, self._spec)
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Go on from what `state_dict` of an environment that is made alike returned; the next reset takes no seed.
+        """Continue from a checkpoint of an environment with the same arguments; the next reset takes no seed.
 
         Raises:
             QueryError: it is the state of another environment, or damaged.
         """
-        check_seal(state, self._made)
+        verify_checksum(state, self._spec)
         try:
             self.np_random.bit_generator.state = state["rng"]
-            self._draws.load_state_dict(state)
-            if self._fading is not None:
-                self._fading.load_state_dict(state["fading"])
+            self._sampler.load_state_dict(state)
+            if self._annealing is not None:
+                self._annealing.load_state_dict(state["annealing"])
         except (AttributeError, KeyError, TypeError, ValueError) as error:
-            told = f"the state is of another environment ({error!r:.60})"
-            raise QueryError(f"{told}; make this one with the same arguments") from None
-        self._draws.seeded = True
+            text = f"the state is of another environment ({error!r:.60})"
+            raise QueryError(f"{text}; make this one with the same arguments") from None
+        self._sampler.seeded = True
 
     def close(self) -> None:
         """Close the simulators; nothing is left behind. A reset opens them again."""
         self._arena = None
         self._viewer.forget()
-        self._draws.finder.forget()
+        self._sampler.finder.forget()
         self._resources.close()
 
     @property
-    def asked(self) -> Mapping[str, float]:
-        """How far each gripper is told to open, in metres; without an episode this and the next raise QueryError."""
-        return self._begun_arena.asked
+    def commanded_openings(self) -> Mapping[str, float]:
+        """The commanded opening of each gripper in metres; without an episode this and the next raise QueryError."""
+        return self._begun_arena.commanded_openings
 
     @property
     def last(self) -> int:
@@ -277,26 +277,26 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             raise QueryError("no episode has begun; reset the environment")
         return self._arena
 
-    def _earned(self, achieved: NDArray[np.floating], desired: NDArray[np.floating]) -> tuple[Any, Any]:
+    def _rewards(self, achieved: NDArray[np.floating], desired: NDArray[np.floating]) -> tuple[Any, Any]:
         now, before, goal = achieved[..., 0, :], achieved[..., 1, :], desired[..., 0, :]
-        return earned(before, now, goal, discount=self._discount, share=self._share)
+        return step_rewards(before, now, goal, discount=self._discount, share=self._share)
 
     def _goal(self, situation: Situation) -> tuple[list[float], NDArray[np.float32]]:
         """Return the signed distances of a moment, and its vector."""
-        subgoal = self._begun.subgoals[self.stage]
+        subgoal = self._start.subgoals[self.stage]
         measured = subgoal.measured(situation)
         return measured, np.array([self.stage, *subgoal.placed(measured)], dtype=np.float32)
 
-    def _seen(self, situation: Situation, here: NDArray[np.float32]) -> Observation:
-        """Return an observation."""
+    def _observation(self, situation: Situation, here: NDArray[np.float32]) -> Observation:
+        """Return the observation of a moment."""
         assert self._arena is not None
         desired = np.zeros((2, PLACES), dtype=np.float32)
         desired[:, 0] = self._last
-        seen = observe(self.layout, situation, self.action, self._arena.speeds, self._arena.asked)
+        seen = observe(self.layout, situation, self.action, self._arena.speeds, self._arena.commanded_openings)
         found = {"observation": seen, "achieved_goal": np.array([here, self._before]), "desired_goal": desired}
-        return found | self._viewer.pictures(situation)
+        return found | self._viewer.images(situation)
 
-    def _told(self, measured: list[float], *, success: bool) -> dict[str, Any]:
-        """Return what is told beside an observation."""
-        reached = self._begun.subgoals[self.stage].reached(measured)
+    def _info(self, measured: list[float], *, success: bool) -> dict[str, Any]:
+        """Return the information that goes with an observation."""
+        reached = self._start.subgoals[self.stage].reached(measured)
         return {"stage": self.stage, "action": str(self.action), "reached": reached, "is_success": success}

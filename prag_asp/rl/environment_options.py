@@ -1,4 +1,4 @@
-"""What an environment may be asked for: what means nothing is refused before anything begins."""
+"""Check the arguments of an environment and its methods before anything begins."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ OPTIONS = ("task", "witness", "rank", "stage")
 
 
 def check_episodes(*, until: object, reward: object, control: object, stage: object, steps: object) -> None:
-    """Refuse what no episode is.
+    """Check the options of episodes.
 
     Raises:
-        QueryError: it means nothing.
+        QueryError: one is wrong.
     """
-    for given, known, what in ((until, UNTIL, "end"), (reward, REWARDS, "reward"), (control, CONTROLS, "control")):
-        if given not in known:
-            raise QueryError(unknown(str(given), known, what))
+    for value, known, what in ((until, UNTIL, "end"), (reward, REWARDS, "reward"), (control, CONTROLS, "control")):
+        if value not in known:
+            raise QueryError(unknown(str(value), known, what))
     if not is_whole(stage) and stage != "any":
         raise QueryError(f"stage {stage!r}: give the number of a subgoal, from 0 or, from the last one, -1; or any")
     if not is_whole(steps) or steps < 1:
@@ -37,10 +37,10 @@ def check_episodes(*, until: object, reward: object, control: object, stage: obj
 
 
 def check_figures(*, discount: object, budget: object, render_mode: object, modes: list[str]) -> None:
-    """Refuse a discount, a budget and a mode to render that are none.
+    """Check a discount, a budget and a render mode.
 
     Raises:
-        QueryError: one is none.
+        QueryError: one is wrong.
     """
     if not isinstance(discount, Real) or isinstance(discount, bool) or not 0.0 < float(discount) <= 1.0:
         raise QueryError(f"a discount is above 0 and at most 1; got {discount!r}")
@@ -50,29 +50,29 @@ def check_figures(*, discount: object, budget: object, render_mode: object, mode
         raise QueryError(unknown(str(render_mode), modes, "render mode"))
 
 
-def options_of(given: object) -> Mapping[str, Any]:
+def options_of(options: object) -> Mapping[str, Any]:
     """Return the options of a reset.
 
     Raises:
-        QueryError: they are none, or say more than one thing.
+        QueryError: they are malformed, unknown or contradictory.
     """
-    if given is None:
+    if options is None:
         return {}
-    if not isinstance(given, Mapping):
-        raise QueryError(f'options {given!r:.80}: give them by name, such as {{"stage": 1}}')
-    for name in given:
+    if not isinstance(options, Mapping):
+        raise QueryError(f'options {options!r:.80}: give them by name, such as {{"stage": 1}}')
+    for name in options:
         if name not in OPTIONS:
             raise QueryError(unknown(str(name), OPTIONS, "option"))
-    if given.get("rank") is not None and given.get("task") is not None:
+    if options.get("rank") is not None and options.get("task") is not None:
         raise QueryError("a rank and a task: give one of them")
-    return given
+    return options
 
 
 def moves_of(action: object, size: int) -> NDArray[np.float64]:
-    """Return so many numbers of an action, those beyond -1 and 1 as these.
+    """Return an action of `size` numbers, clipped to -1 and 1.
 
     Raises:
-        QueryError: it is none.
+        QueryError: it has another shape, or is not finite.
     """
     try:
         moves = np.minimum(np.maximum(np.asarray(action, dtype=np.float64), -1.0), 1.0)
@@ -84,5 +84,5 @@ def moves_of(action: object, size: int) -> NDArray[np.float64]:
 
 
 def is_whole(number: object) -> TypeGuard[int | np.integer[Any]]:
-    """Tell whether something is a whole number, of Python or NumPy."""
+    """Return whether a value is a whole number, of Python or NumPy."""
     return isinstance(number, int | np.integer) and not isinstance(number, bool)

@@ -1,4 +1,4 @@
-"""What the subgoals of a task ask of physics: the facts that an action brings about, and those that have to stay."""
+"""The subgoals of a task as facts of physics: those that an action brings about, and those that have to stay."""
 
 from __future__ import annotations
 
@@ -11,33 +11,33 @@ from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 
 BROUGHT = 6
-"""How many facts that an action brings about have a place of their own; more share that of those that have to stay."""
+"""Facts that an action brings about with a separate place in a goal vector; more share the place of all others."""
 
 PLACES = 2 + BROUGHT
-"""How many numbers tell of a goal: the subgoal's, the distances of what is brought about, the worst of the rest."""
+"""The size of a goal vector: the number of the subgoal, distances of what is brought about, the worst of the rest."""
 
 
 @dataclass(frozen=True)
 class Subgoal:
-    """A subgoal: the facts that its action itself makes so, and all others that are known to be so after it.
+    """A subgoal: the facts that its action brings about, and all others that are known to hold after it.
 
-    `names` has each of them as text, those that shall not hold with a minus.
+    `names` are their texts, with a minus for those that shall not hold.
     """
 
-    brought: tuple[Fact, ...]
-    kept: tuple[Fact, ...]
+    achieved: tuple[Fact, ...]
+    unchanged: tuple[Fact, ...]
     names: tuple[str, ...]
 
     def measured(self, situation: Situation) -> list[float]:
         """Return the signed distance of each fact in metres or radians, at most 0 where it holds, by `names`."""
-        return [fact.way(situation) for fact in (*self.brought, *self.kept)]
+        return [fact.way(situation) for fact in (*self.achieved, *self.unchanged)]
 
     def placed(self, measured: list[float]) -> list[float]:
         """Return signed distances as `PLACES` - 1 numbers, 0 where there is no fact.
 
         All are at most 0 exactly where the subgoal is reached; the last is the worst of the facts that have no place.
         """
-        own = min(len(self.brought), BROUGHT)
+        own = min(len(self.achieved), BROUGHT)
         return [*measured[:own], *[0.0] * (BROUGHT - own), max(measured[own:], default=0.0)]
 
     def reached(self, measured: list[float]) -> tuple[str, ...]:
@@ -53,9 +53,9 @@ def subgoals_of(task: Task, scene: Scene) -> tuple[Subgoal, ...]:
     """
     found = []
     for effect, made in zip(physical_task(task, scene).effects, task.subgoals, strict=True):
-        brought = facts(scene, made)
-        kept = tuple(fact for fact in effect.after if fact not in brought)
-        found.append(Subgoal(brought, kept, tuple(map(_name, (*brought, *kept)))))
+        achieved = facts(scene, made)
+        unchanged = tuple(fact for fact in effect.after if fact not in achieved)
+        found.append(Subgoal(achieved, unchanged, tuple(map(_name, (*achieved, *unchanged)))))
     return tuple(found)
 
 

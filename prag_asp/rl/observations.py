@@ -1,7 +1,7 @@
-"""What an agent sees: its arms, the bodies that its subgoal speaks of, the skill that is asked for.
+"""Observations: the arms, the bodies of the current action, and its skill.
 
-A skill is an action without the bodies that it names: ``place(panda,_,left_of,_)``. The bodies have places of their
-own, in the order of the action's arguments, so a policy for one cube is one for all.
+A skill is an action without the bodies that it names: ``place(panda,_,left_of,_)``. The bodies have their places in the
+order of the action's arguments, so a policy for one cube is one for all.
 """
 
 from __future__ import annotations
@@ -24,22 +24,19 @@ BODY = (
     "is there", *"xyz", "dx", "dy", "dz", "cos yaw", "sin yaw", "cos turn", "sin turn", "up", "half x", "half y",
     "half z", "opening",
 )  # fmt: skip
-"""What is told of a body, or of its part that moves; metres, radians; dx is from the tool of the arm that acts.
+"""The features of a body, or of its moving part, in metres and radians; dx is from the tool of the acting arm.
 
-The turn is twice the angle about the vertical from that tool to the body, for a gripper that is turned by half
-a circle grips alike.
+The turn is twice the angle about the vertical from that tool to the body, because a gripper is symmetric under half a
+turn.
 """
 
 ARM = (*(f"joint {i}" for i in range(1, 8)), *"xyz", "vx", "vy", "vz", "cos yaw", "sin yaw", "width", "asked width")
-"""What is told of an arm: joints in radians, where its tool is and how fast, how far the gripper is open; metres."""
+"""The features of an arm: joints in radians, position and velocity of its tool, opening and its command; metres."""
 
 
 @dataclass(frozen=True)
 class Layout:
-    """What stands where in an observation: each robot, each argument of the action that is a body, the skills.
-
-    `bodies` are more bodies that are told of beside those of the action.
-    """
+    """The layout of an observation: robots, arguments of the action that are bodies, further `bodies`, and skills."""
 
     robots: tuple[str, ...]
     skills: Mapping[str, int]
@@ -48,7 +45,7 @@ class Layout:
 
     @classmethod
     def of(cls, scene: Scene, actions: Iterable[Atom], *, everything: bool = False) -> Layout:
-        """Return the layout for the actions of a domain; with `everything`, all bodies of the scene are told of.
+        """Return the layout for the actions of a domain; with `everything`, all bodies of the scene are in it.
 
         Raises:
             QueryError: there are no actions.
@@ -63,7 +60,7 @@ class Layout:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What each number of an observation is."""
+        """The name of each number of an observation."""
         arms = [f"{robot}: {what}" for robot in self.robots for what in ARM]
         bodies = [f"body {i + 1}: {what}" for i in range(self.arguments) for what in BODY]
         others = [f"{entity}: {what}" for entity in self.bodies for what in BODY]
@@ -71,7 +68,7 @@ class Layout:
 
 
 def skill(action: Atom, scene: Scene) -> str:
-    """Return an action with blanks for the bodies that it names."""
+    """Return the skill of an action: its text with blanks for the bodies that it names."""
     blank = ["_" if _is_body(scene, argument) else argument for argument in action.arguments]
     return str(Atom(action.name, tuple(blank)))
 
@@ -82,24 +79,23 @@ def named_bodies(action: Atom, scene: Scene) -> list[str]:
 
 
 def _is_body(scene: Scene, entity: str) -> bool:
-    """Tell whether an entity is something that stands somewhere."""
+    """Return whether an entity is a body or a surface."""
     return entity in scene.shapes and entity not in scene.robots
 
 
 def observe(
-    layout: Layout, situation: Situation, action: Atom, speeds: Mapping[str, Vector], asked: Mapping[str, float]
+    layout: Layout, situation: Situation, action: Atom, speeds: Mapping[str, Vector], commanded: Mapping[str, float]
 ) -> NDArray[np.float32]:
-    """Return what an agent sees that pursues an action, shape ``(len(layout.names),)``.
+    """Return the observation of an agent that pursues an action, shape ``(len(layout.names),)``.
 
-    `speeds` are those of the tools in metres a second, `asked` the openings in metres to which the grippers are told to
-    go.
+    `speeds` are the velocities of the tools in metres a second, `commanded` the openings of the grippers in metres.
     """
     scene = situation.scene
     acting = next((name for name in action.arguments if name in scene.robots), layout.robots[0])
     found: list[float] = []
     for robot in layout.robots:
         (at, quaternion), arm = situation.tool(robot), situation.arm(robot)
-        found += [*arm.joints, *at, *speeds[robot], *_direction(yaw_of(quaternion)), arm.width, asked[robot]]
+        found += [*arm.joints, *at, *speeds[robot], *_direction(yaw_of(quaternion)), arm.width, commanded[robot]]
     tool = situation.tool(acting)
     named = named_bodies(action, scene)
     for entity in named:
@@ -113,7 +109,7 @@ def observe(
 
 
 def _body(situation: Situation, entity: str, tool: Pose) -> Sequence[float]:
-    """Return what is told of a body; all zeros where it does not take part."""
+    """Return the features of a body, zeros where it does not take part."""
     if situation.shape(entity).traits.body and entity not in situation.poses:
         return [0.0] * len(BODY)
     at, quaternion = situation.part(entity)

@@ -1,4 +1,4 @@
-"""How much the dense part of a reward counts as an agent learns."""
+"""Annealing of the dense part of a reward."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from typing import Any, Literal
 from prag_asp.errors import QueryError
 from prag_asp.rl.environment_options import is_whole
 
-REMEMBERED = 50
-"""Of how many episodes the share of successes is taken."""
+WINDOW = 50
+"""Episodes in the success rate: enough for steps of 2 percent, few enough to follow an agent that learns."""
 
 
-class Fading:
-    """A share that goes from 1 to 0: over a number of steps, or as the episodes end well.
+class RewardAnnealing:
+    """A share that falls from 1 to 0: over a number of steps, or with the success rate.
 
-    It is read between episodes alone: with one share throughout an episode, the shaping remains that of a potential.
+    It changes only between episodes, so that the shaping within an episode remains one by a potential.
     """
 
     def __init__(self, over: int | Literal["success"]):
@@ -24,28 +24,28 @@ class Fading:
             raise QueryError(f"fade {over!r}: give a number of steps, such as 50000, or success")
         self._over = over if over == "success" else int(over)
         self._steps = 0
-        self._ends: deque[bool] = deque(maxlen=REMEMBERED)
+        self._ends: deque[bool] = deque(maxlen=WINDOW)
 
     def step(self) -> None:
-        """Note a step."""
+        """Count a step."""
         self._steps += 1
 
     def end(self, success: bool) -> None:
-        """Note how an episode has ended."""
+        """Record the result of an episode."""
         self._ends.append(success)
 
     def state_dict(self) -> dict[str, Any]:
-        """Return what was noted, of what JSON can write."""
+        """Return the state as values of JSON."""
         return {"steps": self._steps, "ends": list(self._ends)}
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Go on from what `state_dict` returned."""
+        """Continue from a state of `state_dict`."""
         self._steps = state["steps"]
-        self._ends = deque(state["ends"], maxlen=REMEMBERED)
+        self._ends = deque(state["ends"], maxlen=WINDOW)
 
     @property
     def share(self) -> float:
         """The share, between 0 and 1."""
         if self._over == "success":
-            return 1.0 - sum(self._ends) / REMEMBERED
+            return 1.0 - sum(self._ends) / WINDOW
         return max(0.0, 1.0 - self._steps / self._over)

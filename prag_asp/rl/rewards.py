@@ -1,19 +1,19 @@
-"""Rewards by potentials over how far what shall be is from being so.
+"""Rewards: sparse ones for subgoals, and dense ones by potential-based shaping.
 
-What a goal says of a moment is a vector: the number of the subgoal that is being pursued, and signed distances of its
-facts in metres or radians, at most 0 where they hold: one for each that the action brings about, and the worst of all
-others. A goal is such a vector, too: the last subgoal, and how near the facts have to come. So any moment can serve as
-the goal of another one.
+The goal vector of a moment has the number of the current subgoal and the signed distances of its facts in metres or
+radians, at most 0 where they hold: one for each fact that the action brings about, and the worst of all others. A goal
+is such a vector, too: the last subgoal, and the distances that the facts have to reach. So any moment can serve as the
+goal of another one.
 
 The potential of a moment is the number of subgoals that are reached plus ``1 / (1 + D / REACH)``, with D the sum of
-what these distances miss. It is never negative, grows all the way to the goal, and the steeper the nearer that is.
-The dense reward of a step is `WORTH` times what the potential has grown by, beside the sparse one. With the discount of
-the agent, as in Ng, Harada and Russell ("Policy invariance under reward transformations", 1999), all that is left of
-an episode's potentials is that of its end, which is the same for all that reach the goal: where one subgoal is pursued,
-the best policy stays the best. Where several are, the last counts for more than it does in the sparse reward. With the
-discount 1 all this is so for agents that do not discount; others learn with it in fewer steps, for coming nearer is not
-paid back by staying there, but are no longer promised what is best. Since no potential is negative, the rewards of a
-closed loop never add up to more than 0.
+the distances to the goal. It is never negative, and grows all the way to the goal, the steeper the nearer it is. The
+dense reward of a step is `WORTH` times the difference of the potentials, plus the sparse one. With the discount of
+the agent, as in Ng, Harada and Russell ("Policy invariance under reward transformations", 1999), the potentials of an
+episode cancel except for that of its end, which is the same for all episodes that reach the goal: with one subgoal, the
+optimal policy stays optimal. With several, the last one counts for more than in the sparse reward. With the discount 1
+this holds for agents that do not discount. Others learn with it in fewer steps, because staying near the goal costs
+nothing, but the optimal policy may change. Because no potential is negative, the rewards of a closed loop never add up
+to more than 0.
 """
 
 from __future__ import annotations
@@ -25,21 +25,21 @@ from numpy.typing import NDArray
 
 Reward = Literal["dense", "sparse", "faded"]
 REWARDS: tuple[Reward, ...] = get_args(Reward)
-"""What a step earns: `sparse` 1 for each subgoal that is reached, `dense` also what the potential has grown by, `faded`
-a share of that."""
+"""The reward of a step: `sparse` is 1 for each subgoal that is reached, `dense` adds the difference of the potentials,
+`faded` an annealed share of that."""
 
 WORTH = 10.0
-"""How many times as much as a subgoal in the sparse reward the way to it is worth in the dense one."""
+"""The dense reward of the way to a subgoal, over the sparse one of reaching it."""
 
 REACH = 0.1
-"""How far from a subgoal in metres or radians half of its potential is left."""
+"""The distance from a subgoal at which half of its potential is left, in metres or radians."""
 
 Floats = NDArray[np.floating]
 Flags = NDArray[np.bool_]
 
 
-def missed(achieved: Floats, desired: Floats) -> Floats:
-    """Return what the facts of moments are missed by in all, in metres and radians; vectors are the last axis."""
+def goal_distance(achieved: Floats, desired: Floats) -> Floats:
+    """Return the distances of moments to goals, summed over facts (metres, radians); vectors are the last axis."""
     found: Floats = np.add.reduce(np.maximum(0.0, achieved[..., 1:] - desired[..., 1:]), axis=-1)
     return found
 
@@ -54,14 +54,16 @@ def reached(achieved: Floats, desired: Floats) -> Flags:
 
 def potential(achieved: Floats, desired: Floats) -> Floats:
     """Return the potentials of moments, at least 0: the subgoals reached, and how near the next one is."""
-    found: Floats = achieved[..., 0] + 1.0 / (1.0 + missed(achieved, desired) / REACH)
+    found: Floats = achieved[..., 0] + 1.0 / (1.0 + goal_distance(achieved, desired) / REACH)
     return found
 
 
-def earned(before: Floats, after: Floats, desired: Floats, *, discount: float, share: float) -> tuple[Floats, Flags]:
-    """Return what steps earn, and whether they end at their goals; vectors are the last axis.
+def step_rewards(
+    before: Floats, after: Floats, desired: Floats, *, discount: float, share: float
+) -> tuple[Floats, Flags]:
+    """Return the rewards of steps, and whether they reach their goals; vectors are the last axis.
 
-    `share` is how much of the dense reward counts: 0 is sparse, 1 dense. A step earns 1 for each subgoal reached.
+    `share` is the weight of the dense reward: 0 is sparse, 1 dense. The sparse reward is 1 for each subgoal reached.
     """
     done = reached(after, desired)
     sparse = np.minimum(after[..., 0], desired[..., 0]) - np.minimum(before[..., 0], desired[..., 0]) + done

@@ -1,6 +1,6 @@
-"""A scripted agent: it follows the waypoints of the witness by actions of the environment, and sees where things are.
+"""A scripted agent, the oracle: it follows the waypoints of the witness, and knows the exact poses of all bodies.
 
-It shows what can be reached by actions of the kind "tool", and is what learned agents are compared with.
+It shows what actions of the kind "tool" can reach, and is the baseline of learned agents.
 """
 
 from __future__ import annotations
@@ -25,22 +25,22 @@ if TYPE_CHECKING:
     from prag_asp.rl.environment import Observation, TaskEnv
 
 CLOSE, CLOSE_TURN = 0.004, 0.03
-"""How near a waypoint is passed, in metres and radians."""
+"""The distance at which a waypoint counts as passed, in metres and radians."""
 
 HEIGHT, APART = 0.3, 0.06
-"""How high the tool goes to travel in metres, and how far a waypoint has to be for that, seen from above."""
+"""The height at which the tool travels, and the horizontal distance from which it does, in metres."""
 
 GENTLE = 0.01
-"""How far furniture is moved in a step at most, in metres: what lies in it shall not roll."""
+"""The largest motion of furniture in a step, in metres: its content shall not roll."""
 
 PATIENCE, SETTLING = 60, 4
-"""For how many steps a waypoint is tried, and how many pass after the fingers have closed or opened."""
+"""The step limit of a waypoint, and the steps to wait after the fingers have closed or opened."""
 
 Action = NDArray[np.float32]
 
 
-class Oracle:
-    """The oracle as a policy for a subgoal: it gives up where it is through, and tries anew where it takes over again.
+class OraclePolicy:
+    """The oracle as a policy for a subgoal: it gives up after the last waypoint, and begins again when it takes over.
 
     Raises:
         QueryError: the environment does not take displacements of the tool.
@@ -52,18 +52,18 @@ class Oracle:
         self.begin()
 
     def begin(self) -> None:
-        """Take over, from where everything stands."""
+        """Take over from the current state."""
         self._actions: Iterator[Action] | None = None
 
     def __call__(self, observation: Observation) -> Action | None:
-        """Return the next action for the subgoal that is pursued, None where there is none left."""
+        """Return the next action for the current subgoal, None where there is none left."""
         if self._actions is None:
             self._actions = _pursued(self._env, self._env.stage)
         return next(self._actions, None)
 
 
 def oracle(env: TaskEnv) -> Iterator[Action]:
-    """Yield actions that pursue the subgoals of an episode that has begun, each for what is so by then.
+    """Yield actions that pursue the subgoals of an episode that has begun, each computed from the current state.
 
     Raises:
         QueryError: the environment does not take displacements of the tool.
@@ -104,13 +104,13 @@ def _pursued(env: TaskEnv, stage: int) -> Iterator[Action]:
 
 
 def _fingers(env: TaskEnv, robot: str, opening: float) -> Iterator[Action]:
-    """Yield actions that tell a gripper to be open so far, in metres."""
-    while abs(off := opening - env.asked[robot]) > FINGERS / 100:
+    """Yield actions that open or close a gripper to an opening in metres."""
+    while abs(off := opening - env.commanded_openings[robot]) > FINGERS / 100:
         yield _action(env, robot, fingers=off / FINGERS)
 
 
 def _moved(env: TaskEnv, waypoint: Waypoint, before: Moment, target: str | None) -> Iterator[Action]:
-    """Yield actions that bring the tool to a waypoint: over what is in the way, where it is far."""
+    """Yield actions that bring the tool to a waypoint, at the height of travel where it is far."""
     free = waypoint.opening is None
     for _ in range(PATIENCE):
         (x, y, z), off = _off(env.situation, waypoint, before, target)
@@ -128,10 +128,10 @@ def _moved(env: TaskEnv, waypoint: Waypoint, before: Moment, target: str | None)
 
 
 def _off(situation: Situation, waypoint: Waypoint, before: Moment, target: str | None) -> tuple[Vector, float]:
-    """Return how far the tool has to move to be at a waypoint in metres, and to turn in radians.
+    """Return the displacement of the tool to a waypoint in metres, and its turn in radians.
 
-    What is held shall come to where the witness has it, however it lies in the hand; what is not held yet is gone to
-    where it is.
+    A held body is brought to its pose in the witness, however it lies in the hand; a body to grasp is approached where
+    it is.
     """
     robot = waypoint.robot
     planned, now = tool_pose(situation.robot(robot), waypoint.joints), situation.tool(robot)
@@ -139,9 +139,9 @@ def _off(situation: Situation, waypoint: Waypoint, before: Moment, target: str |
     turn = wrap(yaw_of(planned.quaternion) - yaw_of(now.quaternion))
     arm = before.arms[robot]
     if waypoint.opening is None and waypoint.held is not None and arm.grasp is not None and arm.held == waypoint.held:
-        wanted, lies = compose(planned, arm.grasp), situation.pose(waypoint.held)
-        x, y, z = (a - b for a, b in zip(wanted.position, lies.position, strict=True))
-        turn = wrap(yaw_of(wanted.quaternion) - yaw_of(lies.quaternion))
+        planned_body, lies = compose(planned, arm.grasp), situation.pose(waypoint.held)
+        x, y, z = (a - b for a, b in zip(planned_body.position, lies.position, strict=True))
+        turn = wrap(yaw_of(planned_body.quaternion) - yaw_of(lies.quaternion))
     elif waypoint.held is None and target is not None and target in before.poses:
         there, here = before.poses[target].position, situation.poses[target].position
         if not situation.shape(target).traits.furniture:

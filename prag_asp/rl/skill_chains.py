@@ -1,7 +1,7 @@
-"""Long plans by parts: a policy for each skill, chained along the plans of tasks, and how far that gets.
+"""Skill chaining: a policy for each skill, chained along the plans of tasks, and its success rates.
 
-The predicates alone decide when a subgoal is reached and the policy of the next one takes over. What comes of it is
-counted, so a success rate of whole tasks is the product of the rates of its stages, exactly.
+The predicates alone decide when a subgoal is reached and the policy of the next one takes over. Rates are exact
+fractions, so the success rate of whole tasks is the product of the rates of their stages.
 """
 
 from __future__ import annotations
@@ -25,21 +25,20 @@ from prag_asp.physics import Witness
 from prag_asp.rl.environment import STEPS, TaskEnv
 from prag_asp.rl.observations import skill
 from prag_asp.space.task_space import TaskSpace
-from prag_asp.space.task_spaces import TaskSpaces
 from prag_asp.task import Task
 from prag_asp.wording import unknown
 
 Policy = Callable[[Any], "NDArray[Any] | None"]
 """Returns an action for an observation, as the environment and its wrappers show it, or None where it gives up.
 
-Where it has a method `begin()`, that is called whenever it takes over, so it can forget what it remembers.
+Its method `begin()`, if it has one, is called whenever it takes over, so that it can reset its memory.
 """
 
-Asked = int | Iterable[Task | tuple[Task, Witness]]
+Tasks = int | Iterable[Task | tuple[Task, Witness]]
 
 
 class Rate(NamedTuple):
-    """How many of some trials have succeeded."""
+    """A success rate: the successes of some trials."""
 
     successes: int
     trials: int
@@ -65,11 +64,11 @@ class Rate(NamedTuple):
         z, n, p = NormalDist().inv_cdf(0.5 + confidence / 2), self.trials, self.successes / self.trials
         middle, spread = p + z * z / (2 * n), z * math.sqrt(p * (1 - p) / n + z * z / (4 * n * n))
         low, high = (middle - spread) / (1 + z * z / n), (middle + spread) / (1 + z * z / n)
-        # Where all or none succeed the end is known, but not met by what floats make of it.
+        # Where all or none succeed the bound is known exactly; floats would miss it.
         return (0.0 if self.successes == 0 else low), (1.0 if self.successes == n else high)
 
     def __str__(self) -> str:
-        """Tell the share in percent, with its interval of 95 % and the counts."""
+        """Return the share in percent, with its interval of 95 % and the counts."""
         low, high = self.interval()
         return (
             f"{100 * float(self.share):.0f} % ({100 * low:.0f} to {100 * high:.0f}; {self.successes} of {self.trials})"
@@ -77,11 +76,10 @@ class Rate(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Run:
-    """What became of a task: the actions that were pursued, how often each was tried, and how many were reached.
+class Rollout:
+    """The rollout of a task: `tries` and `steps` of each subgoal that was pursued, and how many were `reached`.
 
-    `first` is the stage with which it began; `actions` are all from there to the last that was asked for, `tries` and
-    `steps` of those that were pursued.
+    `first` is the initial stage; `actions` are all from there to the last one of the episode.
     """
 
     task: Task
@@ -98,40 +96,40 @@ class Run:
 
 
 @dataclass(frozen=True)
-class Runs:
-    """What became of some tasks."""
+class Rollouts:
+    """The rollouts of several tasks."""
 
-    runs: tuple[Run, ...]
+    rollouts: tuple[Rollout, ...]
 
     def whole(self) -> Rate:
-        """Return how many were done as a whole."""
-        return Rate(sum(run.success for run in self.runs), len(self.runs))
+        """Return the success rate of whole tasks."""
+        return Rate(sum(rollout.success for rollout in self.rollouts), len(self.rollouts))
 
     def by_stage(self) -> tuple[Rate, ...]:
-        """Return for each stage how many of those that came to it, and have it, have reached it.
+        """Return the success rate of each stage, among the rollouts that came to it.
 
-        Where all runs have the same number of stages, the product of the shares is that of `whole`, exactly.
+        Where all rollouts have the same number of stages, the product of the shares is that of `whole`, exactly.
         """
-        trials = Counter(stage for run in self.runs for stage in range(len(run.tries)))
-        reached = Counter(stage for run in self.runs for stage in range(run.reached))
+        trials = Counter(stage for rollout in self.rollouts for stage in range(len(rollout.tries)))
+        reached = Counter(stage for rollout in self.rollouts for stage in range(rollout.reached))
         return tuple(Rate(reached[stage], trials[stage]) for stage in sorted(trials))
 
     def by_length(self) -> tuple[Fraction, ...]:
-        """Return for each length, from 1, the share of plans of which all stages so far are reached.
+        """Return for each length, from 1, the share of plans whose stages up to it are all reached.
 
-        It is the product of the shares of the stages: among runs of one length the share that came so far, among runs
-        of several lengths the estimate of Kaplan and Meier (1958), in which all count as far as they go.
+        It is the product of the shares of the stages: exact for rollouts of one length, and for several lengths the
+        estimate of Kaplan and Meier (1958), in which all count as far as they go.
         """
         return tuple(accumulate((rate.share for rate in self.by_stage()), lambda one, other: one * other))
 
     def by_action(self) -> Mapping[str, Rate]:
-        """Return for each name of an action how often it was reached where it was pursued."""
+        """Return the success rate of each action name."""
         trials: Counter[str] = Counter()
         reached: Counter[str] = Counter()
-        for run in self.runs:
-            for stage, action in enumerate(run.actions[: len(run.tries)]):
+        for rollout in self.rollouts:
+            for stage, action in enumerate(rollout.actions[: len(rollout.tries)]):
                 trials[action.name] += 1
-                reached[action.name] += stage < run.reached
+                reached[action.name] += stage < rollout.reached
         return {name: Rate(reached[name], trials[name]) for name in sorted(trials)}
 
     def table(self) -> str:
@@ -143,26 +141,26 @@ class Runs:
 
 
 def run(
-    env: gymnasium.Env[Any, Any] | TaskSpace | TaskSpaces,
+    env: gymnasium.Env[Any, Any] | TaskSpace,
     policies: Policy | Mapping[str, Policy],
-    tasks: Asked,
+    tasks: Tasks,
     *,
     tries: int = 1,
     patience: int = STEPS,
     seed: int | None = None,
-) -> Runs:
-    """Pursue tasks with a policy for each skill, and return what became of them.
+) -> Rollouts:
+    """Pursue tasks with a policy for each skill, and return the rollouts.
 
     `policies` are by the names of actions (``pick``) or by skills (``place(panda,_,left_of,_)``), which go first; one
     alone is for all. Each subgoal may be pursued for `patience` steps, `tries` times: after a failure its policy takes
-    over anew, from where everything stands by then. `tasks` are tasks, with their witnesses or without, or how many
-    are drawn, from a `seed`. The environment, a `TaskEnv` in whatever wrappers, says which subgoals of a task are
-    pursued and what policies see; it is left open. That which is made for a space is closed.
+    over again, from the current state. `tasks` are tasks, with their witnesses or without, or their number to sample
+    with a `seed`. The environment, a `TaskEnv` in any wrappers, defines the subgoals that are pursued and the
+    observations; it stays open. One that is made for a space is closed.
 
     Raises:
-        QueryError: it is another environment, a number is below 1, a policy is missing, or a task has no witness.
+        QueryError: the environment is another one, a number is below 1, a policy is missing, or a task has no witness.
     """
-    if isinstance(env, TaskSpace | TaskSpaces):
+    if isinstance(env, TaskSpace):
         made = TaskEnv(env, reward="sparse")
         try:
             return run(made, policies, tasks, tries=tries, patience=patience, seed=seed)
@@ -174,15 +172,15 @@ def run(
         if type(number) is not int or number < 1:
             raise QueryError(f"{what} is a whole number from 1 on; got {number!r}")
     found = []
-    for options in _asked(tasks):
+    for options in _reset_options(tasks):
         observation, _ = env.reset(seed=seed, options=options)
         seed = None
         found.append(_pursued(env, policies, observation, tries, patience))
-    return Runs(tuple(found))
+    return Rollouts(tuple(found))
 
 
-def _asked(tasks: Asked) -> Iterator[dict[str, Any]]:
-    """Yield what the environment is told at the begin of each run.
+def _reset_options(tasks: Tasks) -> Iterator[dict[str, Any]]:
+    """Yield the reset options of each rollout.
 
     Raises:
         QueryError: these are no tasks.
@@ -191,12 +189,12 @@ def _asked(tasks: Asked) -> Iterator[dict[str, Any]]:
         yield from ({} for _ in range(tasks))
         return
     if not isinstance(tasks, Iterable):
-        raise QueryError(f"tasks are tasks, or how many are drawn, at least 1; got {tasks!r}")
+        raise QueryError(f"tasks are tasks, or their number, at least 1; got {tasks!r}")
     for each in tasks:
-        given = (each, None) if isinstance(each, Task) else each
-        if not isinstance(given, tuple) or len(given) != 2:
+        pair = (each, None) if isinstance(each, Task) else each
+        if not isinstance(pair, tuple) or len(pair) != 2:
             raise QueryError(f"tasks are tasks, or pairs of a task and its witness; got {each!r:.80}")
-        yield {"task": given[0], "witness": given[1]}
+        yield {"task": pair[0], "witness": pair[1]}
 
 
 def _pursued(
@@ -205,7 +203,7 @@ def _pursued(
     observation: Any,
     tries: int,
     patience: int,
-) -> Run:
+) -> Rollout:
     """Pursue the subgoals of an episode that has begun, until one fails."""
     env: TaskEnv = wrapped.unwrapped  # type: ignore[assignment]
     first, last = env.stage, env.last
@@ -216,20 +214,22 @@ def _pursued(
         count = taken = 0
         while env.stage == stage and not ended and count < tries:
             count += 1
-            observation, ended, more = _tried(wrapped, policy, observation, patience)
+            observation, ended, more = _attempt(wrapped, policy, observation, patience)
             taken += more
         tried.append(count)
         steps.append(taken)
         if env.stage == stage:
             break
     actions = env.task.actions[first : last + 1]
-    return Run(env.task, first, actions, tuple(tried), tuple(steps), env.stage - first + ended)
+    return Rollout(env.task, first, actions, tuple(tried), tuple(steps), env.stage - first + ended)
 
 
-def _tried(wrapped: gymnasium.Env[Any, Any], policy: Policy, observation: Any, patience: int) -> tuple[Any, bool, int]:
-    """Let a policy pursue one subgoal; return what is seen then, whether the goal is reached, and after how many steps.
+def _attempt(
+    wrapped: gymnasium.Env[Any, Any], policy: Policy, observation: Any, patience: int
+) -> tuple[Any, bool, int]:
+    """Pursue one subgoal by a policy; return the last observation, whether the goal is reached, and the steps taken.
 
-    An environment says that time is up, by its own count; here it goes on.
+    Truncation by the environment's own step limit is ignored here.
     """
     env: TaskEnv = wrapped.unwrapped  # type: ignore[assignment]
     stage, begin = env.stage, getattr(policy, "begin", None)
@@ -246,7 +246,7 @@ def _tried(wrapped: gymnasium.Env[Any, Any], policy: Policy, observation: Any, p
 
 
 def _policy(policies: Policy | Mapping[str, Policy], env: TaskEnv) -> Policy:
-    """Return the policy for the subgoal that is pursued.
+    """Return the policy for the current subgoal.
 
     Raises:
         QueryError: there is none.

@@ -1,4 +1,4 @@
-"""States of environments under a seal: those that are damaged, or of another environment, are refused."""
+"""Checkpoints of environments with a checksum: damaged ones, and those of another environment, are refused."""
 
 from __future__ import annotations
 
@@ -10,28 +10,28 @@ from typing import Any
 from prag_asp.errors import QueryError
 
 
-def sealed(state: Mapping[str, Any], made: str) -> dict[str, Any]:
-    """Return a state, of what JSON can write, with what its environment was `made` of and a seal over both."""
-    return {**state, "made": made, "seal": _seal({**state, "made": made})}
+def with_checksum(state: Mapping[str, Any], spec: str) -> dict[str, Any]:
+    """Return a state of JSON values with the `spec` of its environment and a checksum over both."""
+    return {**state, "spec": spec, "checksum": _checksum({**state, "spec": spec})}
 
 
-def check_seal(state: object, made: str) -> None:
-    """Refuse what is no state of an environment that was `made` of this.
+def verify_checksum(state: object, spec: str) -> None:
+    """Check a state of an environment with a `spec`.
 
     Raises:
-        QueryError: that is so.
+        QueryError: it is damaged, or of another environment.
     """
-    if not isinstance(state, Mapping) or state.get("made") != made:
-        of = repr(state["made"]) if isinstance(state, Mapping) and "made" in state else "nothing that is known"
-        raise QueryError(f"the state is of another environment, made of {of}; this one is made of {made}")
+    if not isinstance(state, Mapping) or state.get("spec") != spec:
+        of = repr(state["spec"]) if isinstance(state, Mapping) and "spec" in state else "nothing that is known"
+        raise QueryError(f"the state is of another environment, made of {of}; this one is made of {spec}")
     try:
-        whole = state.get("seal") == _seal({key: each for key, each in state.items() if key != "seal"})
+        whole = state.get("checksum") == _checksum({key: each for key, each in state.items() if key != "checksum"})
     except (TypeError, ValueError):
         whole = False
     if not whole:
         raise QueryError("the state is damaged; load all that state_dict returned, unchanged")
 
 
-def _seal(state: Mapping[str, Any]) -> str:
-    """Return what tells a state from others, the same after JSON has written and read it."""
+def _checksum(state: Mapping[str, Any]) -> str:
+    """Return the checksum of a state, the same after it was written and read as JSON."""
     return sha256(json.dumps(state, sort_keys=True).encode()).hexdigest()[:16]

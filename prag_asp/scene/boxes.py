@@ -1,6 +1,6 @@
 """Boxes along the axes as plain tuples, which are faster than arrays at this size; all in metres.
 
-A `Box` is told by its centre and half its sides, `Corners` by its lowest and its highest corner.
+A `Box` has its centre and half its sides, `Corners` its lowest and its highest corner.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def around(boxes: Iterable[Corners]) -> Corners:
 
 
 def touch(one: Corners, two: Corners) -> bool:
-    """Tell whether two boxes have a point in common."""
+    """Return whether two boxes have a point in common."""
     (ax, ay, az), (bx, by, bz) = one
     (cx, cy, cz), (dx, dy, dz) = two
     return ax <= dx and cx <= bx and ay <= dy and cy <= by and az <= dz and cz <= bz

@@ -17,24 +17,24 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 TOWARDS_EYE, FIELD_OF_VIEW = (0.86, 0.36, 0.56), 42.0
-"""The direction from what is seen to the eye, and how many degrees a picture is high, where nobody says otherwise."""
+"""The default direction from the scene to the eye, and the default vertical field of view in degrees."""
 
 FRONT = "front"
-"""The name of the camera of a scene that has none of its own."""
+"""The name of the default camera."""
 
 BORDER = 0.97
-"""The share of a picture that what has to be seen may fill."""
+"""The share of a camera image that the fitted points may fill."""
 
 FITTINGS = 40
 HAND_ROOM = 0.3
-"""How high over the table a hand is seen in the picture of the usual camera, in metres."""
+"""The height over the table that the default camera shows, so that hands are visible, in metres."""
 
 STRAIGHT = 0.999
 """A camera looks along an axis where the cosine of the angle between them is larger: that axis cannot be upwards."""
 
 
 class Camera(NamedTuple):
-    """A camera at a place in metres that looks at a point; `field_of_view` is how many degrees a picture is high.
+    """A camera at a place in metres that looks at a point; `field_of_view` is vertical, in degrees.
 
     With a `mount`, the name of a robot, both are in the frame of its tool, whose z axis is where the fingers point and
     whose y axis that along which they open; and the tool's x axis is upwards in the picture, otherwise that of the
@@ -79,8 +79,8 @@ class Camera(NamedTuple):
         return placed
 
 
-class Placed(Protocol):
-    """Where the base of a robot stands."""
+class BasePosition(Protocol):
+    """The position of the base of a robot."""
 
     @property
     def x(self) -> float:
@@ -92,11 +92,11 @@ class Placed(Protocol):
 
 
 def usual_cameras(
-    workspace: tuple[float, float, float, float], robots: Mapping[str, Placed], fixed: Sequence[Vector] = ()
+    workspace: tuple[float, float, float, float], robots: Mapping[str, BasePosition], fixed: Sequence[Vector] = ()
 ) -> dict[str, Camera]:
-    """Return the cameras of a scene that says nothing: one in front.
+    """Return the default cameras of a scene: one in front.
 
-    It sees the workspace and the hands over it, the bases of the robots, and the points of what is fixed.
+    It shows the workspace and the hands over it, the bases of the robots, and the points of fixed bodies.
     """
     low_x, high_x, low_y, high_y = workspace
     corners = tuple((x, y, z) for x in (low_x, high_x) for y in (low_y, high_y) for z in (0.0, HAND_ROOM))
@@ -109,7 +109,7 @@ def usual_cameras(
 def fitted(
     seen: Sequence[Vector], aspect: float, towards: Vector = TOWARDS_EYE, field_of_view: float = FIELD_OF_VIEW
 ) -> tuple[Vector, Vector]:
-    """Return the eye and its target, so that points just fit into a picture of an aspect (width by height).
+    """Return an eye and a target with which points just fit into an image of an aspect (width by height).
 
     `towards` is the direction from them to the eye.
     """
@@ -124,7 +124,7 @@ def fitted(
     points = np.array(seen) @ axes.T
     centre, distance = points.mean(axis=0), 1.0
     for _ in range(FITTINGS):
-        # Every point asks for its distance; the middle of what is seen then becomes the middle of the picture.
+        # Each point needs a distance; then the target moves so that the points are centred in the image.
         offsets = points - centre
         distance = float((offsets[:, 2] + (np.abs(offsets[:, :2]) / slopes).max(axis=1)).max())
         shown = offsets[:, :2] / (distance - offsets[:, 2:])

@@ -1,6 +1,6 @@
-"""Colours as people see them: CIELAB, in which equal distances look equally large.
+"""Perceptual colours in CIELAB, where equal distances look equally large.
 
-The distance is Delta E of 1976; from about 10 on two colours are told apart at a glance, and 20 by their names, mostly.
+The distance is Delta E of 1976; colours differ at a glance from about 10, and mostly have different names from 20.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def apart(one: str, two: str) -> float:
 
 @lru_cache(maxsize=64)
 def more_colours(taken: Sequence[str], count: int) -> tuple[str, ...]:
-    """Return so many colours, each as different as can be from those that are taken and those before it.
+    """Return `count` colours, each as different as possible from those that are taken and those before it.
 
     Gonzalez, "Clustering to minimize the maximum intercluster distance", 1985: the farthest point first.
     """

@@ -1,4 +1,4 @@
-"""What bodies cover of the table, seen from above."""
+"""The footprints of bodies on the table, seen from above."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ class Footprint(NamedTuple):
 
 
 def corners(footprint: Footprint) -> Outline:
-    """Return the corners of what a body covers, counter-clockwise; of a round one those of the square around it."""
+    """Return the corners of a footprint, counter-clockwise; of a round body those of the square around it."""
     (x, y, yaw), (half_x, half_y, _) = footprint.place, footprint.shape.half
     return rectangle(x, y, half_x, half_y, 0.0 if footprint.shape.traits.round else yaw)
 
 
 def apart(one: Footprint, two: Footprint, touching: float) -> bool:
-    """Tell whether two bodies reach less than `touching` metres into each other, by separating axes."""
+    """Return whether two bodies reach less than `touching` metres into each other, by separating axes."""
     directions = [axis for footprint in (one, two) for axis in _axes(footprint, two if footprint is one else one)]
     return any(_gap(one, two, direction) >= -touching for direction in directions)
 

@@ -1,6 +1,6 @@
-"""Boxes, cylinders and balls: how far they reach, what they cover seen from above, how much material they are.
+"""The primitives box, cylinder and ball: their reach, their outline from above, their volume.
 
-A body that is something else, such as a container, reaches as far as the box around it.
+Other bodies, such as containers, reach as far as their bounding boxes.
 """
 
 from __future__ import annotations
@@ -15,10 +15,11 @@ Point = tuple[float, float]
 Outline = tuple[Point, ...]
 
 CIRCLE_SIDES = 16
+"""Corners of the outline of a cylinder: it misses 2 percent of the radius at most."""
 
 
-class Form(NamedTuple):
-    """What a primitive takes up, each as a function of half the sides of the box around it, in metres.
+class Primitive(NamedTuple):
+    """The extent of a primitive, as functions of half the sides of its bounding box, in metres.
 
     `reach` is how far it reaches from its middle along a unit vector in its own axes. `outline` are its corners from
     above, counter-clockwise, by x, y and yaw of its middle; of a ball where it stands. `volume` is in cubic metres.
@@ -74,9 +75,9 @@ def _ball_volume(half: Vector) -> float:
     return 4 * math.pi * half[0] ** 3 / 3
 
 
-BOX = Form(_box_reach, _box_outline, _box_volume)
-CYLINDER = Form(_cylinder_reach, _cylinder_outline, _cylinder_volume)
-BALL = Form(_ball_reach, _ball_outline, _ball_volume)
+BOX = Primitive(_box_reach, _box_outline, _box_volume)
+CYLINDER = Primitive(_cylinder_reach, _cylinder_outline, _cylinder_volume)
+BALL = Primitive(_ball_reach, _ball_outline, _ball_volume)
 
-FORMS: Mapping[str, Form] = {"box": BOX, "cylinder": CYLINDER, "sphere": BALL}
+FORMS: Mapping[str, Primitive] = {"box": BOX, "cylinder": CYLINDER, "sphere": BALL}
 """The primitives that bodies are made of; a body from a URDF can have meshes, too."""

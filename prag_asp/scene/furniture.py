@@ -1,4 +1,4 @@
-"""What furniture is made of: a body that stands still, a part that slides or turns on a joint, and a handle.
+"""Furniture: a fixed body, a part that slides or turns on a joint, and a handle.
 
 A *drawer* is a low cabinet, open in front, in which a tray with a front panel slides out along the cabinet's -x. A
 *cupboard* is a low box whose door lies on top and turns about an upright pin at a corner, to the cupboard's +y: what
@@ -35,6 +35,7 @@ RIM = 2 / 3
 
 QUARTER = math.pi / 2
 SWEPT = 9
+"""Openings at which the swept volume of a part is sampled: they differ by an eighth of its range."""
 
 
 class Mechanism(NamedTuple):
@@ -58,7 +59,7 @@ class Mechanism(NamedTuple):
 
 @lru_cache(maxsize=64)
 def mechanism(shape: Shape) -> Mechanism:
-    """Return what a drawer or a cupboard is made of."""
+    """Return the mechanism of a drawer or a cupboard."""
     return MAKERS[shape.kind](shape)
 
 
@@ -75,7 +76,7 @@ def cavity(shape: Shape) -> Vector:
 
 @lru_cache(maxsize=1 << 10)
 def part_pose(shape: Shape, pose: Pose, opening: float) -> Pose:
-    """Return the pose of the moving part of furniture that is open so far, in metres or radians."""
+    """Return the pose of the moving part of furniture at an opening in metres or radians."""
     made = mechanism(shape)
     joint = compose(pose, Pose(made.joint))
     x, y, z = made.axis
@@ -85,21 +86,21 @@ def part_pose(shape: Shape, pose: Pose, opening: float) -> Pose:
 
 
 def cavity_pose(shape: Shape, pose: Pose, opening: float) -> Pose:
-    """Return the pose of the middle of the floor on which things stand in furniture that is open so far."""
+    """Return the pose of the middle of the cavity's floor at an opening."""
     made = mechanism(shape)
     return compose(part_pose(shape, pose, opening) if made.slides else pose, Pose(made.middle))
 
 
 @lru_cache(maxsize=1 << 10)
 def bounds(shape: Shape, pose: Pose, opening: float) -> Corners:
-    """Return the bounding box of furniture that is open so far."""
+    """Return the bounding box of furniture at an opening."""
     made = mechanism(shape)
     return around([_around_in(made.body, pose), _around_in(made.part, part_pose(shape, pose, opening))])
 
 
 @lru_cache(maxsize=64)
 def swept(shape: Shape, pose: Pose) -> tuple[Corners, Corners]:
-    """Return the bounding boxes of the body of furniture, and of all the places where its part can be."""
+    """Return the bounding boxes of the body of furniture, and of its part over all openings."""
     made = mechanism(shape)
     openings = [made.limit * i / (SWEPT - 1) for i in range(SWEPT)]
     return _around_in(made.body, pose), around([_around_in(made.part, part_pose(shape, pose, q)) for q in openings])
@@ -169,7 +170,7 @@ def _cupboard(shape: Shape) -> Mechanism:
 
 
 MAKERS: Mapping[str, Callable[[Shape], Mechanism]] = {"drawer": _drawer, "cupboard": _cupboard}
-"""What each kind of furniture is made of."""
+"""The mechanism of each kind of furniture."""
 
 
 def _post(x: float, y: float, bottom: float) -> Box:

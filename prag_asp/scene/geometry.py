@@ -113,7 +113,7 @@ def matrix(pose: Pose) -> NDArray[np.float64]:
 
 
 def finite(pose: Pose) -> bool:
-    """Tell whether a pose is finite and its quaternion of unit length, which PyBullet never checks."""
+    """Return whether a pose is finite and its quaternion of unit length, which PyBullet never checks."""
     numbers = (*pose.position, *pose.quaternion)
     return all(map(math.isfinite, numbers)) and abs(sum(q * q for q in pose.quaternion) - 1.0) < 1e-6
 
@@ -182,17 +182,17 @@ def cut(polygon: Outline, a: float, b: float, c: float) -> Outline:
     depths = [c - a * x - b * y for x, y in polygon]
     if not depths or min(depths) >= 0.0:
         return polygon
-    kept: list[Point] = []
+    clipped: list[Point] = []
     previous, before = polygon[-1], depths[-1]
     for point, depth in zip(polygon, depths, strict=True):
         if (depth >= 0.0) != (before >= 0.0):
             share = before / (before - depth)
             x, y = previous
-            kept.append((x + share * (point[0] - x), y + share * (point[1] - y)))
+            clipped.append((x + share * (point[0] - x), y + share * (point[1] - y)))
         if depth >= 0.0:
-            kept.append(point)
+            clipped.append(point)
         previous, before = point, depth
-    return tuple(kept)
+    return tuple(clipped)
 
 
 def hull(points: list[Point]) -> Outline:

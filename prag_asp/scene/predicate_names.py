@@ -1,4 +1,4 @@
-"""The words of space: the predicates that every scene has, one a line, the one place that registers them.
+"""The registry of the spatial predicates that every scene has.
 
 A new predicate needs a row here, and the file that it names; see `prag_asp.physics.predicates`.
 """
@@ -9,36 +9,36 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 
-class Word(NamedTuple):
-    """What each argument of a predicate has to be, and the file of `prag_asp.physics.predicates` that defines it."""
+class SpatialWord(NamedTuple):
+    """The roles of a predicate's arguments, and the file of `prag_asp.physics.predicates` that defines it."""
 
     roles: tuple[str, ...]
     file: str
 
 
-VOCABULARY: Mapping[str, Word] = {
-    "on_top": Word(("object", "object"), "on_top"),
-    "inside": Word(("object", "object"), "inside"),
-    "left_of": Word(("object", "object"), "beside"),
-    "right_of": Word(("object", "object"), "beside"),
-    "in_front_of": Word(("object", "object"), "beside"),
-    "behind": Word(("object", "object"), "beside"),
-    "reachable": Word(("robot", "object"), "reachable"),
-    "holding": Word(("robot", "object"), "gripper"),
-    "at": Word(("robot", "object"), "gripper"),
-    "gripper_open": Word(("robot",), "gripper"),
-    "over": Word(("robot", "object"), "gripper"),
-    "located": Word(("object", "object"), "inside"),
-    "rotated": Word(("object", "rotation"), "rotated"),
-    "near": Word(("object", "object"), "near"),
-    "far": Word(("object", "object"), "near"),
-    "touching": Word(("object", "object"), "touching"),
-    "between": Word(("object", "object", "object"), "between"),
-    "aligned": Word(("object", "object"), "aligned"),
-    "upright": Word(("object",), "upright"),
-    "is_open": Word(("furniture",), "opening"),
-    "is_closed": Word(("furniture",), "opening"),
+VOCABULARY: Mapping[str, SpatialWord] = {
+    "on_top": SpatialWord(("object", "object"), "on_top"),
+    "inside": SpatialWord(("object", "object"), "inside"),
+    "left_of": SpatialWord(("object", "object"), "beside"),
+    "right_of": SpatialWord(("object", "object"), "beside"),
+    "in_front_of": SpatialWord(("object", "object"), "beside"),
+    "behind": SpatialWord(("object", "object"), "beside"),
+    "reachable": SpatialWord(("robot", "object"), "reachable"),
+    "holding": SpatialWord(("robot", "object"), "gripper"),
+    "at": SpatialWord(("robot", "object"), "gripper"),
+    "gripper_open": SpatialWord(("robot",), "gripper"),
+    "over": SpatialWord(("robot", "object"), "gripper"),
+    "located": SpatialWord(("object", "object"), "inside"),
+    "rotated": SpatialWord(("object", "rotation"), "rotated"),
+    "near": SpatialWord(("object", "object"), "near"),
+    "far": SpatialWord(("object", "object"), "near"),
+    "touching": SpatialWord(("object", "object"), "touching"),
+    "between": SpatialWord(("object", "object", "object"), "between"),
+    "aligned": SpatialWord(("object", "object"), "aligned"),
+    "upright": SpatialWord(("object",), "upright"),
+    "is_open": SpatialWord(("furniture",), "opening"),
+    "is_closed": SpatialWord(("furniture",), "opening"),
 }
 
 PREDICATE_ROLES: Mapping[str, tuple[str, ...]] = {name: word.roles for name, word in VOCABULARY.items()}
-"""The predicates that every scene has, and what each of their arguments has to be."""
+"""The predicates that every scene has, with the roles of their arguments."""

@@ -1,4 +1,4 @@
-"""What physics knows of a domain: the bodies, where they stand, what the fluents mean.
+"""The scene of a domain: its bodies, where they stand, and the meaning of its fluents.
 
 Lengths are metres, angles radians. The world's origin is the base of the robot on the table top: x points away
 from the robot, y to the robot's left, z up.
@@ -18,12 +18,13 @@ from prag_asp.scene.predicate_names import PREDICATE_ROLES
 from prag_asp.scene.shape_kinds import KINDS, Kind
 
 IGNORED = "none"
-"""What ``scene.predicates`` maps a fluent to that means nothing to physics."""
+"""The value in ``scene.predicates`` of a fluent that physics ignores."""
 
 Size = tuple[float, float, float]
 """The sides of a bounding box in metres."""
 
 SAME_SIZE = 1e-6
+"""The largest difference between equal sides, in metres: files have rounded decimals."""
 
 
 class Solid(NamedTuple):
@@ -40,8 +41,8 @@ class Solid(NamedTuple):
     mesh: str = ""
 
 
-class Model(NamedTuple):
-    """What a URDF says of a body: what it collides with, and its mass in kilograms."""
+class BodyModel(NamedTuple):
+    """The model of a body from a URDF: its collision solids, and its mass in kilograms."""
 
     solids: tuple[Solid, ...]
     mass: float
@@ -56,11 +57,11 @@ class Shape(NamedTuple):
     kind: str
     size: Size = (0.0, 0.0, 0.0)
     wall: float = 0.0
-    model: Model | None = None
+    model: BodyModel | None = None
 
     @property
     def traits(self) -> Kind:
-        """What it has in common with all bodies of its kind."""
+        """The properties of its kind."""
         return KINDS[self.kind]
 
     @property
@@ -69,7 +70,7 @@ class Shape(NamedTuple):
         return (self.size[0] / 2, self.size[1] / 2, self.size[2] / 2)
 
     def breadth(self, widest: bool) -> float:
-        """Return how broad it is upright in metres, seen from the side where it is broadest, or narrowest."""
+        """Return its largest or smallest width upright, in metres."""
         x, y, _ = self.size
         if self.traits.round:
             return x
@@ -77,7 +78,7 @@ class Shape(NamedTuple):
 
 
 class Material(NamedTuple):
-    """What a body is made of; the defaults are light wood, and filled packages of cardboard.
+    """The material of a body; the defaults are those of light wood, and of filled packages of cardboard.
 
     `density` in kilograms a cubic metre; what touches has the product of both coefficients of `friction`; `rolling` is
     how far ahead of its centre a ball is supported when it rolls, in metres: fruit is not quite round.
@@ -91,7 +92,7 @@ class Material(NamedTuple):
 STANDARD = Material()
 
 
-class Bounds(NamedTuple):
+class BoxBounds(NamedTuple):
     """A box by its lowest and its highest corner, in metres; infinite where nothing bounds it."""
 
     low: tuple[float, float, float]
@@ -99,7 +100,7 @@ class Bounds(NamedTuple):
 
 
 class Own(NamedTuple):
-    """A spatial predicate that a domain adds: what its arguments have to be, and where its definition is.
+    """A spatial predicate that a domain adds: the roles of its arguments, and its definition.
 
     Either `boxes` around the second argument, or around the entity `around`, say where the first one has to be: its
     centre in one of them, or all of it where `whole` is set; `sentence` is a template of it in plain words. Or `file`
@@ -108,7 +109,7 @@ class Own(NamedTuple):
 
     name: str
     roles: tuple[str, ...]
-    boxes: tuple[Bounds, ...] = ()
+    boxes: tuple[BoxBounds, ...] = ()
     whole: bool = False
     around: str | None = None
     sentence: str = ""
@@ -125,7 +126,7 @@ class Mount(NamedTuple):
 
 
 class Ranges(NamedTuple):
-    """Within what ranges recordings differ that are asked to vary.
+    """The ranges of domain randomization.
 
     `friction` and `mass` are factors; `light` the degrees by which the light is turned at most, `camera` how far a
     camera and what it looks at are moved, as a share of what is between them, `colour` the Delta E in CIELAB by which a
@@ -143,13 +144,13 @@ USUAL_RANGES = Ranges()
 
 
 def only_robot(shapes: Mapping[str, Shape], kind: str = "panda") -> dict[str, Mount]:
-    """Return the robot of a scene that has one, at the origin; one without an entity is named after its kind."""
+    """Return the only robot of a scene, at the origin; without an entity it is named after its kind."""
     name = next((entity for entity, shape in shapes.items() if shape.kind == "robot"), kind)
     return {name: Mount(kind)}
 
 
 @dataclass(frozen=True)
-class Table:
+class TableTop:
     """The table: sides along x and y in metres, centre of its top (at z = 0), colour."""
 
     size: tuple[float, float] = (1.3, 1.6)
@@ -159,7 +160,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Scene:
-    """Everything that physics knows of a domain.
+    """The scene of a domain.
 
     `shapes` and `colors` (``#rrggbb``) belong to entities, `workspace` is the part of the table top where the search
     puts objects (low x, high x, low y, high y), not a limit of where they can be, `fixed` holds x, y in metres and
@@ -172,13 +173,13 @@ class Scene:
     With `frame` "robot" left is the left of the robot (+y) and in front is nearer to it; "viewer" is someone
     who faces the robot. `own` are the spatial predicates that the domain adds, by their names; the Python files
     among them are run only where `trusted` is set. `cameras` have names too; where they are left out there is one,
-    `front`. `vary` says how far recordings may differ that are asked to.
+    `front`. `vary` has the ranges of domain randomization.
     """
 
     shapes: Mapping[str, Shape]
     frame: str = "robot"
     workspace: tuple[float, float, float, float] = (0.3, 0.7, -0.4, 0.4)
-    table: Table = field(default_factory=Table)
+    table: TableTop = field(default_factory=TableTop)
     colors: Mapping[str, str] = field(default_factory=dict)
     fixed: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     predicates: Mapping[str, str] = field(default_factory=dict)
@@ -208,7 +209,7 @@ class Scene:
 
     @property
     def shared(self) -> bool:
-        """Whether several robots work at the table: they leave each other room, and words say which one is meant."""
+        """Whether several robots work at the table: they keep out of each other's way, and instructions name them."""
         return len(self.robots) > 1
 
     def meaning(self, fluent: Atom) -> str | None:
@@ -226,11 +227,11 @@ class Scene:
         return self.materials.get(entity, STANDARD)
 
     def with_shapes(self, shapes: Mapping[str, Shape]) -> Scene:
-        """Return the scene with the shapes that a task has drawn, those not drawn the largest."""
+        """Return the scene with the sampled shapes of a task; bodies without one have their largest shape."""
         return replace(self, shapes={**self.shapes, **shapes}, ranges={}) if self.ranges else self
 
     def with_sizes(self, sizes: Mapping[str, Size]) -> Scene:
-        """Return the scene with the sizes that a task has drawn, in metres.
+        """Return the scene with the sampled sizes of a task, in metres.
 
         Raises:
             SceneError: an entity cannot have its size.
@@ -240,7 +241,7 @@ class Scene:
     def _shape(self, entity: str, size: Size) -> Shape:
         """Return the shape of a size in the range of an entity."""
         for shape in self.ranges.get(entity, ()):
-            if all(abs(side - asked) < SAME_SIZE for side, asked in zip(shape.size, size, strict=True)):
+            if all(abs(side - other) < SAME_SIZE for side, other in zip(shape.size, size, strict=True)):
                 return shape
         shown = " x ".join(f"{side:.4f}" for side in size)
         raise SceneError(f"{entity} cannot have the size {shown} m; the scene gives it another range")

@@ -5,22 +5,18 @@ This module loads no simulator, so that the linter can use it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from prag_asp.atom import Atom
 from prag_asp.errors import SceneError
-from prag_asp.scene.read.predicates import read_own
-from prag_asp.scene.read.report import Fault, Report
 from prag_asp.scene.read.scene_reader import read_scene
-from prag_asp.scene.scene import (
-    IGNORED,
-    Scene,
-    Shape,
-)
+from prag_asp.scene.read.scene_values import DomainNames
+from prag_asp.scene.scene import IGNORED, Scene, Shape
 from prag_asp.scene.shape_kinds import KINDS
+from prag_asp.tables.report import Keys, TableEntry, TableProblem, TableReport, path_text
 from prag_asp.wording import did_you_mean, is_misspelt, plural
 
 
@@ -38,13 +34,13 @@ def parse_scene(
     domain; physics runs the Python files there only with `trust`.
 
     Raises:
-        SceneError: the first problem of the table, with its key.
+        SceneError: the table has problems; the message has one line for each, with its key.
     """
-    report = Report(classes, entities, folder)
-    scene = read_scene(report, table, read_own(report, table.get("own", {})))
-    problems = report.problems or _without_objects(scene)
-    if problems:
-        raise SceneError(str(problems[0]))
+    report, scene = _read(table, DomainNames(classes, entities, folder))
+    if not report.problems:
+        _require_objects(report, scene)
+    if report.problems:
+        raise SceneError(*map(str, report.problems))
     return replace(scene, trusted=trust)
 
 
@@ -55,25 +51,27 @@ def scene_problems(
     fluents: Iterable[Atom] = (),
     *,
     folder: Path = Path(),
-) -> list[Fault]:
+) -> list[TableProblem]:
     """Return every problem of a ``[scene]`` table, and what the spatial ones of `fluents` lack in it."""
-    report = Report(classes, entities, folder)
-    scene = read_scene(report, table, read_own(report, table.get("own", {})))
+    report, scene = _read(table, DomainNames(classes, entities, folder))
     fluents = list(fluents)
-    problems = [*report.problems, *_misspelt_fluents(scene, fluents)]
-    seen: set[tuple[str, str]] = set()
+    _check_misspelt_fluents(report, scene, fluents)
     for fluent in fluents:
-        if not report.doubtful.isdisjoint(fluent.arguments):
-            continue
-        for problem in _fluent_problems(scene, entities, fluent):
-            if tuple(problem) not in seen:
-                seen.add((problem.key, problem.message))
-                problems.append(problem)
-    return problems or _without_objects(scene)
+        if report.doubtful.isdisjoint(fluent.arguments):
+            _check_fluent(report, scene, entities, fluent)
+    if not report.problems:
+        _require_objects(report, scene)
+    return list(dict.fromkeys(report.problems))
 
 
-def _misspelt_fluents(scene: Scene, fluents: Iterable[Atom]) -> Iterator[Fault]:
-    """Yield names under ``scene.predicates`` that are no fluent's, but misspell that of one without meaning.
+def _read(table: Mapping[str, Any], names: DomainNames) -> tuple[TableReport, Scene]:
+    """Return a scene with the report of its problems."""
+    report = TableReport()
+    return report, read_scene(TableEntry(report, ("scene",), table), names)
+
+
+def _check_misspelt_fluents(report: TableReport, scene: Scene, fluents: Iterable[Atom]) -> None:
+    """Report names under ``scene.predicates`` that are no fluent's, but misspell that of one without meaning.
 
     A fluent that nothing grounds is not seen here, so a name that is unlike all others may well be right.
     """
@@ -81,55 +79,53 @@ def _misspelt_fluents(scene: Scene, fluents: Iterable[Atom]) -> Iterator[Fault]:
     meant = sorted(name for name in known if scene.meaning(Atom(name, ())) is None and name not in scene.predicates)
     for name in sorted(scene.predicates.keys() - known):
         if is_misspelt(name, meant):
-            yield Fault(f"scene.predicates.{name}", f"there is no fluent {name}; {did_you_mean(name, meant)}")
+            report.add(("scene", "predicates", name), f"there is no fluent {name}; {did_you_mean(name, meant)}")
 
 
-def _without_objects(scene: Scene) -> list[Fault]:
-    """Return the problem of a scene that has no object."""
-    if any(shape.traits.body for shape in scene.shapes.values()):
-        return []
-    return [Fault("scene.shapes", "no entity has the shape of an object; give a class one, such as a box")]
+def _require_objects(report: TableReport, scene: Scene) -> None:
+    """Report a scene that has no object."""
+    if not any(shape.traits.body for shape in scene.shapes.values()):
+        text = "no entity has the shape of an object; give a class one, such as a box"
+        report.add(("scene", "shapes"), text)
 
 
-def _fluent_problems(scene: Scene, entities: Mapping[str, str], fluent: Atom) -> Iterable[Fault]:
-    """Yield what a spatial fluent lacks in the scene: the right number of arguments, shapes, rotations."""
+def _check_fluent(report: TableReport, scene: Scene, entities: Mapping[str, str], fluent: Atom) -> None:
+    """Report what a spatial fluent lacks in the scene: the right number of arguments, shapes, rotations."""
     meaning = scene.meaning(fluent)
     if meaning is None:
         return
-    roles = scene.roles(meaning)
-    own = scene.own.get(meaning)
+    roles, own = scene.roles(meaning), scene.own.get(meaning)
     if len(roles) != len(fluent.arguments):
-        if own is not None and fluent.name == meaning:
-            key, hint = f"scene.own.{meaning}.arguments", "list what each of them has to be"
-        else:
-            key, hint = (
-                f"scene.predicates.{fluent.name}",
-                f'write {fluent.name} = "{IGNORED}" if it means something else',
-            )
-        taken = f"{meaning} takes {len(roles)} ({', '.join(roles)})"
-        yield Fault(key, f"{fluent} has {plural(len(fluent.arguments), 'argument')}, but {taken}; {hint}")
+        keys: Keys = ("scene", "own", meaning, "arguments")
+        hint = "list what each of them has to be"
+        if own is None or fluent.name != meaning:
+            keys = ("scene", "predicates", fluent.name)
+            hint = f'write {fluent.name} = "{IGNORED}" if it means something else'
+        takes = f"{meaning} takes {len(roles)} ({', '.join(roles)})"
+        report.add(keys, f"{fluent} has {plural(len(fluent.arguments), 'argument')}, but {takes}; {hint}")
         return
     around = () if own is None or own.around is None else (("object", own.around),)
     for role, entity in (*zip(roles, fluent.arguments, strict=True), *around):
-        shape = scene.shapes.get(entity)
-        if role == "rotation" and entity not in scene.rotations:
-            yield Fault(f"scene.rotations.{entity}", f"{fluent} needs the yaw of {entity} in degrees")
-        elif role != "rotation" and shape is None:
-            kind = entities.get(entity, entity)
-            yield Fault(f"scene.shapes.{kind}", f"missing: {fluent} speaks about {entity}, a {kind}")
-        elif role != "rotation" and shape is not None and not _plays(role, shape):
+        shape, kind = scene.shapes.get(entity), entities.get(entity, entity)
+        if role == "rotation":
+            if entity not in scene.rotations:
+                keys = ("scene", "rotations", entity)
+                report.add(keys, f"{fluent} needs the yaw of {entity} in degrees; set {path_text(keys)}")
+        elif shape is None:
+            keys = ("scene", "shapes", kind)
+            report.add(keys, f"missing: {fluent} speaks about {entity}, a {kind}; set {path_text(keys)}")
+        elif not _plays(role, shape):
             furniture = " or ".join(name for name, each in KINDS.items() if each.furniture)
-            wanted = furniture if role == "furniture" else role
-            text, kind = f"{fluent} needs {entity} to be of the kind {wanted}", entities.get(entity, entity)
+            needed = f"{fluent} needs {entity} to be of the kind {furniture if role == 'furniture' else role}"
             if fluent.name in scene.predicates:
                 hint = f"let it mean something else, or change scene.shapes.{kind}"
-                yield Fault(f"scene.predicates.{fluent.name}", f"{text} where it means {meaning}; {hint}")
+                report.add(("scene", "predicates", fluent.name), f"{needed} where it means {meaning}; {hint}")
             else:
-                yield Fault(f"scene.shapes.{kind}.kind", text)
+                report.add(("scene", "shapes", kind, "kind"), f"{needed}; change it")
 
 
 def _plays(role: str, shape: Shape) -> bool:
-    """Tell whether a body has the kind that an argument of a predicate asks for."""
+    """Return whether a body has the kind that an argument of a predicate needs."""
     if role == "furniture":
         return shape.traits.furniture
     return (role == "robot") == (shape.kind == "robot")

@@ -1,4 +1,4 @@
-"""What bodies of a kind have in common: the one place that says it to the scene, the search and the proofs.
+"""The kinds of bodies and their properties, for the scene, the search and the proofs.
 
 A new kind needs a row here. One of a new form needs a row in `prag_asp.scene.forms` too, and one in
 `prag_asp.physics.world.primitives` that says what PyBullet calls it; furniture one in `prag_asp.scene.furniture`.
@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from prag_asp.scene.forms import BALL, BOX, CYLINDER, Form
+from prag_asp.scene.forms import BALL, BOX, CYLINDER, Primitive
 
 
 class Kind(NamedTuple):
-    """What all bodies of a kind have in common.
+    """The properties of all bodies of a kind.
 
     `keys` are what its table in ``scene.shapes`` gives besides the kind, `form` is what it takes up. A `round` body
     looks the same however it is turned about the vertical. A `flat` one ends in planes: it stands on the one below,
@@ -24,7 +24,7 @@ class Kind(NamedTuple):
     """
 
     keys: tuple[str, ...] = ()
-    form: Form = BOX
+    form: Primitive = BOX
     round: bool = False
     flat: bool = True
     even: bool = False

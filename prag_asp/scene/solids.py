@@ -1,4 +1,4 @@
-"""What a body is made of: solids, and how much they weigh."""
+"""The solids of bodies, and their masses."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ def solids(shape: Shape) -> tuple[Solid, ...]:
 
 
 def weight(scene: Scene, entity: str) -> float:
-    """Return what a body weighs in kilograms: what its URDF says, or by its volume and its density."""
+    """Return the mass of a body in kilograms: that of its URDF, or volume times density."""
     shape = scene.shapes[entity]
     return scene.material(entity).density * volume(solids(shape)) if shape.model is None else shape.model.mass
 
 
 def walls(shape: Shape) -> tuple[Solid, ...]:
-    """Return the walls of a container, down to what it stands on: what is left to be seen of it without its floor."""
+    """Return the walls of a container, down to the ground: its visible part without a floor."""
     x, y, z = shape.half
     thin, inner = shape.wall / 2, y - shape.wall
     return boxes(

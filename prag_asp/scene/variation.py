@@ -1,6 +1,6 @@
-"""What differs from recording to recording, so that who learns from them does not learn one world by heart.
+"""Domain randomization: the properties that vary between episodes.
 
-Each kind is drawn by itself: what else is drawn does not change it.
+Each kind is sampled independently: the others do not change it.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ import msgspec
 import numpy as np
 
 from prag_asp.errors import QueryError
-from prag_asp.fields import Number, decoded, read
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.colours import from_lab, to_lab
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.solids import weight
+from prag_asp.tables.json_fields import Number, decoded, read
 
 KINDS = ("friction", "mass", "light", "camera", "colour")
-"""What can vary."""
+"""The kinds of variation."""
 
 USUAL_LIGHT: Vector = (-0.3, 0.8, 1.8)
 """The direction to the light where it does not vary."""
@@ -30,7 +30,7 @@ USUAL_LIGHT: Vector = (-0.3, 0.8, 1.8)
 
 @dataclass(frozen=True)
 class Variation:
-    """What was drawn for a recording; what is missing is as the scene has it.
+    """The variation of an episode; what is missing is as in the scene.
 
     `friction` has coefficients and `mass` kilograms of entities, `light` the direction to it, `cameras` where each is
     and what it looks at in metres, `colours` those of entities as ``#rrggbb``.
@@ -43,7 +43,7 @@ class Variation:
     colours: Mapping[str, str] = field(default_factory=dict)
 
     def applied(self, scene: Scene) -> Scene:
-        """Return a scene as it is with what was drawn; what it has no entity or camera for is left out."""
+        """Return a scene with this variation; entities and cameras that it does not have are ignored."""
         materials, shapes = dict(scene.materials), dict(scene.shapes)
         for entity, coefficient in self.friction.items():
             materials[entity] = scene.material(entity)._replace(friction=coefficient)
@@ -67,7 +67,7 @@ class Variation:
         return replace(scene, materials=materials, shapes=shapes, cameras=cameras, colors=colors, table=table)
 
     def to_text(self) -> str:
-        """Return what was drawn as JSON, without what was not."""
+        """Return the variation as JSON, without missing parts."""
         data: dict[str, Any] = {
             "friction": dict(self.friction),
             "mass": dict(self.mass),
@@ -78,20 +78,20 @@ class Variation:
         return json.dumps({name: value for name, value in data.items() if value})
 
 
-class _CameraForm(msgspec.Struct):
-    """Where a camera is, as it stands in a file."""
+class _CameraJson(msgspec.Struct):
+    """A camera in a file."""
 
     at: tuple[Number, Number, Number]
     look_at: tuple[Number, Number, Number]
 
 
-class _Form(msgspec.Struct):
-    """A variation as it stands in a file."""
+class _VariationJson(msgspec.Struct):
+    """A variation in a file."""
 
     friction: dict[str, Number] = {}
     mass: dict[str, Number] = {}
     light: tuple[Number, Number, Number] | None = None
-    cameras: dict[str, _CameraForm] = {}
+    cameras: dict[str, _CameraJson] = {}
     colours: dict[str, str] = {}
 
 
@@ -99,9 +99,9 @@ def variation_of(text: str) -> Variation:
     """Return the variation that `Variation.to_text` wrote.
 
     Raises:
-        QueryError: the text is of another form; the message names the field by its path.
+        QueryError: the text has another form; the message names the field by its path.
     """
-    form = read(decoded(text), _Form, "varied")
+    form = read(decoded(text), _VariationJson, "varied")
     for name, values in (("friction", form.friction), ("mass", form.mass)):
         for entity, value in values.items():
             if value < 0.0 or (name == "mass" and value == 0.0):
@@ -119,9 +119,9 @@ def variation_of(text: str) -> Variation:
 
 
 def draw_variation(scene: Scene, kinds: Iterable[str], objects: Sequence[str], seed: Sequence[int]) -> Variation:
-    """Return what is drawn of some `KINDS` for the objects of a task, within the ranges of the scene.
+    """Return a random variation of some `KINDS` for the objects of a task, within the ranges of the scene.
 
-    Whatever depends on the order of entities depends on that of their names.
+    Entities are sampled in the order of their names.
     """
     drawn = {kind: _DRAWERS[kind](scene, sorted(objects), [*seed, KINDS.index(kind)]) for kind in kinds}
     return Variation(
@@ -146,14 +146,14 @@ def _friction(scene: Scene, objects: Sequence[str], seed: Sequence[int]) -> dict
 
 
 def _mass(scene: Scene, objects: Sequence[str], seed: Sequence[int]) -> dict[str, float]:
-    """Return what the objects that can be moved weigh, in kilograms."""
+    """Return masses of the movable objects, in kilograms."""
     rng = np.random.default_rng(seed)
     free = [entity for entity in objects if entity not in scene.fixed and not scene.shapes[entity].traits.furniture]
     return {entity: weight(scene, entity) * float(rng.uniform(*scene.vary.mass)) for entity in free}
 
 
 def _light(scene: Scene, objects: Sequence[str], seed: Sequence[int]) -> Vector:
-    """Return a direction to the light, evenly among those at most so far turned away from the usual one."""
+    """Return a direction to the light, uniform on the spherical cap around the usual one."""
     rng = np.random.default_rng(seed)
     usual = np.array(USUAL_LIGHT) / np.linalg.norm(USUAL_LIGHT)
     aside = np.cross(usual, (1.0, 0.0, 0.0))
@@ -166,7 +166,7 @@ def _light(scene: Scene, objects: Sequence[str], seed: Sequence[int]) -> Vector:
 
 
 def _camera(scene: Scene, objects: Sequence[str], seed: Sequence[int]) -> dict[str, tuple[Vector, Vector]]:
-    """Return where each camera is and what it looks at, both moved within a ball."""
+    """Return the position and the target of each camera, both moved within a ball."""
     rng = np.random.default_rng(seed)
     found = {}
     for name in sorted(scene.cameras):
@@ -179,17 +179,17 @@ def _camera(scene: Scene, objects: Sequence[str], seed: Sequence[int]) -> dict[s
 def _colour(scene: Scene, objects: Sequence[str], seed: Sequence[int]) -> dict[str, str]:
     """Return colours of the objects and the table, moved in CIELAB within a ball."""
     rng = np.random.default_rng(seed)
-    given = {entity: scene.colors[entity] for entity in objects if entity in scene.colors}
-    given[table_of(scene)] = scene.table.color
+    colors = {entity: scene.colors[entity] for entity in objects if entity in scene.colors}
+    colors[table_of(scene)] = scene.table.color
     found = {}
-    for entity, color in given.items():
+    for entity, color in colors.items():
         lightness, a, b = to_lab(color).tolist()
         found[entity] = from_lab(np.array(_moved(rng, (lightness, a, b), scene.vary.colour)))
     return found
 
 
 def _moved(rng: np.random.Generator, point: Vector, most: float) -> Vector:
-    """Return a point moved evenly within a ball of a radius."""
+    """Return a point moved uniformly within a ball of radius `most`."""
     way = rng.normal(size=3)
     way *= most * float(rng.uniform()) ** (1 / 3) / np.linalg.norm(way)
     x, y, z = (np.array(point) + way).tolist()

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from prag_asp import TaskSpaces, load_domain
+from prag_asp import TaskSpace, load_domain
 from tests.cli.conftest import Told
 
 
@@ -37,7 +37,7 @@ def test_a_range_of_lengths_lists_the_shortest_first(told: Told) -> None:
 
 def test_a_range_of_lengths_is_drawn_from_as_one_space(told: Told) -> None:
     drawn = told("sample", "prag", "-n", "1..4", "--count", "40", "--seed", "9", "--no-physics")
-    expected = TaskSpaces(load_domain("prag"), range(1, 5)).sample(40, seed=9)
+    expected = TaskSpace(load_domain("prag"), range(1, 5)).sample(40, seed=9)
     assert drawn.splitlines() == list(map(str, expected))
     assert (
         told("sample", "prag", "-n", "1..4", "--count", "9", "--seed", "9", "--no-physics").splitlines()
@@ -54,7 +54,7 @@ def test_physics_keeps_the_feasible_tasks_of_all_lengths(told: Told) -> None:
     tasks = [json.loads(line) for line in told(*arguments).splitlines()]
     assert len(tasks) == 6 and all(task["verdict"]["status"] == "feasible" for task in tasks)
     drawn = [" ".join(task["actions"]) for task in tasks]
-    expected = TaskSpaces(load_domain("tabletop"), range(1, 3)).sample(40, seed=2)
+    expected = TaskSpace(load_domain("tabletop"), range(1, 3)).sample(40, seed=2)
     places = [list(map(str, expected)).index(plan) for plan in drawn]
     assert places == sorted(places)
 
@@ -74,7 +74,7 @@ def test_physics_keeps_the_feasible_tasks_of_all_lengths(told: Told) -> None:
         (["export", "hanoi", "-n", "1..3"], "one length is needed"),
         (["export", "hanoi", "-n", "-1"], "at least 0 actions"),
         (["learn", "tabletop", "-n", "x"], "--length x: write a whole number, such as 4\n"),
-        (["sample", "hanoi", "-n", "1..3", "--over", "goals"], "over goals, tasks of one length are drawn"),
+        (["sample", "hanoi", "-n", "1..3", "--over", "goals"], "over goals, tasks of one length are sampled"),
     ],
 )  # fmt: skip
 def test_lengths_that_make_no_sense_are_told(arguments: list[str], message: str, told: Told) -> None:

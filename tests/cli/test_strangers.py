@@ -161,7 +161,7 @@ KEYS = ["\x1b[31mred", "two\nlines", "bell\x07", "right\u202eleft", "\u2028", "x
 @pytest.mark.parametrize("key", KEYS, ids=range(len(KEYS)))
 def test_what_a_message_quotes_is_escaped_and_cut(here: Path, key: str) -> None:
     (here / "closed" / "domain.toml").write_text(f"[weights]\n{json.dumps(key)} = 2\n")
-    assert one_line(run("check", "closed", cwd=here)).startswith("closed/domain.toml:2: weight of ")
+    assert one_line(run("check", "closed", cwd=here)).startswith("closed/domain.toml:2: weights.")
     assert len(one_line(run("count", "closed", "-n", "1", "--where", f"uses {key}", cwd=here))) <= LONGEST
     line = one_line(run("count", "closed", "-n", key, cwd=here))
     assert line.startswith("--length ")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from prag_asp import Dataset, Domain, TaskSpaces, load_domain
+from prag_asp import Dataset, Domain, TaskSpace, load_domain
 from prag_asp.dataset import generate
 from prag_asp.dataset.pages import strips
 from prag_asp.physics import Budget
@@ -48,12 +48,12 @@ def tabletop() -> Domain:
 
 
 @pytest.fixture(scope="package")
-def spaces(tabletop: Domain) -> TaskSpaces:
-    return TaskSpaces(tabletop, range(1, 3))
+def spaces(tabletop: Domain) -> TaskSpace:
+    return TaskSpace(tabletop, range(1, 3))
 
 
 @pytest.fixture(scope="package")
-def small(spaces: TaskSpaces, tmp_path_factory: pytest.TempPathFactory) -> Dataset:
+def small(spaces: TaskSpace, tmp_path_factory: pytest.TempPathFactory) -> Dataset:
     """Return 12 tasks in three shards and two parts, some of them refused, each from two first states."""
     folder = tmp_path_factory.mktemp("data") / "small"
     shares = {"train": "3/4", "test": "1/4"}
@@ -64,5 +64,5 @@ def small(spaces: TaskSpaces, tmp_path_factory: pytest.TempPathFactory) -> Datas
 def numbers(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the folder of a data set without physics, of a domain that has weights."""
     folder = tmp_path_factory.mktemp("data") / "numbers"
-    generate(TaskSpaces(load_domain("kitchen"), range(1, 4)), folder, tasks=6, seed=1, physics=False, shard=4)
+    generate(TaskSpace(load_domain("kitchen"), range(1, 4)), folder, tasks=6, seed=1, physics=False, shard=4)
     return folder

@@ -32,7 +32,7 @@ def file(records: list[Record], tmp_path: Path) -> Path:
 def test_feasible_tasks_are_those_of_the_draw_that_pass_in_its_order(tabletop: Domain, records: list[Record]) -> None:
     from prag_asp import load_scene
 
-    drawn = iter(TaskSpace(tabletop, 2).draw(seed=3))
+    drawn = iter(TaskSpace(tabletop, 2).stream(seed=3))
     for record in records:
         assert any(task == record.task for task in drawn)
         assert record.verdict is not None and record.verdict["status"] == "feasible"

@@ -10,8 +10,8 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
-from prag_asp import Dataset, OutputError, QueryError, TaskSpace, TaskSpaces, load_domain
-from prag_asp.dataset import Teller, generate, instruction, teller_of, validation_jobs, verify
+from prag_asp import Dataset, OutputError, QueryError, TaskSpace, load_domain
+from prag_asp.dataset import InstructionWriter, generate, instruction, instruction_writer_of, validation_jobs, verify
 from prag_asp.dataset.language.appearance import BASIC, color_terms
 from prag_asp.dataset.making.executors import Processes
 from prag_asp.dataset.making.preconditions import JOURNAL
@@ -32,14 +32,14 @@ SHARES = {"train": "3/4", "test": "1/4"}
 
 
 @pytest.fixture(scope="module")
-def kitchen() -> TaskSpaces:
-    spaces = TaskSpaces(load_domain("kitchen"), range(1, 4))
+def kitchen() -> TaskSpace:
+    spaces = TaskSpace(load_domain("kitchen"), range(1, 4))
     assert spaces.count() == 14
     return spaces
 
 
 @pytest.fixture(scope="module")
-def plain(kitchen: TaskSpaces, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+def plain(kitchen: TaskSpace, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
     """Return what makes a data set without physics, in a folder."""
 
     def make(folder: Path, tasks: int) -> Path:
@@ -58,7 +58,7 @@ def plain(kitchen: TaskSpaces, tmp_path_factory: pytest.TempPathFactory) -> Call
     return make
 
 
-def test_tasks_are_different_feasible_and_have_their_ranks_and_shares(small: Dataset, spaces: TaskSpaces) -> None:
+def test_tasks_are_different_feasible_and_have_their_ranks_and_shares(small: Dataset, spaces: TaskSpace) -> None:
     manifest = small.manifest
     assert [(part.name, part.tasks) for part in manifest.parts] == [("train", 9), ("test", 3)]
     entries = list(small.entries())
@@ -88,7 +88,7 @@ def test_refused_tasks_are_kept_with_their_causes_and_each_draw_is_one_or_the_ot
         assert sum(reason.count for each in part.lengths for reason in each.reasons) == len(others)
 
 
-def test_several_workers_and_going_on_make_the_same_bytes(small: Dataset, spaces: TaskSpaces, tmp_path: Path) -> None:
+def test_several_workers_and_going_on_make_the_same_bytes(small: Dataset, spaces: TaskSpace, tmp_path: Path) -> None:
     for tasks, workers in ((5, 1), (12, 2)):
         generate(
             spaces, tmp_path / "same", tasks=tasks, seed=5, split=SHARES, starts=2, budget=POOR, shard=4,
@@ -115,7 +115,7 @@ def test_another_version_of_the_program_goes_on_and_is_noted(
     assert whole.isdisjoint({"prag_asp 9.9"}) and grown == whole | {"prag_asp 9.9"} and new == [{"prag_asp 9.9"}]
 
 
-def test_recordings_stand_beside_their_witnesses(spaces: TaskSpaces, tmp_path: Path) -> None:
+def test_recordings_stand_beside_their_witnesses(spaces: TaskSpace, tmp_path: Path) -> None:
     staging = Staging(("front",), (32, 32), rate=1)
     data = generate(
         spaces.at(1), tmp_path / "shown", tasks=2, seed=2, starts=2, demonstrate=True, staging=staging, language="de"
@@ -131,18 +131,18 @@ def test_recordings_stand_beside_their_witnesses(spaces: TaskSpaces, tmp_path: P
         assert demonstration.footage is not None
 
 
-def test_a_task_is_told_by_the_colours_of_its_recording(spaces: TaskSpaces, tmp_path: Path) -> None:
+def test_a_task_is_told_by_the_colours_of_its_recording(spaces: TaskSpace, tmp_path: Path) -> None:
     staging = Staging(("front",), (16, 16), 1, ("colour",))
     stacks = spaces.at(2).where("uses exactly 2 cube", "has stack")
     data = generate(stacks, tmp_path / "data", tasks=3, seed=3, demonstrate=True, staging=staging)
-    usual, other = teller_of(spaces.domain), 0
+    usual, other = instruction_writer_of(spaces.domain), 0
     for entry, _, demonstration in data.demonstrations():
         assert demonstration.variation is not None
         shown = {**scene_of(spaces.domain).colors, **demonstration.variation.colours}
         terms = {term for name in entry.task.entities if name in shown for term in color_terms(shown[name])}
         said = {term for term in BASIC if f" {term} " in entry.instruction["default"]}
         assert said <= terms
-        teller = teller_of(spaces.domain, colors=demonstration.variation.colours)
+        teller = instruction_writer_of(spaces.domain, colors=demonstration.variation.colours)
         told = teller.instructions(entry.task, seed=3)
         assert told.default == entry.instruction["default"] and told.subgoals == entry.subgoals
         assert teller.read(entry.task, entry.instruction["exact"]).actions == entry.task.actions
@@ -153,7 +153,7 @@ def test_a_task_is_told_by_the_colours_of_its_recording(spaces: TaskSpaces, tmp_
     assert not (tmp_path / "none").exists()
 
 
-def test_a_first_state_without_a_witness_is_made_up_for(spaces: TaskSpaces, tmp_path: Path) -> None:
+def test_a_first_state_without_a_witness_is_made_up_for(spaces: TaskSpace, tmp_path: Path) -> None:
     poor = Budget(1, 1)
     found = {
         workers: generate(
@@ -176,7 +176,7 @@ def test_a_first_state_without_a_witness_is_made_up_for(spaces: TaskSpaces, tmp_
 
 
 def test_a_task_with_fewer_first_states_than_are_wanted_says_how_many_there_are(
-    spaces: TaskSpaces, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    spaces: TaskSpace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(validation_jobs, "first_state", lambda witness: "the same")
     data = generate(spaces.at(1), tmp_path / "data", tasks=1, seed=5, starts=3)
@@ -184,13 +184,13 @@ def test_a_task_with_fewer_first_states_than_are_wanted_says_how_many_there_are(
 
 
 def test_what_cannot_be_told_by_what_is_seen_is_told_by_names(
-    spaces: TaskSpaces, monkeypatch: pytest.MonkeyPatch
+    spaces: TaskSpace, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def unsure(self: object, *_: object) -> None:
         raise QueryError("it could mean something else")
 
     task = spaces.at(1)[0]
-    monkeypatch.setattr(Teller, "instructions", unsure)
+    monkeypatch.setattr(InstructionWriter, "instructions", unsure)
     found = instructions.telling_of(spaces.domain, "en", 0)(task, {})
     assert found.whole == (("plain", instruction(task, spaces.domain.settings.language)),)
     assert found.subgoals == (found.whole[0][1],) and set(found.named) == set(task.entities)
@@ -235,7 +235,7 @@ def test_at_each_moment_of_a_kill_the_same_command_goes_on_to_the_same_bytes(
 
 
 def test_what_physics_said_before_a_run_was_broken_off_is_not_asked_again(
-    small: Dataset, spaces: TaskSpaces, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    small: Dataset, spaces: TaskSpace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[int] = []
     really = Processes.look
@@ -267,7 +267,7 @@ def test_what_physics_said_before_a_run_was_broken_off_is_not_asked_again(
 
 
 def test_all_tasks_of_a_space_make_a_data_set_and_one_more_is_told_to_be_missing(
-    kitchen: TaskSpaces, tmp_path: Path
+    kitchen: TaskSpace, tmp_path: Path
 ) -> None:
     def make(tasks: int) -> Dataset:
         return generate(kitchen, tmp_path / "all", tasks=tasks, weights={}, physics=False)
@@ -278,7 +278,7 @@ def test_all_tasks_of_a_space_make_a_data_set_and_one_more_is_told_to_be_missing
     assert Dataset.open(tmp_path / "all").count() == 14
 
 
-def test_tasks_that_few_draws_find_are_kept_and_more_draws_find_more(spaces: TaskSpaces, tmp_path: Path) -> None:
+def test_tasks_that_few_draws_find_are_kept_and_more_draws_find_more(spaces: TaskSpace, tmp_path: Path) -> None:
     def make(draws: int) -> Dataset:
         return generate(spaces.at(1), tmp_path / "few", tasks=3, seed=1, max_draws=draws)
 
@@ -288,7 +288,7 @@ def test_tasks_that_few_draws_find_are_kept_and_more_draws_find_more(spaces: Tas
     assert make(9).count() == 3
 
 
-def test_what_is_asked_for_wrongly_is_told_in_one_line(kitchen: TaskSpaces, numbers: Path, tmp_path: Path) -> None:
+def test_what_is_asked_for_wrongly_is_told_in_one_line(kitchen: TaskSpace, numbers: Path, tmp_path: Path) -> None:
     def refused(match: str, folder: Path = tmp_path / "none", **more: object) -> None:
         with pytest.raises((QueryError, OutputError), match=match) as error:
             generate(kitchen, folder, **{"tasks": 3, "physics": False, "weights": {}, **more})  # type: ignore[arg-type]
@@ -323,7 +323,7 @@ def test_what_is_asked_for_wrongly_is_told_in_one_line(kitchen: TaskSpaces, numb
 
 
 def test_another_run_that_writes_the_same_folder_is_told(
-    kitchen: TaskSpaces, numbers: Path, monkeypatch: pytest.MonkeyPatch
+    kitchen: TaskSpace, numbers: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from prag_asp.output import Lines
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from prag_asp import Dataset, OutputError, QueryError, TaskSpaces, load_domain
+from prag_asp import Dataset, OutputError, QueryError, TaskSpace, load_domain
 from prag_asp.dataset import generate, merge, verify
 from prag_asp.dataset.making.executors import Processes
 from prag_asp.dataset.validation_jobs import Draw, Found, Look
@@ -25,15 +25,15 @@ HALVES = {"train": "0.5", "test": "0.5"}
 
 
 @pytest.fixture(scope="module")
-def kitchen() -> TaskSpaces:
-    return TaskSpaces(load_domain("kitchen"), range(1, 4))
+def kitchen() -> TaskSpace:
+    return TaskSpace(load_domain("kitchen"), range(1, 4))
 
 
 Make = Callable[..., list[Path]]
 
 
 @pytest.fixture(scope="module")
-def plain(kitchen: TaskSpaces) -> Make:
+def plain(kitchen: TaskSpace) -> Make:
     """Return what makes the whole, or all parts of so many, without physics."""
 
     def make(folder: Path, of: int | None = None, only: str | None = None, **more: Any) -> list[Path]:
@@ -70,7 +70,7 @@ def test_parts_share_the_draws_and_are_merged_to_the_bytes_of_one_machine(
 
 
 def test_a_part_says_which_it_is_is_found_by_rank_and_verified_by_itself(
-    kitchen: TaskSpaces, plain: Make, tmp_path: Path
+    kitchen: TaskSpace, plain: Make, tmp_path: Path
 ) -> None:
     for number, folder in enumerate(plain(tmp_path, 2), 1):
         data = Dataset.open(folder)
@@ -83,7 +83,7 @@ def test_a_part_says_which_it_is_is_found_by_rank_and_verified_by_itself(
 
 
 def test_with_physics_only_what_no_part_has_looked_at_is_looked_at_once_more(
-    small: Dataset, spaces: TaskSpaces, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    small: Dataset, spaces: TaskSpace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     parts = [tmp_path / str(number) for number in (1, 2, 3)]
     shares = {"train": "3/4", "test": "1/4"}
@@ -117,7 +117,7 @@ def _bounded(draws: Iterator[Draw]) -> Iterator[Draw]:
         yield draw
 
 
-def test_recordings_come_along_with_the_numbers_of_the_whole(spaces: TaskSpaces, tmp_path: Path) -> None:
+def test_recordings_come_along_with_the_numbers_of_the_whole(spaces: TaskSpace, tmp_path: Path) -> None:
     def make(folder: Path, part: str | None = None) -> Path:
         generate(spaces.at(1), folder, tasks=2, seed=2, demonstrate=True, part=part)
         return folder
@@ -147,7 +147,7 @@ def test_fewer_tasks_than_wanted_are_told_by_the_merge_and_not_by_parts_that_hav
     assert Dataset.open(tmp_path / "merged").count() == 14
 
 
-def test_what_cannot_be_merged_is_told_in_one_line(kitchen: TaskSpaces, plain: Make, tmp_path: Path) -> None:
+def test_what_cannot_be_merged_is_told_in_one_line(kitchen: TaskSpace, plain: Make, tmp_path: Path) -> None:
     one, two, three = plain(tmp_path, 3)
     (whole,) = plain(tmp_path)
     (other,) = plain(tmp_path / "other", seed=4, only="2/3")

@@ -95,7 +95,7 @@ def test_the_example_counts_as_the_definition_says(engine: str) -> None:
     space = TaskSpace(load_domain(DISHES), 0, engine=engine)
     for length in range(6):
         valid = plans(length)
-        assert set(space.at(length).words("plan")) == set(map(spelled, valid))
+        assert set(space.at(length).enumerate("plan")) == set(map(spelled, valid))
         assert space.at(length).count("plan") == len(valid)
         assert space.at(length).count("task") == len(set(map(up_to_renaming, valid)))
         assert space.at(length).count("skeleton") == len({tuple(name for name, *_ in plan) for plan in valid})

@@ -13,7 +13,7 @@ import pytest
 from PIL import Image, ImageChops, ImageStat
 
 from prag_asp import TaskSpace, load_domain
-from prag_asp.dataset import teller_of
+from prag_asp.dataset import instruction_writer_of
 from tests.docs.pages import DOCS, ROOT
 from tests.docs.test_examples import SETUP
 
@@ -72,7 +72,7 @@ def test_without_files_it_has_no_links_to_files_and_the_picture_in_words() -> No
     strip = generated("pictures").STRIPS["five_subgoals"]
     domain = load_domain(strip.domain)
     [task] = TaskSpace(domain, strip.length).sample(1, seed=strip.seed, weights=strip.weights)
-    told = teller_of(domain).captions(task)[1:]
+    told = instruction_writer_of(domain).captions(task)[1:]
     headings = " | ".join(heading.partition(". ")[2] for heading, _ in told)
     captions = " | ".join(caption for _, caption in told)
     assert f"| {headings} |" in text and f"| {captions} |" in text

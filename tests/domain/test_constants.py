@@ -42,7 +42,7 @@ def test_every_engine_counts_what_the_edited_text_has(engine: str) -> None:
         text = TaskSpace(load_domain(text=edited(discs)), 3, engine=engine)
         for level in LEVELS:
             assert given.count(level) == text.count(level)
-            assert list(given.words(level)) == list(text.words(level))
+            assert list(given.enumerate(level)) == list(text.enumerate(level))
 
 
 def test_the_number_of_walks_is_that_of_the_graph_with_so_many_discs() -> None:

@@ -150,5 +150,5 @@ def test_settings_may_replace_those_of_a_folder_and_paths_in_them_begin_at_their
     other = load_domain(folder, settings=folder / "other" / "mine.toml")
     assert other.settings.weights == {"press": 3} and not other.learned
     (folder / "other" / "mine.toml").write_text("[weights]\npres = 3\n", encoding="utf-8")
-    with pytest.raises(DomainError, match=r"mine\.toml:2: weight of pres"):
+    with pytest.raises(DomainError, match=r"mine\.toml:2: weights.pres"):
         load_domain(folder, settings=folder / "other" / "mine.toml")

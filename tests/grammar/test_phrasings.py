@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from prag_asp import QueryError, TaskSpace, load_domain
-from prag_asp.dataset import teller_of
+from prag_asp.dataset import instruction_writer_of
 from prag_asp.grammar.phrasings import Phrasings
 
 
@@ -31,17 +31,17 @@ def test_what_is_no_phrasing_is_refused(text: str) -> None:
 @pytest.mark.parametrize(("name", "language"), [("tabletop", "en"), ("tabletop", "de")])
 def test_no_instruction_of_one_phrasing_is_one_of_the_other_and_both_are_read_back(name: str, language: str) -> None:
     space = TaskSpace(load_domain(name), 2)
-    tellers = [teller_of(space.domain, language, phrasings=f"{number} of 2") for number in (1, 2)]
+    writers = [instruction_writer_of(space.domain, language, phrasings=f"{number} of 2") for number in (1, 2)]
     words: list[set[str]] = [set(), set()]
     for task in space.sample(60, seed=3):
-        for teller, heard in zip(tellers, words, strict=True):
+        for writer, heard in zip(writers, words, strict=True):
             for seed in range(3):
-                told = teller.instructions(task, seed)
+                told = writer.instructions(task, seed)
                 heard |= {told.vague, told.default, told.exact, *told.subgoals}
-                assert teller.read(task, told.default).actions == teller.read(task, told.exact).actions == task.actions
+                assert writer.read(task, told.default).actions == writer.read(task, told.exact).actions == task.actions
     assert words[0].isdisjoint(words[1]) and min(map(len, words)) > 100
 
 
 def test_an_action_with_too_few_sentences_is_told_by_its_name() -> None:
     with pytest.raises(QueryError, match=r"phrasings 3 of 3: \w+ has only 2 in en; write more under"):
-        teller_of(load_domain("tabletop"), phrasings="3 of 3")
+        instruction_writer_of(load_domain("tabletop"), phrasings="3 of 3")

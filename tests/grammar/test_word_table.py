@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import product
 
 import pytest
 
 from prag_asp import QueryError
-from prag_asp.grammar.completeness import form_problems, kind_problems
+from prag_asp.grammar.completeness import check_forms, check_kinds
 from prag_asp.grammar.word_table import shipped_languages, shipped_table, words_of
 from prag_asp.scene.predicate_names import VOCABULARY
+from prag_asp.tables.report import TableEntry, TableReport
 
 
 @pytest.mark.parametrize("code", shipped_languages())
@@ -56,10 +58,20 @@ def test_german_contracts_and_what_is_contracted_is_read_as_it_was(whole: str, w
     assert words_of("en", {}).contracted(whole) == words_of("en", {}).expanded(written + whole)[len(written) :]
 
 
+def reported(check: Callable[[TableEntry], None]) -> list[str]:
+    """Return the problems that a check of words reports."""
+    entry = TableEntry(TableReport(), ("words",))
+    check(entry)
+    return list(map(str, entry.report.problems))
+
+
 def test_contractions_that_could_be_read_in_two_ways_are_refused() -> None:
     own = {"contractions": {"zu dem": "zum", "zu einem": "zum"}}
-    assert ("contractions", "zum stands for several; nobody could read it back: leave one out") in [
-        *form_problems(words_of("de", own))
-    ]
-    assert [key for key, _ in form_problems(words_of("de", {"contractions": {"zu dem": ""}}))] == ["contractions"]
-    assert [*form_problems(words_of("de", {}))] == [*kind_problems({"contractions": {"a": "b"}})] == []
+    assert "words.contractions: zum stands for several; nobody could read it back: leave one out" in reported(
+        lambda entry: check_forms(entry, words_of("de", own))
+    )
+    (line,) = reported(lambda entry: check_forms(entry, words_of("de", {"contractions": {"zu dem": ""}})))
+    assert line.startswith("words.contractions: ")
+    assert reported(lambda entry: check_forms(entry, words_of("de", {}))) == []
+    words = {"contractions": {"a": "b"}}
+    assert reported(lambda entry: check_kinds(TableEntry(entry.report, entry.keys, words))) == []

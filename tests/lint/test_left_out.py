@@ -78,7 +78,7 @@ def test_the_rest_is_the_domain_without_them_for_every_engine_and_level(schema: 
                     len(plans), len(tasks), len(names),
                 ]  # fmt: skip
         spaces = [TaskSpace(each, 3) for each in (domain, without)]
-        assert list(spaces[0].words("task")) == list(spaces[1].words("task"))
+        assert list(spaces[0].enumerate("task")) == list(spaces[1].enumerate("task"))
         if spaces[0].count():
             assert spaces[0].statistics() == spaces[1].statistics()
             assert spaces[0].sample(5, seed=1) == [replace(t, domain=domain.name) for t in spaces[1].sample(5, seed=1)]
@@ -95,7 +95,7 @@ def test_random_domains_count_as_the_definition_says(toy: Toy) -> None:
             expected = {tuple(term(toy, i) for i in plan) for plan in toy.plans(length)}
             for space in (each.at(length) for each in spaces):
                 assert space.count("plan") == space.count("task") == len(expected)
-                assert set(space.words("plan")) == expected
+                assert set(space.enumerate("plan")) == expected
 
 
 @settings(max_examples=examples(10), suppress_health_check=list(HealthCheck))
@@ -109,7 +109,7 @@ def test_random_hierarchies_count_as_the_definition_says(toy: Toy) -> None:
             expected = {tuple(term(toy, i) for i in plan): len(set(toy.readings(plan))) for plan in toy.plans(length)}
             for space in (each.at(length) for each in spaces):
                 assert space.count("plan") == len(expected)
-                assert set(space.words("plan")) == set(expected)
+                assert set(space.enumerate("plan")) == set(expected)
             space = spaces[0].at(length)
             assert all(space.readings(task).count() == expected[tuple(map(str, task.actions))] for task in space)
 
@@ -129,7 +129,7 @@ def test_composites_with_left_out_actions_are_left_out_and_keep_the_hierarchy(tm
     assert [str(each) for each in domain.facts.left_out] == ["break", "fail"]
     assert [warning.text.partition(":")[0] for warning in domain.warnings] == ["break can never occur"]
     for engine in ENGINES:
-        assert set(TaskSpace(domain, 2, engine=engine).words("plan")) == {("press", "release")}
+        assert set(TaskSpace(domain, 2, engine=engine).enumerate("plan")) == {("press", "release")}
         assert TaskSpace(domain, 3, engine=engine).count() == 1
     flat = load_domain(tmp_path, flat=True).facts
     assert ([str(each) for each in flat.left_out], len(flat.declared_actions)) == (["break"], 3)

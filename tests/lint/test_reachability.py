@@ -73,7 +73,7 @@ def test_random_chains_count_as_the_definition_says(toy: Toy) -> None:
         spaces = [each.at(3) for each in with_engines(domain, *ENGINES)]
         for space in spaces if never else ():
             assert [space.count(level) for level in ("plan", "skeleton")] == [len(plans[3]), len(names)]
-        assert set(spaces[0].words("plan")) == set(plans[3])
+        assert set(spaces[0].enumerate("plan")) == set(plans[3])
 
 
 @settings(max_examples=examples(20), suppress_health_check=list(HealthCheck))

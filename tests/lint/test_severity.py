@@ -165,10 +165,10 @@ def test_a_comment_on_its_line_quiets_a_warning_and_nothing_else(tmp_path: Path)
 
 def test_a_comment_in_the_settings_quiets_as_well(tmp_path: Path) -> None:
     (line,) = told(tmp_path, settings='author = "me"\n')
-    assert line.startswith("domain.toml:1: warning: unknown key author; known are description, language, scene, ")
+    assert line.startswith("domain.toml:1: warning: author: unknown key; known are description, language, scene, ")
     assert told(tmp_path, settings='author = "me"  # lint: allow no-effect\n') == []
     (line,) = told(tmp_path, settings='titel = "me"  # lint: allow no-effect\n')
-    assert line == "domain.toml:1: unknown key titel; did you mean title?"
+    assert line == "domain.toml:1: titel: unknown key; did you mean title?"
     (line,) = told(tmp_path, settings='[language]\nshovel = "shovel"\n')
     assert line.endswith("give the name of an action or a fluent [no-effect]")
     assert told(tmp_path, settings='[language]\nshovel = "shovel" # lint: allow no-effect\n') == []
@@ -201,7 +201,7 @@ def test_an_ambiguous_name_is_refused_alike_wherever_it_is_given(tmp_path: Path)
         assert str(caught.value) == message
     assert space.where("uses cube_1").count() == 2
     (line,) = told(tmp_path, "entity(cube, cube).", settings="[weights]\ncube = 2\n")
-    assert line == f"domain.toml:2: weight of cube: {message}"
+    assert line == f"domain.toml:2: weights.cube: {message}"
 
 
 def test_of_many_warnings_of_one_name_the_first_are_shown_with_the_number_of_the_others() -> None:

@@ -12,7 +12,7 @@ from prag_asp.errors import EngineError
 from prag_asp.logic.formula.approximate import Tolerance, estimate_models
 from prag_asp.logic.formula.cnf import Cnf
 from prag_asp.logic.formula.counter import APPROXMC
-from prag_asp.processes.workers import Child, Children
+from prag_asp.processes.workers import Worker, WorkerGroup
 from tests.chance import Chance
 from tests.commands import ok, run
 
@@ -34,12 +34,12 @@ KNOWN = [
 
 
 @pytest.fixture(scope="module")
-def approxmc() -> Iterator[Child]:
-    with Children(APPROXMC.module) as children:
+def approxmc() -> Iterator[Worker]:
+    with WorkerGroup(APPROXMC.module) as children:
         yield children.start()
 
 
-def estimated(approxmc: Child, cnf: Cnf, seed: int, tolerance: Tolerance) -> int:
+def estimated(approxmc: Worker, cnf: Cnf, seed: int, tolerance: Tolerance) -> int:
     told = (tolerance.epsilon, tolerance.delta, seed)
     approxmc.send((cnf.variables, cnf.shown, cnf.clauses, *told))
     return int(approxmc.receive())
@@ -47,14 +47,14 @@ def estimated(approxmc: Child, cnf: Cnf, seed: int, tolerance: Tolerance) -> int
 
 @needs_approxmc
 @pytest.mark.parametrize(("text", "project", "count"), KNOWN)
-def test_of_twenty_seeds_all_are_within_the_bounds(text: str, project: bool, count: int, approxmc: Child) -> None:
+def test_of_twenty_seeds_all_are_within_the_bounds(text: str, project: bool, count: int, approxmc: Worker) -> None:
     cnf = answer_sets(text=text, project=project)._counting_formula.cnf
     told = [estimated(approxmc, cnf, seed, Tolerance()) for seed in range(20)]
     assert all(count / 1.8 <= each <= count * 1.8 for each in told), told
 
 
 @needs_approxmc
-def test_variables_that_units_leave_free_are_counted(approxmc: Child, chance: Chance) -> None:
+def test_variables_that_units_leave_free_are_counted(approxmc: Worker, chance: Chance) -> None:
     """Few models are counted one by one, so that the estimate has to be right: by brute force here."""
     draw = chance.generator(1)
     for _ in range(chance.examples(60)):

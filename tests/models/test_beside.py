@@ -55,8 +55,8 @@ def test_a_counter_that_fails_leaves_the_question_to_clingo(fails: bool, monkeyp
     [
         ("logic.formula.counter.TemporaryFile", OSError(ENOSPC, "No space left on device")),
         ("processes.workers.Pipe", OSError(EMFILE, "Too many open files")),
-        ("processes.workers.Child.send", MemoryError()),
-        ("processes.workers.Child.receive", MemoryError()),
+        ("processes.workers.Worker.send", MemoryError()),
+        ("processes.workers.Worker.receive", MemoryError()),
     ],
 )
 def test_where_there_is_no_room_for_a_counter_the_count_goes_on_alone(

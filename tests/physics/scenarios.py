@@ -56,7 +56,7 @@ GIVE = HANDOVER.index("give(left,right,bar_1)")
 def with_arm(moment: Moment, **changes: object) -> Moment:
     """Return a moment of one robot with its arm changed."""
     [(robot, arm)] = moment.arms.items()
-    return replace(moment, arms={robot: arm._replace(**changes)})
+    return replace(moment, arms={robot: replace(arm, **changes)})
 
 
 def state(*fluents: str) -> dict[Atom, bool]:
@@ -65,7 +65,7 @@ def state(*fluents: str) -> dict[Atom, bool]:
 
 
 def task(initial: dict[Atom, bool], *steps: tuple[str, dict[Atom, bool]], forget: tuple[str, ...] = ()) -> Task:
-    """Return a task from its first state, and each action with what it makes known."""
+    """Return a task from its initial state, and each action with what it makes known."""
     actions, subgoals, states, known = [], [], [], dict(initial)
     for text, subgoal in steps:
         known = {f: v for f, v in known.items() if str(f) not in forget}

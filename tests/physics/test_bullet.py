@@ -2,12 +2,12 @@ from __future__ import annotations
 
 import os
 
-from prag_asp.physics.bullet import silenced
+from prag_asp.physics.bullet import mute_output
 
 
 def test_a_descriptor_gets_its_voice_back_when_the_last_who_silenced_it_is_done() -> None:
     heard, spoken = os.pipe()
-    one, two = silenced(spoken), silenced(spoken)
+    one, two = mute_output(spoken), mute_output(spoken)
     one.__enter__()
     two.__enter__()
     one.__exit__(None, None, None)  # as threads do: not the last one first

@@ -23,7 +23,7 @@ from prag_asp.physics import (
     validate_tasks,
 )
 from prag_asp.physics.robot.kinematics import inverse
-from prag_asp.physics.search.furniture_handling import opened
+from prag_asp.physics.search.furniture_handling import open_furniture
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.collisions import arm_collision
 from prag_asp.physics.world.simulator import open_simulator
@@ -53,7 +53,7 @@ def validator(kitchen):
 
 
 def closed_start(*fluents: str):
-    """Return the first state of the kitchen, all that is not named false."""
+    """Return the initial state of the kitchen, all that is not named false."""
     inside = {"apple_1": "drawer_1", "apple_2": "drawer_1", "cup_1": "cupboard_1"}
     places = ("drawer_1", "cupboard_1", "table_1", "bowl_1")
     away = [f"-located({item},{place})" for item, home in inside.items() for place in places if place != home]
@@ -77,8 +77,8 @@ def test_what_lies_in_a_drawer_moves_with_it_and_what_lies_in_a_cupboard_stays(k
         x, y, z = situation.floor(furniture).position
         situation = situation.with_pose(item, Pose((x, y, z + kitchen.shapes[item].half[2])))
         assert PREDICATES["inside"].holds(situation, (item, furniture))
-    after = opened(situation, "drawer_1", 0.2, list(situation.poses))
-    after = opened(after, "cupboard_1", 1.5, list(situation.poses))
+    after = open_furniture(situation, "drawer_1", 0.2, list(situation.poses))
+    after = open_furniture(after, "cupboard_1", 1.5, list(situation.poses))
     shift = [a - b for a, b in zip(after.poses["apple_1"].position, situation.poses["apple_1"].position, strict=True)]
     assert shift == pytest.approx([-0.2, 0.0, 0.0])
     assert after.poses["cup_1"] == situation.poses["cup_1"]
@@ -219,7 +219,7 @@ def test_on_the_table_means_over_nothing_hollow(kitchen):
 @pytest.mark.parametrize(
     ("table", "message"),
     [
-        ({"fixed": {}}, "scene.fixed.it: missing: it is a drawer, which does not move"),
+        ({"fixed": {}}, "scene.fixed.it: missing; write where it stands, because a drawer"),
         ({"shapes": {"box": {"kind": "drawer", "size": [0.05, 0.2, 0.1]}}}, "scene.shapes.box.size: needs one size"),
         (
             {"shapes": {"box": {"kind": "drawer", "size": {"low": [0.2, 0.2, 0.1], "high": [0.3, 0.2, 0.1]}}}},
@@ -240,7 +240,7 @@ def test_only_furniture_can_be_open(domain):
     shapes = {**table["shapes"], "drawer": {"kind": "container", "size": [0.2, 0.2, 0.1]}}
     fluents = list(state("open(drawer_1)"))
     told = scene_problems({**table, "shapes": shapes}, domain.facts.class_names, domain.facts.entity_names, fluents)
-    assert [problem.message for problem in told] == [
+    assert [problem.text for problem in told] == [
         "open(drawer_1) needs drawer_1 to be of the kind drawer or cupboard where it means is_open; "
         "let it mean something else, or change scene.shapes.drawer"
     ]

@@ -14,8 +14,8 @@ from types import FrameType
 import pytest
 
 from prag_asp.errors import OutputError
-from prag_asp.physics import lent as lent_module
-from prag_asp.physics.temporary_files import lent
+from prag_asp.physics import temporary_files
+from prag_asp.physics.temporary_files import temporary_folder
 
 WORKERS = """
 import multiprocessing, os, time
@@ -23,8 +23,7 @@ from contextlib import ExitStack
 from tempfile import gettempdir
 from prag_asp.physics.filming.studio import open_studio
 from prag_asp.physics.world.dynamics import open_dynamics
-from prag_asp.physics.world.meshes import mesh_file
-from prag_asp.physics.world.primitives import make_shapes
+from prag_asp.physics.world.primitives import make_shapes, mesh_file
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.physics.witness import Arm, Moment
 from prag_asp.scene.scene import Scene, Shape, Solid
@@ -77,7 +76,7 @@ def test_workers_that_end_and_that_are_terminated_or_killed_leave_no_file(tmp_pa
 def test_each_thread_has_one_place_that_is_there_while_it_is_used(temporary: Path) -> None:
     def use() -> None:
         for content in (b"one", b"two"):
-            with lent({"mesh.obj": content}) as folder:
+            with temporary_folder({"mesh.obj": content}) as folder:
                 places.append(folder)
                 assert (folder / "mesh.obj").read_bytes() == content
                 if len(places) == 1:
@@ -91,9 +90,9 @@ def test_each_thread_has_one_place_that_is_there_while_it_is_used(temporary: Pat
 
 
 def test_what_cannot_be_loaded_leaves_no_file_either(temporary: Path) -> None:
-    with pytest.raises(ValueError, match="not to be loaded"), lent({"mesh.obj": b""}):
+    with pytest.raises(ValueError, match="not to be loaded"), temporary_folder({"mesh.obj": b""}):
         raise ValueError("not to be loaded")
-    with lent({}) as folder:
+    with temporary_folder({}) as folder:
         assert not folder.exists()
     assert not any(temporary.iterdir())
 
@@ -106,7 +105,7 @@ def test_what_an_interruption_leaves_anywhere_bars_no_later_use(temporary: Path)
             self.left = line
 
         def __call__(self, frame: FrameType, event: str, argument: object) -> Interrupting | None:
-            if frame.f_code.co_filename != lent_module.__file__:
+            if frame.f_code.co_filename != temporary_files.__file__:
                 return None
             if event == "line":
                 self.left -= 1
@@ -119,13 +118,13 @@ def test_what_an_interruption_leaves_anywhere_bars_no_later_use(temporary: Path)
         before = sys.gettrace()
         sys.settrace(interrupting)
         try:
-            with lent({"mesh.obj": b"one"}):
+            with temporary_folder({"mesh.obj": b"one"}):
                 pass
         except KeyboardInterrupt:
             pass
         finally:
             sys.settrace(before)
-        with lent({"mesh.obj": b"two"}) as folder:
+        with temporary_folder({"mesh.obj": b"two"}) as folder:
             assert [each.read_bytes() for each in folder.iterdir()] == [b"two"]
         assert not any(temporary.iterdir())
         if interrupting.left > 0:
@@ -141,13 +140,19 @@ def test_what_cannot_be_written_is_told_in_one_line_and_leaves_nothing(
 
     with monkeypatch.context() as patch:
         patch.setattr(Path, "write_bytes", full)
-        with pytest.raises(OutputError, match=r"^/.*: No space left on device; set TMPDIR"), lent({"mesh.obj": b""}):
+        with (
+            pytest.raises(OutputError, match=r"^/.*: No space left on device; set TMPDIR"),
+            temporary_folder({"mesh.obj": b""}),
+        ):
             pass
     assert not any(temporary.iterdir())
     monkeypatch.setattr("tempfile.tempdir", str(temporary / "gone"))
-    with pytest.raises(OutputError, match=r"gone/prag_asp_.*: No such file"), lent({"mesh.obj": b""}):
+    with pytest.raises(OutputError, match=r"gone/prag_asp_.*: No such file"), temporary_folder({"mesh.obj": b""}):
         pass
     monkeypatch.setattr("tempfile.tempdir", None)
     monkeypatch.setattr("tempfile._candidate_tempdir_list", lambda: [str(temporary / "gone")])
-    with pytest.raises(OutputError, match=r"^No usable temporary directory .*; set TMPDIR"), lent({"mesh.obj": b""}):
+    with (
+        pytest.raises(OutputError, match=r"^No usable temporary directory .*; set TMPDIR"),
+        temporary_folder({"mesh.obj": b""}),
+    ):
         pass

@@ -18,7 +18,7 @@ from prag_asp.physics import Budget, Validator, Verdict, Witness, check_witness,
 from prag_asp.physics.bullet import pybullet, pybullet_data
 from prag_asp.physics.checks.states import tool_in
 from prag_asp.physics.predicates import PREDICATES
-from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
+from prag_asp.physics.robot.kinematics import adjust_joints, inverse, tool_pose
 from prag_asp.physics.search.attempt import Snapshot
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import physical_task
@@ -50,7 +50,7 @@ def validator(scene: Scene) -> Iterator[Validator]:
 
 @pytest.fixture(scope="module")
 def handover() -> Task:
-    [task] = TaskSpace(load_domain("two_arms"), len(HANDOVER)).narrate([HANDOVER])
+    [task] = TaskSpace(load_domain("two_arms"), len(HANDOVER)).tasks_of_plans([HANDOVER])
     return task
 
 
@@ -80,7 +80,7 @@ def test_a_robot_reaches_the_same_from_wherever_it_stands(mount, heading, yaw):
     assert _near(tool_pose(origin, joints), tool)
     assert _near(tool_pose(here, joints), compose(base, tool))
     beside = compose(base, Pose((tool.position[0], tool.position[1] + 0.003, 0.1), tool.quaternion))
-    found = adjusted(here, beside, joints)
+    found = adjust_joints(here, beside, joints)
     assert found is not None and _near(tool_pose(here, found), beside, 2e-5)
 
 
@@ -146,8 +146,8 @@ def test_the_arms_keep_a_centimetre_apart_in_every_state_and_at_every_waypoint(s
                     arms[waypoint.robot] = Arm(waypoint.joints, waypoint.width)
                     one, two = (place[name](arm) for name, arm in arms.items())
                     assert not pybullet.getClosestPoints(one, two, 0.0099, physicsClientId=client)
-                assert {name: arm[:2] for name, arm in arms.items()} == {
-                    name: arm[:2] for name, arm in moment.arms.items()
+                assert {name: (arm.joints, arm.width) for name, arm in arms.items()} == {
+                    name: (arm.joints, arm.width) for name, arm in moment.arms.items()
                 }
 
 
@@ -175,7 +175,7 @@ def test_arms_that_stand_in_each_other_are_reported(scene, handover, witness):
 def test_an_arm_that_moves_unseen_or_is_missing_is_reported(scene, handover, witness):
     first = witness.moments[0]
     joints = first.arms["right"].joints
-    turned = first.arms["right"]._replace(joints=(joints[0] + 0.1, *joints[1:]))
+    turned = replace(first.arms["right"], joints=(joints[0] + 0.1, *joints[1:]))
     moved = replace(first, arms={**first.arms, "right": turned})
     assert check_witness(handover, replace(witness, moments=(moved, *witness.moments[1:])), scene)
     alone = replace(first, arms={"left": first.arms["left"]})
@@ -255,16 +255,16 @@ def test_robots_and_zones_are_read():
 @pytest.mark.parametrize(
     ("key", "value", "message"),
     [
-        ("robots", {}, "scene.robots.left: missing: write { base = [x, y, yaw] }, in metres and degrees"),
+        ("robots", {}, "scene.robots.left: missing; write { base = [x, y, yaw] }, in metres and degrees"),
         ("robots", {"left": ROBOTS["left"]}, "scene.robots.right: missing"),
-        ("robots", {**ROBOTS, "cube_1": {}}, "scene.robots.cube_1: needs an entity with the shape of a robot"),
+        ("robots", {**ROBOTS, "cube_1": {}}, "scene.robots.cube_1: is no entity with the shape of a robot"),
         ("robots", {**ROBOTS, "left": 3}, "scene.robots.left: needs a table like"),
         ("robots", {**ROBOTS, "left": {"bass": []}}, "scene.robots.left.bass: unknown key; did you mean base?"),
         ("robots", {**ROBOTS, "left": {"kind": "robby"}}, "scene.robots.left.kind: needs one of panda, kuka"),
         ("robots", {**ROBOTS, "left": {"base": [0, 1]}}, "scene.robots.left.base: needs x and y in metres and a yaw"),
-        ("robots", {**ROBOTS, "left": {"base": [0, 9, 0]}}, "scene.robots.left.base: stands more than 2 m"),
+        ("robots", {**ROBOTS, "left": {"base": [0, 9, 0]}}, "scene.robots.left.base: is more than 2 m"),
         ("robots", {**ROBOTS, "left": {"base": [0, -0.3, 0]}}, "scene.robots.right.base: is 0.1 m from that of left"),
-        ("fixed", {}, "scene.fixed.shelf: missing: a zone needs a place"),
+        ("fixed", {}, "scene.fixed.shelf: missing; write x and y in metres"),
     ],
 )
 def test_a_malformed_table_of_robots_is_refused_with_its_key(key, value, message):

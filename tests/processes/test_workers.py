@@ -1,4 +1,4 @@
-"""Processes of our own say nothing and end with the one that started them, whatever befalls either, and whenever."""
+"""Workers print nothing and end with the process that started them, however and whenever either ends."""
 
 from __future__ import annotations
 
@@ -13,74 +13,74 @@ from threading import Event, Thread
 
 import pytest
 
-from prag_asp.processes import children as family
-from prag_asp.processes.workers import Child, Children, Ended, There, answered, uninterrupted
+from prag_asp.processes import workers
+from prag_asp.processes.workers import RemoteTraceback, Worker, WorkerEnded, WorkerGroup, ready_workers, uninterrupted
 from tests.processes import children, gone, interruptible
 
 MODULE = "tests.answers"
 ROOT = Path(__file__).parents[2]
 
 
-def test_a_child_answers_what_it_is_sent_in_order(started: Callable[[], list[int]]) -> None:
-    with Children(MODULE) as ours:
-        child = ours.start()
+def test_a_worker_answers_messages_in_order(started: Callable[[], list[int]]) -> None:
+    with WorkerGroup(MODULE) as group:
+        worker = group.start()
         for number in range(5):
-            child.send(("echo", number))
-        assert [child.receive(30) for _ in range(5)] == [0, 1, 2, 3, 4]
+            worker.send(("echo", number))
+        assert [worker.receive(30) for _ in range(5)] == [0, 1, 2, 3, 4]
     assert not started()
 
 
-def test_whoever_has_an_answer_is_found_among_many() -> None:
-    with Children(MODULE) as ours:
-        slow, quick = ours.start(), ours.start()
+def test_the_workers_with_answers_are_found_among_many() -> None:
+    with WorkerGroup(MODULE) as group:
+        slow, quick = group.start(), group.start()
         slow.send(("sleep", 60))
         quick.send(("echo", "here"))
-        assert answered([slow, quick], 30) == [quick]
+        assert ready_workers([slow, quick], 30) == [quick]
         assert quick.receive() == "here"
-        assert answered([slow, quick], 0) == []
+        assert ready_workers([slow, quick], 0) == []
 
 
-def test_much_is_sent_before_a_child_has_begun_or_while_it_is_busy() -> None:
-    with Children(MODULE) as ours:
-        child = ours.start()
+def test_large_messages_are_sent_before_a_worker_listens_or_while_it_is_busy() -> None:
+    with WorkerGroup(MODULE) as group:
+        worker = group.start()
         for _ in range(3):
-            child.send(("sleep", 0.1))
-            child.send(("length", bytes(10**7)))
-        assert [child.receive(30) for _ in range(6)] == ["slept", 10**7] * 3
+            worker.send(("sleep", 0.1))
+            worker.send(("length", bytes(10**7)))
+        assert [worker.receive(30) for _ in range(6)] == ["slept", 10**7] * 3
 
 
-def test_a_child_reads_nothing_from_our_stdin_and_leaves_nothing_on_our_stdout(
+def test_a_worker_reads_no_stdin_and_writes_no_stdout(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
-    with Children(MODULE) as ours:
-        child = ours.start()
-        child.send(("streams",))
-        assert child.receive(30) == ""
+    with WorkerGroup(MODULE) as group:
+        worker = group.start()
+        worker.send(("streams",))
+        assert worker.receive(30) == ""
     assert capfd.readouterr() == ("", "")
 
 
-def test_an_error_of_a_child_is_raised_here_and_says_where_it_was() -> None:
-    with Children(MODULE) as ours:
-        child = ours.start()
-        child.send(("what",))
+def test_an_error_of_a_worker_is_raised_with_its_traceback() -> None:
+    with WorkerGroup(MODULE) as group:
+        worker = group.start()
+        worker.send(("what",))
         with pytest.raises(ValueError, match="no answer to what") as caught:
-            child.receive(30)
-    assert isinstance(caught.value.__cause__, There)
+            worker.receive(30)
+    assert isinstance(caught.value.__cause__, RemoteTraceback)
     assert "answers.py" in str(caught.value.__cause__)
 
 
 @pytest.mark.parametrize(
-    ("module", "wish", "told"),
+    ("module", "wish", "reported"),
     [(MODULE, "stubborn", "Stubborn: it cannot travel"), ("tests.nowhere", "echo", "No module named 'tests.nowhere'")],
 )
-def test_an_error_that_cannot_travel_or_comes_before_the_work_is_told_all_the_same(
-    module: str, wish: str, told: str, capfd: pytest.CaptureFixture[str]
+def test_an_error_that_cannot_be_pickled_or_comes_before_the_work_is_raised_too(
+    module: str, wish: str, reported: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    with Children(module) as ours:
-        child = ours.start()
-        child.send((wish, None))
-        with pytest.raises((RuntimeError, ModuleNotFoundError), match=told):
-            child.receive(30)
+    with WorkerGroup(module) as group:
+        worker = group.start()
+        worker.send((wish, None))
+        with pytest.raises((RuntimeError, ModuleNotFoundError), match=reported):
+            worker.receive(30)
     assert capfd.readouterr() == ("", "")
 
 
@@ -93,54 +93,52 @@ def test_an_error_that_cannot_travel_or_comes_before_the_work_is_told_all_the_sa
         (("die", signal.SIGRTMIN + 3), f"by signal {signal.SIGRTMIN + 3}"),
     ],
 )
-def test_a_child_that_ends_before_it_answers_is_told_with_how_it_did(wish: tuple[object, ...], how: str) -> None:
-    with Children(MODULE) as ours:
-        child = ours.start()
-        child.send(wish)
-        with pytest.raises(Ended, match=f"^{how}$"):
-            child.receive(30)
-        with pytest.raises(Ended, match=f"^{how}$"):
-            child.send(("echo", 1))
+def test_a_worker_that_ends_before_it_answers_raises_how_it_ended(wish: tuple[object, ...], how: str) -> None:
+    with WorkerGroup(MODULE) as group:
+        worker = group.start()
+        worker.send(wish)
+        with pytest.raises(WorkerEnded, match=f"^{how}$"):
+            worker.receive(30)
+        with pytest.raises(WorkerEnded, match=f"^{how}$"):
+            worker.send(("echo", 1))
 
 
-def test_an_answer_that_takes_too_long_is_waited_for_no_longer(started: Callable[[], list[int]]) -> None:
-    with Children(MODULE) as ours:
-        child = ours.start()
-        child.send(("sleep", 600))
+def test_waiting_for_an_answer_has_a_time_limit(started: Callable[[], list[int]]) -> None:
+    with WorkerGroup(MODULE) as group:
+        worker = group.start()
+        worker.send(("sleep", 600))
         begun = time.monotonic()
         with pytest.raises(TimeoutError):
-            child.receive(0.2)
+            worker.receive(0.2)
     assert time.monotonic() - begun < 60
     assert not started()
 
 
-def test_an_error_in_the_block_ends_children_in_whatever_they_do(started: Callable[[], list[int]]) -> None:
-    with pytest.raises(RuntimeError, match="enough"), Children(MODULE) as ours:
+def test_an_error_in_the_block_ends_busy_workers(started: Callable[[], list[int]]) -> None:
+    with pytest.raises(RuntimeError, match="enough"), WorkerGroup(MODULE) as group:
         for _ in range(3):
-            ours.start().send(("sleep", 60))
+            group.start().send(("sleep", 60))
         raise RuntimeError("enough")
     assert not started()
 
 
 @pytest.mark.parametrize("delay", [0, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16])
-def test_a_child_never_hears_ctrl_c_not_even_while_python_starts(
-    delay: float, capfd: pytest.CaptureFixture[str]
-) -> None:
-    with Children(MODULE) as ours:
-        child = ours.start()
+def test_a_worker_ignores_ctrl_c_even_while_python_starts(delay: float, capfd: pytest.CaptureFixture[str]) -> None:
+    with WorkerGroup(MODULE) as group:
+        worker = group.start()
         time.sleep(delay)
         for _ in range(20):
-            child.process.send_signal(signal.SIGINT)
+            worker.process.send_signal(signal.SIGINT)
             time.sleep(0.005)
-        child.send(("echo", "unmoved"))
-        assert child.receive(30) == "unmoved"
+        worker.send(("echo", "unmoved"))
+        assert worker.receive(30) == "unmoved"
     assert capfd.readouterr() == ("", "")
 
 
-def test_an_interruption_while_a_child_is_started_comes_when_it_is_known_and_ends_it(
+def test_an_interrupt_while_a_worker_is_started_is_deferred_and_ends_it(
     monkeypatch: pytest.MonkeyPatch, started: Callable[[], list[int]]
 ) -> None:
-    begun: list[Child] = []
+    begun: list[Worker] = []
     start = subprocess.Popen
 
     def interrupted(*arguments, **options):  # type: ignore[no-untyped-def]
@@ -149,13 +147,13 @@ def test_an_interruption_while_a_child_is_started_comes_when_it_is_known_and_end
         begun.append(process)
         return process
 
-    monkeypatch.setattr(family.subprocess, "Popen", interrupted)
-    with pytest.raises(KeyboardInterrupt), Children(MODULE) as ours:
-        ours.start()
+    monkeypatch.setattr(workers.subprocess, "Popen", interrupted)
+    with pytest.raises(KeyboardInterrupt), WorkerGroup(MODULE) as group:
+        group.start()
     assert len(begun) == 1 and not started()
 
 
-def test_what_is_put_off_is_done_afterwards_and_the_handlers_are_as_before() -> None:
+def test_deferred_signals_are_handled_afterwards_and_the_handlers_are_restored() -> None:
     heard: list[str] = []
     before = signal.signal(signal.SIGTERM, lambda number, frame: heard.append("terminated"))
     ending = Event()
@@ -184,23 +182,23 @@ PARENT = f"""
 import signal, sys
 signal.signal(signal.SIGHUP, signal.SIG_DFL)  # which nohup would have it ignore
 sys.path.insert(0, {str(ROOT)!r})
-from prag_asp.processes.workers import Children
-with Children("tests.answers") as ours:
-    children = [ours.start(), ours.start()]
-    for child in children:
-        child.send(("echo", "ready"))
-        child.send(("sleep", 60))
+from prag_asp.processes.workers import WorkerGroup
+with WorkerGroup("tests.answers") as group:
+    children = [group.start(), group.start()]
+    for worker in children:
+        worker.send(("echo", "ready"))
+        worker.send(("sleep", 60))
     sys.stdout.write("started")
     sys.stdout.flush()
-    for child in children:
-        child.receive()
+    for worker in children:
+        worker.receive()
     children[0].receive()
 """
 
 
 @pytest.mark.parametrize("delay", [0, 0.01, 0.02, 0.04, 0.08, 0.16, 0.4])
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
-def test_children_of_a_process_that_ends_at_whatever_moment_end_and_say_nothing(
+def test_workers_of_a_process_that_ends_at_any_moment_end_and_print_nothing(
     number: int, delay: float, tmp_path: Path
 ) -> None:
     with interruptible([sys.executable, "-c", PARENT], tmp_path) as parent:
@@ -212,7 +210,7 @@ def test_children_of_a_process_that_ends_at_whatever_moment_end_and_say_nothing(
         said = parent.communicate(timeout=300)[1]
         assert len(born) == 2
         assert gone(born)
-    told = said.strip().splitlines()
+    reported = said.strip().splitlines()
     assert parent.returncode == -number
-    assert told[-1:] == (["KeyboardInterrupt"] if number == signal.SIGINT else [])
+    assert reported[-1:] == (["KeyboardInterrupt"] if number == signal.SIGINT else [])
     assert said.count("Traceback") == (number == signal.SIGINT)

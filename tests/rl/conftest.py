@@ -35,7 +35,7 @@ def given(scenes: Mapping[str, Scene]) -> Mapping[str, list[Given]]:
 def feasible(name: str, scene: Scene, count: int = 6) -> Iterator[Given]:
     found = 0
     with open_validator(scene) as validator:
-        for index, task in enumerate(TaskSpace(load_domain(name), length=4).draw(seed=5)):
+        for index, task in enumerate(TaskSpace(load_domain(name), length=4).stream(seed=5)):
             witness = validator.validate(task, seed=5, index=index).witness
             if witness is not None:
                 yield task, witness

@@ -32,10 +32,10 @@ def test_every_state_of_a_witness_stands_for_a_second_with_its_facts(
         for task, witness in given[name]:
             for number, facts in enumerate(physical_task(task, scene).states):
                 situation = arena.start(witness, number)
-                assert all(fact.satisfied(situation) for fact in facts)
+                assert all(fact.is_satisfied(situation) for fact in facts)
                 for _ in range(SECOND):
                     situation = arena.act(np.zeros(5 * len(scene.robots)), "tool")
-                assert all(fact.satisfied(situation) for fact in facts), (str(task), number)
+                assert all(fact.is_satisfied(situation) for fact in facts), (str(task), number)
 
 
 @pytest.mark.parametrize("name", DOMAINS)
@@ -115,9 +115,9 @@ def test_fingers_open_by_so_much_and_joints_move_no_faster_than_they_may(
     with ExitStack() as resources:
         arena = Arena(scene, resources)
         situation = arena.start(given["tabletop"][0][1], 0)
-        width = arena.asked["panda"]
+        width = arena.commanded_openings["panda"]
         arena.act(np.array([0.0] * 7 + [-0.5]), "joints")
-        assert arena.asked["panda"] == pytest.approx(width - FINGERS / 2)
+        assert arena.commanded_openings["panda"] == pytest.approx(width - FINGERS / 2)
         for sign in (1.0, -1.0):
             for _ in range(15):
                 last, situation = situation, arena.act(np.array([sign] * 8), "joints")

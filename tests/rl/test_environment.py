@@ -16,15 +16,15 @@ from gymnasium.utils.env_checker import check_env
 from numpy.typing import NDArray
 
 import prag_asp.rl
-from prag_asp import Task, TaskSpace, TaskSpaces, load_domain
+from prag_asp import Task, TaskSpace, load_domain
 from prag_asp.dataset import generate
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Validator, Witness
 from prag_asp.rl import TaskEnv, oracle
 from prag_asp.rl.control import STRIDE
 from prag_asp.rl.goals import PLACES
-from prag_asp.rl.tasks import episode_starts
-from prag_asp.rl.tasks.task_sources import fitting
+from prag_asp.rl.tasks import episode_sampler
+from prag_asp.rl.tasks.task_sources import assign_witness
 from prag_asp.scene.geometry import yaw_of
 from tests.chance import Chance
 from tests.rl.conftest import DOMAINS, Given
@@ -226,7 +226,7 @@ def test_options_that_mean_nothing_are_refused_and_the_episode_goes_on(env: Task
 
 
 @pytest.mark.parametrize(
-    "asked",
+    "commanded_openings",
     [
         {"space": "tabletop"}, {"space": None, "dataset": "data"}, {"space": None, "task": "pick(panda,can_1,table_1)"},
         {"steps": True}, {"steps": 1.5}, {"discount": "x"}, {"witness": "x"},
@@ -397,7 +397,7 @@ def test_tasks_of_no_action_are_passed_over() -> None:
     domain = load_domain("tabletop")
     with pytest.raises(QueryError, match="have no subgoal"):
         TaskEnv(TaskSpace(domain, 0))
-    env = TaskEnv(TaskSpaces(domain, range(2)), stage="any")
+    env = TaskEnv(TaskSpace(domain, range(2)), stage="any")
     assert all(env.reset(seed=0 if number == 0 else None)[1]["task"] for number in range(8))
     with pytest.raises(QueryError, match="has no subgoal"):
         env.reset(options={"task": next(iter(TaskSpace(domain, 0)))})
@@ -419,10 +419,12 @@ def test_a_task_with_its_witness_is_judged_once_and_only_so_many_are_kept(
     given: Mapping[str, list[Given]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     judged: list[Task] = []
-    monkeypatch.setattr(episode_starts, "fitting", lambda task, *more: judged.append(task) or fitting(task, *more))
+    monkeypatch.setattr(
+        episode_sampler, "assign_witness", lambda task, *more: judged.append(task) or assign_witness(task, *more)
+    )
     (one, first), (two, second), (three, third) = given["tabletop"][:3]
     env = TaskEnv(task=one, witness=first)
-    monkeypatch.setattr(episode_starts, "KEPT", 4)
+    monkeypatch.setattr(episode_sampler, "CACHED", 4)
     for task, witness in ((one, first), (two, second), (two, second), (one, first)):
         env.reset(options={"task": task, "witness": witness})
     assert judged == [one, two]

@@ -36,15 +36,15 @@ def test_a_subgoal_is_reached_where_all_that_is_known_after_its_action_holds(
         for subgoal, facts, situation in zip(
             subgoals_of(task, scene), states, moments(witness, scene.with_sizes(witness.sizes)), strict=True
         ):
-            assert set(facts) <= {*subgoal.brought, *subgoal.kept} and max(reached_by(subgoal, situation)) <= 0.0
+            assert set(facts) <= {*subgoal.achieved, *subgoal.unchanged} and max(reached_by(subgoal, situation)) <= 0.0
             assert set(subgoal.reached(subgoal.measured(situation))) == set(subgoal.names)
             for moved in pushed(situation, chance.generator(len(situation.poses))):
-                holding = [fact.satisfied(moved) for fact in (*subgoal.brought, *subgoal.kept)]
+                holding = [fact.is_satisfied(moved) for fact in (*subgoal.achieved, *subgoal.unchanged)]
                 assert (max(reached_by(subgoal, moved)) <= 0.0) == all(holding)
                 told = subgoal.reached(subgoal.measured(moved))
                 assert list(told) == [text for text, holds in zip(subgoal.names, holding, strict=True) if holds]
                 lost += not all(holding)
-                spoilt += not all(holding) and all(holding[: len(subgoal.brought)])
+                spoilt += not all(holding) and all(holding[: len(subgoal.achieved)])
     assert lost > 20 and spoilt > 5, "what shall stay is lost, too"
 
 
@@ -79,7 +79,7 @@ def test_what_is_told_as_reached_is_what_holds(chance: Chance, given: Mapping[st
     subgoal = subgoals_of(task, env.scene)[0]
     _, info = env.reset()
     for _ in range(20):
-        holding = [fact.satisfied(env.situation) for fact in (*subgoal.brought, *subgoal.kept)]
+        holding = [fact.is_satisfied(env.situation) for fact in (*subgoal.achieved, *subgoal.unchanged)]
         assert info["reached"] == tuple(name for name, holds in zip(subgoal.names, holding, strict=True) if holds)
         assert 0 < len(info["reached"]) < len(subgoal.names)
         *_, info = env.step(rng.uniform(-1.0, 1.0, 5))

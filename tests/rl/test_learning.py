@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
-from prag_asp.rl import Oracle
+from prag_asp.rl import OraclePolicy
 from tests.docs.pages import DOCS, ROOT
 
 SHORTENED = {
@@ -92,7 +92,7 @@ def test_a_grasp_is_learned_from_where_the_approach_ends(reaches: bool, monkeypa
     monkeypatch.syspath_prepend(str(ROOT / "benchmarks" / "learning"))
     parts, curves, starts = (importlib.import_module(name) for name in ("parts", "curves", "starts"))
     env = curves.begun(starts.wholly(parts.SKILLS, 3, seed=1), "dense", seed=0, begin="task")
-    expert = Oracle(env.unwrapped)
+    expert = OraclePolicy(env.unwrapped)
 
     class Approach:
         def predict(self, seen: Any, *, deterministic: bool) -> tuple[Any, None]:

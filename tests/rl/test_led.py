@@ -14,7 +14,7 @@ import gymnasium
 import numpy as np
 import pytest
 
-from prag_asp import Task, TaskSpace, TaskSpaces, load_domain
+from prag_asp import Task, TaskSpace, load_domain
 from prag_asp.dataset import generate
 from prag_asp.errors import QueryError
 from prag_asp.physics import Witness
@@ -55,13 +55,13 @@ def test_an_environment_that_is_resumed_begins_the_same_episodes(curriculum: Any
     two.load_state_dict(json.loads(json.dumps(one.state_dict())))
     assert begun(one, 4) == begun(two, 4) and one.state_dict() == two.state_dict()
     state = json.loads(json.dumps(one.state_dict()))
-    for wrong in ({"rng": state["rng"], "source": {}}, {**state, "made": "another"}, "state"):
+    for wrong in ({"rng": state["rng"], "source": {}}, {**state, "spec": "another"}, "state"):
         with pytest.raises(QueryError, match="another environment"):
             two.load_state_dict(wrong)
     for wrong in (
         {**state, "source": {**state["source"], "number": -1}},
-        {**state, "walk": {1, 2}},
-        {**state, "seal": 1},
+        {**state, "subgoals": {1, 2}},
+        {**state, "checksum": 1},
     ):
         with pytest.raises(QueryError, match="damaged"):
             two.load_state_dict(wrong)
@@ -93,7 +93,7 @@ def test_tasks_that_options_name_are_not_held_against_the_curriculum_of_tasks(sp
         env.reset(options=options)
         while not env.step(STILL)[3]:
             pass
-        course = env.state_dict()["source"]["course"]
+        course = env.state_dict()["source"]["sampler"]
         assert course["reported"] == noted and bool(course["ends"]) == bool(noted)
     env.close()
 
@@ -101,21 +101,21 @@ def test_tasks_that_options_name_are_not_held_against_the_curriculum_of_tasks(sp
 def test_each_draw_has_its_exact_probability_and_says_how_many_were_rejected(space: TaskSpace) -> None:
     env = TaskEnv(space, stage="any", steps=1)
     tried = [0]
-    find = env._draws.finder.witness
+    find = env._sampler.finder.witness
 
     def found(task: Task, **asked: int) -> Witness | None:
         tried[0] += 1
         return find(task, **asked) if tried[0] % 3 else None
 
-    env._draws.finder.witness = found  # type: ignore[method-assign]
+    env._sampler.finder.witness = found  # type: ignore[method-assign]
     told = begun(env, 12, seed=1)
     assert {info["probability"] for info in told} == {Fraction(1, space.count())}
     assert {info["stage_probability"] for info in told} == {Fraction(1, 2)}
     # As many draws as were given and rejected lead to the last task.
     draws = sum(1 + info["rejected"] for info in told)
     source = env.state_dict()["source"]
-    assert source["number"] == source["course"]["taken"] == draws > 12
-    env._draws.finder.witness = find  # type: ignore[method-assign]
+    assert source["number"] == source["sampler"]["taken"] == draws > 12
+    env._sampler.finder.witness = find  # type: ignore[method-assign]
     _, info = env.reset(options={"rank": 100, "stage": 0})
     assert info["probability"] is None and info["stage_probability"] is None and info["rejected"] == 0
     env.close()
@@ -127,7 +127,7 @@ def test_only_tasks_of_the_part_are_given(space: TaskSpace) -> None:
     told = begun(env, 6, seed=2)
     assert {info["task"] for info in told} <= set(map(str, part)) and sum(info["rejected"] for info in told)
     assert env.state_dict()["source"]["number"] == sum(1 + info["rejected"] for info in told), "each draw has a number"
-    with pytest.raises(QueryError, match="not one of the part"):
+    with pytest.raises(QueryError, match="not in the part"):
         env.reset(options={"rank": 200})
     env.close()
 
@@ -139,10 +139,10 @@ def test_what_options_ask_for_is_not_held_against_the_curriculum(given: Mapping[
     assert info["stage"] == 3 and info["curriculum"] == {"back": 1} and info["probability"] == 1
     env.reset(options={"stage": 0})
     env.step(STILL)
-    assert env.state_dict()["walk"]["ends"] == []
+    assert env.state_dict()["subgoals"]["ends"] == []
     env.reset()
     env.step(STILL)
-    assert env.state_dict()["walk"]["ends"] == [False]
+    assert env.state_dict()["subgoals"]["ends"] == [False]
     env.close()
 
 
@@ -167,8 +167,8 @@ def test_several_processes_have_their_own_curricula_and_hand_on_fractions(space:
         ({"curriculum": Adaptive}, "no curriculum"),
         ({"curriculum": (Adaptive(), Bandit())}, "of one kind"),
         ({"curriculum": (Backwards(), Backwards())}, "of one kind"),
-        ({"part": "train"}, "no place"),
-        (lambda space: {"space": TaskSpaces(space.domain, range(1, 3)), "part": space.at(1)[:2]}, "of one length"),
+        ({"part": "train"}, "no origin"),
+        (lambda space: {"space": TaskSpace(space.domain, range(1, 3)), "part": space.at(1)[:2]}, "of one length"),
         (lambda space: {"part": space.at(1)[:2]}, "of length|length=1"),
         (lambda space: {"part": TaskSpace(load_domain("prag"), 2)[:2]}, "the part is one of TaskSpace"),
         (lambda space: {"part": space.where("has at least 1 stack")[:2]}, "and not of TaskSpace"),
@@ -194,14 +194,14 @@ def test_an_episode_ends_once_however_long_it_is_stepped_on(given: Mapping[str, 
     for _ in range(5):
         env.step(STILL)
     state = env.state_dict()
-    assert state["walk"]["ends"] == state["fading"]["ends"] == [False]
+    assert state["subgoals"]["ends"] == state["annealing"]["ends"] == [False]
     env.close()
 
 
 def test_curricula_of_tasks_need_a_space(given: Mapping[str, list[Given]], space: TaskSpace) -> None:
     task, witness = given["tabletop"][0]
     for curriculum in (Lengths(), (Backwards(), Novelty())):
-        with pytest.raises(QueryError, match="draws from a space"):
+        with pytest.raises(QueryError, match="needs a space"):
             TaskEnv(task=task, witness=witness, curriculum=curriculum)
     with pytest.raises(QueryError, match="give the space"):
         TaskEnv(task=task, part=space[:3])

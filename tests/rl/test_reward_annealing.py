@@ -2,11 +2,11 @@ from __future__ import annotations
 
 import pytest
 
-from prag_asp.rl.reward_annealing import Fading
+from prag_asp.rl.reward_annealing import RewardAnnealing
 
 
 def test_a_share_fades_as_episodes_end_well_and_comes_back_as_they_do_not() -> None:
-    fading, shares = Fading("success"), []
+    fading, shares = RewardAnnealing("success"), []
     for success in (*[False] * 10, *[True] * 60, *[False] * 60):
         fading.step()
         fading.end(success)
@@ -18,7 +18,7 @@ def test_a_share_fades_as_episodes_end_well_and_comes_back_as_they_do_not() -> N
 
 
 def test_a_share_fades_with_steps_whatever_comes_of_them() -> None:
-    fading, shares = Fading(4), []
+    fading, shares = RewardAnnealing(4), []
     for success in (True, False) * 3:
         shares.append(fading.share)
         fading.step()

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from prag_asp.rl.goals import PLACES
-from prag_asp.rl.rewards import earned, missed, potential, reached
+from prag_asp.rl.rewards import goal_distance, potential, reached, step_rewards
 from tests.chance import Chance, examples
 
 DISCOUNT = 0.9
@@ -35,7 +35,7 @@ def best(share: float, discount: float = DISCOUNT) -> dict[tuple[int, int], set[
     def value(cell: tuple[int, int], move: tuple[int, int]) -> float:
         there = tuple(min(max(at + by, 0), SIDE - 1) for at, by in zip(cell, move, strict=True))
         assert len(there) == 2
-        gain, _ = earned(vector(cell), vector(there), DESIRED, discount=discount, share=share)
+        gain, _ = step_rewards(vector(cell), vector(there), DESIRED, discount=discount, share=share)
         return float(gain) + DISCOUNT * values[there]
 
     for _ in range(300):
@@ -63,7 +63,7 @@ def test_no_closed_loop_earns_anything(path: list[list[float]], stage: int, disc
     desired = np.zeros(PLACES)
     desired[0] = stage + 1
     loop = [np.array([stage, *each]) for each in (*path, path[0])]
-    total = sum(float(earned(one, two, desired, discount=discount, share=1.0)[0]) for one, two in pairwise(loop))
+    total = sum(float(step_rewards(one, two, desired, discount=discount, share=1.0)[0]) for one, two in pairwise(loop))
     assert total <= 1e-9
 
 
@@ -71,7 +71,7 @@ def test_standing_still_costs_and_coming_nearer_earns_more_the_nearer() -> None:
     def gain(before: float, after: float) -> float:
         one, two = np.zeros(PLACES), np.zeros(PLACES)
         one[1], two[1] = before, after
-        return float(earned(one, two, DESIRED, discount=0.99, share=1.0)[0])
+        return float(step_rewards(one, two, DESIRED, discount=0.99, share=1.0)[0])
 
     assert gain(0.2, 0.2) < 0.0
     assert 0.0 < gain(0.5, 0.4) < gain(0.3, 0.2) < gain(0.2, 0.1)
@@ -83,7 +83,7 @@ def test_a_subgoal_that_is_reached_earns_1_and_so_does_the_goal() -> None:
     goal[0] = two[0] = end[0] = 1.0
     one[3], two[3] = 0.4, 0.7
     for before, after, ended in ((one, two, False), (two, end, True)):
-        gain, done = earned(before, after, goal, discount=0.9, share=0.0)
+        gain, done = step_rewards(before, after, goal, discount=0.9, share=0.0)
         assert float(gain) == 1.0 and bool(done) is ended
 
 
@@ -98,9 +98,9 @@ def test_batches_are_what_single_steps_are(chance: Chance) -> None:
     rows = np.array([[rng.choice((0, 1, 2)), *(rng.uniform(-0.1, 0.3) for _ in range(PLACES - 1))] for _ in range(60)])
     rows = np.maximum(rows, np.where(np.arange(60)[:, None] % 3, -1.0, 0.0))
     before, after, desired = rows[:20], rows[20:40], rows[40:]
-    gains, ends = earned(before, after, desired, discount=0.9, share=0.5)
+    gains, ends = step_rewards(before, after, desired, discount=0.9, share=0.5)
     assert gains.shape == ends.shape == (20,) and 0 < ends.sum() < 20
     for i in range(20):
-        gain, ended = earned(before[i], after[i], desired[i], discount=0.9, share=0.5)
+        gain, ended = step_rewards(before[i], after[i], desired[i], discount=0.9, share=0.5)
         assert gain == gains[i] and ended == ends[i] == reached(after[i], desired[i])
-        assert missed(after[i], desired[i]) == missed(after, desired)[i] >= 0.0
+        assert goal_distance(after[i], desired[i]) == goal_distance(after, desired)[i] >= 0.0

@@ -11,9 +11,9 @@ import pytest
 
 from prag_asp import TaskSpace, load_domain
 from prag_asp.errors import QueryError
-from prag_asp.rl import Oracle, Rate, Runs, TaskEnv, run
+from prag_asp.rl import OraclePolicy, Rate, Rollouts, TaskEnv, run
 from prag_asp.rl.environment import Observation
-from prag_asp.rl.skill_chains import Run
+from prag_asp.rl.skill_chains import Rollout
 from tests.rl.conftest import Given
 
 STILL = np.zeros(5, dtype=np.float32)
@@ -27,11 +27,11 @@ def env(given: Mapping[str, list[Given]]) -> Iterator[TaskEnv]:
     found.close()
 
 
-def runs_of(given: Given, *reached: int) -> Runs:
-    """Runs of a task of four actions that came so far each."""
+def runs_of(given: Given, *reached: int) -> Rollouts:
+    """Rollouts of a task of four actions that came so far each."""
     task, _ = given
-    return Runs(tuple(
-        Run(task, 0, task.actions, (1,) * min(count + 1, 4), (9,) * min(count + 1, 4), count) for count in reached
+    return Rollouts(tuple(
+        Rollout(task, 0, task.actions, (1,) * min(count + 1, 4), (9,) * min(count + 1, 4), count) for count in reached
     ))  # fmt: skip
 
 
@@ -39,7 +39,7 @@ def test_policies_take_over_from_each_other_where_the_predicates_say_so(env: Tas
     called: list[str] = []
 
     def told(name: str) -> Any:
-        expert = Oracle(env)
+        expert = OraclePolicy(env)
 
         def policy(observation: Observation) -> Any:
             called.append(name)
@@ -50,8 +50,8 @@ def test_policies_take_over_from_each_other_where_the_predicates_say_so(env: Tas
         return policy
 
     runs = run(env, {name: told(name) for name in ("pick", "place", "stack", "insert")}, 1, patience=300)
-    assert runs.runs[0].success and runs.runs[0].tries == (1, 1, 1, 1)
-    assert len(called) == sum(runs.runs[0].steps) and len(set(called)) > 1
+    assert runs.rollouts[0].success and runs.rollouts[0].tries == (1, 1, 1, 1)
+    assert len(called) == sum(runs.rollouts[0].steps) and len(set(called)) > 1
     assert runs.whole() == (1, 1) and runs.by_length() == (1, 1, 1, 1)
 
 
@@ -60,7 +60,7 @@ def test_a_subgoal_is_tried_again_from_where_it_stands(env: TaskEnv) -> None:
         """Moves the arm somewhere before it gives up, and acts where it takes over again."""
 
         def __init__(self, moves: int) -> None:
-            self.expert, self.begun, self.moves = Oracle(env), 0, [np.full(5, -0.3)] * moves
+            self.expert, self.begun, self.moves = OraclePolicy(env), 0, [np.full(5, -0.3)] * moves
 
         def begin(self) -> None:
             self.begun += 1
@@ -73,11 +73,11 @@ def test_a_subgoal_is_tried_again_from_where_it_stands(env: TaskEnv) -> None:
 
     for moves in (0, 20):
         late = Late(moves)
-        found = run(env, late, 1, tries=2, patience=200).runs[0]
+        found = run(env, late, 1, tries=2, patience=200).rollouts[0]
         assert found.tries == (2, 1, 1, 1) and found.success and found.steps[0] > moves
         assert late.begun == sum(found.tries)
     failed = run(env, lambda observation: STILL, 2, tries=3, patience=5)
-    assert [(each.tries, each.steps, each.reached) for each in failed.runs] == [((3,), (15,), 0)] * 2
+    assert [(each.tries, each.steps, each.reached) for each in failed.rollouts] == [((3,), (15,), 0)] * 2
     assert failed.whole() == (0, 2) and failed.by_length() == (0,)
 
 
@@ -85,13 +85,13 @@ def test_policies_see_what_wrappers_show(env: TaskEnv) -> None:
     wrapped = gymnasium.wrappers.FilterObservation(env, ["observation"])
     seen: list[Any] = []
     runs = run(wrapped, seen.append, 1)
-    assert runs.runs[0].steps == (0,) and [set(each) for each in seen] == [{"observation"}]
+    assert runs.rollouts[0].steps == (0,) and [set(each) for each in seen] == [{"observation"}]
 
 
 def test_an_environment_says_which_subgoals_are_pursued(given: Mapping[str, list[Given]]) -> None:
     task, witness = given["tabletop"][0]
     env = TaskEnv(task=task, witness=witness, stage=1, until="subgoal", reward="sparse")
-    found = run(env, Oracle(env), [(task, witness)], patience=300).runs[0]
+    found = run(env, OraclePolicy(env), [(task, witness)], patience=300).rollouts[0]
     assert (found.first, found.actions, found.reached) == (1, task.actions[1:2], 1)
     env.close()
 
@@ -119,15 +119,15 @@ def test_intervals_are_those_of_the_literature(rate: Rate, interval: tuple[float
 
 def test_what_means_nothing_is_refused(env: TaskEnv, given: Mapping[str, list[Given]]) -> None:
     with pytest.raises(QueryError, match="no policy 'pick'; did you mean pik"):
-        run(env, {"pik": Oracle(env)}, 1)
+        run(env, {"pik": OraclePolicy(env)}, 1)
     for wrong in ({"tries": 0}, {"patience": 2.5}, {"tries": True}):
         with pytest.raises(QueryError, match="whole number from 1 on"):
-            run(env, Oracle(env), 1, **wrong)  # type: ignore[arg-type]
+            run(env, OraclePolicy(env), 1, **wrong)  # type: ignore[arg-type]
     for tasks in (-1, True, ["pick(panda,can_1,table_1)"], 1.5):
         with pytest.raises(QueryError, match="tasks"):
-            run(env, Oracle(env), tasks)  # type: ignore[arg-type]
+            run(env, OraclePolicy(env), tasks)  # type: ignore[arg-type]
     with pytest.raises(QueryError, match="in a TaskEnv, or in a task space; got 'tabletop'"):
-        run("tabletop", Oracle(env), 1)  # type: ignore[arg-type]
+        run("tabletop", OraclePolicy(env), 1)  # type: ignore[arg-type]
     with pytest.raises(QueryError, match="confidence"):
         Rate(1, 2).interval(95)
 
@@ -135,5 +135,5 @@ def test_what_means_nothing_is_refused(env: TaskEnv, given: Mapping[str, list[Gi
 def test_a_space_is_drawn_from_and_the_same_seed_gives_the_same_runs() -> None:
     space = TaskSpace(load_domain("tabletop"), length=1)
     one, two = (run(space, lambda observation: STILL, 2, patience=2, seed=3) for _ in range(2))
-    assert one == two and len(one.runs) == 2
-    assert run(space, lambda observation: STILL, [one.runs[0].task], patience=1).whole() == (0, 1)
+    assert one == two and len(one.rollouts) == 2
+    assert run(space, lambda observation: STILL, [one.rollouts[0].task], patience=1).whole() == (0, 1)

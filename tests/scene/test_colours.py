@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from prag_asp.scene.colours import apart, from_lab, more_colours, to_lab
-from prag_asp.scene.read.materials import TOLD_APART
+from prag_asp.scene.read.materials import DISTINCT
 from prag_asp.scene.scene_loader import parse_scene
 
 
@@ -45,7 +45,7 @@ def test_the_colours_of_twenty_objects_are_told_apart_and_from_the_table():
     found = scene(20)
     assert len(set(found.colors.values())) == 20
     assert least(found.colors.values()) > 25
-    assert min(apart(color, found.table.color) for color in found.colors.values()) > TOLD_APART
+    assert min(apart(color, found.table.color) for color in found.colors.values()) > DISTINCT
 
 
 def test_a_colour_that_is_given_is_not_given_again():

@@ -9,14 +9,14 @@ import pytest
 from prag_asp.errors import QueryError
 from prag_asp.scene.cameras import Camera
 from prag_asp.scene.colours import apart
-from prag_asp.scene.scene import Material, Model, Ranges, Scene, Shape, Solid
+from prag_asp.scene.scene import BodyModel, Material, Ranges, Scene, Shape, Solid
 from prag_asp.scene.scene_loader import parse_scene, scene_problems
 from prag_asp.scene.solids import weight
 from prag_asp.scene.variation import KINDS, USUAL_LIGHT, Variation, draw_variation, variation_of
 from tests.scene.read.test_scene_table import CLASSES, ENTITIES, FINE
 
 CUBE = Shape("box", (0.05, 0.05, 0.05))
-MUG = Shape("urdf", (0.1, 0.1, 0.1), model=Model((Solid("box", (0.1, 0.1, 0.1)),), 0.3))
+MUG = Shape("urdf", (0.1, 0.1, 0.1), model=BodyModel((Solid("box", (0.1, 0.1, 0.1)),), 0.3))
 SCENE = Scene(
     {"cube_1": CUBE, "mug_1": MUG, "tray_1": CUBE, "desk": Shape("table")},
     colors={"cube_1": "#e4572e", "mug_1": "#2e86ab"},

@@ -43,9 +43,9 @@ def check_agreement(toy: Toy) -> None:
             assert here.count("skeleton") == len(names)
             if length in (0, 3):
                 assert here.count("task") == len(expected)  # no entities are interchangeable: a task is a plan
-                plans = list(here.words("plan"))
+                plans = list(here.enumerate("plan"))
                 assert sorted(plans) == sorted(expected)
-                assert list(here.words("skeleton")) == sorted(names)
+                assert list(here.enumerate("skeleton")) == sorted(names)
                 assert all(plan in here for plan in plans)
 
 
@@ -61,4 +61,4 @@ def test_a_prefix_counts_the_plans_that_begin_with_it(toy: Toy, data: st.DataObj
     automaton = TaskSpace(domain, 3, engine="automaton")
     for space in (automaton, with_engine(automaton, "clingo")):
         assert space.count("plan", prefix) == expected
-        assert len(list(space.words("plan", prefix))) == expected
+        assert len(list(space.enumerate("plan", prefix))) == expected

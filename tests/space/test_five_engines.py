@@ -53,7 +53,7 @@ def agreed(spaces: dict[str, TaskSpace], length: int, by: Any, found: str) -> Wo
     told: dict[str, Words] = {}
     for engine, space in spaces.items():
         here = space.at(length)
-        told[engine] = list(here.words(by)) if engine != "sharp" else told["sat"]
+        told[engine] = list(here.enumerate(by)) if engine != "sharp" else told["sat"]
         assert here.count(by) == len(told[engine]), (engine, by, length, found)
         assert told[engine] == told["clingo"], (engine, by, length, found)
     return told["clingo"]

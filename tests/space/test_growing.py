@@ -70,7 +70,7 @@ def test_a_conveyor_belt_is_counted_by_every_engine_as_by_simulation() -> None:
         for length in range(longest):
             expected = plans_on_the_belt(length)
             assert space.at(length).count("plan") == len(expected), (engine, length)
-            assert set(space.at(length).words("plan")) == set(expected), (engine, length)
+            assert set(space.at(length).enumerate("plan")) == set(expected), (engine, length)
 
 
 def test_a_belt_of_many_cells_that_carries_its_own_atoms_comes_to_an_end() -> None:

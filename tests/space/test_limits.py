@@ -58,7 +58,7 @@ def test_a_memory_limit_below_what_is_in_use_stops_at_once() -> None:
 def test_words_and_ranks_are_refused_where_some_are_missing() -> None:
     space = TaskSpace(domain_of(LAMPS.replace("K", "16")), 14, limits=AT_ONCE)
     with pytest.raises(LimitReached):
-        next(space.words("plan"))
+        next(space.enumerate("plan"))
     with pytest.raises(LimitReached):
         space.sample(1, seed=0)
 

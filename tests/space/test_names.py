@@ -22,8 +22,8 @@ def test_a_name_that_is_an_action_too_means_all_of_its_name_in_prefixes_and_cond
     space = TaskSpace(domain_of(TEXT + DISTINCT), 2, engine=engine)
     begun = [word for word in product(ACTIONS, repeat=2) if word[0] != "q"]
     assert space.count("plan", prefix=["p"]) == len(begun) == 12
-    assert list(space.words("plan", prefix=["p"])) == begun
-    assert list(space.where("begins p").words("plan")) == begun
+    assert list(space.enumerate("plan", prefix=["p"])) == begun
+    assert list(space.where("begins p").enumerate("plan")) == begun
     assert space.count("plan", prefix=["p(x)", "p"]) == space.where("begins p(x), p").count("plan") == 3
     assert space.count("plan", prefix=["q", "q"]) == 1
     assert space.count("task", prefix=["p"]) == space.where("begins p").count("task")
@@ -60,7 +60,7 @@ def test_the_parameter_of_a_step_may_have_any_name(engine: str, parameter: str) 
     given, usual = (
         TaskSpace(domain_of(TEXT + DISTINCT + rules.format(t=name)), 4, engine=engine) for name in (parameter, "t")
     )
-    assert not given._shared.model.obstacles
+    assert not given.engines.model.obstacles
     for level in ("plan", "task", "skeleton"):
         assert given.count(level) == usual.count(level) > 0
-    assert list(given.words("plan")) == list(usual.words("plan"))
+    assert list(given.enumerate("plan")) == list(usual.enumerate("plan"))

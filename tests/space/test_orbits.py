@@ -38,7 +38,7 @@ def ganak() -> Iterator[None]:
 def engines_of(case: Case, sharp: bool) -> Iterator[tuple[str, TaskSpace, Engine]]:
     """Yield the space of a case, with every engine that can express it."""
     space = TaskSpace(domain_of(case.text()), 0).where(*(clause.words for clause in case.clauses))
-    model = space._shared.model
+    model = space.engines.model
     for name in ("clingo", "sat", *(["sharp"] if sharp else [])):
         yield name, space, select(name, model, "task")
     if not model.obstacles:
@@ -54,7 +54,7 @@ def test_what_follows_anyway_tells_no_entities_apart(part: int, chance: Chance) 
     for seed in range(part * number, (part + 1) * number):
         case = draw_redundant(chance.generator(seed))
         space = TaskSpace(domain_of(case.text()), 0).where(*(clause.words for clause in case.clauses))
-        model = space._shared.model
+        model = space.engines.model
         told = model.symmetries(0)
         engine = select("clingo", model, "task") if model.obstacles else AutomatonEngine(model, "task", merge=True)
         for length in LENGTHS:

@@ -149,7 +149,7 @@ def test_everything_but_counts_is_as_with_all_entities_ground(monkeypatch: pytes
     assert domain.reduction
     space, other = TaskSpace(domain, 1), TaskSpace(plain, 1)
     assert space.count() == other.count() and space.count("plan") == other.count("plan")
-    assert list(space.words("plan")) == list(other.words("plan"))
+    assert list(space.enumerate("plan")) == list(other.enumerate("plan"))
     assert [str(task) for task in space.sample(5, seed=7)] == [str(task) for task in other.sample(5, seed=7)]
     assert space.count("plan", ["take(c3)"]) == 1
     assert domain == plain or domain.facts == plain.facts

@@ -11,7 +11,7 @@ from typing import Any
 import clingo
 import pytest
 
-from prag_asp import TaskSpace, TaskSpaces, load_domain
+from prag_asp import TaskSpace, load_domain
 
 ANSWERS = "import pickle, sys; found = pickle.load(open(sys.argv[1], 'rb')); {}; pickle.dump(answer, sys.stdout.buffer)"
 
@@ -33,7 +33,7 @@ def test_a_space_counts_and_draws_the_same_in_another_process(name: str, tmp_pat
 
 
 def test_conditions_and_lengths_go_with_it(tmp_path: Path) -> None:
-    space = TaskSpaces(load_domain("tabletop"), range(1, 4)).where("uses can_1", "ends inside(can_1,bin_1)")
+    space = TaskSpace(load_domain("tabletop"), range(1, 4)).where("uses can_1", "ends inside(can_1,bin_1)")
     expected = space.count()
     assert 0 < expected == elsewhere(tmp_path / "spaces", space, "answer = found.count()")
     single = TaskSpace(load_domain("tabletop"), length=2).where("uses can_1").at(3)

@@ -103,7 +103,7 @@ def test_tasks_are_the_orbits_of_plans_in_both_engines(schema: Schema) -> None:
         for space in spaces:
             here = space.at(length)
             assert here.count("task") == len(expected)
-            assert {orbit(word, groups) for word in here.words("task")} == expected
+            assert {orbit(word, groups) for word in here.enumerate("task")} == expected
 
 
 def groups_of(text: str) -> list[list[str]]:
@@ -229,9 +229,9 @@ def test_the_rules_of_a_step_that_reaches_further_back_are_compared_as_well() ->
 
 def test_a_skeleton_exists_for_tasks_wherever_it_exists_for_plans() -> None:
     space = TaskSpace(load_domain("prag"), 3)
-    names = {tuple(a.partition("(")[0] for a in plan) for plan in space.words("plan")}
-    assert names == {tuple(a.partition("(")[0] for a in task) for task in space.words("task")}
-    assert names == set(space.words("skeleton"))
+    names = {tuple(a.partition("(")[0] for a in plan) for plan in space.enumerate("plan")}
+    assert names == {tuple(a.partition("(")[0] for a in task) for task in space.enumerate("task")}
+    assert names == set(space.enumerate("skeleton"))
 
 
 def test_an_entity_that_is_an_action_itself_is_told_apart_by_its_name() -> None:
@@ -241,19 +241,19 @@ def test_an_entity_that_is_an_action_itself_is_told_apart_by_its_name() -> None:
     assert groups_of(own) == [["n(1)", "n(2)"]]
     assert space.count("plan") == 64 and space.count() == 16 + (64 - 16) // 2
     assert space.count("task", ["q"]) == 8 + (32 - 8) // 2
-    names = {tuple(a.partition("(")[0] for a in task) for task in space.words("task")}
-    assert names == set(space.words("skeleton")) and len(names) == 16
+    names = {tuple(a.partition("(")[0] for a in task) for task in space.enumerate("task")}
+    assert names == set(space.enumerate("skeleton")) and len(names) == 16
 
 
 @pytest.mark.parametrize("engine", ["automaton", "clingo"])
 def test_a_prefix_counts_the_tasks_some_renaming_of_which_begins_with_it(engine: str) -> None:
     space = TaskSpace(load_domain("prag"), 3, engine=engine)
-    plans = list(space.words("plan"))
+    plans = list(space.enumerate("plan"))
     prefixes = [["approach(panda,apple_2)"], ["drop(panda,apple_2)", "withdraw", "approach(panda,apple_2)"]]
     for prefix in (*prefixes, ["drop(panda,apple_2)", "withdraw(panda,apple_2)", "approach(panda,apple_1)"]):
         words = [w for w in plans if all(p in (a, a.partition("(")[0]) for p, a in zip(prefix, w, strict=False))]
         orbits = {orbit_of_apples(word) for word in words}
-        assert space.count("task", prefix) == len(list(space.words("task", prefix))) == len(orbits) > 0
+        assert space.count("task", prefix) == len(list(space.enumerate("task", prefix))) == len(orbits) > 0
     with pytest.raises(QueryError, match="comes after a mere name"):
         space.count("task", ["approach", "grasp(panda,apple_2)"])
 
@@ -267,7 +267,7 @@ def orbit_of_apples(plan: Plan) -> frozenset[Plan]:
     ("ask", "told"),
     [
         (lambda: TaskSpace("prag", 3), "'prag' is no domain; give load_domain('prag')"),
-        (lambda: TaskSpace(load_domain("blocks"), "3"), "length '3': give a whole number"),
+        (lambda: TaskSpace(load_domain("blocks"), "3-4"), "length '3-4': write a whole number, such as 4, or a range"),
         (lambda: TaskSpace(load_domain("blocks"), 2.5), "length 2.5: give a whole number"),
         (lambda: TaskSpace(load_domain("blocks"), 1).at(True), "length True: give a whole number"),
         (lambda: TaskSpace(load_domain("blocks"), 1).count(prefix="stack"), "prefix 'stack': give a list, such as"),
@@ -299,6 +299,6 @@ def test_a_condition_makes_no_entities_alike(engine: str, condition: str) -> Non
     """What tells x1 from x2 is an action that no such plan has; yet these tasks are four of those of the space."""
     space = TaskSpace(domain_of(LINKS), 2, engine=engine)
     under = space.where(condition)
-    found = set(under.words())
-    assert len(found) == under.count() and found < set(space.words())
+    found = set(under.enumerate())
+    assert len(found) == under.count() and found < set(space.enumerate())
     assert space.count() == space.count("plan") == 16 and under.count() == under.count("plan")

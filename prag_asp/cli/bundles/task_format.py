@@ -53,11 +53,11 @@ class Telling:
             QueryError: the domain does not speak the language, or the options do not go together.
         """
         from prag_asp.dataset.jsonl import write_line
-        from prag_asp.dataset.language import instruction, teller_of
+        from prag_asp.dataset.language import instruction, instruction_writer_of
 
         self.check()
         if self.form == INSTRUCTIONS:
-            teller, level = teller_of(domain, self.language or ENGLISH), self.level or USUAL
+            teller, level = instruction_writer_of(domain, self.language or ENGLISH), self.level or USUAL
             return lambda record: str(getattr(teller.instructions(record.task, seed), level))
         forms: dict[str, Callable[[Record], str]] = {
             "text": lambda record: str(record.task),

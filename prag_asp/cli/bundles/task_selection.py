@@ -146,4 +146,4 @@ def _read(file: str, space: TaskSpace) -> Mapping[str, tuple[str, ...]]:
 def _task(space: TaskSpace, plan: tuple[str, ...], place: str) -> Task:
     if plan not in space:
         raise QueryError(f"{place}: no task of {space.title}: {' '.join(plan)}; prag-asp explain says why")
-    return next(space.narrate(iter([plan])))
+    return next(space.tasks_of_plans([plan]))

@@ -97,9 +97,9 @@ def _require_proofs(domain: Domain) -> None:
         return
     from prag_asp.dataset.scenes import scene_of
     from prag_asp.domain.load import LEARNED
-    from prag_asp.physics.proofs.learned_exclusions import unproved
+    from prag_asp.physics.proofs.learned_exclusions import unproved_exclusions
 
-    for fluents in islice(unproved(domain, scene_of(domain)), 1):
+    for fluents in islice(unproved_exclusions(domain, scene_of(domain)), 1):
         told = f"{fluents[0]} never holds" if len(fluents) == 1 else f"{fluents[0]} and {fluents[1]} exclude each other"
         raise DomainError(
             f"{domain.folder / LEARNED}:1: the scene does not prove that {told}; "

@@ -44,11 +44,11 @@ def enumerate(
         space = asked.spaces(tell)
         run = run_of(space.domain) if output else None
         with writer(output, run, lambda lines, _: limit is None or lines <= limit) as out:
-            words = islice(space.words(by, first), out.lines, limit)
+            words = islice(space.enumerate(by, first), out.lines, limit)
             if form == "text":
                 for word in words:
                     out.write(" ".join(word))
             else:
                 line = telling.line(space.domain)
-                for task in space.narrate(words):
+                for task in space.tasks_of_plans(words):
                     out.write(line(Record(task)))

@@ -120,7 +120,7 @@ def _tally(
 
     if wanted == 0 or space.count() == 0:
         return tally
-    tasks = islice(space.draw(seed=seed, weights={}), wanted)
+    tasks = islice(space.stream(seed=seed, weights={}), wanted)
     with closing(
         validate_tasks(tasks, scene, seed=seed, workers=checking.workers, budget=checking.limits())
     ) as verdicts:

@@ -25,7 +25,7 @@ from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
-    from prag_asp.dataset.language import Teller
+    from prag_asp.dataset.language import InstructionWriter
     from prag_asp.physics import Demonstration, Witness
     from prag_asp.scene.scene import Scene
 
@@ -106,7 +106,7 @@ def render(
             raise QueryError(f"{file}: it has {plural(len(records), 'task')}, so none has the number {number}")
     targets = _targets(Path(output), chosen, form)
     steps = None if len(chosen) == 1 else _steps(asked, file, drawing, Path(output), [targets[n] for n in chosen])
-    tellers: dict[str, Teller] = {}
+    tellers: dict[str, InstructionWriter] = {}
     with progress() as show, whole_lines():
         for done, number in enumerate(chosen):
             if steps is None or done >= steps.done:
@@ -127,17 +127,17 @@ def render(
         steps.finish()
 
 
-def _teller(asked: Asked, record: Record, folder: Path) -> Teller:
+def _teller(asked: Asked, record: Record, folder: Path) -> InstructionWriter:
     """Return what tells the tasks of the domain of a record.
 
     Raises:
         PragError: the domain cannot be loaded, or not told in words.
     """
-    from prag_asp.dataset.language import teller_of
+    from prag_asp.dataset.language import instruction_writer_of
 
     domain = asked.of(record, folder).domain()
     with told_with_place(record, domain):
-        return teller_of(domain)
+        return instruction_writer_of(domain)
 
 
 def _steps(asked: Asked, file: str, drawing: _Drawing, output: Path, pictures: Sequence[Path]) -> Steps | None:
@@ -167,7 +167,9 @@ class _Drawing:
     seed: int
     recordings: Path | None
 
-    def draw(self, record: Record, number: int, teller: Teller, path: Path, tell: Callable[[float], None]) -> None:
+    def draw(
+        self, record: Record, number: int, teller: InstructionWriter, path: Path, tell: Callable[[float], None]
+    ) -> None:
         """Draw one task into a file, and tell what share of it is done.
 
         Raises:
@@ -178,7 +180,7 @@ class _Drawing:
         from prag_asp.physics import Demonstration, animate, film_strip, still
         from prag_asp.physics.pictures.saving import save_picture
 
-        domain, task = teller.tongue.domain, record.task
+        domain, task = teller.lexicon.domain, record.task
         scene = scene_of(domain)
         animated = self.form in ANIMATED
         stage("drawing pictures")
@@ -192,7 +194,7 @@ class _Drawing:
                 raise QueryError(f"--state {state}: the states of the task are 0 to {len(task.actions)}")
         with told_with_place(record, domain, MEND if self.recordings is None else RECORD):
             if self.form == "strip":
-                image = film_strip(task, shown, scene, columns=self.columns, told=told, size=self.size)
+                image = film_strip(task, shown, scene, columns=self.columns, captions=told, size=self.size)
             elif self.form == "state":
                 image = still(task, shown, scene, state, size=self.size)
             else:
@@ -219,8 +221,7 @@ class _Drawing:
             if not isinstance(name, str):
                 raise QueryError(f"verdict.demonstration: needs the name of a file; got {name!r}; {RECORD}")
             try:
-                path, robot = self.recordings / name, next(iter(scene.robots))
-                recorded = Demonstration.load(path, robot=robot, within=self.recordings)
+                recorded = Demonstration.load(self.recordings / name, within=self.recordings)
             except QueryError as error:
                 raise QueryError(f"{error}; {RECORD}") from None
             for fault in check_demonstration(record.task, recorded, scene)[:1]:

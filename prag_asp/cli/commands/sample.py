@@ -24,7 +24,6 @@ from prag_asp.wording import plural
 if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
     from prag_asp.space.task_space import TaskSpace
-    from prag_asp.space.task_spaces import TaskSpaces
 
 DRAWS_FOR_EACH = 1000
 """Draws after which `sample` gives up, for each task wanted."""
@@ -70,7 +69,6 @@ def sample(
     off goes on where it was when it is started again.
     """
     from prag_asp.dataset.jsonl import Record
-    from prag_asp.space.without_replacement import drawn_tasks
 
     telling.check()
     require_writable(output)
@@ -90,7 +88,7 @@ def sample(
         run = run_of(space.domain, told=[physics]) if output or checking.demonstrate else None
         if not physics:
             checking.refuse_without_physics({"--max-draws": max_draws is not None})
-            drawn = drawn_tasks(space, seed=seed, **drawing) if wanted else iter(())
+            drawn = space.stream(seed=seed, **drawing) if wanted else iter(())
             with writer(output, run, lambda lines, _: lines <= wanted) as out:
                 found = out.lines
                 for task in islice(drawn, out.lines, wanted):
@@ -122,7 +120,7 @@ def _distinct(over: str | None, by: str) -> dict[str, Any]:
 class _Drawing:
     """What is drawn, how many feasible tasks are wanted, and in how many draws."""
 
-    space: TaskSpace | TaskSpaces
+    space: TaskSpace
     wanted: int
     limit: int
     seed: int

@@ -82,9 +82,9 @@ def _described(found: Task, space: TaskSpace) -> list[str]:
 
 def _told_to_somebody(found: Task, space: TaskSpace, language: str, seed: int) -> list[str]:
     """Return the lines that tell a task to somebody who sees the scene: its levels, and its subgoals one by one."""
-    from prag_asp.dataset.language import teller_of
+    from prag_asp.dataset.language import instruction_writer_of
 
-    told = teller_of(space.domain, language).instructions(found, seed)
+    told = instruction_writer_of(space.domain, language).instructions(found, seed)
     lines = [f"{level:<9}{getattr(told, level)}".rstrip() for level in LEVELS]
     lines += [f"{number:>5}    {sentence}" for number, sentence in enumerate(told.subgoals, 1)]
     if told.named:

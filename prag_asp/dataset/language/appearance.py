@@ -1,7 +1,7 @@
-"""What can be seen of each thing of a scene: its kind, its colour, its size, and where it stands for good.
+"""The visible properties of the things of a scene: kind, colour, size, and the place of fixed things.
 
-Each property is known to fit a thing, known not to fit it, or in doubt: an orange that could pass for a red is both in
-doubt, so that neither word tells it from something of the other colour.
+Each property is known to fit a thing, known not to fit it, or in doubt: for an orange that could pass for a red both
+words are in doubt, so that neither distinguishes it from a thing of the other colour.
 """
 
 from __future__ import annotations
@@ -37,26 +37,26 @@ BASIC: Mapping[str, tuple[str, ...]] = {
     "grey": ("#808080", "#b0b0b0", "#505050", "#cccccc"),
     "black": ("#000000", "#202020"),
 }
-"""The basic colour terms of English (Berlin and Kay 1969, with turquoise and beige), by what they are said of."""
+"""The basic colour terms of English (Berlin and Kay 1969, with turquoise and beige), with example colours of each."""
 
 DOUBT = 12.0
-"""How much farther than the nearest a colour term may be, in CIELAB, for someone to say it all the same."""
+"""How much farther than the nearest a colour term may be, in CIELAB, to be in doubt and not excluded."""
 
 LARGER = 1.25
-"""How many times as long, broad or high on average is seen to be larger at a glance."""
+"""The ratio of mean extents from which a thing is visibly larger."""
 
 APART = 0.10
-"""How far apart in metres things are seen to be one to the left of the other."""
+"""The distance in metres from which one thing is visibly to the left of another."""
 
 
 @dataclass(frozen=True)
-class Looks:
-    """What is known of how the entities of a domain look, whatever the state.
+class Appearance:
+    """The appearance of the entities of a domain, whatever the state.
 
-    `nouns` are the words that fit an entity, its own first, and `names` what it is called where nothing tells it from
-    others. `colors` hold the terms that fit it, or may; `sizes` its mean extent in metres, `places` where it stands.
-    `seen` are the entities that every picture shows, `pictured` says whether there are pictures at all. The language
-    has adjectives for the colours, sizes and places that are `sayable`; `robots` are those that act.
+    `nouns` are the words that fit an entity, its own first, and `names` its name where nothing visible distinguishes
+    it. `colors` hold the terms that fit it, or may; `sizes` its mean extent in metres, `places` where it stands.
+    `seen` are the entities that every picture shows, `pictured` is set where there are pictures. The language has
+    adjectives for the colours, sizes and places that are `sayable`; `robots` are those that act.
     """
 
     nouns: Mapping[str, tuple[str, ...]]
@@ -69,8 +69,8 @@ class Looks:
     sayable: frozenset[str] = frozenset()
     robots: frozenset[str] = frozenset()
 
-    def recoloured(self, colors: Mapping[str, str]) -> Looks:
-        """Return the same with other colours of some entities."""
+    def recoloured(self, colors: Mapping[str, str]) -> Appearance:
+        """Return the appearance with other colours of some entities."""
         new = {entity: color_terms(color) for entity, color in colors.items() if entity in self.nouns}
         return replace(self, colors={**self.colors, **new})
 
@@ -81,8 +81,8 @@ class Looks:
         return tuple(term for term in dict.fromkeys(sure) if term in self.sayable)
 
 
-def looks_of(domain: Domain, grammar: Grammar, colors: Mapping[str, str] | None = None) -> Looks:
-    """Return how the entities of a domain look, in a language; some `colors` are other than the scene's."""
+def appearance_of(domain: Domain, grammar: Grammar, colors: Mapping[str, str] | None = None) -> Appearance:
+    """Return the appearance of the entities of a domain in a language; `colors` override those of the scene."""
     entities = domain.facts.entity_names
     parents = domain.facts.class_names
     nouns = {
@@ -93,12 +93,12 @@ def looks_of(domain: Domain, grammar: Grammar, colors: Mapping[str, str] | None 
     }
     names = _names(entities, nouns)
     if not domain.settings.scene:
-        return Looks(nouns, names)
+        return Appearance(nouns, names)
     scene = load_scene(domain)
     shown = {**dict(_colors(scene)), **(colors or {})}
     bodies = {entity: shape for entity, shape in scene.shapes.items() if entity in entities and shape.traits.body}
     still = {entity for entity, shape in scene.shapes.items() if entity in scene.fixed or not shape.traits.body}
-    return Looks(
+    return Appearance(
         nouns,
         names,
         colors={entity: color_terms(color) for entity, color in shown.items() if entity in entities},
@@ -120,7 +120,7 @@ def _line(entity: str, kind: str, parents: Mapping[str, tuple[str, ...]]) -> lis
 
 
 def _names(entities: Mapping[str, str], nouns: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
-    """Return what tells each entity from others with its noun: its name, without that of its class before it."""
+    """Return the name of each entity without that of its class before it."""
     short = {entity: plain(entity.removeprefix(kind).lstrip("_(") or entity) for entity, kind in entities.items()}
     spelled = {entity: (nouns[entity][:1], name) for entity, name in short.items()}
     taken = Counter(spelled.values())
@@ -128,7 +128,7 @@ def _names(entities: Mapping[str, str], nouns: Mapping[str, tuple[str, ...]]) ->
 
 
 def _colors(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield the entities with the colours that pictures show them in; a robot has its own."""
+    """Yield the entities with their colours in pictures; a robot has its own."""
     for entity, shape in scene.shapes.items():
         if shape.kind == "table":
             yield entity, scene.table.color
@@ -142,7 +142,7 @@ def _extent(shape: Shape) -> float:
 
 
 def _place(scene: Scene, entity: str) -> tuple[float, float]:
-    """Return how far to the right and to the back of the frame's viewer an entity stands, in metres."""
+    """Return how far to the right and to the back an entity stands, for the viewer of the frame, in metres."""
     x, y, _ = scene.fixed[entity]
     return (y, -x) if scene.frame == "viewer" else (-y, x)
 

@@ -1,7 +1,7 @@
-"""What a description fits in one state, and the shortest one that fits a thing and nothing else.
+"""Referring expressions: the shortest description that fits a thing in a state and nothing else.
 
-What is not known of a state may be so: a description tells a thing from another only where it is known not to fit the
-other. So no picture of a state that a task allows shows two things that it fits.
+Unknown facts may hold: a description distinguishes a thing from another only where it is known not to fit the other. So
+no picture of a state that a task allows shows two things that it fits.
 """
 
 from __future__ import annotations
@@ -12,30 +12,30 @@ from itertools import combinations
 from typing import NamedTuple
 
 from prag_asp.atom import Atom
-from prag_asp.dataset.language.appearance import APART, LARGER, Looks
+from prag_asp.dataset.language.appearance import APART, LARGER, Appearance
 from prag_asp.task import FrozenDict, State
 
 NEARLY = 1.05
-"""Within which factor the extents of things are as large as the largest of them."""
+"""The ratio up to which extents count as equal: it is below what is visible."""
 
 
 Signature = tuple[str, int]
 """The name of a fluent, and how many arguments it has."""
 
 
-class Start(NamedTuple):
-    """What somebody knows who is told something: which entities there are, and what is known of the state."""
+class InstructionContext(NamedTuple):
+    """The context in which an instruction is given: the entities there are, and the known facts of the state."""
 
     entities: frozenset[str]
     state: State
 
-    def at(self, state: State) -> Start:
-        """Return what somebody knows in another state of the same things."""
+    def at(self, state: State) -> InstructionContext:
+        """Return the context of another state of the same things."""
         return self._replace(state=state if isinstance(state, FrozenDict) else FrozenDict(state))
 
 
 class Relation(NamedTuple):
-    """What a fluent says of a thing: its name, the place of the thing among its arguments, and the other ones."""
+    """A property of a thing by a fluent: its name, the place of the thing among its arguments, and the others."""
 
     name: str
     subject: int
@@ -47,9 +47,9 @@ class Relation(NamedTuple):
 
 
 class Description(NamedTuple):
-    """What is said of a thing in order to mean it: the word for its kind and what tells it from others of it.
+    """The content of a noun phrase: the noun and the properties that distinguish a thing from others of its kind.
 
-    `name` is the entity itself where nothing else does.
+    `name` is the entity itself where no property distinguishes it.
     """
 
     noun: str
@@ -60,11 +60,11 @@ class Description(NamedTuple):
     name: str = ""
 
 
-class Crowd:
-    """The things that one picture shows, and what fits them whatever the state; `read` keeps what phrases mean then."""
+class ContextSet:
+    """The things that one picture shows, and the descriptions that fit them in every state; `read` caches phrases."""
 
-    def __init__(self, looks: Looks, entities: frozenset[str]) -> None:
-        self.looks = looks
+    def __init__(self, appearance: Appearance, entities: frozenset[str]) -> None:
+        self.appearance = appearance
         self.entities = tuple(sorted(entities))
         self._groups: dict[str, tuple[str, ...]] = {}
         self._best: dict[str, Description | None] = {}
@@ -83,10 +83,10 @@ class Crowd:
         return len(self.certain) == len(self.entities)
 
     def fits(self, what: Description, entity: str) -> bool | None:
-        """Tell whether all but the relation of a description fits an entity; None where it is in doubt."""
+        """Return whether a description without its relation fits an entity, None where it is in doubt."""
         if what.name:
             return what.name == entity
-        if what.noun not in self.looks.nouns.get(entity, ()):
+        if what.noun not in self.appearance.nouns.get(entity, ()):
             return False
         verdicts = (
             self._has_color(what.color, entity) if what.color else True,
@@ -106,30 +106,30 @@ class Crowd:
         """Return the best description of an entity if none with a relation can be better, whatever the state."""
         if entity not in self._short:
             best = self.best(entity)
-            enough = best is not None and (not self.looks.pictured or sum(map(bool, best[1:])) <= 1)
+            enough = best is not None and (not self.appearance.pictured or sum(map(bool, best[1:])) <= 1)
             self._short[entity] = best if enough else None
         return self._short[entity]
 
     def properties(self, entity: str) -> Iterator[Description]:
-        """Yield what can be said of an entity, the shortest first (full brevity, Dale 1989).
+        """Yield the descriptions of an entity by properties, the shortest first (full brevity, Dale 1989).
 
-        Of those that are as short, colour comes before size, and size before place, as people choose (the preference
+        Among those of one length, colour comes before size, and size before place, as people choose (the preference
         order of the incremental algorithm, Dale and Reiter 1995).
         """
-        nouns = self.looks.nouns.get(entity, ())
+        nouns = self.appearance.nouns.get(entity, ())
         if not nouns:
             return
         known = [
-            ("color", [term for term, sure in self.looks.colors.get(entity, {}).items() if sure]),
+            ("color", [term for term, sure in self.appearance.colors.get(entity, {}).items() if sure]),
             ("size", [size for size in SIZES if self._has_size(size, nouns[0], entity)]),
             ("place", [place for place in PLACES if self._has_place(place, nouns[0], entity)]),
         ]
-        choices = [(kind, value) for kind, values in known for value in values if value in self.looks.sayable]
+        choices = [(kind, value) for kind, values in known for value in values if value in self.appearance.sayable]
         for number in range(len(known) + 1):
             for chosen in combinations(choices, number):
-                said = dict(chosen)
-                if len(said) == number:
-                    yield Description(nouns[0], said.get("color", ""), said.get("size", ""), said.get("place", ""))
+                words = dict(chosen)
+                if len(words) == number:
+                    yield Description(nouns[0], words.get("color", ""), words.get("size", ""), words.get("place", ""))
 
     def meant(self, what: Description) -> str | None:
         """Return the only entity that a description without a relation fits, None where it is none or several."""
@@ -140,13 +140,13 @@ class Crowd:
         return self._meant[what]
 
     def _has_color(self, term: str, entity: str) -> bool | None:
-        terms = self.looks.colors.get(entity)
+        terms = self.appearance.colors.get(entity)
         if terms is None:
             return None
         return (terms[term] or None) if term in terms else False
 
     def _has_size(self, size: str, noun: str, entity: str) -> bool | None:
-        sizes = self.looks.sizes
+        sizes = self.appearance.sizes
         if entity not in sizes:
             return None
         known = [sizes[each] for each in self._group(noun) if each in sizes]
@@ -158,7 +158,7 @@ class Crowd:
         return True if ratio <= NEARLY and differ else None
 
     def _has_place(self, place: str, noun: str, entity: str) -> bool | None:
-        places = self.looks.places
+        places = self.appearance.places
         if entity not in places:
             return None
         axis, sign = PLACES[place]
@@ -171,53 +171,53 @@ class Crowd:
     def _group(self, noun: str) -> tuple[str, ...]:
         """Return the entities that a noun fits."""
         if noun not in self._groups:
-            nouns = self.looks.nouns
+            nouns = self.appearance.nouns
             self._groups[noun] = tuple(each for each in self.entities if noun in nouns.get(each, ()))
         return self._groups[noun]
 
 
 PLACES: Mapping[str, tuple[int, int]] = {"left": (0, 1), "right": (0, -1), "front": (1, 1), "back": (1, -1)}
-"""Along which axis of a place, and in which direction, a thing is the first that is said to be there."""
+"""The axis of each place word, and the direction along it."""
 
 
 SIZES = ("large", "small")
-"""What is said of the extent of a thing among those of its kind."""
+"""The words for the extent of a thing among those of its kind."""
 
 
 class View:
-    """A state as somebody sees it who is told something in it; `read` keeps what phrases mean in it."""
+    """A state as its pictures show it; `read` caches the meaning of phrases in it."""
 
     def __init__(
         self,
-        crowd: Crowd,
+        context: ContextSet,
         state: State,
         subjects: Mapping[Signature, frozenset[int]],
         can_say: Callable[[Relation], bool],
     ) -> None:
-        self.crowd, self.state, self._subjects, self._can_say = crowd, state, subjects, can_say
+        self.context, self.state, self._subjects, self._can_say = context, state, subjects, can_say
         self.read: dict[str, tuple[frozenset[str], bool]] = {}
         self._described: dict[str, Description] = {}
 
     def describe(self, entity: str) -> Description:
-        """Return the shortest description that fits an entity and nothing else; by its name where there is none."""
+        """Return the shortest description that fits an entity and nothing else, its name where there is none."""
         if entity not in self._described:
-            self._described[entity] = self.crowd.short(entity) or self._search(entity)
+            self._described[entity] = self.context.short(entity) or self._search(entity)
         return self._described[entity]
 
     def related(self, things: tuple[str, ...]) -> tuple[Description | None, ...]:
-        """Return the descriptions of things that have relations: all others are the same in every state."""
-        if self.crowd.certain.issuperset(things):
+        """Return the descriptions with relations among those of things: all others are the same in every state."""
+        if self.context.certain.issuperset(things):
             return ()
         return tuple(each if each.relation is not None else None for each in map(self.describe, things))
 
     def _search(self, entity: str) -> Description:
-        """Return the best description: relations cost as much as a property, and come after those."""
-        best = self.crowd.best(entity)
-        named = Description(next(iter(self.crowd.looks.nouns.get(entity, ())), ""), name=entity)
-        if not self.crowd.looks.pictured:
+        """Return the best description: a relation costs as much as a property, and comes after them."""
+        best = self.context.best(entity)
+        named = Description(next(iter(self.context.appearance.nouns.get(entity, ())), ""), name=entity)
+        if not self.context.appearance.pictured:
             return best or named
         relations = self.relations.get(entity, ())
-        for plain in self.crowd.properties(entity) if relations else ():
+        for plain in self.context.properties(entity) if relations else ():
             if best is not None and sum(map(bool, plain[1:])) + 1 >= sum(map(bool, best[1:])):
                 break
             for relation in relations:
@@ -230,12 +230,12 @@ class View:
         """Return the only entity that a description fits, None where it is none, or it may be several."""
         relation = what.relation
         if relation is None:
-            return self.crowd.meant(what)
+            return self.context.meant(what)
         fitting = []
-        for entity in self.crowd.entities:
+        for entity in self.context.entities:
             related = self._related(relation, entity)
-            if related is not False and self.crowd.fits(what, entity) is not False:
-                fitting.append((entity, related and self.crowd.fits(what, entity)))
+            if related is not False and self.context.fits(what, entity) is not False:
+                fitting.append((entity, related and self.context.fits(what, entity)))
         return fitting[0][0] if len(fitting) == 1 and fitting[0][1] else None
 
     def _related(self, relation: Relation, entity: str) -> bool | None:
@@ -245,7 +245,7 @@ class View:
 
     @cached_property
     def relations(self) -> Mapping[str, tuple[Relation, ...]]:
-        """What is known to hold of each entity and something that needs no relation to be meant."""
+        """The known relations of each entity to things that have a description without a relation."""
         found: dict[str, list[Relation]] = {}
         for fluent in sorted(fluent for fluent, value in self.state.items() if value):
             for subject in sorted(self._subjects.get((fluent.name, len(fluent.arguments)), ())):
@@ -256,5 +256,5 @@ class View:
         return {entity: tuple(relations) for entity, relations in found.items()}
 
     def _is_plain(self, other: str) -> bool:
-        """Tell whether an argument is a value, or an entity that a description without a relation means."""
-        return other not in self.crowd.looks.nouns or self.crowd.best(other) is not None
+        """Return whether an argument is a value, or an entity with a description without a relation."""
+        return other not in self.context.appearance.nouns or self.context.best(other) is not None

@@ -1,4 +1,4 @@
-"""A language as it is spoken of one domain: its sentences, its phrases, and what each state lets them mean."""
+"""The lexicon of a domain in one language: its sentences, noun phrases, and their meaning in each state."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from copy import copy
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from prag_asp.dataset.language.appearance import looks_of
-from prag_asp.dataset.language.descriptions import Crowd, Start, View
-from prag_asp.dataset.language.phrases import Phrases
-from prag_asp.dataset.language.sentences import Clauses
+from prag_asp.dataset.language.appearance import appearance_of
+from prag_asp.dataset.language.descriptions import ContextSet, InstructionContext, View
+from prag_asp.dataset.language.phrases import NounPhrases
+from prag_asp.dataset.language.sentences import SentenceTable
 from prag_asp.errors import QueryError
 from prag_asp.grammar.reader import GrammarReader, languages
 from prag_asp.grammar.word_table import shipped_languages
@@ -20,77 +20,77 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
     from prag_asp.task import State
 
-KEPT = 256
-"""Pictures and states that are kept: tasks of one space share most of them."""
+CACHED = 256
+"""Contexts and states that are cached: tasks of one space share most of them."""
 
 
-class Tongue:
-    """Writes and reads noun phrases and sentences of a domain in one language."""
+class Lexicon:
+    """The sentences and noun phrases of a domain in one language."""
 
     def __init__(self, domain: Domain, language: str, colors: Mapping[str, str] | None = None) -> None:
-        """Read the language's part of a domain; pictures show some entities in other `colors` than the scene's.
+        """Read the language's tables of a domain; `colors` override those of the scene.
 
         Raises:
-            QueryError: the domain does not speak the language, or not enough of it.
+            QueryError: the domain does not have the language, or lacks words in it.
             SceneError: something is wrong with the scene.
         """
         reader = _reader(domain, language)
         self.domain, self.language, self.words = domain, language, reader.words
         self.grammar = reader.grammar()
-        self.looks = looks_of(domain, self.grammar, colors)
-        self.clauses = Clauses(self.grammar, domain.facts)
-        self.phrases = Phrases(self.grammar, self.looks, self.clauses)
+        self.appearance = appearance_of(domain, self.grammar, colors)
+        self.sentences = SentenceTable(self.grammar, domain.facts)
+        self.phrases = NounPhrases(self.grammar, self.appearance, self.sentences)
         self._entities = frozenset(domain.facts.entity_names)
         self._subjects: Mapping[tuple[str, int], frozenset[int]] = {
             signature: frozenset(modifier.subject for modifier in modifiers)
-            for signature, modifiers in self.clauses.modifiers.items()
+            for signature, modifiers in self.sentences.modifiers.items()
         }
-        self._remember()
+        self._reset_caches()
 
-    def recoloured(self, colors: Mapping[str, str]) -> Tongue:
-        """Return the language as it is spoken where pictures show some entities in other colours than the scene's."""
+    def recoloured(self, colors: Mapping[str, str]) -> Lexicon:
+        """Return the lexicon for pictures with other colours of some entities."""
         other = copy(self)
-        other.looks = self.looks.recoloured(colors)
-        other.phrases = Phrases(self.grammar, other.looks, self.clauses)
-        other._remember()
+        other.appearance = self.appearance.recoloured(colors)
+        other.phrases = NounPhrases(self.grammar, other.appearance, self.sentences)
+        other._reset_caches()
         return other
 
-    def _remember(self) -> None:
-        """Keep what was worked out for the last pictures and states."""
-        self._crowd = lru_cache(maxsize=KEPT)(self._new_crowd)
-        self._crowd_of = lru_cache(maxsize=KEPT)(self._known_crowd)
-        self._view = lru_cache(maxsize=KEPT)(self._new_view)
+    def _reset_caches(self) -> None:
+        """Create empty caches of contexts and states."""
+        self._context = lru_cache(maxsize=CACHED)(self._new_context)
+        self._context_of = lru_cache(maxsize=CACHED)(self._known_context)
+        self._view = lru_cache(maxsize=CACHED)(self._new_view)
 
-    def view(self, start: Start) -> View:
-        """Return a state as somebody sees it.
+    def view(self, known: InstructionContext) -> View:
+        """Return the view of a state.
 
-        It is kept where what is said depends on it: a state takes longer to be found again than a view to be made.
+        It is cached only where descriptions depend on it: a look-up by state takes longer than making a view.
 
         Raises:
-            QueryError: it speaks of an entity that the domain has not.
+            QueryError: the domain has no such entity.
         """
-        crowd = self._crowd_of(start.entities)
-        return self._new_view(crowd, start.state) if crowd.settled else self._view(crowd, start.state)
+        context = self._context_of(known.entities)
+        return self._new_view(context, known.state) if context.settled else self._view(context, known.state)
 
-    def _new_view(self, crowd: Crowd, state: State) -> View:
-        return View(crowd, state, self._subjects, self.phrases.can_say)
+    def _new_view(self, context: ContextSet, state: State) -> View:
+        return View(context, state, self._subjects, self.phrases.can_say)
 
-    def _known_crowd(self, entities: frozenset[str]) -> Crowd:
+    def _known_context(self, entities: frozenset[str]) -> ContextSet:
         unknown = entities - self._entities
         if unknown:
             hint = did_you_mean(min(unknown), self._entities)
             raise QueryError(f"{self.domain.name} has no entity {min(unknown)}; {hint}")
-        return self._crowd(entities | self.looks.seen if self.looks.pictured else self._entities)
+        return self._context(entities | self.appearance.seen if self.appearance.pictured else self._entities)
 
-    def _new_crowd(self, entities: frozenset[str]) -> Crowd:
-        return Crowd(self.looks, entities)
+    def _new_context(self, entities: frozenset[str]) -> ContextSet:
+        return ContextSet(self.appearance, entities)
 
 
 def _reader(domain: Domain, language: str) -> GrammarReader:
-    """Return what reads the language's part of a domain.
+    """Return the reader of the language's tables of a domain.
 
     Raises:
-        QueryError: there are no words of the language, or the domain has no sentences in it.
+        QueryError: the language has no words, or the domain has no sentences in it.
     """
     known = languages(domain.settings)
     if language not in known:

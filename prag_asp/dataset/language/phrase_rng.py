@@ -1,4 +1,4 @@
-"""Chance that is the same on every machine and in every version of Python."""
+"""Random choices that are the same on every machine and in every version of Python."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from typing import TypeVar
 Option = TypeVar("Option")
 
 
-class Dice:
-    """Picks among options by a text, the same on every machine: digits of its digest in a mixed base."""
+class PhraseRng:
+    """A random generator seeded by a text: its numbers are digits of the text's digest in a mixed base."""
 
     def __init__(self, text: str) -> None:
         self._seed = text.encode()
         self._value, self._left = 0, 1
 
     def number(self, options: int) -> int:
-        """Return a number below that of the options."""
+        """Return a number from 0 below the number of options."""
         if self._left < options << 32:
             self._seed = blake2b(self._seed).digest()
             self._value, self._left = int.from_bytes(self._seed, "big"), 1 << 512
@@ -26,5 +26,5 @@ class Dice:
         return found
 
     def pick(self, options: Sequence[Option]) -> Option:
-        """Return one of some options."""
+        """Return a random one of some options."""
         return options[self.number(len(options))]

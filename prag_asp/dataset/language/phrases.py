@@ -1,4 +1,4 @@
-"""Noun phrases of a language: written from descriptions, and read back into what they mean."""
+"""Noun phrases of a language: written from descriptions, and parsed back into entities."""
 
 from __future__ import annotations
 
@@ -6,21 +6,21 @@ from collections.abc import Iterator, Mapping
 from functools import cached_property
 from itertools import product
 
-from prag_asp.dataset.language.appearance import Looks
-from prag_asp.dataset.language.descriptions import PLACES, SIZES, Crowd, Description, Relation, View
-from prag_asp.dataset.language.sentences import Clauses, Modifier
+from prag_asp.dataset.language.appearance import Appearance
+from prag_asp.dataset.language.descriptions import PLACES, SIZES, ContextSet, Description, Relation, View
+from prag_asp.dataset.language.sentences import Modifier, SentenceTable
 from prag_asp.grammar.reader import Grammar, Noun, plain
 from prag_asp.grammar.template import Template, agrees, parse_template
 
-KEPT = 1 << 14
-"""Texts of which it is kept what they mean in a picture."""
+CACHED = 1 << 14
+"""Phrases whose meaning in a context is cached: tasks of one space share most of them."""
 
 
-class Phrases:
+class NounPhrases:
     """All noun phrases for the things of a domain."""
 
-    def __init__(self, grammar: Grammar, looks: Looks, clauses: Clauses) -> None:
-        self.grammar, self.words, self.looks, self.clauses = grammar, grammar.words, looks, clauses
+    def __init__(self, grammar: Grammar, appearance: Appearance, sentences: SentenceTable) -> None:
+        self.grammar, self.words, self.appearance, self.sentences = grammar, grammar.words, appearance, sentences
         self._written: dict[tuple[Description, str], str] = {}
         self._nouns: dict[str, Noun] = {}
         for noun in grammar.nouns.values():
@@ -31,7 +31,7 @@ class Phrases:
 
     def gender(self, entity: str) -> str:
         """Return the gender of the word for an entity."""
-        nouns = self.looks.nouns.get(entity, ())
+        nouns = self.appearance.nouns.get(entity, ())
         return self._nouns[nouns[0]].gender if nouns else self.words.genders[0]
 
     def pronoun(self, entity: str, case: str) -> str:
@@ -39,11 +39,11 @@ class Phrases:
         return self.words.agreeing("it", self.gender(entity), case)
 
     def write(self, view: View, value: str, case: str, variant: int = 0) -> str:
-        """Return an entity in words, as it is to be told in a state; of what is no entity, the word for it.
+        """Return the noun phrase of an entity in a state, or the word for another value.
 
-        Where a relation tells an entity from others, variants after the first are harder to misunderstand.
+        With a relation, variants after the first are less ambiguous.
         """
-        if value not in self.looks.nouns:
+        if value not in self.appearance.nouns:
             return self.value(value)
         what = view.describe(value)
         case = case or self.words.cases[0]
@@ -51,18 +51,18 @@ class Phrases:
             return self.plain(what, case)
         gender = self.gender(value)
         modifier = next(self._modifiers(what.relation, gender))
-        where = self._where(view.crowd, what.relation, modifier)
+        where = self._where(view.context, what.relation, modifier)
         forms = [each for each in self._modified if not each.genders or gender in each.genders]
-        if modifier.template.genders:  # it is a clause with a verb
+        if modifier.template.genders:  # it is a sentence with a verb
             variant = 0
         return forms[min(variant, len(forms) - 1)].fill([self.plain(what._replace(relation=None), case), where])
 
     def value(self, value: str) -> str:
-        """Return what is neither an entity nor a class in words."""
+        """Return the word for a value that is neither an entity nor a class."""
         return self.grammar.values.get(value) or plain(value)
 
     def plain(self, what: Description, case: str) -> str:
-        """Return a description without a relation in words."""
+        """Return the noun phrase of a description without a relation."""
         text = self._written.get((what, case))
         if text is None:
             text = self._written[what, case] = self._plain(what, case)
@@ -74,7 +74,7 @@ class Phrases:
         word = noun.forms[case] if noun else ""
         the = self.words.agreeing("the", gender, case)
         if what.name:
-            name = self.looks.names.get(what.name, plain(what.name))
+            name = self.appearance.names.get(what.name, plain(what.name))
             return " ".join(str(self.words.table["named"]).format(the=the, noun=word, name=name).split())
         parts = {"the": the, "noun": word}
         for part in ("color", "size", "place"):
@@ -82,17 +82,17 @@ class Phrases:
             parts[part] = self.words.adjective(f"{part}s", term, gender, case) if term else ""
         return " ".join(parts[part] for part in self.words.table["phrase"] if parts[part])
 
-    def _where(self, crowd: Crowd, relation: Relation, modifier: Modifier) -> str:
-        """Return what a relation says of its subject; the other things are meant without a relation themselves."""
+    def _where(self, context: ContextSet, relation: Relation, modifier: Modifier) -> str:
+        """Return the modifier of a relation; its other things have descriptions without relations."""
         words = []
         for value, slot in zip(modifier.arguments(relation), modifier.template.slots, strict=True):
-            best = crowd.best(value) if value in self.looks.nouns else None
+            best = context.best(value) if value in self.appearance.nouns else None
             words.append(self.plain(best, slot.case or self.words.cases[0]) if best else self.value(value))
         return modifier.template.fill(words)
 
     def _modifiers(self, relation: Relation, gender: str = "") -> Iterator[Modifier]:
-        """Yield what says a relation of something of a gender, and nothing else."""
-        for modifier in self.clauses.modifiers.get((relation.name, len(relation.others) + 1), ()):
+        """Yield the modifiers that mean a relation alone, for subjects of a gender."""
+        for modifier in self.sentences.modifiers.get((relation.name, len(relation.others) + 1), ()):
             genders = modifier.template.genders
             if gender and genders and gender not in genders:
                 continue
@@ -100,12 +100,12 @@ class Phrases:
                 yield modifier
 
     def can_say(self, relation: Relation) -> bool:
-        """Tell whether the language has words for a relation that mean no other."""
+        """Return whether the language has a modifier that means a relation alone."""
         return any(self._modifiers(relation))
 
     @cached_property
     def _modified(self) -> tuple[Template, ...]:
-        """The ways to say a relation: a phrase, then where it is."""
+        """The templates of a noun phrase with a modifier after it."""
         found = []
         for text in self.words.table["modified"]:
             spelled = text.replace("{phrase}", "{0}").replace("{where}", "{1}")
@@ -117,16 +117,16 @@ class Phrases:
 
     @cached_property
     def _known(self) -> Mapping[str, tuple[Description, ...]]:
-        """The descriptions that each phrase without a relation stands for: as many as there are, made once."""
+        """The descriptions that each phrase without a relation can mean."""
         found: dict[str, list[Description]] = {}
-        looks, cases = self.looks, self.words.cases
-        nouns = list(dict.fromkeys(noun for own in looks.nouns.values() for noun in own))
-        sizes = ["", *(size for size in SIZES if size in looks.sayable)] if looks.sizes else [""]
-        places = ["", *(place for place in PLACES if place in looks.sayable)] if looks.places else [""]
-        for noun, color, size, place, case in product(nouns, ["", *looks.terms], sizes, places, cases):
+        appearance, cases = self.appearance, self.words.cases
+        nouns = list(dict.fromkeys(noun for own in appearance.nouns.values() for noun in own))
+        sizes = ["", *(size for size in SIZES if size in appearance.sayable)] if appearance.sizes else [""]
+        places = ["", *(place for place in PLACES if place in appearance.sayable)] if appearance.places else [""]
+        for noun, color, size, place, case in product(nouns, ["", *appearance.terms], sizes, places, cases):
             what = Description(noun, color, size, place)
             found.setdefault(self.plain(what, case), []).append(what)
-        for entity, own in looks.nouns.items():
+        for entity, own in appearance.nouns.items():
             for case in cases:
                 what = Description(own[0] if own else "", name=entity)
                 found.setdefault(self.plain(what, case), []).append(what)
@@ -134,34 +134,36 @@ class Phrases:
 
     @cached_property
     def _values(self) -> Mapping[str, frozenset[str]]:
-        """The values, neither entities nor classes, that each text stands for."""
+        """The values, neither entities nor classes, that each text can mean."""
         found: dict[str, set[str]] = {}
-        clauses = [clause for each in (*self.clauses.actions.values(), *self.clauses.facts.values()) for clause in each]
-        for atoms in {id(clause.atoms): clause.atoms for clause in clauses}.values():
+        sentences = [
+            sentence for each in (*self.sentences.actions.values(), *self.sentences.facts.values()) for sentence in each
+        ]
+        for atoms in {id(sentence.atoms): sentence.atoms for sentence in sentences}.values():
             for atom in atoms:
                 for argument in atom.arguments:
-                    if argument not in self.looks.nouns:
+                    if argument not in self.appearance.nouns:
                         found.setdefault(self.value(argument), set()).add(argument)
         return {text: frozenset(values) for text, values in found.items()}
 
     def read(self, view: View, text: str) -> tuple[frozenset[str], bool]:
-        """Return what a phrase or the word for a value can mean in a state, and whether that depends on the state."""
-        crowd = view.crowd
-        known = crowd.read.get(text) or view.read.get(text)
+        """Return what a phrase can mean in a state, and whether that depends on the state."""
+        context = view.context
+        known = context.read.get(text) or view.read.get(text)
         if known is None:
-            found, related = self._plainly(crowd, text), False
+            found, related = self._plainly(context, text), False
             for whats, where in self._modifications(text):
-                for relation in self._relations(crowd, where):
+                for relation in self._relations(context, where):
                     related = True
                     entities = (view.meant(what._replace(relation=relation)) for what in whats if not what.name)
                     found |= {entity for entity in entities if entity is not None}
-            if len(crowd.read) > KEPT:
-                crowd.read.clear()
-            known = (view.read if related else crowd.read)[text] = frozenset(found), related
+            if len(context.read) > CACHED:
+                context.read.clear()
+            known = (view.read if related else context.read)[text] = frozenset(found), related
         return known
 
     def _modifications(self, text: str) -> Iterator[tuple[tuple[Description, ...], str]]:
-        """Yield the descriptions that a text can begin with, and where it then says that their things are."""
+        """Yield the descriptions that a text can begin with, and the modifier that follows."""
         for template in self._modified:
             first, between, last = template.texts
             if text.startswith(first) and text.endswith(last):
@@ -173,32 +175,34 @@ class Phrases:
                     at = inner.find(between, at + 1)
 
     def vocabulary(self) -> list[str]:
-        """Return all texts that a phrase can be made of."""
+        """Return all texts that can be part of a phrase."""
         where = [
-            text for each in self.clauses.modifiers.values() for modifier in each for text in modifier.template.texts
+            text for each in self.sentences.modifiers.values() for modifier in each for text in modifier.template.texts
         ]
         return [*self._known, *self._values, *where]
 
     def fitting(self, view: View, text: str) -> list[str] | None:
-        """Return the entities that a phrase without a relation may mean, None where a text is no such phrase."""
+        """Return the entities that a phrase without a relation may mean, None where the text is no such phrase."""
         if text not in self._known:
             return None
-        crowd = view.crowd
+        context = view.context
         return [
-            each for each in crowd.entities if any(crowd.fits(what, each) is not False for what in self._known[text])
+            each
+            for each in context.entities
+            if any(context.fits(what, each) is not False for what in self._known[text])
         ]
 
-    def _relations(self, crowd: Crowd, text: str) -> Iterator[Relation]:
-        """Yield the relations that a text can stand for."""
-        for modifiers in self.clauses.modifiers.values():
+    def _relations(self, context: ContextSet, text: str) -> Iterator[Relation]:
+        """Yield the relations that a text can mean."""
+        for modifiers in self.sentences.modifiers.values():
             for modifier in modifiers:
                 for words in modifier.template.find(text):
-                    choices = [self._plainly(crowd, word) for word in words]
+                    choices = [self._plainly(context, word) for word in words]
                     for arguments in product(*choices):
                         meant = modifier.meant(arguments)
                         if len(meant) == 1:
                             yield from meant
 
-    def _plainly(self, crowd: Crowd, text: str) -> set[str]:
-        found = {entity for what in self._known.get(text, ()) if (entity := crowd.meant(what)) is not None}
+    def _plainly(self, context: ContextSet, text: str) -> set[str]:
+        found = {entity for what in self._known.get(text, ()) if (entity := context.meant(what)) is not None}
         return found | self._values.get(text, frozenset())

@@ -1,4 +1,4 @@
-"""Tasks in the plain sentences of `[language]`: one for each action, with the names of entities as they are."""
+"""Plain instructions: a sentence of `[language]` for each action, with the names of entities as they are."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def sentence(atom: Atom, templates: Mapping[str, str]) -> str:
 
 
 def instruction(task: Task, templates: Mapping[str, str]) -> str:
-    """Return what a task asks for, as one line: its actions in words."""
+    """Return the plain instruction of a task in one line: its actions in words."""
     return "; ".join(sentence(action, templates) for action in task.actions)
 
 

@@ -1,4 +1,4 @@
-"""The sentences of a language together with the actions and fluents that they can stand for."""
+"""The sentences of a language, with the actions and fluents that each can mean."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from prag_asp.program.facts import Facts
 Words = tuple[str, ...]
 
 
-class Clause:
+class Sentence:
     """A sentence of all actions, or of all fluents, of a name; `value` is false where it says that one is not so."""
 
     def __init__(self, template: Template, atoms: tuple[Atom, ...], value: bool = True, *, spare: bool = False) -> None:
@@ -32,25 +32,25 @@ class Clause:
         return tuple(atom.arguments[index] for index in self.template.arguments)
 
     def meant(self, arguments: Words) -> tuple[Atom, ...]:
-        """Return what the sentence stands for with these arguments in its slots."""
+        """Return the actions or fluents that the sentence means with these arguments in its slots."""
         return self._meant.get(arguments, ())
 
-    def tells(self, atom: Atom, robots: frozenset[str]) -> bool:
-        """Tell whether the sentence leaves nothing open that would make it another action or fluent.
+    def identifies(self, atom: Atom, robots: frozenset[str]) -> bool:
+        """Return whether the sentence means one action or fluent alone.
 
-        One that is about a robot, but does not say which, is for scenes with one.
+        A sentence that leaves the robot open is only for scenes with one robot.
         """
-        if len(robots) > 1 and not robots.isdisjoint(self._untold(atom)):
+        if len(robots) > 1 and not robots.isdisjoint(self._unnamed(atom)):
             return False
         return self.meant(self.arguments(atom)) == (atom,)
 
-    def _untold(self, atom: Atom) -> Iterator[str]:
+    def _unnamed(self, atom: Atom) -> Iterator[str]:
         named = self.template.arguments
         return (argument for index, argument in enumerate(atom.arguments) if index not in named)
 
 
 class Modifier:
-    """What a fluent says of one of its arguments, and the relations that it can stand for."""
+    """A phrase that modifies a noun by a fluent, such as ``on the tray``, and the relations that it can mean."""
 
     def __init__(self, where: Where, fluents: tuple[Atom, ...]) -> None:
         self.template, self.subject = where.template, where.subject
@@ -66,7 +66,7 @@ class Modifier:
         return {arguments: frozenset(relations) for arguments, relations in found.items()}
 
     def meant(self, arguments: Words) -> frozenset[Relation]:
-        """Return the relations that it stands for with these arguments in its slots."""
+        """Return the relations that it means with these arguments in its slots."""
         return self._meant.get(arguments, frozenset())
 
     def arguments(self, relation: Relation) -> Words:
@@ -75,18 +75,18 @@ class Modifier:
         return tuple(whole[index] for index in self.template.arguments)
 
 
-class Clauses:
+class SentenceTable:
     """All sentences of a domain in one language."""
 
     def __init__(self, grammar: Grammar, facts: Facts) -> None:
         actions, fluents = _by_signature(facts.actions), _by_signature(facts.fluents)
         self.fluents = fluents
-        self.actions: dict[Signature, tuple[Clause, ...]] = {}
+        self.actions: dict[Signature, tuple[Sentence, ...]] = {}
         for signature, atoms in actions.items():
-            given = [Clause(template, atoms) for template in grammar.actions.get(signature, ())]
+            given = [Sentence(template, atoms) for template in grammar.actions.get(signature, ())]
             plain = grammar.plain.get(signature)
-            self.actions[signature] = (*given, *([Clause(plain, atoms, spare=True)] if plain else []))
-        self.facts: dict[Signature, tuple[Clause, ...]] = {}
+            self.actions[signature] = (*given, *([Sentence(plain, atoms, spare=True)] if plain else []))
+        self.facts: dict[Signature, tuple[Sentence, ...]] = {}
         self.modifiers: dict[Signature, tuple[Modifier, ...]] = {}
         for signature, atoms in fluents.items():
             forms = grammar.facts.get(signature, FactForms())
@@ -96,12 +96,12 @@ class Clauses:
             self.modifiers[signature] = tuple(Modifier(where, atoms) for where in forms.where)
 
 
-def _of_fluents(forms: FactForms, atoms: tuple[Atom, ...], given: Set[Template] | None = None) -> Iterator[Clause]:
+def _of_fluents(forms: FactForms, atoms: tuple[Atom, ...], given: Set[Template] | None = None) -> Iterator[Sentence]:
     """Yield the sentences of a fluent; with those that are `given`, spare ones that are others."""
     for value, templates in ((True, forms.true), (False, forms.false)):
         for template in templates:
             if given is None or template not in given:
-                yield Clause(template, atoms, value, spare=given is not None)
+                yield Sentence(template, atoms, value, spare=given is not None)
 
 
 def _by_signature(terms: Iterable[object]) -> dict[Signature, tuple[Atom, ...]]:

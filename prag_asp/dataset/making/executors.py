@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator, Iterator
 from contextlib import closing
 from dataclasses import dataclass
+from functools import partial
 from typing import Protocol
 
 from prag_asp.dataset.validation_jobs import Draw, Found, Look, looker
@@ -48,13 +49,15 @@ class Processes:
         if self.workers == 1 or look.scene is None:
             with looker(look) as looked_at:
                 for draw in draws:
-                    yield looked_at([draw])[0]
+                    yield looked_at(draw.search, draw)
             return
-        from prag_asp.physics.pool import pooled
+        from prag_asp.physics.validator import ACTIVITY
+        from prag_asp.processes.worker_pool import map_ordered
 
         numbered = ((draw.search, draw) for draw in draws)
         chunk = max(CHUNK // look.starts, 1)
-        with closing(pooled(numbered, "prag_asp.dataset.validation_jobs", look, self.workers, chunk=chunk)) as found:
+        mapped = map_ordered(numbered, partial(looker, look), self.workers, activity=ACTIVITY, chunk=chunk)
+        with closing(mapped) as found:
             yield from found
 
 

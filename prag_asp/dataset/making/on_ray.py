@@ -23,7 +23,7 @@ from typing import Any
 from prag_asp.dataset.validation_jobs import Draw, Found, Look, telling_looker
 from prag_asp.errors import WorkerError
 from prag_asp.processes.progress_events import stage
-from prag_asp.processes.workers import Child, Children, Ended, uninterrupted
+from prag_asp.processes.workers import Worker, WorkerEnded, WorkerGroup, uninterrupted
 
 AHEAD = 2
 """Tasks of Ray for each processor that are handed out: the one that it does, and one that it need not wait for."""
@@ -66,7 +66,7 @@ class Cluster:
         from prag_asp.dataset.store.columns import Row, unpacked
 
         stage("looking at tasks on the cluster")
-        with Children(__name__, complaints=subprocess.DEVNULL) as children:
+        with WorkerGroup(__name__, stderr=subprocess.DEVNULL) as children:
             try:
                 talker = children.start()
                 try:
@@ -81,12 +81,12 @@ class Cluster:
                 finally:
                     with uninterrupted():
                         _let_go(talker)
-            except Ended as ended:
+            except WorkerEnded as ended:
                 told = f"the process that talks to Ray ended {ended}; is there enough memory? Run it again"
                 raise WorkerError(told) from None
 
 
-def _let_go(talker: Child) -> None:
+def _let_go(talker: Worker) -> None:
     """Have Ray end all that it does for us, as it does when it is asked to; otherwise a cluster here leaves agents."""
     talker.process.terminate()
     with suppress(subprocess.TimeoutExpired):

@@ -9,11 +9,11 @@ import msgspec
 
 from prag_asp.dataset.store.manifest import NAME, Asked, Manifest, PartNote
 from prag_asp.errors import OutputError
-from prag_asp.fields import shown
+from prag_asp.tables.report import shown
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
-    from prag_asp.space.without_replacement import Ordered
+    from prag_asp.space.distinct_sampling import TaskOrder
 
 JOURNAL = "journal.jsonl"
 """What physics has said since the last shard, so that a run that was broken off goes on there. It goes at the end."""
@@ -46,7 +46,7 @@ def difference(manifest: Manifest, name: str, asked: Asked) -> str:
     return "is a data set of another state of the domain or of the encodings"
 
 
-def too_few(note: PartNote, part: Ordered, limit: int) -> str:
+def too_few(note: PartNote, part: TaskOrder, limit: int) -> str:
     """Return that there are fewer tasks than wanted, and why."""
     told = f"only {note.tasks} of {plural(note.wanted, 'task')} for {note.name} found in {plural(note.draws, 'draw')}"
     if note.draws >= limit:

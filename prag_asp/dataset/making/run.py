@@ -40,16 +40,16 @@ from prag_asp.output import Lines, file_in, make_folder, replace_file
 from prag_asp.output.digests import digest
 from prag_asp.processes.workers import uninterrupted
 from prag_asp.safe_reading import read_bytes
-from prag_asp.space.without_replacement import Ordered, at, lengths_of, ordered_parts, tell
+from prag_asp.space.distinct_sampling import TaskOrder
+from prag_asp.space.without_replacement import ordered_parts, with_tasks
 from prag_asp.versions import versions
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.dataset.making.part_merge import Jobs
     from prag_asp.dataset.store.shard_writer import PartWriter
+    from prag_asp.space.distinct_sampling import RankedDraw
     from prag_asp.space.task_space import TaskSpace
-    from prag_asp.space.task_spaces import TaskSpaces
-    from prag_asp.space.without_replacement import Placed
     from prag_asp.task import Task
 
 RECORDINGS = "demonstrations"
@@ -66,7 +66,7 @@ class Content:
     It is told as a task, in words, or has a row already.
     """
 
-    placed: Placed
+    placed: RankedDraw
     looked: Looked
     told: tuple[Task, Told] | None
     found: Found | None = None
@@ -77,7 +77,7 @@ class Run:
 
     def __init__(
         self,
-        space: TaskSpace | TaskSpaces,
+        space: TaskSpace,
         folder: Path,
         wanted: Wanted,
         kept: tuple[KeptDomain, dict[str, bytes]],
@@ -101,8 +101,8 @@ class Run:
         identity = digest([msgspec.to_builtins(self._told), msgspec.to_builtins(asked)])
         require_ours(self._folder)
         parts = ordered_parts(
-            self._space, wanted.division, seed=wanted.seed, weights=wanted.weights, temperature=wanted.temperature,
-            evenly=wanted.evenly, deal=wanted.deal,
+            self._space, wanted.division, seed=wanted.seed,
+            weights=self._space.weights(wanted.weights, wanted.temperature), evenly=wanted.evenly, deal=wanted.deal,
         )  # fmt: skip
         make_folder(self._folder)
         self._journal = Lines(self._folder / JOURNAL, identity)
@@ -122,7 +122,7 @@ class Run:
                 raise NotFound(too_few(note, parts[note.name], wanted.draws(shares[note.name])))
         return Dataset.open(self._folder)
 
-    def _taken_up(self, parts: Mapping[str, Ordered], identity: str, asked: Asked) -> Manifest:
+    def _taken_up(self, parts: Mapping[str, TaskOrder], identity: str, asked: Asked) -> Manifest:
         """Return what dataset.json says, which is complete where nothing is to be done.
 
         Raises:
@@ -132,7 +132,7 @@ class Run:
         wanted, shares = self._wanted, self._wanted.division.shares
         manifest = read_manifest(self._folder)
         if manifest is None:
-            spaces = [SpaceNote(length, digits_of(at(self._space, length).count())) for length in asked.lengths]
+            spaces = [SpaceNote(length, digits_of(self._space.at(length).count())) for length in asked.lengths]
             notes = [PartNote(name, digits_of(part.size), 0) for name, part in parts.items()]
             manifest = Manifest(FORMAT, VERSION, False, identity, 0, asked, self._told, spaces, notes)
         elif manifest.identity != identity:
@@ -158,7 +158,7 @@ class Run:
             write_kept(self._folder, self._files)
         return manifest
 
-    def _make(self, parts: Mapping[str, Ordered]) -> None:
+    def _make(self, parts: Mapping[str, TaskOrder]) -> None:
         """Write what is missing."""
         from prag_asp.dataset.store.shard_writer import PartWriter
 
@@ -182,7 +182,7 @@ class Run:
                 with suppress(msgspec.MsgspecError):
                     yield msgspec.json.decode(line, type=Looked)
 
-    def _fill(self, writer: PartWriter, part: Ordered, left: list[Looked]) -> None:
+    def _fill(self, writer: PartWriter, part: TaskOrder, left: list[Looked]) -> None:
         """Add draws to a part until it has its tasks, or is given up."""
         wanted, note, jobs = self._wanted, writer.note, self._jobs
         limit = min(wanted.draws(wanted.division.shares[note.name]), part.size)
@@ -213,22 +213,22 @@ class Run:
             self._journal.restart()
 
     def _contents(
-        self, writer: PartWriter, part: Ordered, left: list[Looked], limit: int
+        self, writer: PartWriter, part: TaskOrder, left: list[Looked], limit: int
     ) -> Generator[Content, None, None]:
         """Yield what is known of the draws of a part that nobody else has looked at: some is `left` in the journal."""
         name, jobs = writer.note.name, self._jobs
         lacking = [range(writer.next, limit)] if jobs is None else jobs.lacking(name, writer.next, limit)
         numbers, again = tee(chain.from_iterable(lacking))
-        drawn = zip(numbers, part.picked(again), strict=False)
+        drawn = zip(numbers, part.pick(again), strict=False)
         first = list(islice(drawn, len(left)))
         known = list(takewhile(lambda pair: pair[0][0] == pair[1].draw, zip(first, left, strict=False)))
         for ((_, placed), looked), task in zip(known, self._tasks(placed for (_, placed), _ in known), strict=True):
             yield Content(placed, looked, (task, self._telling(task, looked.colours)))
         yield from self._found(name, chain(first[len(known) :], drawn))
 
-    def _found(self, name: str, drawn: Iterator[tuple[int, Placed]]) -> Generator[Content, None, None]:
+    def _found(self, name: str, drawn: Iterator[tuple[int, RankedDraw]]) -> Generator[Content, None, None]:
         """Yield what is found of numbered draws of a part, where they are looked at."""
-        handed: deque[tuple[Placed, Task | None]] = deque()
+        handed: deque[tuple[RankedDraw, Task | None]] = deque()
         whole = self._wanted.deal.whole
 
         def draws() -> Iterator[Draw]:
@@ -249,9 +249,9 @@ class Run:
                 told = None if task is None else (task, self._telling(task, looked.colours))
                 yield Content(placed, looked, told, each)
 
-    def _tasks(self, placed: Iterable[Placed]) -> Iterator[Task]:
+    def _tasks(self, placed: Iterable[RankedDraw]) -> Iterator[Task]:
         """Yield draws as tasks, which are told many together."""
-        return (task for _, task in tell(self._space, iter(placed)))
+        return (task for _, task in with_tasks(self._space, placed))
 
     def _look(self, part: str) -> Look:
         """Return how the draws of a part are looked at.
@@ -266,8 +266,7 @@ class Run:
         scene = None if wanted.budget is None else scene_of(domain)
         telling = None
         if self._place.tells:
-            lengths = tuple(lengths_of(space))
-            telling = Telling(domain, lengths, where, wanted.language, wanted.seed, wanted.phrasings)
+            telling = Telling(domain, space.lengths, where, wanted.language, wanted.seed, wanted.phrasings)
         return Look(part, wanted.seed, wanted.budget, scene, wanted.starts, wanted.staging, telling)
 
     def _noted(self, writer: PartWriter, content: Content) -> Looked:

@@ -13,10 +13,10 @@ from prag_asp.dataset.store.domain_snapshot import kept_domain
 from prag_asp.dataset.store.entry import Entry, entry_of, task_of
 from prag_asp.dataset.store.manifest import NAME, Manifest, PartNote, read_manifest, require_parts
 from prag_asp.errors import QueryError
-from prag_asp.fields import decoded
 from prag_asp.integers import number_of
 from prag_asp.missing import require_pyarrow
 from prag_asp.safe_reading import is_inside
+from prag_asp.tables.json_fields import decoded
 from prag_asp.wording import unknown
 
 if TYPE_CHECKING:

@@ -9,9 +9,9 @@ from typing import TypeVar
 import msgspec
 
 from prag_asp.errors import QueryError
-from prag_asp.fields import decoded, read
 from prag_asp.output import file_in, replace_file
 from prag_asp.safe_reading import read_bytes
+from prag_asp.tables.json_fields import decoded, read
 
 Description = TypeVar("Description", bound=msgspec.Struct)
 

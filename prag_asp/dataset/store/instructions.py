@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
-from prag_asp.dataset.language import instruction, sentence, teller_of
+from prag_asp.dataset.language import instruction, instruction_writer_of, sentence
 from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.language import Teller
+    from prag_asp.dataset.language import InstructionWriter
     from prag_asp.domain.load import Domain
     from prag_asp.task import Task
 
@@ -37,10 +37,10 @@ def telling_of(domain: Domain, language: str, seed: int, phrasings: str = "") ->
     Raises:
         QueryError: the domain does not speak the language, or has no such phrasings.
     """
-    return telling_by(teller_of(domain, language, phrasings=phrasings), domain, seed)
+    return telling_by(instruction_writer_of(domain, language, phrasings=phrasings), domain, seed)
 
 
-def telling_by(teller: Teller, domain: Domain, seed: int) -> Telling:
+def telling_by(teller: InstructionWriter, domain: Domain, seed: int) -> Telling:
     """Return what tells tasks as `telling_of` does, by a teller that is there."""
 
     def told(task: Task, colours: Mapping[str, str]) -> Told:

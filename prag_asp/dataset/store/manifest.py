@@ -13,9 +13,9 @@ import msgspec
 from prag_asp.dataset.store.description import read_description, write_description
 from prag_asp.dataset.store.domain_snapshot import KeptDomain, KeptFile
 from prag_asp.errors import QueryError
-from prag_asp.fields import Whole
 from prag_asp.integers import digits_of, number_of
 from prag_asp.space.sampling.sharding import ALL, Deal
+from prag_asp.tables.json_fields import Whole
 
 if TYPE_CHECKING:
     from prag_asp.physics import Staging

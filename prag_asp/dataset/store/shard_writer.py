@@ -18,13 +18,13 @@ from prag_asp.dataset.store.shards import open_shard, write_shard
 from prag_asp.errors import PragError
 from prag_asp.integers import digits_of
 from prag_asp.processes.progress_events import stage
-from prag_asp.space.sampling.draws import log_probability
+from prag_asp.space.sampling.streams import log_probability
 from prag_asp.versions import versions
 
 if TYPE_CHECKING:
     from prag_asp.dataset.store.instructions import Told
     from prag_asp.dataset.store.shard_reader import Given
-    from prag_asp.space.without_replacement import Placed
+    from prag_asp.space.distinct_sampling import RankedDraw
     from prag_asp.task import Task
 
 LIMITS: Mapping[str, int] = {"tasks": 1, "refused": 10, "witnesses": 4}
@@ -67,7 +67,7 @@ class PartWriter:
         """Whether there is nothing to be written."""
         return not self._draws
 
-    def add(self, placed: Placed, task: Task, looked: Looked, words: Told) -> None:
+    def add(self, placed: RankedDraw, task: Task, looked: Looked, words: Told) -> None:
         """Add a draw, and what is known of it."""
         row, witnesses = row_of(placed, task, looked, words), looked.witnesses
         if looked.passed:
@@ -76,7 +76,7 @@ class PartWriter:
             self._rows["refused"].add(row)
         self._looked_at(looked, len(task))
 
-    def add_row(self, placed: Placed, row: Row, looked: Looked) -> None:
+    def add_row(self, placed: RankedDraw, row: Row, looked: Looked) -> None:
         """Add a draw whose row was made elsewhere, and what is known of it."""
         if looked.passed:
             self._rows["tasks"].take(row, task=self.tasks, starts=looked.witnesses)
@@ -165,7 +165,7 @@ class PartWriter:
             self._tallies = summed(self._tallies)
 
 
-def row_of(placed: Placed, task: Task, looked: Looked, words: Told) -> dict[str, Any]:
+def row_of(placed: RankedDraw, task: Task, looked: Looked, words: Told) -> dict[str, Any]:
     """Return what tables of tasks say of a draw."""
     return {
         "draw": looked.draw,

@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING
 from prag_asp.errors import QueryError
 from prag_asp.space.limits import UNLIMITED
 from prag_asp.space.task_space import TaskSpace
-from prag_asp.space.task_spaces import TaskSpaces
-from prag_asp.space.without_replacement import at
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
@@ -59,7 +57,7 @@ class Figures:
         return tuple(each for each in self.shared if each.tasks and not each.declared)
 
 
-def space_of(suite: Suite, part: Part, *, limits: Limits = UNLIMITED, engine: str = "auto") -> TaskSpace | TaskSpaces:
+def space_of(suite: Suite, part: Part, *, limits: Limits = UNLIMITED, engine: str = "auto") -> TaskSpace:
     """Return the space of a part."""
     return _space(suite, part.where, part.lengths, limits, engine)
 
@@ -120,20 +118,15 @@ class _Counting:
             missing = sorted(length for length in wanted if (asked, length) not in self._known)
             space = _space(self._suite, tuple(dict.fromkeys(clauses)), missing, self._limits)
             for length in reversed(missing):
-                self._known[asked, length] = at(space, length).count()
+                self._known[asked, length] = space.at(length).count()
         return {length: self._known[asked, length] for length in lengths}
 
 
 def _space(
     suite: Suite, clauses: Sequence[str], lengths: Sequence[int], limits: Limits, engine: str = "auto"
-) -> TaskSpace | TaskSpaces:
+) -> TaskSpace:
     """Return the tasks of some lengths that satisfy all of some conditions."""
-    space: TaskSpace | TaskSpaces
-    if len(lengths) == 1:
-        space = TaskSpace(suite.domain, lengths[0], engine=engine, limits=limits)
-    else:
-        space = TaskSpaces(suite.domain, lengths, engine=engine, limits=limits)
-    return space.where(*clauses)
+    return TaskSpace(suite.domain, lengths, engine=engine, limits=limits).where(*clauses)
 
 
 def refuse_leaks(suite: Suite, figures: Figures) -> None:

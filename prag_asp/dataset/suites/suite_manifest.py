@@ -14,8 +14,8 @@ from prag_asp.dataset.store.domain_snapshot import KeptFile, digest_of
 from prag_asp.dataset.store.manifest import NAME as MANIFEST
 from prag_asp.dataset.store.manifest import Decimal, SpaceNote, read_manifest
 from prag_asp.errors import QueryError
-from prag_asp.fields import Whole
 from prag_asp.integers import digits_of
+from prag_asp.tables.json_fields import Whole
 
 if TYPE_CHECKING:
     from prag_asp.dataset.suites.counting import Figures

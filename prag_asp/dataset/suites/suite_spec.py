@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from prag_asp.errors import QueryError
 from prag_asp.grammar.phrasings import Phrasings
-from prag_asp.program.settings import key_line
+from prag_asp.tables.toml_text import key_line
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
@@ -51,12 +51,12 @@ class Part:
     phrasings: str = ""
 
     def apart(self, other: Part) -> bool:
-        """Tell whether no sentence of an action is one of both."""
+        """Return whether the two parts have no sentence in common."""
         mine, others = Phrasings.parse(self.phrasings), Phrasings.parse(other.phrasings)
         return self.language != other.language or mine.disjoint(others)
 
     def declares(self, other: Part) -> bool:
-        """Tell whether one of two parts says that it may have tasks of the other."""
+        """Return whether one of two parts declares that it may share tasks with the other."""
         return other.name in (*self.shares, self.of) or self.name in (*other.shares, other.of)
 
 

@@ -50,10 +50,10 @@ class PartTable(msgspec.Struct):
 
 
 class SuiteTable(msgspec.Struct):
-    """All of the file."""
+    """All of the file: each of its `parts` is a `PartTable`, and `physics` may be a `PhysicsTable`."""
 
     domain: str
-    parts: dict[str, PartTable]
+    parts: dict[str, Any]
     title: str = ""
     description: str = ""
     seed: Seed = 0
@@ -62,15 +62,8 @@ class SuiteTable(msgspec.Struct):
     uniform: bool = False
     language: str = "en"
     phrasings: str = ""
-    physics: bool | PhysicsTable | None = None
+    physics: bool | dict[str, Any] | None = None
 
-
-KNOWN = {
-    (): SuiteTable.__struct_fields__,
-    ("physics",): PhysicsTable.__struct_fields__,
-    ("parts", "*"): PartTable.__struct_fields__,
-}
-"""The keys of each table; ``*`` is a name of the author's."""
 
 OWN_OF_COPIES = ("tasks", "about", "of", "language", "phrasings")
 """The keys of a part that has the tasks of another one: all else is that one's."""

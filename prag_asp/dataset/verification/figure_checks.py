@@ -15,8 +15,8 @@ from prag_asp.integers import grouped, number_of
 from prag_asp.output.digests import digest
 
 if TYPE_CHECKING:
+    from prag_asp.space.distinct_sampling import TaskOrder
     from prag_asp.space.task_space import TaskSpace
-    from prag_asp.space.without_replacement import Ordered
 
 DERIVED = ("draws", "tasks", "covered", "lengths")
 
@@ -67,7 +67,9 @@ def _wrong_shard(part: PartNote, shard: Shard) -> Iterator[Finding]:
             yield Finding(NAME, None, f"parts, {part.name}: {told}")
 
 
-def wrong_sizes(manifest: Manifest, spaces: Mapping[int, TaskSpace], parts: Mapping[str, Ordered]) -> Iterator[Finding]:
+def wrong_sizes(
+    manifest: Manifest, spaces: Mapping[int, TaskSpace], parts: Mapping[str, TaskOrder]
+) -> Iterator[Finding]:
     """Yield which exact numbers of tasks are not those that are counted now."""
     for space in manifest.spaces:
         count = spaces[space.length].count()

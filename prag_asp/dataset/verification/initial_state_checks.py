@@ -18,9 +18,9 @@ from prag_asp.dataset.verification.file_checks import wrong_file
 from prag_asp.dataset.verification.finding import Finding, Looked
 from prag_asp.dataset.verification.untrusted_rows import Row, whole_rows
 from prag_asp.errors import PragError
-from prag_asp.fields import decoded
 from prag_asp.physics import TIERS, Budget, Demonstration, check_demonstration, check_footage
 from prag_asp.safe_reading import is_inside
+from prag_asp.tables.json_fields import decoded
 
 if TYPE_CHECKING:
     from prag_asp.dataset.store.manifest import Manifest, PartNote, Shard

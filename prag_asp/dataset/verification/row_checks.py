@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from prag_asp.dataset.language import teller_of
+from prag_asp.dataset.language import instruction_writer_of
 from prag_asp.dataset.language.instruction_reader import LONGEST
 from prag_asp.dataset.store.entry import entry_of
 from prag_asp.dataset.store.instructions import PLAIN, telling_by
@@ -17,15 +17,15 @@ from prag_asp.dataset.store.manifest import NAME, Cause, LengthTally, Manifest, 
 from prag_asp.dataset.verification.finding import Finding, Looked
 from prag_asp.dataset.verification.untrusted_rows import Row, whole_rows
 from prag_asp.errors import PragError
-from prag_asp.physics.demonstration.demonstration import drawn_for
-from prag_asp.space.sampling.draws import log_probability
+from prag_asp.physics.demonstration.demonstration import read_variation
+from prag_asp.space.sampling.streams import log_probability
 from prag_asp.space.task_space import TaskSpace
 
 if TYPE_CHECKING:
     from prag_asp.dataset.store.entry import Entry
     from prag_asp.dataset.store.tables import Tables
     from prag_asp.domain.load import Domain
-    from prag_asp.space.without_replacement import Placed
+    from prag_asp.space.distinct_sampling import RankedDraw
     from prag_asp.task import Task
 
 READ_BACK = ("default", "exact")
@@ -58,12 +58,12 @@ class Rows:
 
     def __post_init__(self) -> None:
         asked = self.manifest.asked
-        self._teller = teller_of(self.domain, asked.language, phrasings=asked.phrasings)
+        self._teller = instruction_writer_of(self.domain, asked.language, phrasings=asked.phrasings)
         self._tell = telling_by(self._teller, self.domain, asked.seed)
         self._clingo = clingo_spaces(self.manifest, self.domain)
         self._colours: Mapping[int, Mapping[str, str]] = {}
 
-    def wrong(self, note: PartNote, drawn: Iterator[tuple[Placed, Task]]) -> Iterator[Finding]:
+    def wrong(self, note: PartNote, drawn: Iterator[tuple[RankedDraw, Task]]) -> Iterator[Finding]:
         """Yield what is wrong with the rows of a part, of which the draws come once more."""
         tasks = 0
         for shard in note.shards:
@@ -101,7 +101,7 @@ class Rows:
         return whole_rows(file, self.tables.of_shard(table, shard))
 
     def _wrong_draws(
-        self, shard: Shard, passed: list[Row], refused: list[Row], right: list[tuple[Placed, Task] | None]
+        self, shard: Shard, passed: list[Row], refused: list[Row], right: list[tuple[RankedDraw, Task] | None]
     ) -> Iterator[Finding]:
         """Yield what is wrong with the rows of a shard: each draw stands in one of two tables, and once."""
         missing = set(range(shard.first, shard.end))
@@ -128,7 +128,7 @@ class Rows:
             yield Finding(_file(shard), None, f"draw {draw} is missing, here and among the refused")
 
     def _wrong_row(
-        self, table: str, row: Mapping[str, Any], expected: tuple[Placed, Task], where: str
+        self, table: str, row: Mapping[str, Any], expected: tuple[RankedDraw, Task], where: str
     ) -> Iterator[str]:
         """Yield what is wrong with a row, of which the draw is known."""
         placed, task = expected
@@ -212,7 +212,7 @@ def colours_of(tables: Tables, shard: Shard, manifest: Manifest) -> Mapping[int,
     found = {}
     for row in tables.of_shard("recordings", shard, ["task", "file"]):
         with suppress(PragError):
-            variation = drawn_for(tables.folder / row["file"], within=tables.folder)
+            variation = read_variation(tables.folder / row["file"], within=tables.folder)
             found[row["task"]] = {} if variation is None else variation.colours
     return found
 
@@ -242,5 +242,5 @@ def _tally(row: Mapping[str, Any]) -> LengthTally:
     )  # fmt: skip
 
 
-def _value(task: Task, name: str, placed: Placed) -> object:
+def _value(task: Task, name: str, placed: RankedDraw) -> object:
     return log_probability(placed.probability) if name == "log_probability" else getattr(task, name)

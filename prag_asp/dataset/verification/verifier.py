@@ -16,8 +16,7 @@ from prag_asp.dataset.verification.row_checks import Rows
 from prag_asp.errors import PragError
 from prag_asp.physics import require_physics
 from prag_asp.space.task_space import TaskSpace
-from prag_asp.space.task_spaces import TaskSpaces
-from prag_asp.space.without_replacement import Division, at, ordered_parts, tell
+from prag_asp.space.without_replacement import Division, ordered_parts, with_tasks
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
@@ -60,21 +59,19 @@ def _wrong_tasks(manifest: Manifest, domain: Domain, tables: Tables, progress: L
         yield Finding(NAME, None, "spaces are not of the lengths that were asked for, so no task was looked at")
         return
     try:
-        one = len(asked.lengths) == 1
-        space = TaskSpace(domain, asked.lengths[0]) if one else TaskSpaces(domain, asked.lengths)
-        space = space.where(*asked.where)
+        space = TaskSpace(domain, asked.lengths).where(*asked.where)
         division = Division.parse(asked.split, skeletons=asked.skeletons, hold_out=asked.hold_out)
         parts = ordered_parts(
-            space, division, seed=asked.seed, weights=asked.weights, temperature=asked.temperature, evenly=asked.evenly,
-            deal=asked.deal,
+            space, division, seed=asked.seed, weights=space.weights(asked.weights, asked.temperature),
+            evenly=asked.evenly, deal=asked.deal,
         )  # fmt: skip
     except PragError as error:
         yield Finding(NAME, None, f"what was asked for cannot be drawn: {error}")
         return
-    yield from wrong_sizes(manifest, {length: at(space, length) for length in asked.lengths}, parts)
+    yield from wrong_sizes(manifest, {length: space.at(length) for length in asked.lengths}, parts)
     rows = Rows(manifest, domain, tables, progress)
     for note in manifest.parts:
-        yield from rows.wrong(note, tell(space, iter(parts[note.name].draws())))
+        yield from rows.wrong(note, with_tasks(space, parts[note.name].draws()))
 
 
 def _wrong_starts(

@@ -17,7 +17,7 @@ from typing import IO, Any
 from prag_asp.errors import EngineError, LimitReached
 from prag_asp.logic.formula.clause_builder import Literal
 from prag_asp.logic.formula.cnf import Cnf
-from prag_asp.processes.workers import Child, Children, Ended, answered
+from prag_asp.processes.workers import Worker, WorkerEnded, WorkerGroup, ready_workers
 from prag_asp.stop_reason import StopKind, StopReason
 
 
@@ -84,7 +84,7 @@ def run_counter(
     require_counter(counter, request)
     clauses = [*cnf.clauses, *((literal,) for literal in assumptions)]
     check_formula(cnf.variables, clauses, cnf.shown, counter, request)
-    with TemporaryFile() as complaints, Children(counter.module, complaints.fileno()) as children:
+    with TemporaryFile() as complaints, WorkerGroup(counter.module, complaints.fileno()) as children:
         try:
             child = children.start()
             child.send((cnf.variables, cnf.shown, clauses, *more))
@@ -92,7 +92,7 @@ def run_counter(
         except TimeoutError:
             what = f"{request}: no count after {seconds:.3g} s; allow more (--time), or ask for less"
             raise LimitReached(what, 0, StopReason(StopKind.TIME, seconds)) from None
-        except Ended as ended:
+        except WorkerEnded as ended:
             said = _last_line(complaints)
             raise EngineError(f"{request}: {counter.name} ended {ended} ({said}); choose another engine") from None
 
@@ -113,7 +113,7 @@ class CountBeside:
         self._formula, self._begins = formula, begins
         self._due: float | None = monotonic() + patience
         self._running = ExitStack()
-        self._child: Child | None = None
+        self._child: Worker | None = None
 
     def __enter__(self) -> CountBeside:
         return self
@@ -125,12 +125,12 @@ class CountBeside:
         """Return the number of models once it is known; the first call after `patience` seconds starts the counter."""
         due = self._due is not None and monotonic() >= self._due
         try:
-            if self._child is not None and answered([self._child], 0):
+            if self._child is not None and ready_workers([self._child], 0):
                 return int(self._child.receive())
             if due:
                 self._due = None
                 self._start()
-        except (EngineError, Ended, OSError, MemoryError):  # the last two: there is no room
+        except (EngineError, WorkerEnded, OSError, MemoryError):  # the last two: there is no room
             self._running.close()
             self._child = None
         if due and self._child is not None:
@@ -142,7 +142,7 @@ class CountBeside:
         clauses = [*cnf.clauses, *((literal,) for literal in assumptions)]
         check_formula(cnf.variables, clauses, cnf.shown)
         complaints = self._running.enter_context(TemporaryFile())  # noqa: SIM115  the stack closes it
-        child = self._running.enter_context(Children(GANAK.module, complaints.fileno())).start()
+        child = self._running.enter_context(WorkerGroup(GANAK.module, complaints.fileno())).start()
         child.send((cnf.variables, cnf.shown, clauses))
         self._child = child
 

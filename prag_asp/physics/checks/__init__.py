@@ -1,1 +1,1 @@
-"""Checks of a witness by fresh eyes: its states, its furniture, and whether it settles."""
+"""Checks of a witness that are independent of the search: its states, its motions, and settling."""

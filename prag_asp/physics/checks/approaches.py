@@ -1,6 +1,7 @@
-"""Check how an arm takes and lets go: where the object is, and that it comes and goes straight above.
+"""Check how an arm grasps and releases: where the object is, and that it approaches and retreats straight above.
 
-The names of waypoints are believed nowhere but for `TRANSIT`, and on its way an arm neither takes, lets go nor stays.
+The names of waypoints are not trusted except for `TRANSIT`, and on its way an arm neither takes, lets go nor
+stays.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from prag_asp.scene.robots import Joints
 
 
 class Stop(NamedTuple):
-    """Where an arm stands: its joints and tool, whether it is at an object there, whether it has hold of a handle."""
+    """A stop of an arm: its joints and tool, whether it is at an object there, whether it pulls a handle."""
 
     joints: Joints
     tool: Pose
@@ -30,7 +31,7 @@ class Stop(NamedTuple):
 
 
 class End(NamedTuple):
-    """A state at an end of a motion, and its facts."""
+    """A state at an end of a motion, with its facts."""
 
     moment: Moment
     facts: Sequence[Fact]
@@ -39,7 +40,7 @@ class End(NamedTuple):
 def approach_problems(
     motion: Sequence[Waypoint], tools: Sequence[Pose], before: End, after: End, simulator: Simulator
 ) -> Iterator[str]:
-    """Yield where an arm takes or lets go of what is elsewhere, or comes or goes otherwise than from straight above.
+    """Yield grasps and releases of objects that are elsewhere, and motions that are not straight above an object.
 
     `tools` are the poses of the tool at the waypoints.
     """
@@ -66,7 +67,7 @@ def approach_problems(
 
 
 def _end(end: End, robot: str, simulator: Simulator) -> Stop:
-    """Return where an arm stands in a state: at an object where it is said to be, or holds what stands on something."""
+    """Return the stop of an arm in a state; it is down at an object by a fact, or with a held object on a support."""
     situation = situation_of(simulator, end.moment.poses, end.moment.openings, end.moment.arms)
     arm = end.moment.arms[robot]
     if arm.held is not None:
@@ -77,7 +78,7 @@ def _end(end: End, robot: str, simulator: Simulator) -> Stop:
 
 
 def _misplaced(waypoint: Waypoint, tool: Pose, held: str | None, before: Moment, after: Moment) -> Iterator[str]:
-    """Yield that an object is not where it is taken, or does not end where it is let go; handles are left out."""
+    """Yield that an object is not where it is grasped, or does not end where it is released; handles are left out."""
     taking = waypoint.held is not None
     entity, arm = (waypoint.held, after.arms[waypoint.robot]) if taking else (held, before.arms[waypoint.robot])
     if waypoint.opening is not None or entity is None or arm.held != entity or arm.grasp is None:
@@ -87,14 +88,14 @@ def _misplaced(waypoint: Waypoint, tool: Pose, held: str | None, before: Moment,
 
 
 def _loose(waypoint: Waypoint, before: Moment, after: Moment) -> bool:
-    """Tell whether the gripper is open otherwise than in the states in which it holds the same object."""
+    """Return whether the opening of the gripper differs from that in the states in which it holds the same object."""
     arms = [moment.arms[waypoint.robot] for moment in (before, after)]
     widths = [arm.width for arm in arms if arm.held is not None and arm.held == waypoint.held]
     return bool(widths) and min(abs(waypoint.width - width) for width in widths) > POSITION_TOLERANCE
 
 
 def _not_above(passed: Sequence[Stop]) -> Iterator[str]:
-    """Yield the stops next to one at an object that are not straight above it, but for those along a handle."""
+    """Yield the stops before and after one at an object that are not straight above it, except along a handle."""
     stops = []
     for _, same in groupby(passed, key=lambda stop: stop.joints):
         together = list(same)
@@ -110,6 +111,6 @@ def _not_above(passed: Sequence[Stop]) -> Iterator[str]:
 
 
 def _straight_above(high: Pose, low: Pose) -> bool:
-    """Tell whether one pose of the tool is `LIFT` straight above another."""
+    """Return whether one pose of the tool is `LIFT` straight above another."""
     x, y, z = low.position
     return near(high, Pose((x, y, z + LIFT), low.quaternion))

@@ -1,4 +1,4 @@
-"""Check how a witness opens and closes furniture: by the handle, from where it is to where it will be."""
+"""Check how a witness opens and closes furniture: by its handle, continuously, between its states."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from prag_asp.scene.scene import Scene
 
 HANDLE_TOLERANCE, TURN_TOLERANCE, OPENING_TOLERANCE = 1e-3, 1e-3, 1e-9
 LONGEST_STRIDE = 0.201
-"""How far furniture moves at most between two waypoints, in metres or radians."""
+"""The largest motion of furniture between two waypoints, in metres or radians."""
 
 Openings = Mapping[str, float]
 
 
 def opening_problems(moment: Moment, physical: PhysicalTask, scene: Scene) -> Iterator[str]:
-    """Yield furniture without an opening or beyond its limits, and openings of what is no furniture."""
+    """Yield furniture without an opening or beyond its limits, and openings of other entities."""
     furniture = {entity for entity in physical.objects if scene.shapes[entity].traits.furniture}
     for entity in sorted(furniture):
         opening = moment.openings.get(entity, math.nan)
@@ -41,7 +41,7 @@ def openings_at(motion: Sequence[Waypoint], i: int, before: Moment) -> dict[str,
 
 
 def carried_along(poses: Mapping[str, Pose], before: Openings, after: Openings, scene: Scene) -> dict[str, Pose]:
-    """Return all poses after drawers have moved with what lies in them."""
+    """Return all poses after drawers have moved together with their contents."""
     moved = dict(poses)
     for entity, opening in after.items():
         shape = scene.shapes[entity]
@@ -57,7 +57,7 @@ def carried_along(poses: Mapping[str, Pose], before: Openings, after: Openings, 
 def handling_problems(
     motion: Sequence[Waypoint], tools: Sequence[Pose], before: Moment, after: Moment, scene: Scene
 ) -> Iterator[str]:
-    """Yield where the gripper is off the handle, where furniture leaps, and where it does not end as it will be.
+    """Yield where the gripper is off the handle, where furniture jumps, and where its last opening is wrong.
 
     `tools` are the poses of the tool at the waypoints.
     """

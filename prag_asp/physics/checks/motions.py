@@ -1,15 +1,16 @@
-"""Check a motion of a witness: the points that the arm passes, and that nothing moves but what the action moves."""
+"""Check a motion of a witness: its waypoints, and that nothing moves except what the action moves."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 from prag_asp.physics.checks.approaches import End, approach_problems
 from prag_asp.physics.checks.furniture_motion import carried_along, handling_problems, openings_at
 from prag_asp.physics.checks.numbers import broken_arm
-from prag_asp.physics.checks.states import near, situation_of, tool_in, visited
+from prag_asp.physics.checks.states import near, object_at_gripper, situation_of, tool_in
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.symbolic_facts import Effect
+from prag_asp.physics.symbolic_facts import ActionEffect
 from prag_asp.physics.witness import TRANSIT, Arm, Moment, Waypoint
 from prag_asp.physics.world.collisions import arm_collision, colliding
 from prag_asp.physics.world.simulator import Simulator
@@ -19,7 +20,7 @@ from prag_asp.scene.scene import Scene
 
 
 def motion_problems(motion: tuple[Waypoint, ...], start: End, end: End, simulator: Simulator) -> Iterator[str]:
-    """Yield waypoints that the arm cannot take, approaches that are not straight above, and a wrong end."""
+    """Yield impossible waypoints, approaches that are not straight above, and a wrong end."""
     before, after = start.moment, end.moment
     if not motion:
         yield "it has no waypoint"
@@ -49,7 +50,7 @@ def motion_problems(motion: tuple[Waypoint, ...], start: End, end: End, simulato
             if hit is not None:
                 yield f"{waypoint.name}: {hit}"
     for name, arm in () if wrong else after.arms.items():
-        if arms[name][:3] != arm[:3]:
+        if replace(arms[name], grasp=arm.grasp) != arm:
             yield "its last waypoint is not the arm of the next state"
 
 
@@ -61,22 +62,22 @@ def _waypoint_collision(
     simulator: Simulator,
     moving: bool,
 ) -> str | None:
-    """Return what collides at a waypoint, objects where they are then; None where all is free.
+    """Return what collides at a waypoint, None if all is free.
 
-    Furniture is checked, and where the arm is `moving` what it carries.
+    Furniture is checked and, if the arm is `moving`, what it carries.
     """
     before, after = around
     poses = carried_along(before.poses, before.openings, openings, simulator.scene)
     situation = situation_of(simulator, poses, openings, arms)
-    joints, width, held, grasp = arms[robot]
-    if held is not None and grasp is not None:
-        poses = _carried(poses, held, compose(situation.tool(robot), grasp), simulator.scene)
+    arm = arms[robot]
+    if arm.held is not None and arm.grasp is not None:
+        poses = _carried(poses, arm.held, compose(situation.tool(robot), arm.grasp), simulator.scene)
     elif before.arms[robot].held is not None:
         poses = dict(after.poses)
     situation = situation.with_poses(poses)
     carried = [entity for entity in poses if poses[entity] != before.poses[entity]] if moving else []
     simulator.turn_to(robot)
-    hit = arm_collision(simulator, situation, joints, width, held or visited(situation, robot))
+    hit = arm_collision(simulator, situation, arm.joints, arm.width, arm.held or object_at_gripper(situation, robot))
     if hit is not None:
         return f"the arm collides with {hit.other}"
     pair = colliding(simulator, situation, [*openings, *carried], list(poses))
@@ -84,15 +85,15 @@ def _waypoint_collision(
 
 
 def _carried(poses: Mapping[str, Pose], entity: str, pose: Pose, scene: Scene) -> dict[str, Pose]:
-    """Return all poses with one object and all that rests on it moved."""
+    """Return all poses after one object and all that rests on it have moved."""
     situation = Situation(scene, poses)
     delta = compose(pose, invert(poses[entity]))
     moved = {rider: compose(delta, poses[rider]) for rider in riders(situation, entity, set(poses) - {entity})}
     return {**poses, **moved, entity: pose}
 
 
-def stray(effect: Effect, before: Moment, after: Moment, simulator: Simulator) -> Iterator[str]:
-    """Yield objects that an action has moved though it does not move them, and furniture that it has opened so."""
+def stray_objects(effect: ActionEffect, before: Moment, after: Moment, simulator: Simulator) -> Iterator[str]:
+    """Yield objects and furniture that have moved though the action does not move them."""
     for furniture, opening in after.openings.items():
         if opening != before.openings[furniture] and furniture not in effect.turns:
             yield f"{furniture} has been opened or closed"

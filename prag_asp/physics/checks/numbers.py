@@ -1,4 +1,4 @@
-"""Check the numbers of a witness: nothing is missing, all is finite, and the robots can take it."""
+"""Check the numbers of a witness: complete, finite, and within the limits of the robots."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from prag_asp.wording import plural
 LIMIT_TOLERANCE = 1e-9
 
 
-def misfit(witness: Witness, actions: int) -> str | None:
-    """Return that a witness has more or less parts than a task of so many actions, None where it has as many."""
-    for name, found, wanted in (
+def count_mismatch(witness: Witness, actions: int) -> str | None:
+    """Return that the numbers of states and motions of a witness do not match those of a task, None if they do."""
+    for name, found, expected in (
         ("motion", len(witness.motions), actions),
         ("state", len(witness.moments), actions + 1),
     ):
-        if found != wanted:
+        if found != expected:
             return f"the witness has {plural(found, name)}, the task {plural(actions, 'action')}"
     return None
 
@@ -29,9 +29,9 @@ def misfit(witness: Witness, actions: int) -> str | None:
 def broken_numbers(
     moment: Moment, physical: PhysicalTask, simulator: Simulator, tolerance: float = LIMIT_TOLERANCE
 ) -> Iterator[str]:
-    """Yield missing objects, numbers that are not finite, and what is beyond the limits of the robot.
+    """Yield missing objects, numbers that are not finite, and violated limits of the robots.
 
-    `tolerance` is how far a joint may be beyond its limits, in radians, and how much too wide a gripper, in metres.
+    `tolerance` is that of joint limits in radians, and of the opening of a gripper in metres.
     """
     for entity in physical.objects:
         if entity not in moment.poses:
@@ -43,8 +43,8 @@ def broken_numbers(
         if entity not in simulator.bodies:
             yield f"{entity} is not in the scene"
     if sorted(moment.arms) != sorted(simulator.arms):
-        has, wanted = ", ".join(moment.arms) or "none", ", ".join(simulator.arms)
-        yield f"it has the arms of {has}; the scene has those of {wanted}"
+        has, expected = ", ".join(moment.arms) or "none", ", ".join(simulator.arms)
+        yield f"it has the arms of {has}; the scene has those of {expected}"
         return
     for name, arm in moment.arms.items():
         yield from broken_arm(name, arm.joints, arm.width, simulator, tolerance)
@@ -57,7 +57,7 @@ def broken_numbers(
 def broken_arm(
     name: str, joints: tuple[float, ...], width: float, simulator: Simulator, tolerance: float = LIMIT_TOLERANCE
 ) -> Iterator[str]:
-    """Yield joint angles and openings that a robot cannot take."""
+    """Yield joint angles and openings that are impossible for a robot."""
     if name not in simulator.arms:
         yield f"there is no robot {name}"
         return

@@ -1,7 +1,7 @@
-"""Let the objects of a witness settle in a simulation: what is stable stays, and keeps its relations.
+"""Check by a dynamic simulation that the objects of a witness stay in place, and keep their relations.
 
-The simulation has no arm: a held object stays where the gripper holds it. Its world is built anew for every
-witness, because PyBullet's results depend on what a world has seen before, down to the order of its bodies.
+The simulation has no arms: held objects are fixed. Its world is built anew for every witness, because PyBullet's
+results depend on the history of a world, down to the order of its bodies.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from prag_asp.physics.bullet import pybullet
-from prag_asp.physics.search.attempt import UNSETTLED, UNSTABLE, Fault
+from prag_asp.physics.search.attempt import UNSETTLED, UNSTABLE, PhysicsFault
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import PhysicalTask, physical_task
 from prag_asp.physics.witness import Moment, Witness
@@ -24,16 +24,16 @@ from prag_asp.task import Task
 
 TIME_STEP = 1 / 240
 STEPS = 60
-"""A quarter of a second: a 5 cm cube whose centre of mass is 2 mm beyond an edge has tipped by then."""
+"""A quarter of a second, in which a 5 cm cube with its centre of mass 2 mm beyond an edge tips over."""
 
 LARGEST_MOVE = 0.003
 LARGEST_TURN = math.radians(3)
 LARGEST_SPEED = 0.03
-"""How far a stable object moves, in metres and radians, and how fast at the end, in metres a second."""
+"""The largest displacement of a stable object in metres and radians, and its largest final speed in m/s."""
 
 
 Rest = tuple[Mapping[str, Pose], Mapping[str, float], tuple[str, ...]]
-"""The poses of objects, how far furniture is open in metres or radians, and what has not stayed where it was."""
+"""The poses of objects after settling, the openings of furniture in metres or radians, and what has moved."""
 
 
 class Settling:
@@ -44,12 +44,12 @@ class Settling:
         self._client = client
 
     def failure(self, physical: PhysicalTask, witness: Witness) -> str | None:
-        """Return why a state of a witness is not stable (one of `CAUSES`), None where all are, as `fault` decides."""
+        """Return the cause of `fault`, one of `CAUSES`; None if all states are stable."""
         fault = self.fault(physical, witness)
         return None if fault is None else fault.cause
 
-    def fault(self, physical: PhysicalTask, witness: Witness) -> Fault | None:
-        """Return why a state of a witness is not stable, None where all are.
+    def fault(self, physical: PhysicalTask, witness: Witness) -> PhysicsFault | None:
+        """Return why a state of a witness is not stable, None if all are.
 
         An object may move by `LARGEST_MOVE`, turn by `LARGEST_TURN` and end with a speed of `LARGEST_SPEED`;
         then every fact of the state has to pass its predicate's own check.
@@ -61,11 +61,11 @@ class Settling:
             if previous is None or not _as_stable(previous, moment):
                 poses, openings, moved = self._settle(scene, bodies, moment)
                 if moved:
-                    return Fault(UNSTABLE, moved)
+                    return PhysicsFault(UNSTABLE, moved)
                 situation = Situation(scene, poses, moment.arms, openings)
                 for fact in facts:
-                    if not fact.satisfied(situation):
-                        return Fault(UNSETTLED, fact.arguments, fact)
+                    if not fact.is_satisfied(situation):
+                        return PhysicsFault(UNSETTLED, fact.arguments, fact)
             previous = moment
         return None
 
@@ -80,7 +80,7 @@ class Settling:
         }
 
     def _settle(self, scene: Scene, bodies: Mapping[str, int], moment: Moment) -> Rest:
-        """Return where the objects come to rest, how far furniture is open, and which leave their places."""
+        """Return the state after settling."""
         client = self._client
         for entity, body in bodies.items():
             pybullet.resetBasePositionAndOrientation(body, *moment.poses[entity], physicsClientId=client)
@@ -113,22 +113,22 @@ def open_settling(scene: Scene) -> Iterator[Settling]:
 
 
 def settle(task: Task, witness: Witness, scene: Scene) -> str | None:
-    """Return why a state of a witness is not stable (one of `CAUSES`), None where all are.
+    """Return why a state of a witness is not stable (one of `CAUSES`), None if all are.
 
     Raises:
-        SceneError: the task speaks about something for which the scene has no shape.
+        SceneError: the task names an entity that has no shape.
     """
     with open_settling(scene) as settling:
         return settling.failure(physical_task(task, scene), witness)
 
 
 def _as_stable(before: Moment, after: Moment) -> bool:
-    """Tell whether objects that are stable at a moment are so at the next: nothing has moved or been let go."""
+    """Return whether stability at a moment implies that at the next: nothing has moved or been released."""
     same = before.poses == after.poses and before.openings == after.openings
     return same and before.held <= after.held
 
 
 def _stayed(before: Pose, after: Pose) -> bool:
-    """Tell whether an object is where it was, within the tolerances."""
+    """Return whether two poses of an object are equal within the tolerances."""
     near = math.dist(before.position, after.position) <= LARGEST_MOVE
     return near and turn_between(before.quaternion, after.quaternion) <= LARGEST_TURN

@@ -1,4 +1,4 @@
-"""Check a state of a witness: its facts, collisions, what would fall, and what the grippers hold."""
+"""Check a state of a witness: facts, collisions, stability and grasps."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ UP, DOWN = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)
 
 
 def state_problems(moment: Moment, physical: PhysicalTask, k: int, simulator: Simulator) -> Iterator[str]:
-    """Yield wrong facts of a state, collisions, falling objects and a held object out of the hand."""
+    """Yield violated facts of a state, collisions, falling objects, and held objects that are not in the gripper."""
     simulator.place(moment.poses, moment.openings)
     poses = {entity: simulator.read(entity) for entity in moment.poses}
     situation = situation_of(simulator, poses, moment.openings, moment.arms)
@@ -31,7 +31,7 @@ def state_problems(moment: Moment, physical: PhysicalTask, k: int, simulator: Si
         if entity in poses and not near(fixed_pose(simulator.scene, entity), poses[entity]):
             yield f"{entity} is not where the scene has it"
     for fact in physical.states[k]:
-        if not fact.satisfied(situation):
+        if not fact.is_satisfied(situation):
             yield f"it does not hold that {fact.sentence()}"
     pair = colliding(simulator, situation, list(poses), list(poses))
     if pair is not None:
@@ -41,7 +41,7 @@ def state_problems(moment: Moment, physical: PhysicalTask, k: int, simulator: Si
         yield f"{falling} would fall"
     for name, arm in moment.arms.items():
         simulator.turn_to(name)
-        hit = arm_collision(simulator, situation, arm.joints, arm.width, arm.held or visited(situation, name))
+        hit = arm_collision(simulator, situation, arm.joints, arm.width, arm.held or object_at_gripper(situation, name))
         if hit is not None:
             yield f"the arm collides with {hit.other}"
         if arm.held is not None and arm.grasp is not None:
@@ -54,10 +54,10 @@ def state_problems(moment: Moment, physical: PhysicalTask, k: int, simulator: Si
 
 
 def _grip_problems(situation: Situation, robot: str, held: str) -> Iterator[str]:
-    """Yield what the proofs rely on and a grip lacks: it is from above, of an upright body that the gripper spans."""
-    if leaning(situation.tool(robot).quaternion, DOWN) > TURN_TOLERANCE:
+    """Yield violations of what proofs assume about a grasp: from above, of an upright body that the gripper spans."""
+    if tilt(situation.tool(robot).quaternion, DOWN) > TURN_TOLERANCE:
         yield f"{held} is not held from above"
-    if situation.shape(held).traits.flat and leaning(situation.pose(held).quaternion, UP) > TURN_TOLERANCE:
+    if situation.shape(held).traits.flat and tilt(situation.pose(held).quaternion, UP) > TURN_TOLERANCE:
         yield f"{held} does not stand upright in the gripper"
     if grip_width(situation, held, robot) > situation.robot(robot).opening + POSITION_TOLERANCE:
         yield f"{held} is wider than the gripper opens"
@@ -68,8 +68,8 @@ def _grip_problems(situation: Situation, robot: str, held: str) -> Iterator[str]
         yield f"{held} is heavier than the gripper carries"
 
 
-def leaning(quaternion: Quaternion, direction: Vector) -> float:
-    """Return by how many radians the z axis of a frame is away from a direction, a unit vector."""
+def tilt(quaternion: Quaternion, direction: Vector) -> float:
+    """Return the angle between the z axis of a frame and a direction, a unit vector, in radians."""
     along = sum(a * b for a, b in zip(rotate(quaternion, UP), direction, strict=True))
     return math.acos(max(-1.0, min(1.0, along)))
 
@@ -77,7 +77,7 @@ def leaning(quaternion: Quaternion, direction: Vector) -> float:
 def situation_of(
     simulator: Simulator, poses: Mapping[str, Pose], openings: Mapping[str, float], arms: Mapping[str, Arm]
 ) -> Situation:
-    """Return a situation by the simulator's own forward kinematics of all arms."""
+    """Return a situation with the tool poses of the simulator's own forward kinematics."""
     tools = {}
     for name, arm in arms.items():
         simulator.turn_to(name)
@@ -87,18 +87,18 @@ def situation_of(
 
 
 def tool_in(simulator: Simulator) -> Pose:
-    """Return the pose of the tool by the simulator's own forward kinematics."""
+    """Return the pose of the acting tool by the simulator's own forward kinematics."""
     robot = simulator.robot
     offset = Pose((0.0, 0.0, robot.tool_offset), yaw_quaternion(robot.tool_turn))
     return compose(simulator.flange(), offset)
 
 
-def visited(situation: Situation, robot: str) -> str | None:
-    """Return the object that a gripper is at."""
+def object_at_gripper(situation: Situation, robot: str) -> str | None:
+    """Return the object that a gripper is at, None if there is none."""
     return next((entity for entity in situation.poses if PREDICATES["at"].holds(situation, (robot, entity))), None)
 
 
 def near(one: Pose, two: Pose) -> bool:
-    """Tell whether two poses are the same within the tolerances."""
+    """Return whether two poses are equal within the tolerances."""
     turn = turn_between(one.quaternion, two.quaternion)
     return math.dist(one.position, two.position) <= POSITION_TOLERANCE and turn <= TURN_TOLERANCE

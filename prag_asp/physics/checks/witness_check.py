@@ -1,4 +1,4 @@
-"""Check a witness in a fresh simulator: every state is loaded anew, nothing of the search is trusted."""
+"""Check a witness independently of the search: every state is loaded into a fresh simulator."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from contextlib import contextmanager
 
 from prag_asp.errors import SceneError
 from prag_asp.physics.checks.approaches import End
-from prag_asp.physics.checks.motions import motion_problems, stray
-from prag_asp.physics.checks.numbers import broken_numbers, misfit
+from prag_asp.physics.checks.motions import motion_problems, stray_objects
+from prag_asp.physics.checks.numbers import broken_numbers, count_mismatch
 from prag_asp.physics.checks.states import state_problems
 from prag_asp.physics.symbolic_facts import PhysicalTask, physical_task
 from prag_asp.physics.witness import Witness
@@ -18,14 +18,14 @@ from prag_asp.task import Task
 
 
 def check_witness(task: Task, witness: Witness, scene: Scene) -> list[str]:
-    """Return what is wrong with a witness of a task, nothing where it passes; `open_witness_check` checks many.
+    """Return what is wrong with a witness of a task, nothing if it passes; `open_witness_check` is for many.
 
     Every state is loaded into a fresh simulator: all numbers are finite, joints within their limits, the
     facts that are known to hold do and the others do not, nothing collides or falls, the simulator's own
     forward kinematics agrees with the grasp of the held object, and only what an action moves has moved.
 
     Raises:
-        SceneError: the task speaks about something for which the scene has no shape.
+        SceneError: the task names an entity that has no shape.
     """
     with open_witness_check(scene) as check:
         return check(task, witness)
@@ -35,13 +35,16 @@ def check_witness(task: Task, witness: Witness, scene: Scene) -> list[str]:
 def open_witness_check(scene: Scene) -> Iterator[Callable[[Task, Witness], list[str]]]:
     """Yield a function like `check_witness` for tasks of one scene, which checks them all in one simulator."""
     with open_simulator(scene) as simulator:
-        yield lambda task, witness: _checked(task, witness, scene, simulator)
+        yield lambda task, witness: witness_problems(task, witness, simulator, scene)
 
 
-def _checked(task: Task, witness: Witness, scene: Scene, simulator: Simulator) -> list[str]:
-    """Return what is wrong with a witness of a task."""
+def witness_problems(task: Task, witness: Witness, simulator: Simulator, scene: Scene) -> list[str]:
+    """Return what is wrong with a witness of a task, nothing if it passes, as `check_witness` does.
+
+    The `simulator` of the scene is left with the bodies in the sizes of the witness.
+    """
     physical = physical_task(task, scene)
-    unfit = misfit(witness, len(physical.effects))
+    unfit = count_mismatch(witness, len(physical.effects))
     if unfit is not None:
         return [unfit]
     unsized = [entity for entity in physical.objects if entity in scene.ranges and entity not in witness.sizes]
@@ -69,4 +72,4 @@ def _problems(physical: PhysicalTask, witness: Witness, simulator: Simulator) ->
         if not broken:
             ends = (End(before, physical.states[k]), End(after, physical.states[k + 1]))
             yield from (f"{where}: {text}" for text in motion_problems(motion, *ends, simulator))
-            yield from (f"{where}: {text}" for text in stray(physical.effects[k], before, after, simulator))
+            yield from (f"{where}: {text}" for text in stray_objects(physical.effects[k], before, after, simulator))

@@ -1,1 +1,1 @@
-"""Tasks performed by the robot in a world with forces."""
+"""Execution of tasks by the robots in a dynamic simulation."""

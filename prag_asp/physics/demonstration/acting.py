@@ -1,47 +1,49 @@
-"""Carry out the actions of a witness in a world with forces: move the arms, open and close their grippers."""
+"""Execute the actions of a witness in a dynamic simulation: move the arms, open and close their grippers."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from prag_asp.physics.demonstration.driving import Driver
-from prag_asp.physics.demonstration.planning import Action, Angles, Leg, legs, planned_way, pulling_way
+from prag_asp.physics.demonstration.planning import Action, Angles, Leg, action_legs, plan_path, plan_pull
 from prag_asp.physics.demonstration.recording import Recorder
-from prag_asp.physics.motion.trajectory import blended, limits_of
+from prag_asp.physics.motion.trajectory import blend_paths, joint_limits
 from prag_asp.physics.search.attempt import NO_PATH
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm, Moment, Waypoint
-from prag_asp.physics.world.dynamics import TIME_STEP, Command, Dynamics
+from prag_asp.physics.world.dynamics import TIME_STEP, ArmCommand, Dynamics
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.scene.robots import robot_of
 
 SQUEEZE = 0.008
-"""How much farther than an object is wide a gripper wants to close, in metres."""
+"""By how much the target opening of a gripper is below the width of the object that it holds, in metres."""
 
 
-class Stopped(Exception):
-    """A performance failed: the cause, one of `CAUSES`, and what went wrong. It never leaves the performer."""
+class PerformanceFailed(Exception):
+    """An execution failed: the cause, one of `CAUSES`, and what went wrong; the performer catches it."""
 
 
 class Actor:
-    """Moves the arms of a world from waypoint to waypoint, and knows where the witness has them by then."""
+    """Moves the arms of a simulation from waypoint to waypoint, and keeps track of their intended states."""
 
     def __init__(self, world: Dynamics, planner: Simulator, recorder: Recorder, first: Moment):
         self._world, self._planner = world, planner
-        self._driver = Driver(world, recorder, {name: _first_command(arm) for name, arm in first.arms.items()})
+        self._driver = Driver(world, recorder, {name: holding_command(arm) for name, arm in first.arms.items()})
         self._arms = dict(first.arms)
 
     def rest(self) -> None:
-        """Let things come to rest."""
+        """Simulate until nothing moves."""
         self._driver.rest()
 
     def act(self, action: Action) -> None:
-        """Carry out an action.
+        """Execute an action.
 
         Raises:
-            Stopped: a way is not free.
+            PerformanceFailed: a path is not free.
         """
         ways: list[Angles] = []
         robot = ""
-        for leg in legs(action):
+        for leg in action_legs(action):
             waypoint = leg.waypoint
             if waypoint.robot != robot or waypoint.opening is not None or self._fingers_move(waypoint):
                 self._drive(robot, ways)
@@ -50,53 +52,53 @@ class Actor:
                 self._driver.move_fingers(robot, waypoint.width)
             if waypoint.joints != leg.start:
                 ways.append(self._way(arm, leg, action))
-                arm = self._arms[robot] = arm._replace(joints=tuple(ways[-1][-1].tolist()))
+                arm = self._arms[robot] = replace(arm, joints=tuple(ways[-1][-1].tolist()))
             if waypoint.held != arm.held:
                 self._drive(robot, ways)
                 self._grip(waypoint)
         self._drive(robot, ways)
 
     def _fingers_move(self, waypoint: Waypoint) -> bool:
-        """Tell whether a gripper that holds nothing is open otherwise than at a waypoint."""
+        """Return whether an empty gripper has another opening than at a waypoint."""
         return self._arms[waypoint.robot].held is None and waypoint.width != self._driver.opening(waypoint.robot)
 
     def _grip(self, waypoint: Waypoint) -> None:
-        """Close the gripper on what it holds at a waypoint, or open it, and let things come to rest."""
+        """Close the gripper on what it holds at a waypoint, or open it, and wait until nothing moves."""
         squeeze = SQUEEZE if waypoint.held is not None else 0.0
-        self._arms[waypoint.robot] = self._arms[waypoint.robot]._replace(held=waypoint.held)
+        self._arms[waypoint.robot] = replace(self._arms[waypoint.robot], held=waypoint.held)
         self._driver.move_fingers(waypoint.robot, waypoint.width - squeeze)
         self._driver.rest()
 
     def _drive(self, robot: str, ways: list[Angles]) -> None:
-        """Move an arm along ways without a stop between them, and forget them."""
+        """Move an arm along paths without a stop between them, and clear the list."""
         if ways:
-            limits = limits_of(robot_of(self._world.scene, robot))
-            self._driver.move(robot, blended(ways, self._driver.joints(robot), TIME_STEP, limits))
+            limits = joint_limits(robot_of(self._world.scene, robot))
+            self._driver.move(robot, blend_paths(ways, self._driver.joints(robot), TIME_STEP, limits))
             ways.clear()
 
     def _way(self, arm: Arm, leg: Leg, action: Action) -> Angles:
-        """Return the joint angles of every time step on the way to a waypoint, shape (steps, 7).
+        """Return the joint angles of every time step on the path to a waypoint, shape (steps, 7).
 
         Raises:
-            Stopped: there is no free way.
+            PerformanceFailed: there is no collision-free path.
         """
         waypoint = leg.waypoint
         self._planner.turn_to(waypoint.robot)
         situation = self._situation()
         if waypoint.held is not None and waypoint.opening is not None:
-            return pulling_way(self._planner, situation, arm, waypoint.held, waypoint.opening)
-        found = planned_way(self._planner, situation, arm, leg, action)
+            return plan_pull(self._planner, situation, arm, waypoint.held, waypoint.opening)
+        found = plan_path(self._planner, situation, arm, leg, action)
         if found is None:
-            raise Stopped(NO_PATH, f"{action.effect.action}: {NO_PATH} to the waypoint {waypoint.name}")
+            raise PerformanceFailed(NO_PATH, f"{action.effect.action}: {NO_PATH} to the waypoint {waypoint.name}")
         return found
 
     def _situation(self) -> Situation:
-        """Return where everything is now."""
+        """Return the present situation."""
         world = self._world
-        arms = {name: arm._replace(held=self._arms[name].held) for name, arm in world.arms().items()}
+        arms = {name: replace(arm, held=self._arms[name].held) for name, arm in world.arms().items()}
         return Situation(world.scene, world.poses(), arms, world.openings())
 
 
-def _first_command(arm: Arm) -> Command:
-    """Return what the motors of an arm drive to at first."""
-    return Command(arm.joints, arm.width - (SQUEEZE if arm.held is not None else 0.0))
+def holding_command(arm: Arm) -> ArmCommand:
+    """Return the motor targets that hold an arm in its state, squeezing what it holds."""
+    return ArmCommand(arm.joints, arm.width - (SQUEEZE if arm.held is not None else 0.0))

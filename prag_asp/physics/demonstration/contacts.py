@@ -1,14 +1,14 @@
-"""Which contacts a task asks for, and which others there are in what is recorded.
+"""The contacts that a task intends, and the unintended ones in an episode.
 
-Told are the contacts of a robot, and of what it moves: bodies that a finger touches, and what rests on those. A task
-asks for
+Checked are the contacts of a robot, and of what it moves: bodies that a finger touches, and what rests on those. A task
+intends contacts between
 
-- the fingers of a gripper and the object that it holds, takes, lets go or is at, before or after the action; and the
+- the fingers of a gripper and the object that it holds, grasps, releases or is at, before or after the action, or the
   furniture that the action opens or closes;
-- what the robot moves and what it rests on, or what rests on it, in the state before the action or after it;
+- what the robot moves and what that rests on, or what rests on it, in the state before the action or after it;
 - two bodies that rest on what the robot moves.
 
-Any other is a fault, whichever two bodies touch, where it presses by more than `GENTLE`.
+Any other contact is a fault if its force exceeds `GENTLE`.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ from typing import NamedTuple
 from prag_asp.physics.predicates import Gripper
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import Fact, PhysicalTask
-from prag_asp.physics.witness_json import PARTS
+from prag_asp.physics.witness import ROBOT_PARTS
 from prag_asp.physics.world.support import TABLE, contacts
 
 GENTLE = 1.0
-"""Newtons that no contact exceeds for which a task does not ask."""
+"""The largest force of an unintended contact, in newtons."""
 
-ARM, *FINGERS = PARTS
+ARM, *FINGERS = ROBOT_PARTS
 BOARD = "table"
 Pair = tuple[str, str]
 
 
 class Touch(NamedTuple):
-    """Two bodies that press on each other in a frame, with the largest force in newtons since the frame before."""
+    """A contact of two bodies in a frame, with the largest force in newtons since the frame before."""
 
     frame: int
     one: str
@@ -40,13 +40,13 @@ class Touch(NamedTuple):
     force: float
 
     def sentence(self) -> str:
-        """Return in plain words that the bodies press on each other."""
+        """Return a sentence for the contact."""
         return f"{_named(self.one)} presses on {_named(self.two)} with {self.force:.1f} N"
 
 
 @dataclass(frozen=True)
-class Asked:
-    """The contacts that a task asks for during an action.
+class IntendedContacts:
+    """The contacts that a task intends during an action.
 
     `handled` are the bodies that the fingers of each robot may touch; `resting` are pairs of bodies of which the first
     rests on the second before the action or after it.
@@ -56,8 +56,8 @@ class Asked:
     resting: frozenset[Pair]
 
 
-def asked(physical: PhysicalTask, number: int, *around: Situation) -> Asked:
-    """Return the contacts that a task asks for during an action, counted from 1; 0 is before the first.
+def intended_contacts(physical: PhysicalTask, number: int, *around: Situation) -> IntendedContacts:
+    """Return the contacts that a task intends during an action, counted from 1; 0 is before the first.
 
     `around` are the situations before and after it.
     """
@@ -69,17 +69,17 @@ def asked(physical: PhysicalTask, number: int, *around: Situation) -> Asked:
         if effect is not None and effect.robot in (None, robot):
             bodies |= {effect.grasps, effect.releases, effect.holds, effect.visits, *effect.turns}
         handled[robot] = frozenset(body for body in bodies if body is not None)
-    return Asked(handled, frozenset(pair for situation in around for pair in _resting(situation)))
+    return IntendedContacts(handled, frozenset(pair for situation in around for pair in _resting(situation)))
 
 
-def unasked(touches: Iterable[Touch], wanted: Asked) -> list[Touch]:
-    """Return the contacts of an action for which the task does not ask, of each two bodies the one with most force."""
+def unintended_contacts(touches: Iterable[Touch], intended: IntendedContacts) -> list[Touch]:
+    """Return the unintended contacts of an action, for each pair of bodies the strongest one."""
     found: dict[Pair, Touch] = {}
     for together in _frames(touches):
-        moved = _moved(together, wanted)
+        moved = _moved(together, intended)
         for touch in together:
             pair = (touch.one, touch.two)
-            if touch.force > GENTLE and not _is_asked(touch, moved, wanted):
+            if touch.force > GENTLE and not _is_intended(touch, moved, intended):
                 worst = found.get(pair)
                 found[pair] = touch if worst is None or touch.force > worst.force else worst
     return sorted(found.values(), key=lambda touch: touch.frame)
@@ -92,33 +92,33 @@ class _Moved(NamedTuple):
     riding: frozenset[str]
 
 
-def _moved(touches: Iterable[Touch], wanted: Asked) -> _Moved:
+def _moved(touches: Iterable[Touch], intended: IntendedContacts) -> _Moved:
     """Return what the robots move in a frame."""
     pairs = [pair for touch in touches for pair in ((touch.one, touch.two), (touch.two, touch.one))]
     touched = {two for one, two in pairs if _part(one)[0] in FINGERS and not _part(two)[0]} - {BOARD}
     riding = set(touched)
-    while more := {upper for upper, lower in wanted.resting if lower in riding} - riding:
+    while more := {upper for upper, lower in intended.resting if lower in riding} - riding:
         riding |= more
     return _Moved(frozenset(touched), frozenset(riding - touched))
 
 
-def _is_asked(touch: Touch, moved: _Moved, wanted: Asked) -> bool:
-    """Tell whether a task asks for a contact, or no robot has to do with it."""
+def _is_intended(touch: Touch, moved: _Moved, intended: IntendedContacts) -> bool:
+    """Return whether a contact is intended, or concerns no robot."""
     (part, robot), (other_part, other_robot) = _part(touch.one), _part(touch.two)
     if part and other_part:
         return False
     if part:
-        return part in FINGERS and touch.two in wanted.handled[robot]
+        return part in FINGERS and touch.two in intended.handled[robot]
     if other_part:
-        return other_part in FINGERS and touch.one in wanted.handled[other_robot]
+        return other_part in FINGERS and touch.one in intended.handled[other_robot]
     pair = {touch.one, touch.two}
     if pair.isdisjoint(moved.touched | moved.riding) or pair <= moved.riding:
         return True
-    return (touch.one, touch.two) in wanted.resting or (touch.two, touch.one) in wanted.resting
+    return (touch.one, touch.two) in intended.resting or (touch.two, touch.one) in intended.resting
 
 
 def _frames(touches: Iterable[Touch]) -> Iterator[Sequence[Touch]]:
-    """Yield contacts by their frames."""
+    """Yield the contacts of each frame."""
     frames: dict[int, list[Touch]] = {}
     for touch in touches:
         frames.setdefault(touch.frame, []).append(touch)
@@ -126,7 +126,7 @@ def _frames(touches: Iterable[Touch]) -> Iterator[Sequence[Touch]]:
 
 
 def _at_hand(fact: Fact, robot: str) -> bool:
-    """Tell whether a fact says that the gripper of a robot holds something or is at it."""
+    """Return whether a fact says that the gripper of a robot holds something or is at it."""
     return fact.value and fact.predicate.gripper in (Gripper.HOLDS, Gripper.AT) and fact.arguments[0] == robot
 
 
@@ -138,11 +138,11 @@ def _resting(situation: Situation) -> Iterator[Pair]:
 
 
 def _part(body: str) -> tuple[str, str]:
-    """Return which part of which robot a body is, two empty texts where it is of none."""
+    """Return the part and the robot of a body, two empty strings if it belongs to no robot."""
     part, _, robot = body.partition(" of ")
-    return (part, robot) if part in PARTS else ("", "")
+    return (part, robot) if part in ROBOT_PARTS else ("", "")
 
 
 def _named(body: str) -> str:
-    """Return how a sentence names a body."""
+    """Return the name of a body for a sentence."""
     return f"the {body}" if _part(body)[0] or body == BOARD else body

@@ -1,4 +1,4 @@
-"""What is recorded while the robot performs a task, as arrays that round-trip to a file."""
+"""Episodes: the arrays that are recorded while robots execute a task, which round-trip to a file."""
 
 from __future__ import annotations
 
@@ -13,18 +13,17 @@ from numpy.typing import NDArray
 
 from prag_asp.array_archive import BadArchive, read_arrays
 from prag_asp.errors import OutputError, QueryError
-from prag_asp.fields import shown
 from prag_asp.output import replace_file
 from prag_asp.physics.demonstration.contacts import Touch
 from prag_asp.physics.demonstration.footage import Footage, read_footage
 from prag_asp.physics.demonstration.packing import with_packed
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.witness import Arm
-from prag_asp.physics.witness_json import PARTS, VERSION
+from prag_asp.physics.witness import VERSION, Arm
 from prag_asp.safe_reading import open_binary
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.variation import Variation, variation_of
+from prag_asp.tables.report import shown
 
 Floats = NDArray[np.float32]
 Integers = NDArray[np.int32]
@@ -32,30 +31,27 @@ ARRAYS = ("times", "joints", "widths", "commands", "sizes", "poses", "openings",
 TEXTS = ("robots", "bodies", "objects", "furniture", "cause", "detail")
 
 VARIED = "varied"
-"""The text of what was drawn, which most recordings do not have."""
-
-OF_ROBOTS = ("joints", "widths", "commands")
-"""The arrays that have an axis of robots."""
+"""The name of the variation, as text, which most episodes do not have."""
 
 LARGEST_FILE, LARGEST = 1_000_000_000, 256_000_000
-"""Bytes of the file of a recording, and of its arrays but for pictures, which stay compressed."""
+"""The largest size in bytes of an episode's file, and of its arrays without camera images, which stay compressed."""
 
 FRAMES_A_SECOND = 20
 
 
 @dataclass(frozen=True, eq=False)
 class Demonstration:
-    """A recording at 20 Hz of a task being performed: T frames, O objects, F of them furniture, C contacts, R robots.
+    """An episode at 20 Hz: T frames of the execution of a task with O objects, F of them furniture, and R robots.
 
-    `times` (T,) in seconds; `joints` (T, R, 7) in radians, in the order of the names of `robots`; `widths` (T, R) how
-    far their grippers are open in metres; `commands` (T, R, 8) the joint angles and the opening that the motors drive
-    to. `sizes` (O, 3) the sides in metres of the bounding boxes of `objects`, `poses` (T, O, 7) their x, y, z in metres
-    and a quaternion x, y, z, w; `openings` (T, F) how far `furniture` is open in metres or radians;
-    `contacts` (C, 3) as the frame and the positions of two bodies in `bodies`, `forces` (C,) the largest normal force
-    between them since the frame before, in newtons. `ends` holds for each state of the
-    task that was reached the frame in which its facts were checked, the initial state first. `cause` is empty
-    where the task succeeded, otherwise one of `CAUSES`, and `detail` says what went wrong when. `footage` is what
-    cameras saw, where they were asked for, and `variation` what the world was, where that was to vary.
+    `times` (T,) are in seconds; `joints` (T, R, 7) in radians, in the order of `robots`; `widths` (T, R) the openings
+    of their grippers in metres; `commands` (T, R, 8) the targets of the motors, joint angles and opening. `sizes` (O,
+    3) are the sides in metres of the bounding boxes of `objects`, `poses` (T, O, 7) their x, y, z in metres and a
+    quaternion x, y, z, w; `openings` (T, F) how far `furniture` is open in metres or radians. `contacts` (C, 3) are a
+    frame and the indices of two bodies in `bodies`, `forces` (C,) the largest normal force between them since the frame
+    before, in newtons. `ends` has for each state of the task that was reached the frame in which its facts were
+    checked, the initial state first. `cause` is empty if the task succeeded, otherwise one of `CAUSES`, and `detail`
+    says what went wrong when. `footage` is what cameras saw, if any filmed, and `variation` how the world was varied,
+    if it was.
     """
 
     robots: tuple[str, ...]
@@ -83,7 +79,7 @@ class Demonstration:
         return not self.cause
 
     def __eq__(self, other: object) -> bool:
-        """Tell whether two recordings are the same, bit by bit."""
+        """Return whether two episodes are equal, bit by bit."""
         if not isinstance(other, Demonstration):
             return NotImplemented
         names = [each.name for each in fields(self) if each.name not in ("footage", "variation")]
@@ -92,8 +88,8 @@ class Demonstration:
 
     __hash__ = None  # type: ignore[assignment]
 
-    def sized(self, scene: Scene) -> Scene:
-        """Return a scene with the sizes of the recorded objects, and with what was drawn for them.
+    def sized_scene(self, scene: Scene) -> Scene:
+        """Return a scene with the sizes of the objects and the variation of the episode.
 
         Raises:
             SceneError: the scene does not allow one of them.
@@ -103,41 +99,43 @@ class Demonstration:
         return sized if self.variation is None else self.variation.applied(sized)
 
     def situation(self, scene: Scene, frame: int) -> Situation:
-        """Return what a frame shows, for predicates to check.
+        """Return the situation in a frame, for predicates.
 
         Raises:
             SceneError: the scene does not allow the size of an object.
         """
-        return situation_of(self.sized(scene), self.objects, self.poses[frame], self.opened(frame), self.arms(frame))
+        return situation_of(
+            self.sized_scene(scene), self.objects, self.poses[frame], self.openings_at(frame), self.arms(frame)
+        )
 
     def arms(self, frame: int) -> dict[str, Arm]:
         """Return the arms in a frame by the names of their robots."""
         rows = zip(self.robots, self.joints[frame].tolist(), self.widths[frame].tolist(), strict=True)
         return {name: Arm(tuple(angles), width) for name, angles, width in rows}
 
-    def opened(self, frame: int) -> dict[str, float]:
+    def openings_at(self, frame: int) -> dict[str, float]:
         """Return how far furniture is open in a frame, in metres or radians."""
         return dict(zip(self.furniture, self.openings[frame].tolist(), strict=True))
 
     def touches(self, first: int, last: int) -> Iterator[Touch]:
-        """Yield the contacts in the frames from one to another, which is included."""
+        """Yield the contacts in the frames from `first` to `last`, both included."""
         frames = self.contacts[:, 0]
         those = (frames >= first) & (frames <= last)
         for (frame, one, two), force in zip(self.contacts[those].tolist(), self.forces[those].tolist(), strict=True):
             yield Touch(frame, self.bodies[one], self.bodies[two], force)
 
     def save(self, path: Path) -> None:
-        """Write the recording whole as a compressed .npz file with its `version`; equal ones have equal bytes.
+        """Write the episode atomically as a compressed .npz file with a `version`; equal episodes give equal bytes.
 
         Raises:
             OutputError: the file cannot be written.
         """
         try:
-            replace_file(path, self.packed())
+            replace_file(path, self.to_bytes())
         except ValueError as error:
             raise OutputError(f"{path}: {error}") from None
 
-    def packed(self) -> bytes:
+    def to_bytes(self) -> bytes:
         """Return the content of the file that `save` writes.
 
         Raises:
@@ -151,28 +149,28 @@ class Demonstration:
         buffer = BytesIO()
         np.savez_compressed(buffer, **content)
         archive = buffer.getvalue()
-        return archive if self.footage is None else with_packed(archive, self.footage.packed())
+        return archive if self.footage is None else with_packed(archive, self.footage.packed_arrays())
 
     @classmethod
-    def load(cls, path: str | Path, robot: str = "panda", *, within: str | Path | None = None) -> Demonstration:
-        """Return the recording that `save` wrote, now or in the form before, in which a single `robot` had no name.
+    def load(cls, path: str | Path, *, within: str | Path | None = None) -> Demonstration:
+        """Return the episode that `save` wrote.
 
-        Where somebody else names the file, `within` is the folder that it has to lie in.
+        If the path comes from an untrusted source, `within` is the folder in which the file has to lie.
 
         Raises:
             QueryError: the file cannot be read, holds something else, or too much, or lies elsewhere.
         """
         try:
             with open_binary(path, within=within, at_most=LARGEST_FILE) as file:
-                return _read(file, Path(path), robot)
+                return _read(file, Path(path))
         except OSError as error:
             raise QueryError(f"{path}: cannot be read: {error.strerror or error}") from None
         except (BadArchive, ValueError) as error:
             raise QueryError(f"{path}: this is not a demonstration: {error}") from None
 
 
-def _read(file: BinaryIO, path: Path, robot: str) -> Demonstration:
-    """Return the recording in a file.
+def _read(file: BinaryIO, path: Path) -> Demonstration:
+    """Return the episode in a file.
 
     Raises:
         OSError: the file cannot be read.
@@ -181,10 +179,10 @@ def _read(file: BinaryIO, path: Path, robot: str) -> Demonstration:
     """
     content = read_arrays(file, ("version", *ARRAYS, *TEXTS, VARIED), LARGEST)
     if "version" not in content:
-        content = _upgraded(content, robot)
-    elif content["version"].shape != () or content["version"] != VERSION:
+        raise BadArchive("it has no version")
+    if content["version"].shape != () or content["version"] != VERSION:
         version = shown(content["version"].tolist())
-        raise QueryError(f"{path}: a recording of the version {version}; this program reads {VERSION}")
+        raise QueryError(f"{path}: an episode of the version {version}; this program reads {VERSION}")
     missing = [name for name in (*ARRAYS, *TEXTS) if name not in content]
     if missing:
         raise BadArchive(f"it has no {missing[0]}")
@@ -193,8 +191,8 @@ def _read(file: BinaryIO, path: Path, robot: str) -> Demonstration:
     return replace(found, footage=footage, variation=_variation(content.get(VARIED)))
 
 
-def drawn_for(path: str | Path, *, within: str | Path | None = None) -> Variation | None:
-    """Return what was drawn for the recording in a file, None where nothing was; nothing else of it is read.
+def read_variation(path: str | Path, *, within: str | Path | None = None) -> Variation | None:
+    """Return the variation of the episode in a file, None if it has none; nothing else is read.
 
     Raises:
         QueryError: the file cannot be read, or holds something else.
@@ -209,10 +207,10 @@ def drawn_for(path: str | Path, *, within: str | Path | None = None) -> Variatio
 
 
 def _variation(text: NDArray[Any] | None) -> Variation | None:
-    """Return what was drawn for a recording, None where nothing was.
+    """Return the variation of an episode from its text, None if there is none.
 
     Raises:
-        ValueError: it is of another form.
+        ValueError: the text has another form.
     """
     if text is None:
         return None
@@ -224,22 +222,10 @@ def _variation(text: NDArray[Any] | None) -> Variation | None:
         raise ValueError(str(error)) from None
 
 
-def _upgraded(content: Mapping[str, NDArray[Any]], robot: str) -> dict[str, NDArray[Any]]:
-    """Return the arrays of the form before in that of today: a single robot gets its axis, and its name."""
-    if "robots" in content:
-        return dict(content)
-    found = {**content, "robots": np.array([robot])}
-    found |= {name: content[name][:, None] for name in OF_ROBOTS if name in content and content[name].ndim > 0}
-    if "bodies" in content:
-        names = content["bodies"].ravel().tolist()
-        found["bodies"] = np.array([f"{name} of {robot}" if name in PARTS else name for name in names])
-    return found
-
-
 def situation_of(
     scene: Scene, objects: Sequence[str], poses: Floats, openings: Mapping[str, float], arms: Mapping[str, Arm]
 ) -> Situation:
-    """Return a situation from the poses of objects, shape (O, 7), and where the arms are.
+    """Return a situation from the poses of objects, shape (O, 7), and the states of the arms.
 
     `openings` say how far furniture is open, in metres or radians.
     """
@@ -254,10 +240,10 @@ def pose_of(row: list[float]) -> Pose:
 
 
 def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
-    """Return a recording from the arrays of a file.
+    """Return an episode from the arrays of a file.
 
     Raises:
-        ValueError: their shapes do not belong together, or they hold something else.
+        ValueError: their shapes do not match, or they have other contents.
     """
     _require_fitting(content)
     return Demonstration(
@@ -281,16 +267,16 @@ def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
 
 
 def _require_fitting(content: Mapping[str, NDArray[Any]]) -> None:
-    """Check that the arrays of a recording belong together.
+    """Check that the shapes and types of an episode's arrays match.
 
     Raises:
-        ValueError: they do not, or they hold something else.
+        ValueError: they do not.
     """
     for name in ("times", "forces", "ends", "robots", "bodies", "objects", "furniture"):
         if content[name].ndim != 1:
             raise ValueError(f"{name} has the shape {content[name].shape}; it has to be a list")
     frames, touches, robots = len(content["times"]), len(content["forces"]), len(content["robots"])
-    wanted = {
+    shapes = {
         "times": (frames,),
         "joints": (frames, robots, 7),
         "widths": (frames, robots),
@@ -302,7 +288,7 @@ def _require_fitting(content: Mapping[str, NDArray[Any]]) -> None:
         "forces": (touches,),
         "ends": (len(content["ends"]),),
     }
-    for name, shape in wanted.items():
+    for name, shape in shapes.items():
         if content[name].shape != shape:
             raise ValueError(f"{name} has the shape {content[name].shape} in place of {shape}")
         kinds = "iu" if name in ("contacts", "ends") else "iuf"

@@ -1,4 +1,4 @@
-"""Tell the motors of the arms what to drive to, step by step, and let every frame be recorded."""
+"""Drive the motors of the arms step by step, and record every frame."""
 
 from __future__ import annotations
 
@@ -9,55 +9,55 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.physics.demonstration.recording import FRAME_STEPS, Recorder
-from prag_asp.physics.world.dynamics import STILL, TIME_STEP, Command, Dynamics
+from prag_asp.physics.world.dynamics import STILL, TIME_STEP, ArmCommand, Dynamics
 from prag_asp.scene.robots import Joints
 
 LONGEST_REST = 0.5
-"""Seconds after which things count as at rest though they move, such as a ball that rolls."""
+"""The longest time to wait for objects to come to rest, in seconds: a ball may roll on."""
 
 FINGER_SPEED = 0.16
-"""How fast a gripper opens or closes, in metres a second."""
+"""The speed of opening or closing a gripper, in metres a second."""
 
 
 class Driver:
-    """Drives the arms of a world; those that are not told to move hold their places by their motors."""
+    """Drives the arms of a simulation; those without a new target hold their position."""
 
-    def __init__(self, world: Dynamics, recorder: Recorder, commands: Mapping[str, Command]):
+    def __init__(self, world: Dynamics, recorder: Recorder, commands: Mapping[str, ArmCommand]):
         self._world, self._recorder = world, recorder
         self._commands = dict(commands)
         self._steps = 0
         self._still = False
         for robot, command in commands.items():
-            self._tell(robot, command)
+            self._command(robot, command)
         recorder.frame(self._commands)
 
     def joints(self, robot: str) -> Joints:
-        """Return the joint angles in radians that the motors of an arm drive to."""
+        """Return the target joint angles of an arm in radians."""
         return self._commands[robot].joints
 
     def opening(self, robot: str) -> float:
-        """Return the opening in metres that the motors of a gripper drive to."""
+        """Return the target opening of a gripper in metres."""
         return self._commands[robot].opening
 
     def move(self, robot: str, angles: NDArray[np.float64]) -> None:
-        """Move an arm through the joint angles of every time step, shape (steps, 7)."""
-        begun, opening = self._commands[robot]
-        speeds = np.diff(angles, axis=0, prepend=np.array([begun])) / TIME_STEP
+        """Move an arm along a path with the joint angles of every time step, shape (steps, 7)."""
+        start, opening = self._commands[robot]
+        speeds = np.diff(angles, axis=0, prepend=np.array([start])) / TIME_STEP
         for row, speed in zip(angles.tolist(), speeds.tolist(), strict=True):
-            self._tell(robot, Command(tuple(row), opening), speed)
+            self._command(robot, ArmCommand(tuple(row), opening), speed)
             self._step()
-        self._tell(robot, self._commands[robot])
+        self._command(robot, self._commands[robot])
 
     def move_fingers(self, robot: str, opening: float) -> None:
         """Move the fingers of an arm to an opening in metres, at `FINGER_SPEED`."""
-        joints, begun = self._commands[robot]
-        steps = math.ceil(abs(opening - begun) / FINGER_SPEED / TIME_STEP)
+        joints, start = self._commands[robot]
+        steps = math.ceil(abs(opening - start) / FINGER_SPEED / TIME_STEP)
         for i in range(1, steps + 1):
-            self._tell(robot, Command(joints, begun + i / steps * (opening - begun)))
+            self._command(robot, ArmCommand(joints, start + i / steps * (opening - start)))
             self._step()
 
     def rest(self) -> None:
-        """Let time pass until nothing moves, `LONGEST_REST` at most; then a frame ends."""
+        """Simulate until nothing moves, at most `LONGEST_REST`; a frame ends then."""
         for _ in range(round(LONGEST_REST / TIME_STEP / FRAME_STEPS)):
             self._step()
             while self._steps % FRAME_STEPS:
@@ -65,13 +65,13 @@ class Driver:
             if self._still:
                 return
 
-    def _tell(self, robot: str, command: Command, speeds: Sequence[float] = STILL) -> None:
-        """Tell the motors of an arm what to drive to, with speeds of the joints in radians a second."""
+    def _command(self, robot: str, command: ArmCommand, speeds: Sequence[float] = STILL) -> None:
+        """Set the targets of an arm's motors, with target speeds of the joints in rad/s."""
         self._commands[robot] = command
         self._world.drive(robot, command, speeds)
 
     def _step(self) -> None:
-        """Let one time step pass, and record every frame."""
+        """Simulate one time step, and record a frame if one ends."""
         self._world.step()
         self._recorder.step()
         self._steps += 1

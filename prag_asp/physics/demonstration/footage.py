@@ -1,4 +1,4 @@
-"""What cameras see while a robot performs a task, and what its hands do meanwhile."""
+"""The films of an episode: camera images, and the motion of the grippers between them."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from prag_asp.array_archive import BadArchive, read_arrays
 from prag_asp.physics.demonstration.packing import Packed, read_packed
 
 RGB, DEPTH = "u1", "<f2"
-"""How the pictures are stored: a depth keeps eleven bits, so that 1 m is right to half a millimetre."""
+"""The types of stored images: a depth has eleven significant bits, which is half a millimetre at 1 m."""
 
 BYTES = 256
 
 NOTHING = "nothing"
-"""What the legend calls what is no entity: all around the table."""
+"""The name in the legend for pixels that show no entity."""
 
 LISTS = ("frames", "tools", "deltas", "grippers", "subgoals", "legend", "cameras")
 OF_CAMERA = ("intrinsics", "extrinsics", "limits")
@@ -26,14 +26,14 @@ PIXEL_LIMIT = 4096
 
 
 def segmentation_type(legend: Sequence[str]) -> str:
-    """Return how positions in a legend are stored."""
+    """Return the data type for indices into a legend."""
     return "u1" if len(legend) <= BYTES else "<u2"
 
 
 class Picture(NamedTuple):
-    """What a camera sees at a moment: `rgb` (H, W, 3), `depth` (H, W) in metres, `segmentation` (H, W).
+    """A camera image: `rgb` (H, W, 3), `depth` (H, W) in metres, `segmentation` (H, W).
 
-    The depth is along the axis of the camera, 0 where there is nothing; the segmentation is positions in the legend.
+    The depth is along the axis of the camera, 0 if there is nothing; the segmentation has indices into the legend.
     """
 
     rgb: NDArray[np.uint8]
@@ -43,10 +43,10 @@ class Picture(NamedTuple):
 
 @dataclass(frozen=True)
 class Film:
-    """What one camera saw, N pictures of H x W pixels: see `Picture`.
+    """The film of one camera: N images of H x W pixels, see `Picture`.
 
     `intrinsics` (3, 3) has fx, fy, cx and cy in pixels; `extrinsics` (N, 4, 4) the pose of the camera in the scene in
-    metres, its axes to the right of the picture, down and ahead; `limits` (2,) how near and how far it sees, in metres.
+    metres, with x to the right, y down and z ahead; `limits` (2,) the near and far plane in metres.
     """
 
     intrinsics: NDArray[np.float32]
@@ -56,32 +56,32 @@ class Film:
 
     @property
     def size(self) -> tuple[int, int]:
-        """Width and height of a picture in pixels."""
+        """Width and height of an image in pixels."""
         _, height, width = self.packed[1].shape
         return width, height
 
     @property
     def rgb(self) -> NDArray[np.uint8]:
-        """All pictures, shape (N, H, W, 3)."""
+        """All colour images, shape (N, H, W, 3)."""
         return self.packed[0].array()
 
     @property
     def depth(self) -> NDArray[np.float16]:
-        """All depths in metres, shape (N, H, W)."""
+        """All depth images in metres, shape (N, H, W)."""
         return self.packed[1].array()
 
     @property
     def segmentation(self) -> NDArray[np.unsignedinteger[Any]]:
-        """Which entity each pixel shows, as positions in the legend, shape (N, H, W)."""
+        """The entity of each pixel as an index into the legend, shape (N, H, W)."""
         return self.packed[2].array()
 
     def pictures(self) -> Iterator[Picture]:
-        """Yield the pictures in turn, of which only one is unpacked at a time."""
+        """Yield the images in turn, unpacking one at a time."""
         for rgb, depth, segmentation in zip(*(each.rows() for each in self.packed), strict=True):
             yield Picture(rgb, depth, segmentation)
 
     def __eq__(self, other: object) -> bool:
-        """Tell whether two films are the same, bit by bit."""
+        """Return whether two films are equal, bit by bit."""
         if not isinstance(other, Film):
             return NotImplemented
         same = all(np.array_equal(getattr(self, name), getattr(other, name)) for name in OF_CAMERA)
@@ -92,13 +92,12 @@ class Film:
 
 @dataclass(frozen=True, eq=False)
 class Footage:
-    """The films of a recording, by the names of the cameras, and what its R robots do in each of the N pictures.
+    """The films of an episode, by the names of the cameras, and the motion of its R robots at each of the N images.
 
-    `frames` (N,) are the frames of the recording that are shown; `tools` (N, R, 7) the poses of the points between the
-    finger tips as x, y, z in metres and a quaternion x, y, z, w; `deltas` (N, R, 6) how they move until the next
-    picture: metres along the axes of the scene, and a rotation vector in radians, about those too; `grippers` (N, R)
-    how far they are open in metres; `subgoals` (N,) which of the task's subgoals is being worked for, 0 the first.
-    `legend` says what the numbers of the segmentation mean.
+    `frames` (N,) are the filmed frames of the episode; `tools` (N, R, 7) the tool poses as x, y, z in metres and a
+    quaternion x, y, z, w; `deltas` (N, R, 6) the motion of the tools until the next image: a translation in metres and
+    a rotation vector in radians, both along the axes of the scene; `grippers` (N, R) the openings in metres; `subgoals`
+    (N,) the index of the current subgoal. `legend` has the names for the numbers of the segmentation.
     """
 
     frames: NDArray[np.int32]
@@ -110,7 +109,7 @@ class Footage:
     films: Mapping[str, Film]
 
     def __eq__(self, other: object) -> bool:
-        """Tell whether two are the same, bit by bit."""
+        """Return whether two footages are equal, bit by bit."""
         if not isinstance(other, Footage):
             return NotImplemented
         names = [each.name for each in fields(self) if each.name != "films"]
@@ -120,15 +119,15 @@ class Footage:
     __hash__ = None  # type: ignore[assignment]
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """Return the arrays of a file that are small."""
+        """Return the small arrays of the file."""
         found: dict[str, NDArray[Any]] = {name: getattr(self, name) for name in LISTS[:5]}
         found |= {"legend": np.array(self.legend), "cameras": np.array(tuple(self.films))}
         for name, film in self.films.items():
             found |= {f"{name}/{each}": getattr(film, each) for each in OF_CAMERA}
         return found
 
-    def packed(self) -> dict[str, Packed]:
-        """Return the arrays of a file that are large."""
+    def packed_arrays(self) -> dict[str, Packed]:
+        """Return the large arrays of the file, compressed."""
         return {
             f"{name}/{what}": packed
             for name, film in self.films.items()
@@ -137,14 +136,14 @@ class Footage:
 
 
 def read_footage(file: BinaryIO, frames: int, robots: int, at_most: int) -> Footage | None:
-    """Return the films of a recording with so many frames and robots, None where it has none.
+    """Return the films of an episode with a number of frames and robots, None if it has none.
 
-    `at_most` bounds the bytes of what is not pictures.
+    `at_most` limits the bytes of the arrays without images.
 
     Raises:
         OSError: the file cannot be read.
-        BadArchive: they are of another form.
-        ValueError: they do not fit the recording.
+        BadArchive: the films have another form.
+        ValueError: they do not match the episode.
     """
     lists = read_arrays(file, LISTS, at_most)
     if not lists:
@@ -157,14 +156,14 @@ def read_footage(file: BinaryIO, frames: int, robots: int, at_most: int) -> Foot
             raise ValueError(f"{name} has to hold a list of names")
     legend, cameras = (tuple(map(str, lists[name].tolist())) for name in ("legend", "cameras"))
     count = len(lists["frames"]) if lists["frames"].ndim == 1 else -1
-    wanted = {
+    required = {
         "frames": ((count,), "iu"),
         "tools": ((count, robots, 7), "f"),
         "deltas": ((count, robots, 6), "f"),
         "grippers": ((count, robots), "f"),
         "subgoals": ((count,), "iu"),
     }
-    _require(lists, wanted)
+    _require(lists, required)
     if count < 1 or not 0 <= lists["frames"].min() <= lists["frames"].max() < frames:
         raise ValueError(f"frames has to hold numbers of frames; it has {frames} frames")
     return Footage(
@@ -182,15 +181,15 @@ def _film(file: BinaryIO, camera: str, count: int, segmented: str, at_most: int)
     """Return the film of one camera.
 
     Raises:
-        BadArchive: it is of another form.
-        ValueError: it does not fit the others.
+        BadArchive: it has another form.
+        ValueError: it does not match the others.
     """
     names = [f"{camera}/{name}" for name in OF_CAMERA]
     found = read_arrays(file, names, at_most)
     shapes = [(3, 3), (count, 4, 4), (2,)]
     _require(found, {name: (shape, "f") for name, shape in zip(names, shapes, strict=True)})
     intrinsics, extrinsics, limits = (found[name].astype(np.float32) for name in names)
-    # The middle of a picture is half its sides.
+    # The principal point is the centre of the image.
     width, height = (round(2 * float(intrinsics[i, 2])) for i in (0, 1))
     if not (0 < width <= PIXEL_LIMIT and 0 < height <= PIXEL_LIMIT):
         raise ValueError(f"{camera}/intrinsics tells of pictures of {width} x {height} pixels")
@@ -201,14 +200,14 @@ def _film(file: BinaryIO, camera: str, count: int, segmented: str, at_most: int)
     return Film(intrinsics, extrinsics, limits, (rgb, depth, segmentation))
 
 
-def _require(found: Mapping[str, NDArray[Any]], wanted: Mapping[str, tuple[tuple[int, ...], str]]) -> None:
-    """Check shapes and kinds of arrays.
+def _require(found: Mapping[str, NDArray[Any]], required: Mapping[str, tuple[tuple[int, ...], str]]) -> None:
+    """Check the shapes and types of arrays.
 
     Raises:
         BadArchive: one is missing.
-        ValueError: one is of another shape or kind.
+        ValueError: one has another shape or type.
     """
-    for name, (shape, kinds) in wanted.items():
+    for name, (shape, kinds) in required.items():
         if name not in found:
             raise BadArchive(f"it has no {name}")
         if found[name].shape != shape:

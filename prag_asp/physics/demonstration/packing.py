@@ -1,7 +1,7 @@
-"""Arrays that are compressed while they come, and go into an archive of arrays as they are.
+"""Arrays that are compressed row by row, and written into a .npz archive without decompression.
 
-A film is much larger than what it becomes: so each picture is compressed when it is there, and never unpacked on its
-way to the file. The parts of an archive are written as PKWARE's APPNOTE (6.3.10, 4.3.7, 4.3.12 and 4.3.16) tells.
+An uncompressed film is large, so each image is compressed when it is taken. The format of the archive's parts is that
+of PKWARE's APPNOTE (6.3.10, 4.3.7, 4.3.12 and 4.3.16).
 """
 
 from __future__ import annotations
@@ -23,21 +23,21 @@ from prag_asp.array_archive import SUFFIX, BadArchive
 from prag_asp.errors import QueryError
 
 LEVEL = 1
-"""Of compression: the sixth makes pictures a fifth smaller, and takes four times as long."""
+"""The level of compression: level 6 makes images a fifth smaller, and takes four times as long."""
 
 RAW = -15
-"""What zlib calls a stream without a head, as archives have them."""
+"""The window size for a raw zlib stream without a header, as archives have them."""
 
 LOCAL, CENTRAL, END = struct.Struct("<4s5H3L2H"), struct.Struct("<4s6H3L5H2L"), struct.Struct("<4s4H2LH")
 VERSION, UTF8, DEFLATED, FIRST_DAY = 20, 1 << 11, 8, 33
 LARGEST = 2**32 - 1
 PIECE = 1 << 16
-BROKEN = "the pictures of a recording were cut off or changed; record it anew"
+BROKEN = "the pictures of an episode were cut off or changed; record it anew"
 
 
 @dataclass(frozen=True)
 class Packed:
-    """An array of N rows of a shape, as the compressed stream of a .npy file with its checksum and its size."""
+    """An array of N rows as the compressed stream of a .npy file, with its checksum and uncompressed size."""
 
     count: int
     row: tuple[int, ...]
@@ -52,7 +52,7 @@ class Packed:
         return (self.count, *self.row)
 
     def rows(self) -> Iterator[NDArray[Any]]:
-        """Yield one row after the other; only one is unpacked at a time.
+        """Yield the rows, unpacking one at a time.
 
         Raises:
             QueryError: the stream was cut off or changed.
@@ -77,7 +77,7 @@ class Packed:
 
 
 class Packer:
-    """Packs an array of a known number of rows, one after the other."""
+    """Compresses an array of a known number of rows, row by row."""
 
     def __init__(self, count: int, row: tuple[int, ...], dtype: str):
         self._shape, self._kind = (count, *row), np.dtype(dtype)
@@ -87,12 +87,12 @@ class Packer:
         self._take(_head(self._shape, self._kind))
 
     def add(self, row: NDArray[Any]) -> None:
-        """Pack the next row."""
+        """Add the next row."""
         assert row.shape == self._shape[1:] and row.dtype == self._kind
         self._take(np.ascontiguousarray(row).tobytes())
 
     def finish(self) -> Packed:
-        """Return the array, whose rows are all there."""
+        """Return the array, once all rows have been added."""
         self._pieces.append(self._compressor.flush())
         count, *row = self._shape
         return Packed(count, tuple(row), self._kind.str, b"".join(self._pieces), self._checksum, self._size)
@@ -103,21 +103,21 @@ class Packer:
 
 
 def with_packed(archive: bytes, arrays: Mapping[str, Packed]) -> bytes:
-    """Return an archive that has more arrays, by their names.
+    """Return an archive with more arrays, by their names.
 
     Raises:
-        ValueError: it would be larger than archives of this kind can be, 4 GB.
+        ValueError: it would exceed the limit of such archives, 4 GB.
     """
     signature, disc, first, _, entries, size, begin, _ = END.unpack(archive[-END.size :])
     head, directory = archive[:begin], archive[begin : begin + size]
     pieces, at = [head], len(head)
     for name, packed in arrays.items():
         file = f"{name}{SUFFIX}".encode()
-        told = (VERSION, UTF8, DEFLATED, 0, FIRST_DAY, packed.checksum, len(packed.stream), packed.size, len(file), 0)
+        fields = (VERSION, UTF8, DEFLATED, 0, FIRST_DAY, packed.checksum, len(packed.stream), packed.size, len(file), 0)
         if max(at, packed.size) + len(packed.stream) > LARGEST:
             raise ValueError("it is larger than 4 GB; film fewer, smaller or rarer pictures")
-        local = LOCAL.pack(b"PK\3\4", *told) + file
-        directory += CENTRAL.pack(b"PK\1\2", VERSION, *told, 0, 0, 0, 0, at) + file
+        local = LOCAL.pack(b"PK\3\4", *fields) + file
+        directory += CENTRAL.pack(b"PK\1\2", VERSION, *fields, 0, 0, 0, 0, at) + file
         pieces += [local, packed.stream]
         at += len(local) + len(packed.stream)
     entries += len(arrays)
@@ -125,7 +125,7 @@ def with_packed(archive: bytes, arrays: Mapping[str, Packed]) -> bytes:
 
 
 def read_packed(file: BinaryIO, names: Mapping[str, tuple[tuple[int, ...], str]]) -> dict[str, Packed]:
-    """Return arrays of an archive without unpacking them, by their names, each with the shape and type it has to have.
+    """Return arrays of an archive without unpacking them; `names` has their required shapes and types.
 
     Raises:
         OSError: the file cannot be read.
@@ -169,7 +169,7 @@ def _packed(
 
 
 def _head(shape: tuple[int, ...], kind: np.dtype[Any]) -> bytes:
-    """Return how a .npy file of an array begins."""
+    """Return the header of the .npy file of an array."""
     buffer = BytesIO()
     npy.write_array_header_1_0(
         buffer, {"descr": npy.dtype_to_descr(kind), "fortran_order": False, "shape": tuple(shape)}
@@ -178,26 +178,26 @@ def _head(shape: tuple[int, ...], kind: np.dtype[Any]) -> bytes:
 
 
 def _unpacked(packed: Packed, head: int, length: int) -> Iterator[bytes]:
-    """Yield what the stream of an array holds: its head, then its rows, each of a length in bytes.
+    """Yield the header of an array's stream, then its rows, each of a length in bytes.
 
     Raises:
         QueryError: it was cut off or changed.
     """
     decompressor, rest, at, found = zlib.decompressobj(RAW), b"", 0, 0
     try:
-        for wanted in (head, *repeat(length, packed.count)):
-            held = bytearray()
-            while len(held) < wanted:
+        for needed in (head, *repeat(length, packed.count)):
+            content = bytearray()
+            while len(content) < needed:
                 if not rest:
                     rest = packed.stream[at : at + PIECE]
                     at += PIECE
-                piece = decompressor.decompress(rest, wanted - len(held))
+                piece = decompressor.decompress(rest, needed - len(content))
                 if not piece and not rest:
                     raise QueryError(BROKEN)
                 rest = decompressor.unconsumed_tail
-                held += piece
-            found = zlib.crc32(held, found)
-            yield bytes(held)
+                content += piece
+            found = zlib.crc32(content, found)
+            yield bytes(content)
         beyond = decompressor.decompress(rest + packed.stream[at:], 1)
     except zlib.error as error:
         raise QueryError(BROKEN) from error

@@ -1,4 +1,4 @@
-"""Let the robots perform a task in a world with forces, as a witness shows it, and judge every state."""
+"""Execute a witness in a dynamic simulation, and check every state and contact."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 
-from prag_asp.physics.demonstration.acting import Actor, Stopped
-from prag_asp.physics.demonstration.contacts import Asked, asked, unasked
+from prag_asp.physics.demonstration.acting import Actor, PerformanceFailed
+from prag_asp.physics.demonstration.contacts import IntendedContacts, intended_contacts, unintended_contacts
 from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.demonstration.planning import Action
 from prag_asp.physics.demonstration.recording import Recorder
@@ -24,7 +24,7 @@ from prag_asp.task import Task
 
 
 class Performer:
-    """Performs witnesses in one world with forces; use `open_performer`, which closes it."""
+    """Executes witnesses in one dynamic simulation; use `open_performer`, which closes it."""
 
     def __init__(self, world: Dynamics, planner: Simulator):
         self._scene = world.scene
@@ -32,12 +32,10 @@ class Performer:
         self._planner = planner
 
     def perform(self, physical: PhysicalTask, witness: Witness, variation: Variation | None = None) -> Demonstration:
-        """Return the recording of a task as it is performed from the first state of a witness.
+        """Return the episode of executing a task from the initial state of a witness, in a varied world if requested.
 
-        The world is as was drawn for it, if anything was.
-
-        No contact may press for which the task does not ask, and after every action each fact of the state has to pass
-        its predicate's check; otherwise the recording ends there, with the cause.
+        There must be no unintended contacts, and after every action each fact of the state has to hold; otherwise the
+        episode ends there, with the cause.
         """
         scene, first = self._scene.with_sizes(witness.sizes), witness.moments[0]
         self._planner.use(scene)
@@ -46,17 +44,17 @@ class Performer:
         actor = Actor(self._world, self._planner, recorder, first)
         try:
             actor.rest()
-            seen = recorder.end_state()
-            _judge_contacts(asked(physical, 0, seen), recorder, "the start")
-            _judge(physical.initial, seen, "the start")
+            situation = recorder.end_state()
+            _judge_contacts(intended_contacts(physical, 0, situation), recorder, "the start")
+            _judge(physical.initial, situation, "the start")
             for k, effect in enumerate(physical.effects):
                 before, after = witness.moments[k : k + 2]
                 actor.act(Action(effect, before, after, witness.motions[k]))
                 actor.rest()
-                begun, seen = seen, recorder.end_state()
-                _judge_contacts(asked(physical, k + 1, begun, seen), recorder, str(effect.action))
-                _judge(effect.after, seen, str(effect.action))
-        except Stopped as stopped:
+                previous, situation = situation, recorder.end_state()
+                _judge_contacts(intended_contacts(physical, k + 1, previous, situation), recorder, str(effect.action))
+                _judge(effect.after, situation, str(effect.action))
+        except PerformanceFailed as stopped:
             cause, detail = stopped.args
             return replace(recorder.finish(cause, detail), variation=variation)
         return replace(recorder.finish(), variation=variation)
@@ -66,39 +64,39 @@ def _judge(facts: tuple[Fact, ...], situation: Situation, after: str) -> None:
     """Check the facts of a state.
 
     Raises:
-        Stopped: one does not hold.
+        PerformanceFailed: a fact does not hold.
     """
-    broken = [fact for fact in facts if not fact.satisfied(situation)]
+    broken = [fact for fact in facts if not fact.is_satisfied(situation)]
     lost = [fact for fact in broken if fact.predicate.gripper is Gripper.HOLDS and fact.value]
     if broken:
         worst = (lost or broken)[0]
-        raise Stopped(LOST if lost else NOT_REACHED, f"after {after} it does not hold that {worst.sentence()}")
+        raise PerformanceFailed(
+            LOST if lost else NOT_REACHED, f"after {after} it does not hold that {worst.sentence()}"
+        )
 
 
-def _judge_contacts(wanted: Asked, recorder: Recorder, during: str) -> None:
-    """Check the contacts of the action that has ended.
+def _judge_contacts(intended: IntendedContacts, recorder: Recorder, during: str) -> None:
+    """Check the contacts of the last action.
 
     Raises:
-        Stopped: two bodies have pressed on each other for which the task does not ask.
+        PerformanceFailed: a contact was not intended.
     """
-    for touch in unasked(recorder.touches(), wanted)[:1]:
-        raise Stopped(PRESSED, f"during {during} {touch.sentence()}")
+    for touch in unintended_contacts(recorder.touches(), intended)[:1]:
+        raise PerformanceFailed(PRESSED, f"during {during} {touch.sentence()}")
 
 
 @contextmanager
 def open_performer(scene: Scene, planner: Simulator) -> Iterator[Performer]:
-    """Open a world to perform witnesses in, and close it afterwards; `planner` finds the paths of the arms."""
+    """Open a simulation to execute witnesses, and close it afterwards; `planner` is used to plan paths."""
     with open_dynamics(scene) as world:
         yield Performer(world, planner)
 
 
 def demonstrate(task: Task, witness: Witness, scene: Scene, variation: Variation | None = None) -> Demonstration:
-    """Return the recording of the robots performing a task from the first state of a witness.
-
-    The world is as was drawn for it, if anything was.
+    """Return the episode of executing a task from the initial state of a witness, in a varied world if requested.
 
     Raises:
-        SceneError: the task speaks about something for which the scene has no shape.
+        SceneError: the task names an entity that has no shape.
     """
     with open_simulator(scene) as planner, open_performer(scene, planner) as performer:
         return performer.perform(physical_task(task, scene), witness, variation)

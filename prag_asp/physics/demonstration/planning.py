@@ -1,7 +1,7 @@
-"""Plan the ways of an arm between the waypoints of a witness, from where things really are.
+"""Plan the paths of an arm between the waypoints of a witness from the actual poses of the objects.
 
-The robot sees where the objects are: it grasps each as the witness does, from where it really stands, and puts it
-where the witness has it, however it lies in the hand. So small errors do not add up.
+The robot knows where the objects are: it grasps each as in the witness, at its actual pose, and places it where the
+witness has it, whatever its actual grasp. So small errors do not accumulate.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.motion.route import Grip, Load, free_path, grip_of, pulled, straight, vertical
-from prag_asp.physics.motion.trajectory import limits_of, timed
-from prag_asp.physics.robot.kinematics import adjusted, tool_pose
+from prag_asp.physics.motion.route import carry_object, free_path, grasp_of, is_vertical, pull_path, straight_path
+from prag_asp.physics.motion.trajectory import joint_limits, time_path
+from prag_asp.physics.robot.kinematics import adjust_joints, tool_pose
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.symbolic_facts import Effect
+from prag_asp.physics.symbolic_facts import ActionEffect
 from prag_asp.physics.witness import TRANSIT, Arm, Moment, Waypoint
 from prag_asp.physics.world.dynamics import TIME_STEP
 from prag_asp.physics.world.simulator import Simulator
@@ -29,9 +29,9 @@ LARGEST_TURN = 0.3
 
 @dataclass(frozen=True)
 class Action:
-    """An action as a witness shows it: what it brings about, the moments before and after, the waypoints between."""
+    """An action of a witness: its effect, the moments before and after it, and the waypoints between."""
 
-    effect: Effect
+    effect: ActionEffect
     before: Moment
     after: Moment
     motion: tuple[Waypoint, ...]
@@ -39,9 +39,9 @@ class Action:
 
 @dataclass(frozen=True)
 class Leg:
-    """A part of an action: a waypoint, the way there as far as the witness has one, the object that the arm goes to.
+    """A part of an action: a waypoint, the transit path to it in the witness, and the object that the arm goes to.
 
-    `start` are the joint angles with which the witness has the arm begin.
+    `start` are the joint angles of the arm in the witness at its begin.
     """
 
     waypoint: Waypoint
@@ -50,7 +50,7 @@ class Leg:
     target: str | None
 
 
-def legs(action: Action) -> Iterator[Leg]:
+def action_legs(action: Action) -> Iterator[Leg]:
     """Yield the parts of an action."""
     way: list[Joints] = []
     planned = {name: arm.joints for name, arm in action.before.arms.items()}
@@ -63,44 +63,45 @@ def legs(action: Action) -> Iterator[Leg]:
         planned[waypoint.robot], way = waypoint.joints, []
 
 
-def planned_way(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, action: Action) -> Angles | None:
-    """Return the joint angles of every time step on a way, shape (steps, 7); None where no free one is found.
+def plan_path(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, action: Action) -> Angles | None:
+    """Return the joint angles of every time step on a path, shape (steps, 7); None if no free one is found.
 
-    It is straight up or down, the one of the witness, or another that is free. `situation` is what is seen now, `arm`
-    what the motors hold.
+    The path is straight up or down, that of the witness, or another free one. `situation` is the actual one, `arm` the
+    target of the motors.
     """
     robot, waypoint = planner.robot, leg.waypoint
-    if vertical(robot, leg.start, waypoint.joints):
+    if is_vertical(robot, leg.start, waypoint.joints):
         height = tool_pose(robot, waypoint.joints).position[2] - tool_pose(robot, leg.start).position[2]
         tool = raised(tool_pose(robot, arm.joints), height)
-        goal = adjusted(robot, tool, waypoint.joints) or waypoint.joints
-        path = straight(robot, arm.joints, goal) or [arm.joints, goal]
-        return timed(path, TIME_STEP, limits_of(robot))
+        goal = adjust_joints(robot, tool, waypoint.joints) or waypoint.joints
+        path = straight_path(robot, arm.joints, goal) or [arm.joints, goal]
+        return time_path(path, TIME_STEP, joint_limits(robot))
     tool = _corrected(leg, tool_pose(robot, waypoint.joints), situation, action)
-    goal = adjusted(robot, tool, waypoint.joints) or waypoint.joints
-    load = Load(situation.arm(waypoint.robot).width, _seen_grip(situation, waypoint.robot, arm.held))
-    if not leg.way:
-        return free_path(planner, situation, load, arm.joints, goal, TIME_STEP)
-    return timed(_along(arm, leg, goal), TIME_STEP, load.limits(robot))
+    goal = adjust_joints(robot, tool, waypoint.joints) or waypoint.joints
+    if leg.way:
+        return time_path(_along(arm, leg, goal), TIME_STEP, joint_limits(robot, loaded=arm.held is not None))
+    grasp = _measured_grasp(situation, waypoint.robot, arm.held)
+    loaded = carry_object(arm, situation.arm(waypoint.robot).width, arm.held, grasp)
+    return free_path(planner, situation, loaded, goal, TIME_STEP)
 
 
-def pulling_way(planner: Simulator, situation: Situation, arm: Arm, furniture: str, opening: float) -> Angles:
-    """Return the joint angles of every time step on which an arm moves furniture, shape (steps, 7).
+def plan_pull(planner: Simulator, situation: Situation, arm: Arm, furniture: str, opening: float) -> Angles:
+    """Return the joint angles of every time step for moving furniture to an opening, shape (steps, 7).
 
-    `opening` is how far it shall be open, in metres or radians.
+    `opening` is in metres or radians.
     """
     grip = compose(invert(situation.part(furniture)), tool_pose(planner.robot, arm.joints))
-    path = pulled(planner.robot, situation, furniture, grip, opening, arm.joints)
-    return timed(path, TIME_STEP, limits_of(planner.robot, loaded=True))
+    path = pull_path(planner.robot, situation, furniture, grip, opening, arm.joints)
+    return time_path(path, TIME_STEP, joint_limits(planner.robot, loaded=True))
 
 
-def _seen_grip(situation: Situation, robot: str, held: str | None) -> Grip | None:
-    """Return what a gripper holds, as it really lies in it."""
-    return None if held is None else Grip(held, compose(invert(situation.tool(robot)), situation.poses[held]))
+def _measured_grasp(situation: Situation, robot: str, held: str | None) -> Pose | None:
+    """Return the grasp of the object that a gripper holds as it is in a situation, None if it holds none."""
+    return None if held is None else compose(invert(situation.tool(robot)), situation.poses[held])
 
 
 def _along(arm: Arm, leg: Leg, goal: Joints) -> list[Joints]:
-    """Return the way of the witness, from where the arm is to a goal: the small differences are spread over it."""
+    """Return the path of the witness from the actual state of the arm to a goal, with the differences interpolated."""
     first, last = np.subtract(arm.joints, leg.start), np.subtract(goal, leg.waypoint.joints)
     shares = np.linspace(0.0, 1.0, len(leg.way) + 2)[1:-1, None]
     between = np.array(leg.way) + (1 - shares) * first + shares * last
@@ -108,19 +109,19 @@ def _along(arm: Arm, leg: Leg, goal: Joints) -> list[Joints]:
 
 
 def _corrected(leg: Leg, planned: Pose, situation: Situation, action: Action) -> Pose:
-    """Return where the tool has to be at a waypoint, `planned` in the witness: objects are not just where it has them.
+    """Return the tool pose at a waypoint, `planned` in the witness, corrected for the actual poses of objects.
 
-    A held object shall come to where it is in the witness; the tool shall stand to another, which it goes to,
-    as in the witness.
+    A held object comes to its pose in the witness; relative to an object that it goes to, the tool has the pose of the
+    witness.
     """
     waypoint, before = leg.waypoint, action.before
     arms = (moment.arms[waypoint.robot] for moment in (before, action.after))
-    grip, seen = grip_of(waypoint.held, *arms), _seen_grip(situation, waypoint.robot, waypoint.held)
-    if grip is not None and seen is not None:
-        turn = _turn(compose(planned, seen.pose), compose(planned, grip.pose))
+    grasp, measured = grasp_of(waypoint.held, *arms), _measured_grasp(situation, waypoint.robot, waypoint.held)
+    if grasp is not None and measured is not None:
+        turn = _turn(compose(planned, measured), compose(planned, grasp))
         quaternion = multiply(turn, planned.quaternion)
-        x, y, z = compose(planned, grip.pose).position
-        dx, dy, dz = rotate(quaternion, seen.pose.position)
+        x, y, z = compose(planned, grasp).position
+        dx, dy, dz = rotate(quaternion, measured.position)
         return Pose((x - dx, y - dy, z - dz), quaternion)
     if leg.target is None:
         return planned
@@ -135,6 +136,6 @@ def _corrected(leg: Leg, planned: Pose, situation: Situation, action: Action) ->
 
 
 def _turn(one: Pose, two: Pose) -> tuple[float, float, float, float]:
-    """Return the rotation about z from the heading of one pose to that of another, none where it is not small."""
+    """Return the rotation about z from the heading of one pose to that of another, none if it is not small."""
     angle = wrap(yaw_of(two.quaternion) - yaw_of(one.quaternion))
     return yaw_quaternion(angle if abs(angle) < LARGEST_TURN else 0.0)

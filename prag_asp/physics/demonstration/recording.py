@@ -1,4 +1,4 @@
-"""Take down what happens in a world with forces, frame by frame."""
+"""Record a dynamic simulation, frame by frame."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from prag_asp.physics.demonstration.contacts import Touch
 from prag_asp.physics.demonstration.demonstration import Demonstration, situation_of
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
-from prag_asp.physics.world.dynamics import TIME_STEP, Command, Dynamics
+from prag_asp.physics.world.dynamics import TIME_STEP, ArmCommand, Dynamics
 
 FRAME_STEPS = 6
 """Time steps of a frame: 20 frames a second."""
 
 
 class Recorder:
-    """Collects the frames of one performance, each as the numbers that will be in the file."""
+    """Collects the frames of one episode, each as the numbers that will be in the file."""
 
     def __init__(self, world: Dynamics, objects: Sequence[str]):
         self._world = world
@@ -33,13 +33,13 @@ class Recorder:
         self._ends: list[int] = []
 
     def step(self) -> None:
-        """Take down how bodies press on each other after a time step; the next frame tells the largest forces."""
+        """Collect contact forces after a time step; the next frame has the largest ones."""
         for pair, force in self._world.contacts().items():
             if force > self._pressing.get(pair, 0.0):
                 self._pressing[pair] = force
 
-    def frame(self, commands: Mapping[str, Command]) -> None:
-        """Record the world as it is, with what the motors of each arm drive to."""
+    def frame(self, commands: Mapping[str, ArmCommand]) -> None:
+        """Record a frame, with the targets of the motors of each arm."""
         arms = self._world.arms()
         rows = [[*pose.position, *pose.quaternion] for pose in self._world.poses().values()]
         for (one, two), force in sorted(self._pressing.items()):
@@ -52,7 +52,7 @@ class Recorder:
         self._openings.append(list(self._world.openings().values()))
 
     def touches(self) -> list[Touch]:
-        """Return the contacts since the state before the last that has ended, as they are recorded."""
+        """Return the recorded contacts between the ends of the last two states."""
         first = self._ends[-2] + 1 if len(self._ends) > 1 else 0
         begun = bisect_left(self._contacts, (first, 0, 0))
         forces = np.array(self._forces[begun:], dtype=np.float32).tolist()
@@ -63,7 +63,7 @@ class Recorder:
         ]
 
     def end_state(self) -> Situation:
-        """Note that a state of the task ends with the last frame, and return what that shows, as it is recorded."""
+        """Mark the last frame as the end of a state of the task, and return its situation as recorded."""
         self._ends.append(len(self._arms) - 1)
         rows, poses = np.array(self._arms[-1], dtype=np.float32), np.array(self._poses[-1], dtype=np.float32)
         arms = {
@@ -75,7 +75,7 @@ class Recorder:
         return situation_of(self._world.scene, self._objects, poses, openings, arms)
 
     def finish(self, cause: str = "", detail: str = "") -> Demonstration:
-        """Return the recording."""
+        """Return the episode."""
         shapes, robots = self._world.scene.shapes, tuple(self._world.scene.robots)
         arms, frames = np.array(self._arms, dtype=np.float32), len(self._arms)
         return Demonstration(

@@ -1,1 +1,1 @@
-"""What cameras of a scene see of a recording."""
+"""Camera images of an episode."""

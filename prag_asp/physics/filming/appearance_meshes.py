@@ -1,8 +1,7 @@
-"""What robots look like from afar: the meshes of their URDFs with few corners, for TinyRenderer's time goes into those.
+"""Simplified visual meshes of the robots, because TinyRenderer's time depends on the number of triangles.
 
-The Panda's meshes have 102,000 triangles, of which a picture of 128 x 128 pixels takes 21 ms. Corners that are near
-each other become one (Rossignac and Borrel, "Multi-resolution 3D approximations for rendering complex scenes", 1993):
-3,000 are left, and the robot still looks like one.
+The Panda's meshes have 102,000 triangles; an image of 128 x 128 pixels takes 21 ms. Vertex clustering (Rossignac and
+Borrel, "Multi-resolution 3D approximations for rendering complex scenes", 1993) leaves 3,000 with the same appearance.
 """
 
 from __future__ import annotations
@@ -22,13 +21,13 @@ from prag_asp.physics.robot.robot_files import robot_file
 from prag_asp.scene.robots import ROBOTS
 
 CELL, FINEST = 0.026, 0.006
-"""How near corners of a mesh become one, in metres, and of small parts at least."""
+"""The side of a cluster of vertices in metres, and the smallest one for small parts."""
 
 CELLS = 6
-"""How many such cells the longest side of a small part has."""
+"""The number of clusters along the longest side of a small part."""
 
 SMALLEST = 0.012
-"""Parts of a mesh that are smaller are left out: screws and lamps."""
+"""Smaller parts of a mesh, in metres, are left out: screws and lamps."""
 
 DARK_BELOW, WHITE_ABOVE = 0.5, 0.9
 DARK, WHITE = (0.25, 0.26, 0.28), (0.93, 0.94, 0.95)
@@ -38,7 +37,7 @@ Colour = tuple[float, float, float]
 
 
 class Mesh(NamedTuple):
-    """Corners (V, 3) in metres and triangles (F, 3), as numbers of corners."""
+    """Vertices (V, 3) in metres and triangles (F, 3) of vertex indices."""
 
     corners: NDArray[np.float64]
     triangles: NDArray[np.int64]
@@ -46,9 +45,9 @@ class Mesh(NamedTuple):
 
 @cache
 def low_files(kind: str) -> Mapping[str, bytes]:
-    """Return the files of a robot of a kind with few corners, that collides with nothing: its URDF, then its meshes.
+    """Return the files of a robot with simplified meshes and without collisions: its URDF, then its meshes.
 
-    They are made once in a process, which takes half a second.
+    They are made once per process, which takes half a second.
 
     Raises:
         SceneError: the robot's files cannot be read.
@@ -66,7 +65,7 @@ def low_files(kind: str) -> Mapping[str, bytes]:
 
 
 def _rgb(material: ElementTree.Element) -> Colour | None:
-    """Return the colour of a material, None where it only names one."""
+    """Return the colour of a material, None if it only names one."""
     color = material.find("color")
     if color is None:
         return None
@@ -77,10 +76,10 @@ def _rgb(material: ElementTree.Element) -> Colour | None:
 def _simplified(
     link: ElementTree.Element, visual: ElementTree.Element, stem: str, named: Mapping[str, Colour]
 ) -> dict[str, bytes]:
-    """Replace what is seen of a link by meshes of few corners, one for each colour, and return their files.
+    """Replace the visual mesh of a link by simplified ones, one for each colour, and return their files.
 
-    Their names begin with a stem, for they have to be a robot's alone: PyBullet remembers meshes by their paths.
-    `named` are the colours of the robot's materials.
+    Their names begin with a stem that is unique to the robot, because PyBullet caches meshes by their paths. `named`
+    are the colours of the robot's materials.
     """
     mesh, origin = visual.find("geometry/mesh"), visual.find("origin")
     assert mesh is not None
@@ -102,9 +101,9 @@ def _simplified(
 
 
 def _by_colour(source: Path, given: Colour) -> dict[Colour, list[Mesh]]:
-    """Return the parts of a mesh with few corners by their colours.
+    """Return the simplified parts of a mesh by colour.
 
-    `given` is what the URDF says of all of them; where that is white, what the materials of the mesh say.
+    `given` is the colour in the URDF; if that is white, the materials of the mesh decide.
     """
     try:
         parts = read_parts(source.read_text(encoding="utf-8", errors="replace"))
@@ -119,12 +118,12 @@ def _by_colour(source: Path, given: Colour) -> dict[Colour, list[Mesh]]:
             painted = DARK if max(colours.get(name, WHITE)) < DARK_BELOW else WHITE
             colour = painted if min(given) > WHITE_ABOVE else given
             cell = min(CELL, max(longest / CELLS, FINEST))
-            found.setdefault(colour, []).append(clustered(mesh, cell))
+            found.setdefault(colour, []).append(cluster_corners(mesh, cell))
     return found
 
 
 def read_parts(text: str) -> dict[str, Mesh]:
-    """Return the triangles of an .obj by the names of their materials; all have the corners of the whole.
+    """Return the triangles of an .obj by material; all share the vertices of the whole.
 
     Raises:
         ValueError: it is none.
@@ -158,10 +157,10 @@ def _colours(text: str) -> Mapping[str, Colour]:
     return found
 
 
-def clustered(mesh: Mesh, cell: float) -> Mesh:
-    """Return a mesh in which all corners within a cube of a grid are one, at their mean; `cell` is its side in metres.
+def cluster_corners(mesh: Mesh, cell: float) -> Mesh:
+    """Return a mesh in which the vertices in a cell of a grid are merged at their mean; `cell` is its side in metres.
 
-    Triangles that become lines or points, or that were there already, are gone.
+    Degenerate and duplicate triangles are removed.
     """
     used, numbers = np.unique(mesh.triangles, return_inverse=True)
     points = mesh.corners[used]
@@ -179,7 +178,7 @@ def clustered(mesh: Mesh, cell: float) -> Mesh:
 
 
 def _lines(meshes: Sequence[Mesh]) -> Iterator[str]:
-    """Yield the lines of an .obj of meshes, each corner with the mean direction of its triangles by their areas."""
+    """Yield the lines of an .obj of meshes, with vertex normals averaged over triangles by area."""
     before = 1
     for corners, triangles in meshes:
         edges = corners[triangles]

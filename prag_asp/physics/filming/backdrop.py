@@ -1,6 +1,6 @@
-"""The table, the zones on it and what is around, by one ray a pixel.
+"""Render the table, its zones and the background by one ray per pixel.
 
-They are large, and TinyRenderer's time grows with the pixels of a triangle.
+They are large, and the time of TinyRenderer grows with the pixels of a triangle.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ SKY, GROUND = (247, 249, 252), (214, 221, 230)
 AMBIENT, DIFFUSE, SPECULAR = 0.62, 0.42, 0.12
 UPWARDS = 2
 AROUND = 0
-"""The number of what is around the table."""
+"""The number of the background."""
 
 LEVEL = np.float32(1e-7)
-"""A ray that rises less, or turns less, is taken to rise or turn by this much: nothing is divided by zero."""
+"""The least component of a ray, so that nothing is divided by zero."""
 
 Floats = NDArray[np.float32]
 
 
 class Backdrop(NamedTuple):
-    """What is seen behind the robots and the objects: colours (H, W, 3), depths in metres and numbers (H, W).
+    """The image behind the robots and the objects: colours (H, W, 3), depths in metres and numbers (H, W).
 
-    The depth of what is around the table is infinite.
+    The depth of the background is infinite.
     """
 
     rgb: NDArray[np.uint8]
@@ -41,10 +41,10 @@ class Backdrop(NamedTuple):
     numbers: NDArray[np.int32]
 
 
-class Patch(NamedTuple):
-    """A level rectangle: its middle and half its sides in metres, its yaw, its colour and its number.
+class LevelPatch(NamedTuple):
+    """A level rectangle: its centre and half-sides in metres, its yaw, colour and number.
 
-    `z` is how high over the table it is, in metres.
+    `z` is its height above the table in metres.
     """
 
     x: float
@@ -58,38 +58,38 @@ class Patch(NamedTuple):
 
 @lru_cache(maxsize=16)
 def _rays(camera: Camera) -> tuple[Floats, Floats]:
-    """Return how far to the right and down each pixel lies one metre ahead, shapes (1, W) and (H, 1)."""
+    """Return the x and y coordinates of each pixel at depth 1, shapes (1, W) and (H, 1)."""
     (width, height), matrix = camera.size, camera.intrinsics
     x = (np.arange(width) + 0.5 - matrix[0, 2]) / matrix[0, 0]
     y = (np.arange(height) + 0.5 - matrix[1, 2]) / matrix[1, 1]
     return x[None, :].astype(np.float32), y[:, None].astype(np.float32)
 
 
-def patches(scene: Scene, numbers: Mapping[str, int]) -> list[Patch]:
+def patches(scene: Scene, numbers: Mapping[str, int]) -> list[LevelPatch]:
     """Return the zones of a scene as rectangles; `numbers` are those of the entities."""
     found = []
     for entity, shape in scene.shapes.items():
         if shape.kind == "zone":
             x, y, yaw = scene.fixed[entity]
-            found.append(Patch(x, y, shape.half[:2], yaw, scene.colors.get(entity, "#808080"), numbers[entity]))
+            found.append(LevelPatch(x, y, shape.half[:2], yaw, scene.colors.get(entity, "#808080"), numbers[entity]))
     return found
 
 
 def has_still_floor(scene: Scene, entity: str) -> bool:
-    """Tell whether an entity is a container that stands on the table for good, so that its floor needs no triangles."""
+    """Return whether an entity is a container fixed on the table, so that its floor needs no triangles."""
     shape = scene.shapes[entity]
     return shape.kind == "container" and shape.model is None and entity in scene.fixed
 
 
-def floors(scene: Scene, numbers: Mapping[str, int]) -> list[Patch]:
-    """Return the floors of containers that stand on the table for good; `numbers` are those of the entities."""
+def floors(scene: Scene, numbers: Mapping[str, int]) -> list[LevelPatch]:
+    """Return the floors of containers that are fixed on the table; `numbers` are those of the entities."""
     found = []
     for entity, shape in scene.shapes.items():
         if entity in numbers and has_still_floor(scene, entity):
             x, y, yaw = scene.fixed[entity]
             half = shape.half[0] - shape.wall / 2, shape.half[1] - shape.wall / 2
             color = scene.colors.get(entity, "#808080")
-            found.append(Patch(x, y, half, yaw, color, numbers[entity], shape.wall))
+            found.append(LevelPatch(x, y, half, yaw, color, numbers[entity], shape.wall))
     return found
 
 
@@ -97,14 +97,14 @@ def backdrop(
     scene: Scene,
     camera: Camera,
     pose: NDArray[np.float64],
-    zones: Sequence[Patch],
+    zones: Sequence[LevelPatch],
     table: int,
     light: Vector,
-    raised: Sequence[Patch] = (),
+    raised: Sequence[LevelPatch] = (),
 ) -> Backdrop:
-    """Return what a camera at a pose sees of the table, the zones, what is `raised` over it, and what is around.
+    """Return the image of the table, the zones, what is `raised` above it and the background for a camera pose.
 
-    `table` is the number of the table, `light` points to the light.
+    `table` is the number of the table; `light` is the direction to the light.
     """
     (x, y), turn = _rays(camera), pose[:3, :3].astype(np.float32)
     ahead = [turn[axis, 0] * x + turn[axis, 1] * y + turn[axis, 2] for axis in range(3)]
@@ -113,7 +113,7 @@ def backdrop(
     eye, half = pose[:3, 3].astype(np.float32), np.array([*scene.table.size, TABLE_THICKNESS], dtype=np.float32) / 2
     centre = np.array([*scene.table.centre, -TABLE_THICKNESS / 2], dtype=np.float32)
     for axis in range(3):
-        # Of two opposite faces the eye sees the one that it is in front of, and of a convex body no other hides it.
+        # The camera sees one of two opposite faces, and no other face of a convex body hides it.
         away = float(eye[axis] - centre[axis])
         if abs(away) <= half[axis]:
             continue
@@ -138,8 +138,8 @@ def backdrop(
     return Backdrop(rgb, depth, numbers)
 
 
-def _within(x: Floats, y: Floats, zone: Patch) -> NDArray[np.bool_]:
-    """Tell which points of the table's top lie in a zone."""
+def _within(x: Floats, y: Floats, zone: LevelPatch) -> NDArray[np.bool_]:
+    """Return which points of the table's top lie in a zone."""
     cosine, sine = math.cos(zone.yaw), math.sin(zone.yaw)
     along, across = cosine * (x - zone.x) + sine * (y - zone.y), cosine * (y - zone.y) - sine * (x - zone.x)
     found: NDArray[np.bool_] = (np.abs(along) <= zone.half[0]) & (np.abs(across) <= zone.half[1])
@@ -148,7 +148,7 @@ def _within(x: Floats, y: Floats, zone: Patch) -> NDArray[np.bool_]:
 
 @lru_cache(maxsize=8)
 def _around(size: tuple[int, int]) -> NDArray[np.uint8]:
-    """Return a gradient, as high and broad as a picture."""
+    """Return the background, a gradient, in the size of an image."""
     width, height = size
     share = np.linspace(0.0, 1.0, height)[:, None]
     rows = np.asarray(SKY) * (1 - share) + np.asarray(GROUND) * share
@@ -156,15 +156,15 @@ def _around(size: tuple[int, int]) -> NDArray[np.uint8]:
 
 
 def _shade(axis: int, side: float, light: Vector) -> float:
-    """Return how bright a surface is that looks along an axis, or against it where `side` is negative."""
+    """Return the brightness of a surface with its normal along an axis, or against it if `side` is negative."""
     return AMBIENT + DIFFUSE * max(0.0, math.copysign(1.0, side) * light[axis] / math.hypot(*light))
 
 
 def _gloss(light: Vector) -> float:
-    """Return by how much a surface that looks upwards shines, as TinyRenderer draws it, whatever the eye."""
+    """Return the specular brightness of a horizontal surface, as TinyRenderer computes it for any camera."""
     return SPECULAR * (max(0.0, light[UPWARDS]) / math.hypot(*light)) ** 2
 
 
 def _shaded(color: str, shade: float) -> NDArray[np.uint8]:
-    """Return the parts of a colour like ``#e4572e``, from 0 to 255, under some light."""
+    """Return the RGB values of a colour like ``#e4572e``, from 0 to 255, in a shade."""
     return np.array([min(255.0, int(color[i : i + 2], 16) * shade) for i in (1, 3, 5)]).astype(np.uint8)

@@ -1,4 +1,4 @@
-"""What is asked of demonstrations: which cameras film them, and what differs from one to the next."""
+"""The options of demonstrations: which cameras film them, and what varies between them."""
 
 from __future__ import annotations
 
@@ -13,21 +13,20 @@ from prag_asp.scene.variation import KINDS, Variation, draw_variation
 from prag_asp.wording import did_you_mean
 
 RATES = tuple(rate for rate in range(1, FRAMES_A_SECOND + 1) if FRAMES_A_SECOND % rate == 0)
-"""Pictures a second that a recording has frames for, evenly."""
+"""The frame rates that divide that of episodes."""
 
 SMALLEST, LARGEST = 16, 2048
-"""Pixels of a side of a picture."""
+"""The smallest and the largest side of a camera image in pixels."""
 
 
 @dataclass(frozen=True)
 class Staging:
     """Which cameras of a scene film demonstrations, and what varies: some of `KINDS`.
 
-    `size` of pictures is their width and height in pixels, without it each camera has its own; `rate` is pictures a
-    second.
+    `size` is the width and height of images in pixels, by default that of each camera; `rate` is in images a second.
 
     Raises:
-        QueryError: a camera is named twice, a size or a rate cannot be, or something unknown is to vary.
+        QueryError: a camera is named twice, a size or a rate is invalid, or a kind of variation is unknown.
     """
 
     cameras: tuple[str, ...] = ()
@@ -44,17 +43,17 @@ class Staging:
                 raise QueryError(f"the camera {name} is named {self.cameras.count(name)} times; name it once")
         if self.rate not in RATES:
             known = ", ".join(map(str, RATES))
-            raise QueryError(f"a recording has {FRAMES_A_SECOND} frames a second: film at {known}; got {self.rate}")
+            raise QueryError(f"an episode has {FRAMES_A_SECOND} frames a second: film at {known}; got {self.rate}")
         if self.size is not None and not all(SMALLEST <= side <= LARGEST for side in self.size):
             width, height = self.size
             raise QueryError(f"a camera's picture has {SMALLEST} to {LARGEST} pixels a side; got {width}x{height}")
 
-    def drawn(self, scene: Scene, objects: Sequence[str], seeds: Sequence[int]) -> Variation | None:
-        """Return what varies for a demonstration with some objects, None where nothing is to."""
+    def sample_variation(self, scene: Scene, objects: Sequence[str], seeds: Sequence[int]) -> Variation | None:
+        """Return a random variation for a demonstration with some objects, None if nothing varies."""
         return draw_variation(scene, self.vary, objects, seeds) if self.vary else None
 
     def cameras_of(self, scene: Scene) -> dict[str, Camera]:
-        """Return the cameras that film in a scene, by their names, with the size that is asked for.
+        """Return the cameras that film in a scene by name, with the requested image size.
 
         Raises:
             QueryError: the scene has no such camera.

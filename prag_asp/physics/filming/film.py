@@ -1,4 +1,4 @@
-"""Film a recording: let cameras see every so many of its frames again."""
+"""Film an episode: render its frames with cameras at a frame rate."""
 
 from __future__ import annotations
 
@@ -26,30 +26,32 @@ from prag_asp.scene.variation import USUAL_LIGHT
 
 
 def film(demonstration: Demonstration, scene: Scene, staging: Staging) -> Demonstration:
-    """Return a recording with what cameras see of it; light, colours and cameras are those that were drawn for it.
+    """Return an episode with camera images; light, colours and cameras are those of its variation.
 
-    Each picture is compressed as it is taken: memory holds one of each camera, and what is compressed.
+    Each image is compressed when it is taken: memory holds one uncompressed image of each camera.
 
     Raises:
         QueryError: the scene has no such camera.
         SceneError: the scene does not allow the size of an object, or a robot cannot be loaded.
     """
     frames = range(0, len(demonstration.times), FRAMES_A_SECOND // staging.rate)
-    footage = filmed(demonstration, scene, staging.cameras_of(demonstration.sized(scene)), frames)
+    footage = film_frames(demonstration, scene, staging.cameras_of(demonstration.sized_scene(scene)), frames)
     return replace(demonstration, footage=footage)
 
 
-def filmed(demonstration: Demonstration, scene: Scene, cameras: Mapping[str, Camera], frames: Sequence[int]) -> Footage:
-    """Return what cameras see in some frames of a recording.
+def film_frames(
+    demonstration: Demonstration, scene: Scene, cameras: Mapping[str, Camera], frames: Sequence[int]
+) -> Footage:
+    """Return the camera images of some frames of an episode.
 
     Raises:
         SceneError: the scene does not allow the size of an object, or a robot cannot be loaded.
     """
-    drawn = demonstration.variation
-    light = USUAL_LIGHT if drawn is None or drawn.light is None else drawn.light
+    variation = demonstration.variation
+    light = USUAL_LIGHT if variation is None or variation.light is None else variation.light
     tools = [_tools(demonstration, scene, frame) for frame in frames]
-    with open_studio(demonstration.sized(scene), demonstration.objects, light) as studio:
-        reels = {name: _Reel(camera, len(frames), studio.legend) for name, camera in cameras.items()}
+    with open_studio(demonstration.sized_scene(scene), demonstration.objects, light) as studio:
+        reels = {name: _FilmRecorder(camera, len(frames), studio.legend) for name, camera in cameras.items()}
         for frame in frames:
             studio.show(moment_of(demonstration, frame))
             for reel in reels.values():
@@ -67,19 +69,19 @@ def filmed(demonstration: Demonstration, scene: Scene, cameras: Mapping[str, Cam
 
 
 def subgoal_at(demonstration: Demonstration, frame: int) -> int:
-    """Return which subgoal is being worked for in a frame, 0 the first."""
+    """Return the index of the current subgoal in a frame."""
     ends = demonstration.ends.tolist()
     return max(0, min(bisect_left(ends, frame), len(ends) - 1) - 1)
 
 
 def moment_of(demonstration: Demonstration, frame: int) -> Moment:
-    """Return what a frame of a demonstration shows."""
+    """Return the moment in a frame of an episode."""
     poses = dict(zip(demonstration.objects, map(pose_of, demonstration.poses[frame].tolist()), strict=True))
-    return Moment(poses, demonstration.arms(frame), demonstration.opened(frame))
+    return Moment(poses, demonstration.arms(frame), demonstration.openings_at(frame))
 
 
-class _Reel:
-    """The film of a camera that is being taken."""
+class _FilmRecorder:
+    """Collects the images of one camera."""
 
     def __init__(self, camera: Camera, count: int, legend: Sequence[str]):
         width, height = camera.size
@@ -93,13 +95,13 @@ class _Reel:
         self._poses: list[NDArray[np.float64]] = []
 
     def add(self, picture: Picture, pose: NDArray[np.float64]) -> None:
-        """Add a picture, and where the camera was."""
+        """Add an image, and the pose of the camera."""
         for packer, name in zip(self._packers, Picture._fields, strict=True):
             packer.add(getattr(picture, name))
         self._poses.append(pose)
 
     def film(self) -> Film:
-        """Return the film, of which all pictures are there."""
+        """Return the film, once all images have been added."""
         rgb, depth, segmentation = (packer.finish() for packer in self._packers)
         packed: tuple[Packed, Packed, Packed] = (rgb, depth, segmentation)
         camera = self.camera
@@ -112,19 +114,19 @@ class _Reel:
 
 
 def _tools(demonstration: Demonstration, scene: Scene, frame: int) -> list[Pose]:
-    """Return where the tool of each robot is in a frame."""
+    """Return the tool pose of each robot in a frame."""
     return [tool_pose(robot_of(scene, name), arm.joints) for name, arm in demonstration.arms(frame).items()]
 
 
 def _deltas(tools: Sequence[Sequence[Pose]]) -> NDArray[np.float32]:
-    """Return how tools move from each picture to the next, not at all after the last, shape (N, R, 6)."""
+    """Return the motion of the tools from each image to the next, 0 after the last, shape (N, R, 6)."""
     rows = [[_moved(*pair) for pair in zip(*pictures, strict=True)] for pictures in pairwise(tools)]
     rows.append([[0.0] * 6 for _ in tools[0]])
     return np.array(rows, dtype=np.float32)
 
 
 def _moved(before: Pose, after: Pose) -> list[float]:
-    """Return the way from one pose to another: metres, and a rotation vector in radians."""
+    """Return the motion from one pose to another: a translation in metres, and a rotation vector in radians."""
     x, y, z, w = before.quaternion
     x, y, z, w = multiply(after.quaternion, (-x, -y, -z, w))
     length = math.hypot(x, y, z)

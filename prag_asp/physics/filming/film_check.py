@@ -1,4 +1,4 @@
-"""Check films: the cameras of the scene look at the recording once more."""
+"""Check films by rendering the episode again."""
 
 from __future__ import annotations
 
@@ -9,23 +9,21 @@ import numpy as np
 from prag_asp.errors import QueryError
 from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.demonstration.footage import OF_CAMERA, Film, Footage, Picture
-from prag_asp.physics.filming.film import filmed
+from prag_asp.physics.filming.film import film_frames
 from prag_asp.scene.scene import Scene
 
 NUMBERS = 1e-4
-"""How far numbers may be from those that are found anew, in metres, radians or pixels."""
+"""The tolerance of recomputed numbers, in metres, radians or pixels."""
 
 ROUNDED = ("tools", "deltas", "grippers")
 EXACT = ("subgoals", "legend")
 COLOUR, DEPTH, SHARE = 8, 0.01, 0.02
-"""How much a pixel may differ, of 255 and of its depth in metres, and the share of pixels that may differ by more:
-another machine rounds otherwise."""
+"""The tolerances of a pixel's colour, of 255, and of its depth in metres, and the share of pixels that may exceed them,
+because machines round differently."""
 
 
 def check_footage(demonstration: Demonstration, scene: Scene) -> list[str]:
-    """Return what in the films of a recording is not what the cameras of a scene see of it, in its own world.
-
-    There is nothing to return where all is right, or where there are no films.
+    """Return what in the films of an episode differs from what the cameras of the scene see; nothing if all is right.
 
     Raises:
         SceneError: the scene does not allow the size of an object, or a robot cannot be loaded.
@@ -35,16 +33,16 @@ def check_footage(demonstration: Demonstration, scene: Scene) -> list[str]:
         return []
     if demonstration.robots != tuple(scene.robots):
         return [f"it shows the robots {', '.join(demonstration.robots)}; the scene has {', '.join(scene.robots)}"]
-    known = demonstration.sized(scene).cameras
+    known = demonstration.sized_scene(scene).cameras
     unknown = [f"the scene has no camera {name}" for name in footage.films if name not in known]
     cameras = {name: known[name]._replace(size=each.size) for name, each in footage.films.items() if name in known}
-    again = filmed(demonstration, scene, cameras, footage.frames.tolist())
-    found = [f"{name} is not what the recording says" for name in _differing(footage, again)]
+    again = film_frames(demonstration, scene, cameras, footage.frames.tolist())
+    found = [f"{name} is not what the episode says" for name in _differing(footage, again)]
     return [*unknown, *found, *(fault for name in cameras for fault in _faults(name, footage, again))]
 
 
 def _differing(footage: Footage, again: Footage) -> Iterator[str]:
-    """Yield the names of the lists that differ."""
+    """Yield the names of the arrays that differ."""
     for name in ROUNDED:
         if not np.allclose(getattr(footage, name), getattr(again, name), rtol=0.0, atol=NUMBERS):
             yield name
@@ -54,19 +52,19 @@ def _differing(footage: Footage, again: Footage) -> Iterator[str]:
 
 
 def _faults(camera: str, footage: Footage, again: Footage) -> Iterator[str]:
-    """Yield what of a film differs: its numbers, or its first picture that does."""
+    """Yield the differences of a film: in its numbers, and in its first wrong image."""
     one, two = footage.films[camera], again.films[camera]
     for name in OF_CAMERA:
         if not np.allclose(getattr(one, name), getattr(two, name), rtol=0.0, atol=NUMBERS):
             yield f"{camera}/{name} is not that of the camera"
     try:
-        yield from (f"{camera}: picture {number} {told}" for number, told in _pictures(one, two))
+        yield from (f"{camera}: picture {number} {difference}" for number, difference in _pictures(one, two))
     except QueryError as error:
         yield f"{camera}: {error}"
 
 
 def _pictures(one: Film, two: Film) -> Iterator[tuple[int, str]]:
-    """Yield the number of the first picture that differs, and by what.
+    """Yield the number of the first image that differs, and the difference.
 
     Raises:
         QueryError: a film was cut off or changed.
@@ -79,7 +77,7 @@ def _pictures(one: Film, two: Film) -> Iterator[tuple[int, str]]:
 
 
 def _shares(seen: Picture, expected: Picture) -> dict[str, float]:
-    """Return which share of the pixels of a picture differs from what is expected, in each of what it shows."""
+    """Return the shares of the pixels of an image that differ from what is expected, by channel."""
     colours = np.abs(seen.rgb.astype(int) - expected.rgb).max(axis=-1) > COLOUR
     depths = ~(np.abs(seen.depth.astype(float) - expected.depth) <= DEPTH)
     entities = seen.segmentation != expected.segmentation

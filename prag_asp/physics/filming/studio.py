@@ -1,7 +1,7 @@
-"""A world that is only looked at: robots of few corners, the objects of a recording, and cameras.
+"""A world for rendering: robots with simplified meshes, the objects of an episode, and cameras.
 
-TinyRenderer draws robots and objects; table, zones, the floors of containers that are fixed, and what is around come
-from `backdrop`, behind them by their depth.
+TinyRenderer draws robots and objects; table, zones, the floors of fixed containers and the background come from
+`backdrop` and are merged by depth.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.errors import SceneError
-from prag_asp.physics.bullet import STDOUT, pybullet, silenced
+from prag_asp.physics.bullet import STDOUT, mute_output, pybullet
 from prag_asp.physics.demonstration.footage import NOTHING, Picture, segmentation_type
 from prag_asp.physics.filming.appearance_meshes import low_files
 from prag_asp.physics.filming.backdrop import (
@@ -33,7 +33,7 @@ from prag_asp.physics.witness import Moment
 from prag_asp.physics.world.bodies import make_body
 from prag_asp.physics.world.collisions import BASE_LINK
 from prag_asp.physics.world.furniture_bodies import JOINT, set_opening
-from prag_asp.physics.world.simulated_arm import load_written
+from prag_asp.physics.world.simulated_arm import load_robot_files
 from prag_asp.physics.world.simulator import open_client, start_world
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.cameras import Camera
@@ -44,17 +44,17 @@ from prag_asp.scene.variation import USUAL_LIGHT, table_of
 
 LIGHT_DISTANCE = 3.0
 FLIPPED = np.diag((1.0, -1.0, -1.0, 1.0))
-"""From the axes of a camera to those of OpenGL, whose y is up and whose z is backwards."""
+"""From camera axes to those of OpenGL, with y up and z backwards."""
 
 BODY, LINK = (1 << 24) - 1, 24
-"""Where the number of a body is in a pixel, and from which bit on that of a link, counted from -1."""
+"""The mask of the body number in a pixel, and the first bit of the link number, which counts from -1."""
 
 RESTING = 0.002
-"""By how much the table may be nearer than what stands on it, in metres, and is still behind it."""
+"""The tolerance in depth by which an object hides the table below it, in metres."""
 
 
 class Studio:
-    """A world of a scene with some objects; use `open_studio`, which closes it."""
+    """A world for rendering some objects of a scene; use `open_studio`, which closes it."""
 
     def __init__(self, scene: Scene, objects: Sequence[str], client: int, light: Vector = USUAL_LIGHT):
         self._scene, self._client, self._light = scene, client, light
@@ -66,7 +66,7 @@ class Studio:
         start_world(client)
         self._robots = {name: robot_of(scene, name) for name in scene.robots}
         self._arms = {
-            name: load_written(client, low_files(mount.kind), self._robots[name].base, visual=True)
+            name: load_robot_files(client, low_files(mount.kind), self._robots[name].base, visual=True)
             for name, mount in scene.robots.items()
         }
         self._bodies = {
@@ -100,7 +100,7 @@ class Studio:
         self._fixed: dict[Camera, Backdrop] = {}
 
     def show(self, moment: Moment) -> None:
-        """Put everything where it is at a moment."""
+        """Show a moment: move all objects and arms."""
         for name, arm in moment.arms.items():
             robot = self._robots[name]
             driven, values = [*robot.arm_links, *robot.finger_joints], (*arm.joints, arm.width / 2, arm.width / 2)
@@ -113,7 +113,7 @@ class Studio:
             set_opening(self._client, self._bodies[entity], opening)
 
     def pose(self, camera: Camera) -> NDArray[np.float64]:
-        """Return where a camera is now, as a homogeneous matrix: its axes to the right, down and ahead."""
+        """Return the present pose of a camera as a homogeneous matrix, with x to the right, y down and z ahead."""
         if camera not in self._poses:
             self._poses[camera] = camera.pose
         if not camera.mount:
@@ -121,7 +121,7 @@ class Studio:
         return matrix(tool_pose(self._robots[camera.mount], self._joints[camera.mount])) @ self._poses[camera]
 
     def take(self, camera: Camera) -> Picture:
-        """Return what a camera sees now."""
+        """Return the present image of a camera."""
         pose = self.pose(camera)
         behind = self._behind(camera, pose)
         colors, buffer, bodies = self._drawn(camera, pose)
@@ -137,9 +137,9 @@ class Studio:
         )
 
     def counts(self, camera: Camera) -> Counter[str]:
-        """Return how many pixels show each object, of furniture the part that moves, and each robot's hand.
+        """Return the number of pixels of each object (of furniture, of its moving part) and of each robot's hand.
 
-        Hands go by the names of their robots.
+        Hands are listed by the names of their robots.
         """
         flags = pybullet.ER_SEGMENTATION_MASK_OBJECT_AND_LINKINDEX
         _, _, found = self._drawn(camera, self.pose(camera), flags)
@@ -151,7 +151,7 @@ class Studio:
         return seen
 
     def _behind(self, camera: Camera, pose: NDArray[np.float64]) -> Backdrop:
-        """Return the backdrop of a camera, which is the same for one that is fixed."""
+        """Return the backdrop of a camera; that of a fixed camera is cached."""
         known = None if camera.mount else self._fixed.get(camera)
         if known is None:
             known = backdrop(self._scene, camera, pose, self._zones, self._table, self._light, self._floors)
@@ -161,7 +161,7 @@ class Studio:
     def _drawn(
         self, camera: Camera, pose: NDArray[np.float64], flags: int = 0
     ) -> tuple[NDArray[np.uint8], Floats, NDArray[np.int32]]:
-        """Return colours, buffer of depths from 0 to 1 and bodies, -1 for none, as TinyRenderer draws them."""
+        """Return TinyRenderer's colours, depth buffer from 0 to 1, and body numbers (-1 for none)."""
         width, height = camera.size
         result = pybullet.getCameraImage(
             width,
@@ -184,9 +184,9 @@ class Studio:
 
 
 def matrices(camera: Camera, pose: NDArray[np.float64]) -> tuple[list[float], list[float]]:
-    """Return the matrices of view and projection by their columns, for TinyRenderer.
+    """Return the view and projection matrices in column order, for TinyRenderer.
 
-    That draws what is at the left of a pixel and at its lower end, by measurement; so all is moved by half a pixel.
+    As measured, it samples the lower left corner of a pixel, so the projection is shifted by half a pixel.
     """
     width, height = camera.size
     view = FLIPPED @ np.linalg.inv(pose)
@@ -198,12 +198,12 @@ def matrices(camera: Camera, pose: NDArray[np.float64]) -> tuple[list[float], li
 
 @contextmanager
 def open_studio(scene: Scene, objects: Sequence[str], light: Vector = USUAL_LIGHT) -> Iterator[Studio]:
-    """Open a world to look at some objects of a scene in, and close it afterwards.
+    """Open a world for rendering some objects of a scene, and close it afterwards.
 
     Raises:
         SceneError: a robot cannot be loaded, PyBullet refuses a body, or an object has none.
     """
     with open_client() as client:
-        with silenced(STDOUT):
+        with mute_output(STDOUT):
             studio = Studio(scene, objects, client, light)
         yield studio

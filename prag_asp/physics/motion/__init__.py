@@ -1,1 +1,1 @@
-"""The ways of an arm through free space, and when it is where."""
+"""Collision-free paths of an arm, and their time parameterization."""

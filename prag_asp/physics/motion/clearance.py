@@ -1,4 +1,4 @@
-"""How near an arm, and what it carries, comes to all else on its way: `CLEARANCE`, but for what its ends are near."""
+"""The clearance of an arm, and what it carries, on a path: `CLEARANCE` from all that its ends are not close to."""
 
 from __future__ import annotations
 
@@ -13,29 +13,29 @@ from prag_asp.physics.world.simulator import COLLISION, Simulator
 from prag_asp.scene.boxes import Corners, around, touch, widened
 
 CLEARANCE = 0.01
-"""Metres that an arm and what it carries keep on their way from what the arm does not handle."""
+"""The distance in metres that an arm and what it carries keep from what the arm does not handle."""
 
 SLACK = 0.0005
-"""How much nearer than at an end of its way a body may come to what it is near there, in metres."""
+"""By how much a body may come closer to something than at an end of the path, in metres."""
 
 TABLE = "the table"
 Gaps = Mapping[tuple[str, str], float]
-"""The distances in metres of the bodies that are nearer to each other than `CLEARANCE`, by their names."""
+"""The distances in metres of pairs of bodies that are closer than `CLEARANCE`, by their names."""
 
 
-class Passing(NamedTuple):
-    """An arm that acts, as it passes somewhere: where everything is then, and what moves with the gripper."""
+class ArmPassage(NamedTuple):
+    """A point on the path of the acting arm: the situation, the state of the arm, and what moves with the gripper."""
 
     situation: Situation
     arm: Arm
     carried: Sequence[str]
 
 
-def gaps(simulator: Simulator, passing: Passing) -> Gaps:
-    """Return how near the arm that acts, and what it carries, come to all else and to each other.
+def gaps(simulator: Simulator, passing: ArmPassage) -> Gaps:
+    """Return the distances of the acting arm, and what it carries, to all else and to each other.
 
-    The fingers are not told of what they hold. The base, which never moves, is left out, and so are pairs of links of
-    the same arm but for those of which the robot says that they can meet.
+    Contacts of the fingers with what they hold are ignored, and so are the base, which never moves, and pairs of links
+    of one arm that cannot collide.
     """
     found: dict[tuple[str, str], float] = {}
     for one, two, gap in _near(simulator, passing):
@@ -44,17 +44,17 @@ def gaps(simulator: Simulator, passing: Passing) -> Gaps:
     return found
 
 
-def clear(start: Gaps, way: Sequence[Gaps], goal: Gaps) -> bool:
-    """Tell whether a way with these gaps keeps clear: what is near is near since its start, or until its goal.
+def keeps_clear(start: Gaps, way: Sequence[Gaps], goal: Gaps) -> bool:
+    """Return whether a path keeps clear: what it is close to, it is close to from its start on, or until its goal.
 
-    Where both ends are near the same bodies the arm comes no nearer than there.
+    The arm comes no closer to bodies than it is at these ends.
     """
     since, until = _uneased(start, way), reversed(_uneased(goal, way[::-1]))
     return all(one.isdisjoint(two) for one, two in zip(since, until, strict=True))
 
 
 def _uneased(end: Gaps, way: Sequence[Gaps]) -> list[set[tuple[str, str]]]:
-    """Return the pairs that are near at every place of a way, but for those that have been so since its end."""
+    """Return for each point of a path the pairs that are too close, except for those close since its end."""
     since, found = dict(end), []
     for here in way:
         since = {pair: gap for pair, gap in since.items() if pair in here}
@@ -62,8 +62,8 @@ def _uneased(end: Gaps, way: Sequence[Gaps]) -> list[set[tuple[str, str]]]:
     return found
 
 
-def _near(simulator: Simulator, passing: Passing) -> Iterator[tuple[str, str, float]]:
-    """Yield pairs of bodies and their distances in metres, those of which the bounding boxes are near."""
+def _near(simulator: Simulator, passing: ArmPassage) -> Iterator[tuple[str, str, float]]:
+    """Yield pairs of bodies whose bounding boxes are close, and their distances in metres."""
     situation, arm, carried = passing
     simulator.place(situation.poses, situation.openings)
     acting = simulator.arm
@@ -91,8 +91,8 @@ def _near(simulator: Simulator, passing: Passing) -> Iterator[tuple[str, str, fl
         yield from _near_load(simulator, passing, entity)
 
 
-def _near_load(simulator: Simulator, passing: Passing, entity: str) -> Iterator[tuple[str, str, float]]:
-    """Yield how near something that is carried comes to the table, and to what is not carried with it."""
+def _near_load(simulator: Simulator, passing: ArmPassage, entity: str) -> Iterator[tuple[str, str, float]]:
+    """Yield the distances of a carried object to the table, and to what is not carried with it."""
     body, own = simulator.body(entity), passing.situation.body(entity)
     if own.low[2] < CLEARANCE:
         yield from ((entity, TABLE, gap) for gap in _distances(simulator, body, simulator.table))
@@ -102,9 +102,9 @@ def _near_load(simulator: Simulator, passing: Passing, entity: str) -> Iterator[
 
 
 def _near_arm(
-    simulator: Simulator, passing: Passing, name: str, other: Arm, boxes: Mapping[int, Corners]
+    simulator: Simulator, passing: ArmPassage, name: str, other: Arm, boxes: Mapping[int, Corners]
 ) -> Iterator[tuple[str, str, float]]:
-    """Yield how near the arm that acts, and what it carries, come to another arm."""
+    """Yield the distances of the acting arm, and what it carries, to another arm."""
     there = simulator.arms[name]
     whole = dict(zip(there.robot.links, there.link_boxes(other.joints, other.width), strict=True))
     there.pose(other.joints, other.width)
@@ -122,7 +122,7 @@ def _near_arm(
 def _distances(
     simulator: Simulator, one: int, two: int, links: Iterable[int] | None = None, other_link: int | None = None
 ) -> Iterator[float]:
-    """Yield the distances in metres that are below `CLEARANCE`, of some links of one body or of all, to another."""
+    """Yield the distances below `CLEARANCE`, in metres, from some or all links of one body to another."""
     ends = {} if other_link is None else {"linkIndexB": other_link}
     chosen = [ends] if links is None else [{"linkIndexA": link, **ends} for link in links]
     for each in chosen:
@@ -131,10 +131,10 @@ def _distances(
 
 
 def _beside(corners: Corners, boxes: Mapping[int, Corners]) -> list[int]:
-    """Return the links whose bounding boxes are near another."""
+    """Return the links whose bounding boxes are within `CLEARANCE` of another."""
     return [link for link, each in boxes.items() if _wide(corners, each)]
 
 
 def _wide(one: Corners, two: Corners) -> bool:
-    """Tell whether two bounding boxes are nearer to each other than `CLEARANCE` along every axis."""
+    """Return whether two bounding boxes are within `CLEARANCE` of each other along every axis."""
     return touch(widened(one, CLEARANCE), two)

@@ -1,17 +1,16 @@
-"""Find paths of the arm that are free of collisions, with what it holds."""
+"""Find collision-free paths of the arm with what it holds."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.motion.clearance import Gaps, Passing, clear, gaps
-from prag_asp.physics.motion.trajectory import Limits, limits_of, timed
-from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
+from prag_asp.physics.motion.clearance import ArmPassage, Gaps, gaps, keeps_clear
+from prag_asp.physics.motion.trajectory import joint_limits, time_path
+from prag_asp.physics.robot.kinematics import adjust_joints, inverse, tool_pose
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
 from prag_asp.physics.world.simulator import Simulator
@@ -22,67 +21,46 @@ from prag_asp.scene.robots import Joints, Robot
 
 HEIGHTS = (0.08, 0.16, 0.24)
 STRIDE = 0.06
-"""Radians between the waypoints of a way."""
+"""Radians between the waypoints of a path."""
 
 LOOK = 0.02
-"""How far all joints together turn between the places where a way is looked at, in radians.
+"""The sum of all joint motions between two points at which a path is checked, in radians.
 
 No part of an arm at the table, or of what it carries, is more than 1 m from a joint's axis. So nothing moves by more
-than 2 cm from one place to the next: what is `CLEARANCE` away at both does not touch in between.
+than 2 cm between two points: what is `CLEARANCE` away at both does not touch in between.
 """
 
 RUNGS = 4
 SWERVE = 0.1
-"""How far a joint may be from where it would be if all turned evenly on a straight way, in radians."""
+"""The largest deviation of a joint from a linear motion on a straight path of the tool, in radians."""
 
 PULL_RUNGS = 6
 STRAIGHT = 1e-3
 
 
-@dataclass(frozen=True)
-class Grip:
-    """What a gripper holds and how: the pose of the object in the frame of the tool."""
-
-    entity: str
-    pose: Pose
-
-
-@dataclass(frozen=True)
-class Load:
-    """What moves with the gripper: its opening in metres, and what it holds."""
-
-    width: float
-    grip: Grip | None = None
-
-    @property
-    def held(self) -> str | None:
-        """The object that the gripper holds, None where it is empty."""
-        return None if self.grip is None else self.grip.entity
-
-    def limits(self, robot: Robot) -> Limits:
-        """Return how fast the joints of a robot may turn and gather speed on the way."""
-        return limits_of(robot, loaded=self.grip is not None)
+def grasp_of(held: str | None, *arms: Arm) -> Pose | None:
+    """Return the grasp of the first of some states of an arm that hold an object, None if none does."""
+    return next(
+        (arm.grasp for arm in arms if arm.held is not None and arm.held == held and arm.grasp is not None), None
+    )
 
 
-def grip_of(held: str | None, *arms: Arm) -> Grip | None:
-    """Return how the first of some states of an arm that hold an object do so, None where none does."""
-    for arm in arms:
-        if arm.held is not None and arm.held == held and arm.grasp is not None:
-            return Grip(arm.held, arm.grasp)
-    return None
+def carry_object(arm: Arm, width: float, held: str | None, grasp: Pose | None) -> Arm:
+    """Return an arm with a gripper opening in metres and the object that it holds, none if the grasp is not known."""
+    return Arm(arm.joints, width, None if grasp is None else held, grasp)
 
 
-def vertical(robot: Robot, one: Joints, two: Joints) -> bool:
-    """Tell whether the tool is straight above or below where it is with other joint angles, turned the same way."""
+def is_vertical(robot: Robot, one: Joints, two: Joints) -> bool:
+    """Return whether two configurations have tool poses straight above each other with the same orientation."""
     (x, y, _), turn = tool_pose(robot, one)
     (other_x, other_y, _), other_turn = tool_pose(robot, two)
     return max(abs(x - other_x), abs(y - other_y)) < STRAIGHT and turn_between(turn, other_turn) < STRAIGHT
 
 
-def straight(robot: Robot, start: Joints, goal: Joints) -> list[Joints] | None:
-    """Return a path on which the tool moves straight from one pose to another that is turned the same way.
+def straight_path(robot: Robot, start: Joints, goal: Joints) -> list[Joints] | None:
+    """Return a path on which the tool moves in a straight line between poses of the same orientation.
 
-    None where the joints of the arm do not let it follow the line.
+    None if the arm cannot follow the line.
     """
     first, last = tool_pose(robot, start), tool_pose(robot, goal)
     path = [start]
@@ -90,60 +68,67 @@ def straight(robot: Robot, start: Joints, goal: Joints) -> list[Joints] | None:
         x, y, z = (a + share * (b - a) for a, b in zip(first.position, last.position, strict=True))
         tool = Pose((x, y, z), last.quaternion)
         near = tuple(a + share * (b - a) for a, b in zip(start, goal, strict=True))
-        joints = adjusted(robot, tool, near) or next(inverse(robot, tool, near), None)
+        joints = adjust_joints(robot, tool, near) or next(inverse(robot, tool, near), None)
         if joints is None or max(abs(a - b) for a, b in zip(joints, near, strict=True)) > SWERVE:
             return None
         path.append(joints)
     return [*path, goal]
 
 
-def pulled(robot: Robot, situation: Situation, furniture: str, grip: Pose, goal: float, start: Joints) -> list[Joints]:
-    """Return a path on which the tool follows the handle of furniture from how far it is open to a goal.
+def pull_path(
+    robot: Robot, situation: Situation, furniture: str, grip: Pose, goal: float, start: Joints
+) -> list[Joints]:
+    """Return a path on which the tool follows the handle of furniture from its present opening to a goal.
 
-    `grip` is the pose of the tool in the frame of the moving part; `goal` is in metres or radians. A pose that the arm
-    does not reach is passed over.
+    `grip` is the pose of the tool in the frame of the moving part; `goal` is in metres or radians. Poses that the arm
+    cannot reach are skipped.
     """
     shape, pose, begun = situation.shape(furniture), situation.pose(furniture), situation.opening(furniture)
     path = [start]
     for share in np.linspace(0.0, 1.0, PULL_RUNGS + 1)[1:].tolist():
         part = part_pose(shape, pose, begun + share * (goal - begun))
-        joints = adjusted(robot, compose(part, grip), path[-1])
+        joints = adjust_joints(robot, compose(part, grip), path[-1])
         if joints is not None:
             path.append(joints)
     return path
 
 
 def free_path(
-    simulator: Simulator, situation: Situation, load: Load, start: Joints, goal: Joints, time_step: float
+    simulator: Simulator, situation: Situation, arm: Arm, goal: Joints, time_step: float
 ) -> NDArray[np.float64] | None:
-    """Return the joint angles of every time step on a free way, shape (steps, 7); None where none is found."""
-    for path in _ways(simulator, start, goal):
-        angles = timed(path, time_step, load.limits(simulator.robot))
-        if _free(simulator, situation, load, np.concatenate([[start], angles])):
+    """Return a collision-free path from the state of the arm to a goal, one row per time step, shape (steps, 7).
+
+    None if none is found.
+    """
+    for path in _candidate_paths(simulator, arm.joints, goal):
+        angles = time_path(path, time_step, joint_limits(simulator.robot, loaded=arm.held is not None))
+        if _is_free(simulator, situation, arm, np.concatenate([[arm.joints], angles])):
             return angles
     return None
 
 
 def checked_path(
-    simulator: Simulator, situation: Situation, load: Load, start: Joints, goal: Joints, time_step: float
+    simulator: Simulator, situation: Situation, arm: Arm, goal: Joints, time_step: float
 ) -> tuple[Joints, ...] | None:
-    """Return joint angles on a free way, each a stride after the last; None where none is found.
+    """Return waypoints of a collision-free path from the state of the arm to a goal, a stride apart.
 
-    The ends are left out, and joints turn evenly from each to the next. Straight up and down there is one way only.
+    The ends are left out, and joints move linearly from one to the next. Between configurations straight above each
+    other only the straight path is tried. None if none is found.
     """
-    if vertical(simulator.robot, start, goal):
-        path = straight(simulator.robot, start, goal)
-        return tuple(path[1:-1]) if path is not None and _free(simulator, situation, load, np.array(path)) else None
-    for around in _ways(simulator, start, goal):
-        angles = timed(around, time_step, load.limits(simulator.robot))
+    start = arm.joints
+    if is_vertical(simulator.robot, start, goal):
+        path = straight_path(simulator.robot, start, goal)
+        return tuple(path[1:-1]) if path is not None and _is_free(simulator, situation, arm, np.array(path)) else None
+    for around in _candidate_paths(simulator, start, goal):
+        angles = time_path(around, time_step, joint_limits(simulator.robot, loaded=arm.held is not None))
         way = tuple(_strides(start, angles))
-        if _free(simulator, situation, load, np.array([start, *way, goal])):
+        if _is_free(simulator, situation, arm, np.array([start, *way, goal])):
             return way
     return None
 
 
-def _ways(simulator: Simulator, start: Joints, goal: Joints) -> Iterator[Sequence[Joints]]:
-    """Yield paths to try, the shortest first: direct, then over what stands around."""
+def _candidate_paths(simulator: Simulator, start: Joints, goal: Joints) -> Iterator[Sequence[Joints]]:
+    """Yield candidate paths, the shortest first: direct, then over the objects around."""
     yield start, goal
     for height in HEIGHTS:
         over_start, over_goal = _above(simulator, start, height), _above(simulator, goal, height)
@@ -158,26 +143,26 @@ def _ways(simulator: Simulator, start: Joints, goal: Joints) -> Iterator[Sequenc
 
 
 def _above(simulator: Simulator, joints: Joints, height: float) -> Joints | None:
-    """Return joint angles near to others with the tool higher, None where there are none."""
+    """Return a close configuration with the tool higher, None if there is none."""
     return next(inverse(simulator.robot, raised(tool_pose(simulator.robot, joints), height), near=joints), None)
 
 
-def _free(simulator: Simulator, situation: Situation, load: Load, path: NDArray[np.float64]) -> bool:
-    """Tell whether the arm and what it holds keep clear of all else on a path, shape (points, 7), its ends left out."""
-    carried = _carried(situation, load)
-    start, *between, goal = _looked_at(path)
-    first, last = (gaps(simulator, _passing(simulator, situation, load, carried, end)) for end in (start, goal))
+def _is_free(simulator: Simulator, situation: Situation, arm: Arm, path: NDArray[np.float64]) -> bool:
+    """Return whether the arm and what it holds keep clear on a path, shape (points, 7), apart from its ends."""
+    carried = _carried(situation, arm)
+    start, *between, goal = _check_points(path)
+    first, last = (gaps(simulator, _passing(simulator, situation, arm, carried, end)) for end in (start, goal))
     found: list[Gaps] = []
     for joints in between:
-        here = gaps(simulator, _passing(simulator, situation, load, carried, joints))
+        here = gaps(simulator, _passing(simulator, situation, arm, carried, joints))
         if here.keys() - first.keys() - last.keys():
             return False
         found.append(here)
-    return clear(first, found, last)
+    return keeps_clear(first, found, last)
 
 
-def _looked_at(path: NDArray[np.float64]) -> list[Joints]:
-    """Return joint angles on a path, shape (points, 7), in which all joints together turn by `LOOK`; two at least."""
+def _check_points(path: NDArray[np.float64]) -> list[Joints]:
+    """Return at least two points on a path, shape (points, 7), between which the joint motions sum up to `LOOK`."""
     reached = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(path, axis=0)).sum(axis=1))])
     places = np.linspace(0.0, reached[-1], math.ceil(reached[-1] / LOOK) + 1) if reached[-1] > 0.0 else np.zeros(2)
     rows = np.column_stack([np.interp(places, reached, column) for column in path.T]).tolist()
@@ -185,7 +170,7 @@ def _looked_at(path: NDArray[np.float64]) -> list[Joints]:
 
 
 def _strides(start: Joints, angles: NDArray[np.float64]) -> Iterator[Joints]:
-    """Yield joint angles of a way, a stride apart, without its ends."""
+    """Yield joint angles of a path, a stride apart, without its ends."""
     before, last = np.array(start), angles[-1]
     for row in angles:
         if np.abs(row - before).max() >= STRIDE:
@@ -195,20 +180,18 @@ def _strides(start: Joints, angles: NDArray[np.float64]) -> Iterator[Joints]:
             yield tuple(row.tolist())
 
 
-def _carried(situation: Situation, load: Load) -> list[str]:
+def _carried(situation: Situation, arm: Arm) -> list[str]:
     """Return what moves with the gripper: what it holds, and what rests on that."""
-    if load.grip is None:
-        return []
-    held = load.grip.entity
-    return [held, *riders(situation, held, [other for other in situation.poses if other != held])]
+    held = arm.held
+    return [] if held is None else [held, *riders(situation, held, [each for each in situation.poses if each != held])]
 
 
-def _passing(simulator: Simulator, situation: Situation, load: Load, carried: Sequence[str], joints: Joints) -> Passing:
+def _passing(
+    simulator: Simulator, situation: Situation, arm: Arm, carried: Sequence[str], joints: Joints
+) -> ArmPassage:
     """Return where everything is with the arm at joint angles."""
-    if load.grip is not None:
-        delta = compose(
-            compose(tool_pose(simulator.robot, joints), load.grip.pose), invert(situation.poses[load.grip.entity])
-        )
+    if arm.held is not None and arm.grasp is not None:
+        delta = compose(compose(tool_pose(simulator.robot, joints), arm.grasp), invert(situation.poses[arm.held]))
         moved = {entity: compose(delta, situation.poses[entity]) for entity in carried}
         situation = situation.with_poses({**situation.poses, **moved})
-    return Passing(situation, Arm(joints, load.width, load.held), carried)
+    return ArmPassage(situation, Arm(joints, arm.width, arm.held), carried)

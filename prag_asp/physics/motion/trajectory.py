@@ -1,11 +1,10 @@
-"""When the arm is where on a path: smooth in time, every joint within its own speed and acceleration.
+"""Time parameterization of paths: smooth, with every joint within its speed and acceleration limits.
 
-The speed along a path of straight pieces is the highest that the joints allow: at every point the slowest joint
-decides, and from there speed is gathered and lost at the rate of the weakest (a forward and a backward pass over the
-squared speed, as in Bobrow, Dubowsky and Gibson, "Time-optimal control of robotic manipulators along specified paths",
-1985). The motion is then averaged over `ROUNDING`, which keeps both limits and makes jerks finite: they are at most
-twice the acceleration in this time. Around corners the average turns; there the path is passed as slowly as the joints
-need.
+The speed along a piecewise linear path is the highest that the joints allow: the slowest joint limits it at every
+point, and the weakest limits its change (a forward and a backward pass over the squared speed, as in Bobrow, Dubowsky
+and Gibson, "Time-optimal control of robotic manipulators along specified paths", 1985). The motion is then averaged
+over `ROUNDING`, which keeps both limits and bounds the jerk by twice the acceleration in this time. The average cuts
+corners, which are passed slowly enough for the joints.
 """
 
 from __future__ import annotations
@@ -22,41 +21,40 @@ from prag_asp.scene.robots import Joints, Robot
 Angles = NDArray[np.float64]
 
 SPEED_SHARE, ACCELERATION_SHARE = 0.9, 0.85
-"""What share of its limits a joint is asked for: its motor follows with small errors, by up to a tenth of the
-acceleration."""
+"""The shares of a joint's limits that are used: its motor has tracking errors, of up to a tenth of the acceleration."""
 
 LOADED_ACCELERATION = 6.0
-"""The highest of a joint with what should neither slip nor turn in the gripper, in radians a second squared.
+"""The largest acceleration of a joint with an object in the gripper, which should not slip or rotate; rad/s².
 
-Straight up and down nothing does. With 8 or 10 on other ways one task of `prag` in fifteen fails.
+It does not on straight vertical paths. With 8 or 10 on other paths one task of `prag` in fifteen fails.
 """
 
 ROUNDING = 0.1
-"""Seconds over which the corners of a path are rounded, and over which speed is gathered gently."""
+"""Seconds over which a motion is averaged."""
 
 GRAIN = 0.02
-"""Radians between the places where the speed along a path is chosen."""
+"""Radians between the points at which the speed along a path is computed."""
 
 STILL = 1e-12
-"""Radians up to which a piece of a path does not move: sums of angles are not more exact."""
+"""Radians below which a piece of a path counts as no motion, because of rounding."""
 
 SLOWDOWNS = 30
 TOLERANCE = 1e-6
 
 
-class Limits(NamedTuple):
-    """How fast each joint may turn and gather speed, shape (7,), in radians a second and a second squared."""
+class JointLimits(NamedTuple):
+    """The speed and acceleration limits of the joints, shape (7,), in rad/s and rad/s²."""
 
     speeds: Angles
     accelerations: Angles
 
-    def excess(self, angles: Angles, begun: Angles, time_step: float) -> Angles:
-        """Return how many times its limit the joint that is nearest to it reaches, shape (steps + 1,).
+    def excess(self, angles: Angles, start: Angles, time_step: float) -> Angles:
+        """Return the largest ratio of a joint's speed or acceleration to its limit at each step, shape (steps + 1,).
 
         The motion goes from rest at joint angles `begun` through `angles`, shape (steps, 7), to rest.
         """
         still = np.zeros((1, angles.shape[1]))
-        speeds = np.diff(np.concatenate([begun[None], angles]), axis=0) / time_step
+        speeds = np.diff(np.concatenate([start[None], angles]), axis=0) / time_step
         accelerations = np.diff(np.concatenate([still, speeds, still]), axis=0) / time_step
         found: Angles = np.abs(accelerations / self.accelerations).max(axis=1)
         fast = np.abs(speeds / self.speeds).max(axis=1)
@@ -64,16 +62,16 @@ class Limits(NamedTuple):
         return found
 
 
-def limits_of(robot: Robot, loaded: bool = False) -> Limits:
-    """Return what the joints of a robot are asked for, less where the gripper is `loaded`."""
+def joint_limits(robot: Robot, loaded: bool = False) -> JointLimits:
+    """Return the limits used for the joints of a robot, lower if the gripper is `loaded`."""
     accelerations = ACCELERATION_SHARE * np.array(robot.accelerations)
     if loaded:
         accelerations = np.minimum(accelerations, LOADED_ACCELERATION)
-    return Limits(SPEED_SHARE * np.array(robot.speeds), accelerations)
+    return JointLimits(SPEED_SHARE * np.array(robot.speeds), accelerations)
 
 
-def timed(path: Sequence[Joints], time_step: float, limits: Limits) -> Angles:
-    """Return the joint angles of every time step along a path, shape (steps, 7), the first one left out.
+def time_path(path: Sequence[Joints], time_step: float, limits: JointLimits) -> Angles:
+    """Return the joint angles of every time step along a path, shape (steps, 7), without the first point.
 
     The motion begins and ends at rest, and no joint exceeds its limits from one step to the next.
     """
@@ -98,10 +96,10 @@ def timed(path: Sequence[Joints], time_step: float, limits: Limits) -> Angles:
 
 
 class _Cells(NamedTuple):
-    """A path cut into cells that are straight: the lengths along it at their ends (n + 1,) and at its points.
+    """A path cut into straight cells: the path lengths at their ends (n + 1,) and at the corners of the path.
 
-    `rates` (n,) are how fast speed may be gathered in each, `caps` (n + 1,) the highest speeds at their ends. Lengths
-    are radians of the joint that turns most.
+    `rates` (n,) are the largest accelerations along the path in each cell, `caps` (n + 1,) the highest speeds at their
+    ends. Lengths are radians of the joint that moves most.
     """
 
     lengths: Angles
@@ -110,8 +108,8 @@ class _Cells(NamedTuple):
     caps: Angles
 
 
-def _cells(points: Angles, limits: Limits) -> _Cells | None:
-    """Return the cells of a path, None where it does not move."""
+def _cells(points: Angles, limits: JointLimits) -> _Cells | None:
+    """Return the cells of a path, None if it does not move."""
     pieces = np.diff(points, axis=0)
     lengths = np.abs(pieces).max(axis=1)
     moving = lengths > STILL
@@ -153,7 +151,7 @@ def _passed(cells: _Cells, time_step: float) -> tuple[Angles, Angles]:
 
 
 def _slower(cells: _Cells, reached: Angles, excess: Angles, window: int) -> _Cells:
-    """Return cells with lower speeds where a joint exceeds its limits: all that is averaged there is passed slower."""
+    """Return cells with lower speeds in the averaging windows in which a joint exceeds its limits."""
     caps = cells.caps.copy()
     for step in np.flatnonzero(excess > 1.0).tolist():
         first, last = np.searchsorted(reached, (step - window - 1, step + 1))
@@ -163,30 +161,30 @@ def _slower(cells: _Cells, reached: Angles, excess: Angles, window: int) -> _Cel
 
 
 def _at(points: Angles, cells: _Cells, places: Angles) -> Angles:
-    """Return the joint angles at lengths along a path, shape (steps, 7)."""
+    """Return the joint angles at path lengths, shape (steps, 7)."""
     return np.column_stack([np.interp(places, cells.corners, column) for column in points.T])
 
 
-def blended(ways: Sequence[Angles], begun: Joints, time_step: float, limits: Limits) -> Angles:
-    """Return the joint angles of every time step along ways that begin where the one before ends, shape (steps, 7).
+def blend_paths(ways: Sequence[Angles], start: Joints, time_step: float, limits: JointLimits) -> Angles:
+    """Return the joint angles of every time step along consecutive paths, shape (steps, 7).
 
-    Each begins while the one before is in its last `ROUNDING`, as far as the joints allow: where the one loses speed at
-    a constant rate and the other gathers it, the accelerations of both do not exceed that of one.
+    Each path begins during the last `ROUNDING` of the one before, as far as the joint limits allow: while one
+    decelerates at a constant rate and the other accelerates, the sum does not exceed the limit of one.
     """
-    whole, start = ways[0], np.array(begun)
+    whole, origin = ways[0], np.array(start)
     for way in ways[1:]:
         most = min(round(ROUNDING / time_step), len(whole), len(way))
         for both in (most, most // 2, 0):
             joined = np.concatenate([whole, np.repeat(whole[-1:], len(way) - both, axis=0)])
             joined[len(whole) - both :] += way - whole[-1]
-            if limits.excess(joined, start, time_step).max() <= 1.0 + TOLERANCE:
+            if limits.excess(joined, origin, time_step).max() <= 1.0 + TOLERANCE:
                 break
         whole = joined
     return whole
 
 
 def _rounded(angles: Angles, points: Angles, window: int) -> Angles:
-    """Return joint angles averaged over a window of steps; the motion takes as much longer."""
+    """Return joint angles averaged over a window of steps, by which the motion becomes longer."""
     before, after = np.repeat(points[:1], window, axis=0), np.repeat(points[-1:], window, axis=0)
     padded = np.concatenate([before, angles, after])
     sums = np.concatenate([np.zeros((1, padded.shape[1])), np.cumsum(padded, axis=0)])

@@ -1,16 +1,16 @@
-"""Find the ways of the arm between the waypoints of a witness, and add them: then it says all that the arm does."""
+"""Add the collision-free paths of the arm between the waypoints of a witness, which then shows the whole motion."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
 
-from prag_asp.physics.motion.route import Load, checked_path, grip_of
+from prag_asp.physics.motion.route import carry_object, checked_path, grasp_of
 from prag_asp.physics.robot.kinematics import tool_pose
-from prag_asp.physics.search.furniture_handling import opened
+from prag_asp.physics.search.furniture_handling import open_furniture
 from prag_asp.physics.search.moving import with_riders
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.symbolic_facts import Effect, PhysicalTask, physical_task
+from prag_asp.physics.symbolic_facts import ActionEffect, PhysicalTask, physical_task
 from prag_asp.physics.witness import TRANSIT, Arm, Moment, Waypoint, Witness
 from prag_asp.physics.world.dynamics import TIME_STEP
 from prag_asp.physics.world.simulator import Simulator, open_simulator
@@ -23,9 +23,9 @@ Motion = tuple[Waypoint, ...]
 
 
 def with_transit(simulator: Simulator, physical: PhysicalTask, witness: Witness) -> Witness | None:
-    """Return a witness with the waypoints of free ways between its own, None where a way is not found.
+    """Return a witness with waypoints of collision-free paths added, None if a path is not found.
 
-    On the way neither the arm nor what it carries meets anything. What a witness already has is found anew.
+    Neither the arm nor what it carries collides on these paths. Transit waypoints of the witness are replaced.
     """
     motions = []
     for k, effect in enumerate(physical.effects):
@@ -38,48 +38,43 @@ def with_transit(simulator: Simulator, physical: PhysicalTask, witness: Witness)
 
 
 def travel(task: Task, witness: Witness, scene: Scene) -> Witness | None:
-    """Return a witness with the waypoints of free ways between its own, None where a way is not found.
+    """Return a witness with waypoints of collision-free paths added, None if a path is not found.
 
     Raises:
-        SceneError: the task speaks about something for which the scene has no shape.
+        SceneError: the task names an entity that has no shape.
     """
     with open_simulator(scene) as simulator:
         return with_transit(simulator, physical_task(task, scene), witness)
 
 
-def _motion(simulator: Simulator, effect: Effect, own: Motion, before: Moment, after: Moment) -> Motion | None:
-    """Return the waypoints of an action with those of free ways in between, None where a way is not found."""
+def _motion(simulator: Simulator, effect: ActionEffect, own: Motion, before: Moment, after: Moment) -> Motion | None:
+    """Return the waypoints of an action with transit waypoints in between, None if a path is not found."""
     found: list[Waypoint] = []
     arms, poses, openings = dict(before.arms), _relocated(effect, before, after), before.openings
     for waypoint in own:
         robot = waypoint.robot
-        grip = grip_of(waypoint.held, arms[robot], after.arms[robot])
-        load = Load(waypoint.width, grip)
+        grasp = grasp_of(waypoint.held, arms[robot], after.arms[robot])
         situation = Situation(simulator.scene, poses, dict(arms), openings)
-        if waypoint.opening is not None:  # the way of a handle has been checked step by step
-            moved = opened(situation, str(waypoint.held), waypoint.opening, list(poses))
+        if waypoint.opening is not None:  # the motion of a handle was checked step by step
+            moved = open_furniture(situation, str(waypoint.held), waypoint.opening, list(poses))
             poses, openings = moved.poses, moved.openings
         elif waypoint.joints != arms[robot].joints:
             simulator.turn_to(robot)
-            way = checked_path(simulator, situation, load, arms[robot].joints, waypoint.joints, TIME_STEP)
+            arm = carry_object(arms[robot], waypoint.width, waypoint.held, grasp)
+            way = checked_path(simulator, situation, arm, waypoint.joints, TIME_STEP)
             if way is None:
                 return None
             found += [Waypoint(TRANSIT, robot, each, waypoint.width, waypoint.held) for each in way]
-            poses = _carried(situation, load, tool_pose(robot_of(simulator.scene, robot), waypoint.joints))
+            if arm.held is not None and grasp is not None:
+                tool = tool_pose(robot_of(simulator.scene, robot), waypoint.joints)
+                poses = with_riders(situation, arm.held, compose(tool, grasp), situation.poses)
         found.append(waypoint)
-        arms[robot] = Arm(waypoint.joints, waypoint.width, waypoint.held, None if grip is None else grip.pose)
+        arms[robot] = Arm(waypoint.joints, waypoint.width, waypoint.held, grasp)
     return tuple(found)
 
 
-def _relocated(effect: Effect, before: Moment, after: Moment) -> Mapping[str, Pose]:
-    """Return where objects are when the arm begins to move: those that no gripper moves have moved by then."""
+def _relocated(effect: ActionEffect, before: Moment, after: Moment) -> Mapping[str, Pose]:
+    """Return the poses of the objects when the arm begins to move: if no gripper moves any, they have moved by then."""
     if (effect.grasps, effect.releases, effect.holds) == (None, None, None):
         return after.poses
     return before.poses
-
-
-def _carried(situation: Situation, load: Load, tool: Pose) -> Mapping[str, Pose]:
-    """Return where the objects are after the gripper has carried its load to a pose of the tool."""
-    if load.grip is None:
-        return situation.poses
-    return with_riders(situation, load.grip.entity, compose(tool, load.grip.pose), situation.poses)

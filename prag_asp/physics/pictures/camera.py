@@ -1,4 +1,4 @@
-"""Take a picture of a moment with PyBullet's software renderer."""
+"""Render a moment with PyBullet's software renderer."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ OVERSAMPLING = 2
 
 
 def picture(simulator: Simulator, moment: Moment, size: tuple[int, int], view: View) -> Image.Image:
-    """Return one state as a picture of `size` pixels; the simulator must have been opened with `visual`."""
+    """Return a picture of a moment in `size` pixels; the simulator must have been opened with `visual`."""
     image_type = pillow()
     simulator.show(moment)
     pixels = _render(simulator, (size[0] * OVERSAMPLING, size[1] * OVERSAMPLING), view)
@@ -46,7 +46,7 @@ def pillow() -> Any:
 
 
 def _render(simulator: Simulator, size: tuple[int, int], seen_from: View) -> NDArray[np.uint8]:
-    """Return what the camera sees before a gradient, shape (height, width, 3)."""
+    """Return the image of a camera in front of a gradient, shape (height, width, 3)."""
     width, height = size
     view = pybullet.computeViewMatrix(*seen_from, (0.0, 0.0, 1.0))
     projection = pybullet.computeProjectionMatrixFOV(FIELD_OF_VIEW, width / height, 0.1, 5.0)

@@ -1,4 +1,4 @@
-"""Draw witnesses and demonstrations: film strips of the states with captions, single states, and animations."""
+"""Pictures of witnesses and demonstrations: film strips with captions, single states, and animations."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from prag_asp.atom import Atom
 from prag_asp.errors import QueryError, SceneError
-from prag_asp.physics.checks.numbers import LIMIT_TOLERANCE, broken_numbers, misfit
+from prag_asp.physics.checks.numbers import LIMIT_TOLERANCE, broken_numbers, count_mismatch
 from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration
 from prag_asp.physics.filming.film import moment_of
 from prag_asp.physics.pictures.camera import picture, pillow
@@ -33,16 +33,16 @@ if TYPE_CHECKING:
     from PIL import Image
 
 RATE = 10
-"""Frames of an animation a second."""
+"""The frame rate of animations, in frames a second."""
 
 LAST_PAUSE = 1500
-"""Milliseconds for which an animation stops at its end."""
+"""The pause at the end of an animation, in milliseconds."""
 
 GIVE = 0.005
-"""How far a joint or a finger that was measured may be pressed beyond its limit, in radians and metres."""
+"""The tolerance of measured joint angles and openings beyond their limits, in radians and metres."""
 
 START_FACTS = 4
-"""How many facts of a first state are told, of what the task's actions name."""
+"""The number of facts in the caption of an initial state."""
 
 SIDES = re.compile(r"\b(left|right|in front|behind)\b")
 
@@ -56,17 +56,17 @@ def film_strip(
     columns: int = 6,
     size: tuple[int, int] = (360, 320),
     headings: Sequence[str | None] | None = None,
-    told: Sequence[tuple[str, str]] | None = None,
+    captions: Sequence[tuple[str, str]] | None = None,
 ) -> Image.Image:
     """Return a picture of the states of a witness or a demonstration, or of `frames` of them with first and last.
 
-    They stand side by side, at most `columns` in a row; `size` is that of one frame in pixels. Under each stand the
-    action and what it made true, in plain words; `headings` replace the words for the actions,
-    but for those that are None, and `told` all words: a heading and a caption for each state.
+    They are arranged in rows of at most `columns`; `size` is that of one picture in pixels. Below each are the action
+    and its positive effects in plain words. `headings` replace the words for the actions, except those that are None;
+    `captions` replace all words by a heading and a text for each state.
 
     Raises:
         PicturesMissingError: Pillow is not installed.
-        QueryError: less than two frames or no columns are asked for, or what is shown does not belong to the task.
+        QueryError: there are less than two frames or no columns, or what is shown does not belong to the task.
     """
     if (frames is not None and frames < 2) or columns < 1:
         raise QueryError(f"a film strip needs at least 2 frames and 1 column; got {frames} and {columns}")
@@ -78,16 +78,16 @@ def film_strip(
     with _simulator(task, shown, moments, scene) as simulator:
         view = best_view(task, moments, simulator.scene, size, chosen)
         pictures = [picture(simulator, moments[k], size, view) for k in chosen]
-    if told is not None and len(told) != last + 1:
-        raise QueryError(f"{plural(len(told), 'caption')} for {plural(last + 1, 'state')}; give one for each")
-    captions = captioned(task, scene, chosen, headings, told)
-    return sheet([Panel(image, *caption) for image, caption in zip(pictures, captions, strict=True)], columns)
+    if captions is not None and len(captions) != last + 1:
+        raise QueryError(f"{plural(len(captions), 'caption')} for {plural(last + 1, 'state')}; give one for each")
+    texts = make_captions(task, scene, chosen, headings, captions)
+    return sheet([Panel(image, *text) for image, text in zip(pictures, texts, strict=True)], columns)
 
 
 def still(
     task: Task, shown: Witness | Demonstration, scene: Scene, state: int, *, size: tuple[int, int] = (960, 800)
 ) -> Image.Image:
-    """Return a picture of one state, 0 for the initial one, without words; `size` in pixels.
+    """Return a picture of one state, 0 for the initial one, without a caption; `size` is in pixels.
 
     Raises:
         PicturesMissingError: Pillow is not installed.
@@ -113,10 +113,10 @@ def animate(
     headings: Sequence[str | None] | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> None:
-    """Write an animation of a demonstration, `speed` times as fast: a .gif or .webp, by the name of the file.
+    """Write an animation of a demonstration, `speed` times as fast, as a .gif or .webp according to the suffix.
 
-    It shows `RATE` frames a second in `size` pixels, and under each the action that is performed. `progress` is told
-    how many frames of how many are drawn.
+    It shows `RATE` frames a second in `size` pixels, with the current action below. `progress` is called with the
+    number of rendered frames and their total.
 
     Raises:
         PicturesMissingError: Pillow is not installed.
@@ -148,13 +148,13 @@ def animate(
 
 
 def _moments(task: Task, shown: Witness | Demonstration) -> Sequence[Moment]:
-    """Return the states of a task as a witness or a demonstration has them.
+    """Return the moments of the states of a task in a witness or a demonstration.
 
     Raises:
-        QueryError: they are not as many as the task has.
+        QueryError: their number is not that of the task.
     """
     if isinstance(shown, Witness):
-        unfit = misfit(shown, len(task.actions))
+        unfit = count_mismatch(shown, len(task.actions))
         if unfit is not None:
             raise QueryError(unfit)
         return shown.moments
@@ -165,7 +165,7 @@ def _moments(task: Task, shown: Witness | Demonstration) -> Sequence[Moment]:
 
 
 def _actions(task: Task) -> str:
-    """Return how many actions a task has, in words."""
+    """Return the number of actions of a task in words."""
     return plural(len(task.actions), "action")
 
 
@@ -173,14 +173,14 @@ def _actions(task: Task) -> str:
 def _simulator(
     task: Task, shown: Witness | Demonstration, moments: Sequence[Moment], scene: Scene
 ) -> Iterator[Simulator]:
-    """Open a simulator in which all the moments of what is shown can be drawn.
+    """Open a simulator that can show all moments.
 
     Raises:
         QueryError: the scene does not allow the size of an object, or a moment lacks an object or an arm of the task,
-            has another, or numbers that cannot be.
+            has another, or has invalid numbers.
     """
     try:
-        sized = scene.with_sizes(shown.sizes) if isinstance(shown, Witness) else shown.sized(scene)
+        sized = scene.with_sizes(shown.sizes) if isinstance(shown, Witness) else shown.sized_scene(scene)
     except SceneError as error:
         raise QueryError(str(error)) from None
     with open_simulator(sized, visual=True) as simulator:
@@ -203,48 +203,47 @@ def _check_headings(task: Task, headings: Sequence[str | None] | None) -> None:
 
 
 def _caption(task: Task, scene: Scene, k: int, headings: Sequence[str | None] | None) -> tuple[str, str]:
-    """Return the heading of a frame and what it shows, in plain words."""
+    """Return the heading and the text of a state in plain words."""
     if k == 0:
         named = {argument for action in task.actions for argument in action.arguments}
         known = [fact for fact in facts(scene, task.initial) if fact.value]
         handled = [fact for fact in known if not named.isdisjoint(_things(fact, scene))]
-        return "start", _told(handled or known, START_FACTS)
+        return "start", _fact_words(handled or known, START_FACTS)
     made = [fact for fact in facts(scene, task.subgoals[k - 1]) if fact.value]
     undone = [fact for fact in facts(scene, task.subgoals[k - 1]) if not fact.value]
     heading = (headings[k - 1] if headings is not None else None) or _action_words(task.actions[k - 1], scene)
-    return f"{k}. {heading}", _told(made or undone[:1])
+    return f"{k}. {heading}", _fact_words(made or undone[:1])
 
 
 def _things(fact: Fact, scene: Scene) -> set[str]:
-    """Return the objects that a fact speaks of."""
+    """Return the objects among the arguments of a fact."""
     return {argument for argument in fact.arguments if argument in scene.shapes and scene.shapes[argument].traits.body}
 
 
-def captioned(
+def make_captions(
     task: Task,
     scene: Scene,
     chosen: Iterable[int],
     headings: Sequence[str | None] | None,
-    told: Sequence[tuple[str, str]] | None = None,
+    captions: Sequence[tuple[str, str]] | None = None,
 ) -> list[tuple[str, str]]:
-    """Return heading and caption of some states; the first says whose sides are meant, where they are the robot's."""
-    captions = [told[k] if told is not None else _caption(task, scene, k, headings) for k in chosen]
-    if scene.frame == "viewer" or not any(SIDES.search(text) for caption in captions for text in caption):
-        return captions
-    heading, text = captions[0]
+    """Return heading and text of some states; the first explains left and right if they are the robot's."""
+    texts = [captions[k] if captions is not None else _caption(task, scene, k, headings) for k in chosen]
+    if scene.frame == "viewer" or not any(SIDES.search(text) for pair in texts for text in pair):
+        return texts
+    heading, text = texts[0]
     who = "robots see" if scene.shared else "robot sees"
-    return [(heading, f"{text} (sides are as the {who} them)".lstrip()), *captions[1:]]
+    return [(heading, f"{text} (sides are as the {who} them)".lstrip()), *texts[1:]]
 
 
 def _action_words(action: Atom, scene: Scene) -> str:
-    """Return an action in plain words: its name and its arguments but a single robot."""
-    untold = () if scene.shared else scene.robots
-    return " ".join(words(part) for part in (action.name, *action.arguments) if part not in untold)
+    """Return an action in plain words: its name and its arguments, without a single robot."""
+    unnamed = () if scene.shared else scene.robots
+    return " ".join(words(part) for part in (action.name, *action.arguments) if part not in unnamed)
 
 
-def _told(made: Sequence[Fact], most: int = 2) -> str:
-    """Return what is most worth telling of some facts; relations of the domain's own come first."""
-    worth = (fact for fact in made if fact.predicate.told < math.inf)
-    known = sorted(worth, key=lambda fact: fact.predicate.told)
-    told = known[:most] or list(made[:1])
-    return ", ".join(fact.sentence() for fact in told)
+def _fact_words(candidates: Sequence[Fact], most: int = 2) -> str:
+    """Return the facts of the lowest caption ranks in words; those of user-defined predicates come first."""
+    worth = (fact for fact in candidates if fact.predicate.caption_rank < math.inf)
+    known = sorted(worth, key=lambda fact: fact.predicate.caption_rank)
+    return ", ".join(fact.sentence() for fact in known[:most] or candidates[:1])

@@ -1,4 +1,4 @@
-"""Put pictures with captions on one sheet of paper."""
+"""Arrange pictures with captions on one sheet."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ABOVE, BETWEEN = 8, 4
 
 
 class Panel(NamedTuple):
-    """A picture with a heading and a text to stand under it."""
+    """A picture with a heading and a text below it."""
 
     image: Image.Image
     heading: str
@@ -27,9 +27,9 @@ class Panel(NamedTuple):
 
 
 def sheet(panels: Sequence[Panel], columns: int, *, lines: int = 1) -> Image.Image:
-    """Return panels of one size in even rows of at most `columns`, each picture above its words.
+    """Return a sheet of panels of one size in even rows of at most `columns`, each picture above its caption.
 
-    There is room for headings of `lines` lines at least.
+    Headings have room for at least `lines` lines.
     """
     from PIL import ImageDraw  # noqa: PLC0415 - pictures are optional
 
@@ -56,12 +56,12 @@ def sheet(panels: Sequence[Panel], columns: int, *, lines: int = 1) -> Image.Ima
 
 
 def line_count(panels: Sequence[Panel]) -> int:
-    """Return how many lines the longest heading of some panels takes."""
+    """Return the number of lines of the longest heading."""
     return max(len(wrap(panel.heading, _font(HEADING), panel.image.width - 2)) for panel in panels)
 
 
 def wrap(text: str, font: Any, width: int) -> list[str]:
-    """Return a text in lines that fit a width in pixels; a longer word has a line of its own."""
+    """Return a text wrapped to a width in pixels; a longer word gets a separate line."""
     lines: list[str] = []
     for word in text.split():
         longer = f"{lines[-1]} {word}" if lines else word
@@ -73,14 +73,14 @@ def wrap(text: str, font: Any, width: int) -> list[str]:
 
 
 def _font(size: int) -> Any:
-    """Return the font of words that are `size` pixels high."""
+    """Return the font of a size in pixels."""
     from PIL import ImageFont  # noqa: PLC0415 - pictures are optional
 
     return ImageFont.load_default(size=size)
 
 
 def _room(heading: Sequence[str], text: Sequence[str], lines: int) -> int:
-    """Return how high the words of a panel are, in pixels."""
+    """Return the height of the caption of a panel in pixels."""
     return ABOVE + HEADING_LINE * max(lines, len(heading)) + (BETWEEN + TEXT_LINE * len(text) if text else 0)
 
 

@@ -1,4 +1,4 @@
-"""From where to draw a task: so that what acts, what is acted on, and what that touches are seen."""
+"""Choose the view of a task in which the acting hands and the objects of its actions are visible."""
 
 from __future__ import annotations
 
@@ -15,31 +15,30 @@ from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 
 AZIMUTHS, HEIGHTS = (-22.7, 50.0, -50.0, 75.0, -75.0), (0.6, 1.1)
-"""Directions to the eye: degrees from the axis that points away from the robot, so that left and right stay what they
-are to someone who faces it; and heights beside the way along the table."""
+"""Directions to the camera: degrees from the axis that points away from the robot, so that left and right stay those of
+a viewer who faces it; and heights relative to the horizontal distance."""
 
 FAVOUR = 1.1
-"""How much better another view has to be than the usual one."""
+"""The factor by which another view has to be better than the default one."""
 
 SMALL, FAR = 96, 10.0
-"""Pixels of the longer side of the pictures that views are judged by, and how far these see, in metres."""
+"""The longer side in pixels of the images by which views are compared, and their far plane in metres."""
 
 ABOVE_TABLE, ABOVE_BASE, BEHIND_BASE = 0.06, 0.78, 0.12
-"""How high over the table things stand, and how high over its base and how far behind it the elbow of a robot is, in
-metres."""
+"""The height of objects above the table, and the position of a robot's elbow above and behind its base, in metres."""
 
 View = tuple[Vector, Vector]
-"""Where the eye of a picture is, and what it looks at, in metres."""
+"""The position of the camera, and the point that it looks at, in metres."""
 
 
 def best_view(
     task: Task, moments: Sequence[Moment], scene: Scene, size: tuple[int, int], states: Iterable[int] | None = None
 ) -> View:
-    """Return the view in which the states of a task show best what is done; `size` is that of a picture in pixels.
+    """Return the view that shows the actions of a task best; `size` is that of a picture in pixels.
 
-    Of each state count the things that its action and its subgoal name, and the hand that acts, each by the pixels that
-    show it beside the most that any view shows: their mean, and the one that is seen worst. `moments` are all states;
-    `states` are those that are drawn, as a rule all.
+    A view scores, for each state, the entities of its action and subgoal and the acting hand, each by the ratio of its
+    visible pixels to the most in any view: the mean and the minimum of the ratios. `moments` are all states; `states`
+    are the drawn ones, by default all.
     """
     aspect = size[0] / size[1]
     views = [view_from(scene, aspect, towards) for towards in (TOWARDS_EYE, *_directions())]
@@ -64,7 +63,7 @@ def best_view(
 
 
 def acting(task: Task, scene: Scene, state: int) -> set[str]:
-    """Return what the action that leads to a state acts with and on, and its subgoal names; nothing at the start."""
+    """Return the entities of the action that leads to a state, and of its subgoal; none for the initial state."""
     if state == 0:
         return set()
     action, subgoal = task.actions[state - 1], task.subgoals[state - 1]
@@ -78,7 +77,7 @@ def acting(task: Task, scene: Scene, state: int) -> set[str]:
 
 
 def view_from(scene: Scene, aspect: float, towards: Vector = TOWARDS_EYE) -> View:
-    """Return the view in a direction that just sees the workspace, the robots and what is fixed.
+    """Return the closest view in a direction that shows the workspace, the robots and the fixed objects.
 
     The aspect of the picture is its width by its height.
     """
@@ -93,7 +92,7 @@ def view_from(scene: Scene, aspect: float, towards: Vector = TOWARDS_EYE) -> Vie
 
 
 def _directions() -> list[Vector]:
-    """Return the directions to the eye that are tried besides the usual one."""
+    """Return the directions to the camera that are tried besides the default one."""
     found = []
     for azimuth, height in product(AZIMUTHS, HEIGHTS):
         angle = math.radians(azimuth)

@@ -1,7 +1,7 @@
-"""The spatial predicates, each defined once, and those that a domain adds.
+"""The registry of spatial predicates, and those that a domain adds.
 
-A file here defines one or a few that belong together as its `PREDICATES`, by their names, as a Python file of a domain
-does. A new one is a file and a row in `prag_asp.scene.predicate_names`, which names it.
+Each module of this package defines one predicate, or a few related ones, in its `PREDICATES`, by their names, as a
+Python file of a domain does. A new predicate is a module and a row in `prag_asp.scene.predicate_names`, which names it.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from functools import cache
 from importlib import import_module
 
 from prag_asp.errors import SceneError
-from prag_asp.physics.predicates.box_predicates import composed
+from prag_asp.physics.predicates.box_predicates import box_predicate
 from prag_asp.physics.predicates.predicate import Direction, Gripper, Predicate, states
-from prag_asp.physics.predicates.python_file import defined
+from prag_asp.physics.predicates.python_file import load_predicate
 from prag_asp.physics.predicates.volume import Ring, Side, Volume, Yaws
 from prag_asp.scene.predicate_names import VOCABULARY
 from prag_asp.scene.scene import Own, Scene
@@ -22,18 +22,20 @@ from prag_asp.scene.scene import Own, Scene
 PREDICATES: Mapping[str, Predicate] = {
     name: import_module(f"{__name__}.{word.file}").PREDICATES[name] for name, word in VOCABULARY.items()
 }
-"""Every spatial predicate that all scenes have, by its name."""
+"""The spatial predicates of every scene, by name."""
 
 NAMED: Mapping[str, Predicate] = {
-    name: replace(predicate, sentence=predicate.named)
+    name: replace(predicate, sentence=predicate.robot_sentence)
     for name, predicate in PREDICATES.items()
-    if predicate.named is not None
+    if predicate.robot_sentence is not None
 }
-"""Those whose sentences say which gripper is meant, for scenes that have several."""
+"""Predicates whose sentences name the gripper, for scenes with several robots."""
 
 
 def predicate_of(scene: Scene, name: str) -> Predicate:
-    """Return a spatial predicate of a scene by its name, always the same value; it names the gripper if there are more.
+    """Return a spatial predicate of a scene by its name, always the same object.
+
+    In scenes with several robots its sentence names the gripper.
 
     Raises:
         SceneError: there is none; or a Python file defines it that is not trusted, or fails.
@@ -55,12 +57,12 @@ def predicate_of(scene: Scene, name: str) -> Predicate:
 
 @cache
 def _own(own: Own) -> Predicate:
-    """Return a predicate that a domain adds."""
-    return defined(own) if own.file else composed(own)
+    """Return a user-defined predicate."""
+    return load_predicate(own) if own.file else box_predicate(own)
 
 
 def own_predicates(scene: Scene) -> Mapping[str, Predicate]:
-    """Return the spatial predicates that a scene adds, by their names.
+    """Return the user-defined predicates of a scene, by name.
 
     Raises:
         SceneError: a Python file defines one that is not trusted, or fails.

@@ -1,8 +1,8 @@
 """``aligned``: two bodies side by side with parallel sides, in a row along an axis of the scene.
 
-Their yaws differ by a multiple of 90 degrees, up to `TURN`; a cylinder and a ball are parallel to everything. Their
-centres are at most `OFFSET` metres apart along one of the scene's axes x and y, seen from above, and their bounding
-boxes at least `GAP` metres apart along the other. The order of the two does not matter.
+Their yaws differ by a multiple of 90 degrees within `TURN`; cylinders and balls are parallel to everything. Their
+centres are at most `OFFSET` metres apart along one of the axes x and y of the scene, and their bounding boxes at least
+`GAP` metres apart along the other. The predicate is symmetric.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ QUARTER = math.pi / 2
 
 
 def _has_sides(shape: Shape) -> bool:
-    """Tell whether a body has sides that can be parallel to others."""
+    """Return whether a body has sides that can be parallel to others."""
     return not shape.traits.round
 
 
 def _parallel(situation: Situation, arguments: Arguments) -> bool:
-    """Tell whether both bodies have sides."""
+    """Return whether both bodies have sides."""
     return all(_has_sides(situation.shape(entity)) for entity in arguments)
 
 
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres the bodies are out of the nearest row, and by how many radians not parallel."""
+    """Yield the distance in metres from the nearest row, and the angle in radians by which they are not parallel."""
     one, two = situation.body(arguments[0]), situation.body(arguments[1])
     apart = [abs(a - b) for a, b in zip(one.centre[:2], two.centre[:2], strict=True)]
     close = [one.half[axis] + two.half[axis] + GAP for axis in (0, 1)]
@@ -71,7 +71,7 @@ ALIGNED = Predicate(
     turns=True,
     apart=(GAP, math.inf),
     seen_close=True,
-    told=80,
+    caption_rank=80,
 )
 
 PREDICATES = {"aligned": ALIGNED}

@@ -1,9 +1,8 @@
-"""``left_of``, ``right_of``, ``in_front_of``, ``behind``: one body lies wholly to one side of another.
+"""``left_of``, ``right_of``, ``in_front_of``, ``behind``: one body lies entirely to one side of another.
 
-The frame is the scene's. For the robot, which looks along +x, left is +y and in front (nearer to it) is -x.
-For a viewer who faces the robot, left is -y and in front (nearer to the viewer) is +x. The bounding boxes are
-at least `GAP` apart along the axis, and the centres at most `SPREAD` times as far apart across it as along
-it.
+The scene chooses the frame. For the robot, which looks along +x, left is +y and in front (nearer to it) is -x. For a
+viewer who faces the robot, left is -y and in front (nearer to the viewer) is +x. The bounding boxes are at least `GAP`
+apart along the axis, and the offset of the centres across it is at most `SPREAD` times that along it.
 """
 
 from __future__ import annotations
@@ -31,7 +30,7 @@ SIDES = {
     "in_front_of": Direction(X, -1.0),
     "behind": Direction(X, 1.0),
 }
-"""On which side of the other body the subject lies, to the robot."""
+"""The direction of the subject from the other body, as the robot sees it."""
 
 INVERSES = {"left_of": "right_of", "right_of": "left_of", "in_front_of": "behind", "behind": "in_front_of"}
 PHRASES = {
@@ -40,12 +39,12 @@ PHRASES = {
     "in_front_of": "in front of",
     "behind": "behind",
 }
-TOLD = {"left_of": 90, "right_of": 91, "in_front_of": 92, "behind": 93}
+RANKS = {"left_of": 90, "right_of": 91, "in_front_of": 92, "behind": 93}
 
 
 def _violations(name: str, situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres the subject is outside the spread or short of the gap."""
-    axis, sign = SIDES[name].seen(situation.scene.frame)
+    """Yield by how many metres the subject violates the spread and the gap."""
+    axis, sign = SIDES[name].in_frame(situation.scene.frame)
     one, two = situation.body(arguments[0]), situation.body(arguments[1])
     at, other = one.centre, two.centre
     along = sign * (at[axis] - other[axis])
@@ -54,14 +53,14 @@ def _violations(name: str, situation: Situation, arguments: Arguments) -> Iterat
 
 
 def _volume(name: str, situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the wedge beyond the other body."""
+    """Return the wedge on that side of the other body."""
     subject, other = arguments
-    side = SIDES[name].seen(situation.scene.frame)
+    side = SIDES[name].in_frame(situation.scene.frame)
     return wedge(situation, side, other, extents(situation.shape(subject), quaternion), GAP + MARGIN)
 
 
 def wedge(situation: Situation, side: Direction, other: str, half: Vector, gap: float) -> Volume:
-    """Return the region on a side of a body for the centre of a box with half sides; `gap` metres apart."""
+    """Return the region on a side of a body for the centre of a box with half-sides `half`, `gap` metres away."""
     axis, sign = side
     at = situation.body(other).centre
     edge = at[axis] + sign * (half[axis] + situation.half(other)[axis] + gap)
@@ -76,8 +75,8 @@ def wedge(situation: Situation, side: Direction, other: str, half: Vector, gap: 
 
 
 def _demands(name: str, scene: Scene, arguments: Arguments) -> Iterator[Demand]:
-    """Yield how far apart the two bodies are at least along the axis."""
-    axis, sign = SIDES[name].seen(scene.frame)
+    """Yield the least distance between the centres of the two bodies along the axis."""
+    axis, sign = SIDES[name].in_frame(scene.frame)
     low, high = arguments if sign < 0 else arguments[::-1]
     yield axis, Gap(centre(low), centre(high), thinnest(low, axis, scene) + thinnest(high, axis, scene) + GAP)
 
@@ -93,7 +92,7 @@ PREDICATES = {
         apart=(GAP, math.inf),
         seen_close=True,
         demands=partial(_demands, name),
-        told=TOLD[name],
+        caption_rank=RANKS[name],
     )
     for name, side in SIDES.items()
 }

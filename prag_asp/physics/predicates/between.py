@@ -1,7 +1,7 @@
 """``between``: a body lies between two others, seen from above.
 
-The straight line from the centre of the one to that of the other passes through the body, and along that line it is
-at least `GAP` metres away from both. What is above or below does not matter.
+The line segment between the centres of the two others passes through the body, and along that line the body is at
+least `GAP` metres away from both. Heights do not matter.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ MARGIN = 0.003
 
 
 def _half_along(situation: Situation, entity: str, quaternion: Quaternion, direction: Vector) -> float:
-    """Return half the width of a body along a direction in metres, of furniture that of the box around it."""
+    """Return half the width of a body along a direction in metres, for furniture that of its bounding box."""
     if situation.shape(entity).traits.furniture:
         half_x, half_y, _ = situation.half(entity)
         return abs(direction[0]) * half_x + abs(direction[1]) * half_y
@@ -28,7 +28,7 @@ def _half_along(situation: Situation, entity: str, quaternion: Quaternion, direc
 
 
 def _line(situation: Situation, arguments: Arguments) -> tuple[float, Vector]:
-    """Return how far apart the two others are in metres, and the direction from the first to the second."""
+    """Return the distance between the two others in metres, and the direction from the first to the second."""
     (ax, ay, _), (bx, by, _) = (situation.body(other).centre for other in arguments[1:])
     length = math.hypot(bx - ax, by - ay)
     return length, ((bx - ax) / length, (by - ay) / length, 0.0) if length > 0.0 else (1.0, 0.0, 0.0)
@@ -37,9 +37,9 @@ def _line(situation: Situation, arguments: Arguments) -> tuple[float, Vector]:
 def _room(
     situation: Situation, arguments: Arguments, quaternion: Quaternion, line: tuple[float, Vector]
 ) -> tuple[float, float, float]:
-    """Return where on the line the centre of the body begins and ends to be free of the others, and how far off it.
+    """Return the range of the body's centre along the line, and its largest distance from the line.
 
-    Metres from the centre of the first of the others, and to each side.
+    The range is in metres from the centre of the first of the two others.
     """
     subject, one, two = arguments
     length, along = line
@@ -50,7 +50,7 @@ def _room(
 
 
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres the body is off the line, and short of either gap."""
+    """Yield by how many metres the body misses the line, and each of the two gaps."""
     line = _line(situation, arguments)
     pose, (x, y, _) = situation.pose(arguments[0]), situation.body(arguments[1]).centre
     begin, end, aside = _room(situation, arguments, pose.quaternion, line)
@@ -84,7 +84,7 @@ BETWEEN = Predicate(
     volume=_volume,
     sentence=states("{0} {is} between {1} and {2}"),
     lies_between=True,
-    told=60,
+    caption_rank=60,
 )
 
 PREDICATES = {"between": BETWEEN}

@@ -1,8 +1,8 @@
-"""Predicates that a domain composes of boxes around an entity, in its domain.toml.
+"""Predicates that a domain defines in its domain.toml as a union of boxes around an entity.
 
-A box stands in the axes of the entity as it is turned about z, its x and y from the centre of the entity, its z from
-the entity's lowest point; around the table, in the scene's axes from the centre of its top. The centre of the subject
-is in one of the boxes, or, where the predicate says so, the whole subject is in one of them, up to `TOLERANCE`.
+A box is given in the frame of the entity, rotated with its yaw: x and y from the centre of the entity, z from its
+lowest point; around the table, in the scene's axes from the centre of its top. The centre of the subject is in one of
+the boxes or, if the predicate says `whole`, the whole subject is, within `TOLERANCE`.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from prag_asp.physics.predicates.volume import Side, Volume
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.geometry import Quaternion, extents, heading, multiply, to_local
-from prag_asp.scene.scene import Bounds, Own
+from prag_asp.scene.scene import BoxBounds, Own
 
 TOLERANCE, SLIVER = 0.002, 1e-6
 CENTRE: Vector = (0.0, 0.0, 0.0)
 
 
-def composed(own: Own) -> Predicate:
-    """Return a predicate made of boxes; `around` stands in for its second argument where it has one."""
+def box_predicate(own: Own) -> Predicate:
+    """Return a predicate made of boxes around its second argument."""
     return Predicate(
         name=own.name,
         violations=partial(_violations, own),
@@ -34,7 +34,7 @@ def composed(own: Own) -> Predicate:
 
 
 def _half(own: Own, situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Vector:
-    """Return how far what has to be in a box reaches from the centre of the subject, in the axes of the box; metres."""
+    """Return the half-sides of what has to be in a box, in the axes of the box: the subject or its centre; metres."""
     if not own.whole:
         return CENTRE
     x, y, z, w = situation.pose(arguments[1]).quaternion
@@ -51,8 +51,8 @@ def _violations(own: Own, situation: Situation, arguments: Arguments) -> Iterato
     yield min(_missed(box, at, half) for box in own.boxes) - TOLERANCE
 
 
-def _missed(box: Bounds, at: Vector, half: Vector) -> float:
-    """Return by how many metres a body misses a box, along the axis where it does most; negative within it."""
+def _missed(box: BoxBounds, at: Vector, half: Vector) -> float:
+    """Return by how many metres a body misses a box along the worst axis; negative within it."""
     below = (low - value + reach for low, value, reach in zip(box.low, at, half, strict=True))
     above = (value + reach - high for high, value, reach in zip(box.high, at, half, strict=True))
     return max(*below, *above)
@@ -64,8 +64,8 @@ def _volume(own: Own, situation: Situation, arguments: Arguments, quaternion: Qu
     return Volume(unions=(tuple(_room(box, situation, arguments[1], half) for box in own.boxes),))
 
 
-def _room(box: Bounds, situation: Situation, other: str, half: Vector) -> Volume:
-    """Return where the centre of a body may be that has to be in a box, as far as `half` reaches; metres."""
+def _room(box: BoxBounds, situation: Situation, other: str, half: Vector) -> Volume:
+    """Return the region for the centre of a body of half-sides `half` that has to be in a box; metres."""
     (ax, bx), (ay, by), (az, bz) = (_ends(*ends) for ends in zip(box.low, box.high, half, strict=True))
     x, y, _ = situation.pose(other).position
     bottom = situation.bottom(other)
@@ -87,9 +87,9 @@ def _room(box: Bounds, situation: Situation, other: str, half: Vector) -> Volume
 
 
 def _ends(low: float, high: float, reach: float) -> tuple[float, float]:
-    """Return where the centre of a body may be along an axis of a box, in metres; the low end is larger if nowhere.
+    """Return the range for the centre of a body along an axis of a box in metres, low > high if it is empty.
 
-    What is as large as the box, or larger within the tolerance, is in the middle of it.
+    A body as large as the box, or larger within the tolerance, is put into its centre.
     """
     low, high = low + reach, high - reach
     if -2 * SLIVER <= low - high <= 2 * (TOLERANCE - SLIVER):

@@ -1,7 +1,7 @@
-"""What predicates demand of the places of bodies: least differences between their coordinates, along each axis.
+"""Constraints that predicates put on the positions of bodies: lower bounds on differences of coordinates.
 
-Each demand has to follow from the definition of the predicate for any way in which the bodies may be turned. Along x
-and y the centres of bodies are compared, along z the bottoms and tops of their bounding boxes.
+Each constraint has to follow from the definition of the predicate for any orientation of the bodies. Along x and y it
+compares the centres of bodies, along z the bottoms and tops of their bounding boxes.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from prag_asp.scene.geometry import extents, yaw_quaternion
 from prag_asp.scene.scene import Scene, Shape
 
 ROUNDING = 1e-9
-"""What two lengths have to differ by to be told apart, in metres."""
+"""Lengths that differ by less are considered equal, in metres."""
 
 Node = tuple[str, str]
-"""A body (or a robot, for its tool; or the origin) and the part of it whose coordinate is meant."""
+"""A body (or a robot, for its tool; or the origin) and the part of it whose coordinate is constrained."""
 
 ORIGIN: Node = ("", "centre")
 """The origin of the world."""
@@ -26,7 +26,7 @@ Z = 2
 
 
 class Gap(NamedTuple):
-    """The coordinate of `high` is at least `least` metres more than that of `low`; `least` may be negative."""
+    """The coordinate of `high` exceeds that of `low` by at least `least` metres, which may be negative."""
 
     low: Node
     high: Node
@@ -34,21 +34,21 @@ class Gap(NamedTuple):
 
 
 Demand = tuple[int, Gap]
-"""An axis (0 is x, 1 is y, 2 is z) and what is demanded along it."""
+"""An axis (0 is x, 1 is y, 2 is z) and a constraint along it."""
 
 
 def between(node: Node, other: Node, least: float, most: float) -> tuple[Gap, Gap]:
-    """Return that a coordinate is `least` to `most` metres more than another."""
+    """Return the constraints that a coordinate exceeds another by `least` to `most` metres."""
     return Gap(other, node, least), Gap(node, other, -most)
 
 
 def along(axis: int, gaps: Iterable[Gap]) -> Iterator[Demand]:
-    """Yield gaps as demands along an axis."""
+    """Yield gaps as constraints along an axis."""
     return ((axis, gap) for gap in gaps)
 
 
 def centre(entity: str) -> Node:
-    """Return the middle of a body, or of the tool of a robot."""
+    """Return the centre of a body, or of the tool of a robot."""
     return (entity, "centre")
 
 
@@ -63,13 +63,13 @@ def top(entity: str) -> Node:
 
 
 def thinnest(entity: str, axis: int, scene: Scene) -> float:
-    """Return half the side of the bounding box of a body along an axis in metres, as small as it can be."""
+    """Return the least half-side of the bounding box of a body along an axis, over all orientations; metres."""
     shape, place = scene.shapes[entity], scene.fixed.get(entity)
     return min(shape.half) if place is None else extents(shape, yaw_quaternion(place[2]))[axis]
 
 
 def above(scene: Scene, entity: str, support: str, half: tuple[float, float]) -> Iterator[Demand]:
-    """Yield that the centre of a body is above a rectangle (or the circle in it) in the middle of another."""
+    """Yield that the centre of a body is above a rectangle (or the circle in it) at the centre of another."""
     place = scene.fixed.get(support)
     round_top = scene.shapes[support].traits.round
     for axis in (0, 1):

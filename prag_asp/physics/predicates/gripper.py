@@ -1,4 +1,4 @@
-"""``at``, ``holding``, ``gripper_open`` and ``over``: what a robot's gripper does, and how it stands to an object.
+"""``at``, ``holding``, ``gripper_open`` and ``over``: the gripper of a robot, and its pose relative to an object.
 
 A gripper holds one object at a time, and is not open while it holds one.
 """
@@ -26,32 +26,32 @@ EDGE = 0.01
 OPEN_TOLERANCE = 0.001
 GRIP_TOLERANCE = 0.002
 CLEARANCE = 0.006
-"""How much farther than an object is wide a gripper opens to close around it, in metres."""
+"""By how much the opening of a gripper has to exceed the width of an object to grasp it, in metres."""
 TIP_ROOM = 0.002
-"""How far above the bottom of what it takes a gripper keeps the tips of its fingers, in metres."""
+"""The clearance of the fingertips above the bottom of a grasped object, in metres."""
 
 FINGER_FRICTION = 1.4
-"""The coefficient of friction of the fingers' rubber, which is multiplied by that of what they hold."""
+"""The coefficient of friction of the rubber pads, which PyBullet multiplies by that of the object."""
 
 GRAVITY = 9.81
 SLIPS = 1.05
-"""How many times what friction bears at rest a body weighs at least that is proved to slip.
+"""A body is proved to slip if its weight is more than this multiple of what friction bears at rest.
 
-The robot also speeds up what it lifts, so it loses bodies that weigh less: it takes some to prove that none is held.
+The robot also accelerates what it lifts, so it may drop lighter bodies; a proof needs this margin.
 """
 
 RISE, ROOM, AJAR = 0.04, 0.03, 2.0
-"""How far above an object the tool has to be to come over it, and how much farther than that is wide the fingers have
-to be open, in metres; nearer than that, less: so many times what the tool misses."""
+"""How far above an object the tool has to be to move over it, and by how much the opening of the fingers has to exceed
+its width, both in metres; closer to the object, at most `AJAR` times the distance by which the tool misses it."""
 
 SLANT = 1e-9
-"""The cosine of a side that is taken to be parallel to the opening of the gripper."""
+"""The cosine below which a side counts as parallel to the opening direction of the gripper."""
 
 
 def grip_width(situation: Situation, entity: str, robot: str) -> float:
-    """Return how far a gripper is open when it holds an object with the tool turned as it is, in metres.
+    """Return the opening of a gripper that holds an object with the present orientation of the tool, in metres.
 
-    Of a box that is turned between the pads they meet only what is between them: ends that stick out do not matter.
+    The pads touch only the part of a rotated box that is between them; the ends that stick out do not matter.
     """
     opening = rotate(situation.tool(robot).quaternion, (0.0, 1.0, 0.0))
     shape, quaternion = situation.shape(entity), situation.pose(entity).quaternion
@@ -66,14 +66,14 @@ def grip_width(situation: Situation, entity: str, robot: str) -> float:
 
 
 def lowest_grip(robot: Robot) -> float:
-    """Return how far above the bottom of an object the tool grips it at least, in metres: so high is what it holds."""
+    """Return the least height of the tool above the bottom of an object that it grasps, in metres."""
     return robot.fingertip + TIP_ROOM
 
 
 def bearable(scene: Scene, entity: str, robot: str) -> float:
     """Return the mass in kilograms that the friction of both fingers of a robot bears at rest, for a body's material.
 
-    It is Coulomb's law, 2 mu F / g, with the force F of a finger and the product mu of both coefficients, as PyBullet
+    By Coulomb's law it is 2 mu F / g, with the force F of a finger and the product mu of both coefficients, as PyBullet
     combines them.
     """
     friction = FINGER_FRICTION * scene.material(entity).friction
@@ -81,7 +81,7 @@ def bearable(scene: Scene, entity: str, robot: str) -> float:
 
 
 def slips(scene: Scene, entity: str, robot: str) -> str | None:
-    """Return in words that a body slips out of a gripper that lifts it, None where it need not."""
+    """Return in words that a body slips out of a gripper that lifts it, None if it need not."""
     heavy, most = weight(scene, entity), bearable(scene, entity, robot)
     if heavy > SLIPS * most:
         return f"{words(entity)} weighs {heavy:.3g} kg, and {_called(scene, robot)} lifts {most:.3g} kg by its friction"
@@ -89,7 +89,7 @@ def slips(scene: Scene, entity: str, robot: str) -> str | None:
 
 
 def _at_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres the tool misses the middle of the object."""
+    """Yield by how many metres the tool misses the centre of the object."""
     robot, entity = arguments
     yield from _height_violations(situation, robot, entity)
     yield _off_centre(situation, robot, entity) - CENTRE_TOLERANCE
@@ -103,14 +103,14 @@ def _height_violations(situation: Situation, robot: str, entity: str) -> Iterato
 
 
 def _off_centre(situation: Situation, robot: str, entity: str) -> float:
-    """Return how far the tool is from the middle of the object, seen from above, in metres."""
+    """Return the distance of the tool from the centre of the object, seen from above, in metres."""
     x, y, _ = situation.tool(robot).position
     cx, cy, _ = situation.pose(entity).position
     return math.hypot(x - cx, y - cy)
 
 
 def _at_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return a disc around the axis of the object for the tool."""
+    """Return a disc for the tool around the vertical axis of the object."""
     entity = arguments[1]
     x, y, _ = situation.pose(entity).position
     side = CENTRE_TOLERANCE - MARGIN
@@ -119,9 +119,9 @@ def _at_volume(situation: Situation, arguments: Arguments, quaternion: Quaternio
 
 
 def _holding_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres the tool misses the object, and the opening its width.
+    """Yield by how many metres the tool misses the object, and the opening misses its width.
 
-    The width is left out where the tool is so far away that it cannot matter.
+    The width is left out if the tool is so far away that it cannot be the largest violation.
     """
     robot, entity = arguments
     places = []
@@ -134,9 +134,9 @@ def _holding_violations(situation: Situation, arguments: Arguments) -> Iterator[
 
 
 def _grip_violations(situation: Situation, robot: str, entity: str) -> Iterator[float]:
-    """Yield by how many metres the tool misses where it can grip the object.
+    """Yield by how many metres the tool misses the places where it can grip the object.
 
-    A box can be held anywhere but at its edges, for instance a long one at its end.
+    A box can be held anywhere except at its edges: a long one, for instance, near its end.
     """
     shape, body = situation.shape(entity), situation.body(entity)
     x, y, z = situation.tool(robot).position
@@ -152,8 +152,8 @@ def _grip_violations(situation: Situation, robot: str, entity: str) -> Iterator[
 def _holding_way(situation: Situation, arguments: Arguments) -> float:
     """Return how far the tool and the fingers have to move until the object is held, in metres.
 
-    Beside the object the tool has to rise above it, and around it the fingers have to be open wider than it is. Both
-    demands grow with how far the tool is from where it grips, so the way does not leap.
+    Beside the object the tool has to rise above it, and around it the fingers have to be wider open than the object.
+    Both demands grow with the distance of the tool from the grasp, so the way is continuous.
     """
     robot, entity = arguments
     over, under, beside = _grip_violations(situation, robot, entity)
@@ -166,14 +166,14 @@ def _holding_way(situation: Situation, arguments: Arguments) -> float:
 
 
 def _holding_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return a disc around the axis of the object for the tool, and the opening that grips the object."""
+    """Return a disc for the tool around the vertical axis of the object, and the opening that grips it."""
     width = grip_width(situation, arguments[1], arguments[0])
     tight = GRIP_TOLERANCE - MARGIN
     return _at_volume(situation, arguments, quaternion).meet(Volume(width=(width - tight, width + tight)))
 
 
 def _open_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres the gripper is short of open."""
+    """Yield by how many metres the gripper is not yet open."""
     yield situation.robot(arguments[0]).opening - OPEN_TOLERANCE - situation.arm(arguments[0]).width
 
 
@@ -184,7 +184,7 @@ def _open_volume(situation: Situation, arguments: Arguments, quaternion: Quatern
 
 
 def _over_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres the tool is below the top of a zone or an object, or beside it."""
+    """Yield by how many metres the tool is below the top of a zone or an object, and beside it."""
     robot, entity = arguments
     x, y, z = situation.tool(robot).position
     yield situation.top(entity) - z
@@ -193,7 +193,7 @@ def _over_violations(situation: Situation, arguments: Arguments) -> Iterator[flo
 
 
 def _over_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the room over a zone or an object for the tool."""
+    """Return the region for the tool over a zone or an object."""
     pose, half = situation.pose(arguments[1]), _sides(situation, arguments[1])
     x, y, _ = pose.position
     cosine, sine = heading(pose.quaternion)
@@ -207,12 +207,12 @@ def _over_volume(situation: Situation, arguments: Arguments, quaternion: Quatern
 
 
 def _sides(situation: Situation, entity: str) -> Vector:
-    """Return half the sides of an entity in its own axes, in metres."""
+    """Return the half-sides of an entity in its own frame, in metres."""
     return situation.half(entity) if situation.is_table(entity) else situation.shape(entity).half
 
 
 def _at_demands(scene: Scene, arguments: Arguments, near: float = CENTRE_TOLERANCE) -> Iterator[Demand]:
-    """Yield that the tool is at a body, `near` metres from its middle."""
+    """Yield that the tool is at a body, at most `near` metres from its centre."""
     robot, entity = arguments
     for axis in (0, 1):
         yield from along(axis, between(centre(entity), centre(robot), -near, near))
@@ -221,7 +221,7 @@ def _at_demands(scene: Scene, arguments: Arguments, near: float = CENTRE_TOLERAN
 
 
 def _holding_demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
-    """Yield that the tool is somewhere over a body, for a long one can be held at its end."""
+    """Yield that the tool is somewhere over a body, because a long one can be held at its end."""
     half = scene.shapes[arguments[1]].half
     return _at_demands(scene, arguments, max(CENTRE_TOLERANCE, math.hypot(half[0], half[1])))
 
@@ -230,7 +230,7 @@ def _holding_impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
     """Yield that a body is too wide for the gripper, too low for its fingers, or too heavy."""
     robot, entity = arguments
     able, gripper = robot_of(scene, robot), _called(scene, robot)
-    # Bodies stand upright and are gripped from above, so that their height does not count as a width.
+    # Bodies stand upright and are grasped from above, so their height does not count as a width.
     narrowest, heavy = scene.shapes[entity].breadth(widest=False), weight(scene, entity)
     if narrowest > able.opening:
         yield f"{words(entity)} is {narrowest * 1000:.0f} mm wide, {gripper} opens {able.opening * 1000:.0f} mm"
@@ -246,15 +246,15 @@ def _holding_excludes(scene: Scene, arguments: Arguments, other: Predicate, othe
     robot, entity = arguments
     if others[0] != robot:
         return None
-    if other.name == "holding" and others[1] != entity:
+    if other.gripper is Gripper.HOLDS and others[1] != entity:
         return f"{_called(scene, robot)} cannot hold {words(entity)} and {words(others[1])} at once"
-    if other.name == "gripper_open":
+    if other.gripper is Gripper.OPEN:
         return f"{_called(scene, robot)} cannot be open while it holds {words(entity)}"
     return None
 
 
 def _called(scene: Scene, robot: str) -> str:
-    """Return which gripper is meant, in words."""
+    """Return the gripper's name for a sentence."""
     return f"the {words(robot)} gripper" if len(scene.robots) > 1 else "the gripper"
 
 
@@ -263,11 +263,11 @@ AT = Predicate(
     violations=_at_violations,
     volume=_at_volume,
     sentence=states("the gripper {is} at {1}"),
-    named=states("the {0} gripper {is} at {1}"),
+    robot_sentence=states("the {0} gripper {is} at {1}"),
     of_gripper=True,
     gripper=Gripper.AT,
     demands=_at_demands,
-    told=180,
+    caption_rank=180,
 )
 HOLDING = Predicate(
     name="holding",
@@ -275,24 +275,24 @@ HOLDING = Predicate(
     volume=_holding_volume,
     way=_holding_way,
     sentence=states("{1} {is} held by the gripper"),
-    named=states("{1} {is} held by the {0} gripper"),
+    robot_sentence=states("{1} {is} held by the {0} gripper"),
     subject=1,
     of_gripper=True,
     gripper=Gripper.HOLDS,
     impossible=_holding_impossible,
     demands=_holding_demands,
     excludes=_holding_excludes,
-    told=10,
+    caption_rank=10,
 )
 GRIPPER_OPEN = Predicate(
     name="gripper_open",
     violations=_open_violations,
     volume=_open_volume,
     sentence=states("the gripper {is} open"),
-    named=states("the {0} gripper {is} open"),
+    robot_sentence=states("the {0} gripper {is} open"),
     of_gripper=True,
     gripper=Gripper.OPEN,
-    told=math.inf,
+    caption_rank=math.inf,
 )
 OVER = Predicate(
     name="over",
@@ -301,7 +301,7 @@ OVER = Predicate(
     sentence=states("the {0} gripper {is} over {1}"),
     of_gripper=True,
     gripper=Gripper.OVER,
-    told=20,
+    caption_rank=20,
 )
 
 PREDICATES = {"at": AT, "holding": HOLDING, "gripper_open": GRIPPER_OPEN, "over": OVER}

@@ -1,7 +1,7 @@
-"""``inside`` and ``located``: a body in the cavity of a container, or (``located``) held right above.
+"""``inside`` and ``located``: a body in the cavity of a container or (``located``) held right above it.
 
-Furniture is a container too: what is in a drawer lies in its tray, and moves with it. ``located`` at the table means
-on it or held right above it, but not over anything hollow.
+Furniture is a container, too: what is in a drawer lies in its tray, and moves with it. ``located`` at the table means
+on it or held right above it, but not above anything hollow.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ NO_CAVITY = (0.0, 0.0, 0.0)
 
 
 def hollow(situation: Situation, container: str) -> tuple[Pose, Vector]:
-    """Return a pose in the middle of a cavity, seen from above, its inner sides and its depth in metres."""
+    """Return a pose at the centre of a cavity, seen from above, and its inner sides and depth in metres."""
     shape = situation.shape(container)
     middle = situation.floor(container) if shape.traits.furniture else situation.pose(container)
     return middle, cavity(shape)
@@ -42,7 +42,7 @@ def floor_height(situation: Situation, container: str) -> float:
 
 
 def rims(situation: Situation, container: str, margin: float = 0.0) -> Iterator[Outline]:
-    """Yield the rectangles that a container covers, seen from above, each side wider by a margin in metres."""
+    """Yield the rectangles that a container covers, seen from above, widened by a margin in metres on each side."""
     shape, pose = situation.shape(container), situation.pose(container)
     half_x, half_y, _ = shape.half
     yield rectangle(*pose.position[:2], half_x + margin, half_y + margin, yaw_of(pose.quaternion))
@@ -53,13 +53,13 @@ def rims(situation: Situation, container: str, margin: float = 0.0) -> Iterator[
 
 
 def _half_within(situation: Situation, subject: str, container: str, quaternion: Quaternion) -> Vector:
-    """Return half the sides of the bounding box of a turned body in the container's axes, in metres."""
+    """Return the half-sides of the bounding box of a rotated body in the container's frame, in metres."""
     x, y, z, w = situation.pose(container).quaternion
     return extents(situation.shape(subject), multiply((-x, -y, -z, w), quaternion))
 
 
 def _lateral(situation: Situation, subject: str, container: str) -> Iterator[float]:
-    """Yield how far the bounding box of a body, in the container's axes, sticks out of it in metres."""
+    """Yield how far the bounding box of a body sticks out of the container, in the container's frame; metres."""
     pose, (outer, inner) = situation.pose(subject), hollow(situation, container)
     dx, dy = to_local(outer, pose.position[0], pose.position[1])
     yield abs(dx) - inner[0] / 2
@@ -70,7 +70,7 @@ def _lateral(situation: Situation, subject: str, container: str) -> Iterator[flo
 
 
 def _height(situation: Situation, subject: str, container: str) -> float:
-    """Return how high the lowest point of a body is above the container's floor in metres."""
+    """Return the height of a body's lowest point above the container's floor in metres."""
     return situation.bottom(subject) - floor_height(situation, container)
 
 
@@ -83,7 +83,7 @@ def _inside_violations(situation: Situation, arguments: Arguments) -> Iterator[f
 
 
 def _located_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres a body misses the room in and up to `HOVER` above the container."""
+    """Yield by how many metres a body misses the space in the container and up to `HOVER` above it."""
     subject, place = arguments
     if situation.is_table(place):
         yield from _over_table(situation, subject, place)
@@ -95,7 +95,7 @@ def _located_violations(situation: Situation, arguments: Arguments) -> Iterator[
 
 
 def _over_table(situation: Situation, subject: str, table: str) -> Iterator[float]:
-    """Yield how far a body is from a place on the table, or up to `HOVER` above it, and over nothing hollow."""
+    """Yield by how many metres a body misses the space on the table and up to `HOVER` above, beside what is hollow."""
     height = situation.bottom(subject)
     yield -TOLERANCE - height
     yield height - HOVER
@@ -109,7 +109,7 @@ def _over_table(situation: Situation, subject: str, table: str) -> Iterator[floa
 
 
 def _room(situation: Situation, arguments: Arguments, quaternion: Quaternion, height: float) -> Volume:
-    """Return where the centre of a body may be, up to a height above the floor."""
+    """Return the region for the centre of a body, up to a height above the floor."""
     subject, container = arguments
     pose, inner = hollow(situation, container)
     half = _half_within(situation, subject, container, quaternion)
@@ -128,17 +128,17 @@ def _room(situation: Situation, arguments: Arguments, quaternion: Quaternion, he
 
 
 def _spare(room: float) -> float:
-    """Return how far from the middle a body is put that has room to either side, in metres: a little off the walls."""
+    """Return the largest offset from the centre for a body with some room to either side, off the walls; metres."""
     return room - MARGIN if room >= MARGIN else room / 2
 
 
 def _inside_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the floor of the container, at the height of a body that stands on it."""
+    """Return the floor of the container, at the height of the centre of a body that stands on it."""
     return _room(situation, arguments, quaternion, 0.0)
 
 
 def _located_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the room in the container or on the table, and above it."""
+    """Return the space in the container or on the table, and above it."""
     if situation.is_table(arguments[1]):
         return _table_volume(situation, arguments, quaternion)
     depth = hollow(situation, arguments[1])[1][2]
@@ -146,7 +146,7 @@ def _located_volume(situation: Situation, arguments: Arguments, quaternion: Quat
 
 
 def _table_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the room above the table, but for what is over something hollow."""
+    """Return the space above the table, except what is over something hollow."""
     subject, table = arguments
     (x, y, _), (half_x, half_y, _) = situation.pose(table).position, situation.half(table)
     z = extents(situation.shape(subject), quaternion)[2]
@@ -159,7 +159,7 @@ def _table_volume(situation: Situation, arguments: Arguments, quaternion: Quater
 
 
 def _inside_impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
-    """Yield that there is no container, or that its cavity is too small for the body however that is turned."""
+    """Yield that there is no cavity, or that it is too small for the body in any orientation."""
     entity, container = arguments
     inner = cavity(scene.shapes[container])
     if inner == NO_CAVITY:
@@ -169,16 +169,16 @@ def _inside_impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
 
 
 def _located_impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
-    """Yield why a body fits no container; over the table there is room for all."""
+    """Yield why a body does not fit into a container; the table has room for every body."""
     if scene.shapes[arguments[1]].kind != "table":
         yield from _inside_impossible(scene, arguments)
 
 
 def _too_large(shape: Shape, inner_x: float, inner_y: float) -> bool:
-    """Tell whether no shadow of a body fits a rectangle.
+    """Return whether no projection of a body fits into a rectangle.
 
-    The width of a shadow is never less than that of the body, and the area of the shadow of a convex body
-    never less than that of its smallest shadow.
+    The width of a projection is at least the smallest side of the body, and its area at least that of the smallest
+    projection of the body, which is convex.
     """
     small, middle, _ = sorted(shape.size)
     area = small * middle * (math.pi / 4 if shape.traits.round else 1.0)
@@ -191,7 +191,7 @@ def _inside_demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
 
 
 def _located_demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
-    """Yield that a body is in another or held above it; nothing for the table, over which it may be anywhere."""
+    """Yield that a body is in another or held above it; nothing for the table, above which it may be anywhere."""
     if scene.shapes[arguments[1]].kind == "table":
         return iter(())
     return _cavity_demands(scene, arguments, cavity(scene.shapes[arguments[1]])[2] + HOVER)
@@ -216,7 +216,7 @@ INSIDE = Predicate(
     places=True,
     impossible=_inside_impossible,
     demands=_inside_demands,
-    told=40,
+    caption_rank=40,
 )
 LOCATED = Predicate(
     name="located",
@@ -226,7 +226,7 @@ LOCATED = Predicate(
     places=True,
     impossible=_located_impossible,
     demands=_located_demands,
-    told=50,
+    caption_rank=50,
 )
 
 PREDICATES = {"inside": INSIDE, "located": LOCATED}

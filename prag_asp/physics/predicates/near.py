@@ -1,6 +1,6 @@
 """``near`` and ``far``: how wide the gap between two bodies is, seen from above.
 
-The gap is the distance of their bounding boxes along the scene's axes, 0 where one is above the other. Up to `NEAR`
+The gap is the distance of their bounding boxes along the scene's axes, 0 if one is above the other. Up to `NEAR`
 metres are near, from `FAR` metres on is far; between is neither. The order of the two does not matter.
 """
 
@@ -27,7 +27,7 @@ def _gap(situation: Situation, arguments: Arguments) -> float:
 
 
 def _around(situation: Situation, arguments: Arguments, quaternion: Quaternion, gaps: tuple[float, float]) -> Ring:
-    """Return where the subject may be so that the gap is between two bounds in metres."""
+    """Return the region of the subject in which the gap is between two bounds in metres."""
     subject, other = arguments
     (x, y, _), half = situation.body(other).centre, situation.half(other)
     own = extents(situation.shape(subject), quaternion)
@@ -40,7 +40,7 @@ def _near_violations(situation: Situation, arguments: Arguments) -> Iterator[flo
 
 
 def _near_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return what is around the other body."""
+    """Return the region around the other body."""
     ring = _around(situation, arguments, quaternion, (0.0, NEAR - MARGIN))
     dx, dy = ring.half_x + ring.outer, ring.half_y + ring.outer
     low, high = (ring.x - dx, ring.y - dy, -math.inf), (ring.x + dx, ring.y + dy, math.inf)
@@ -53,7 +53,7 @@ def _far_violations(situation: Situation, arguments: Arguments) -> Iterator[floa
 
 
 def _far_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return what is far from the other body."""
+    """Return the region far from the other body."""
     return Volume(rings=(_around(situation, arguments, quaternion, (FAR + MARGIN, math.inf)),))
 
 
@@ -64,7 +64,7 @@ NEAR_TO = Predicate(
     sentence=states("{0} {is} near {1}"),
     inverse="near",
     apart=(0.0, NEAR),
-    told=130,
+    caption_rank=130,
 )
 FAR_FROM = Predicate(
     name="far",
@@ -73,7 +73,7 @@ FAR_FROM = Predicate(
     sentence=states("{0} {is} far from {1}"),
     inverse="far",
     apart=(FAR, math.inf),
-    told=140,
+    caption_rank=140,
 )
 
 PREDICATES = {"near": NEAR_TO, "far": FAR_FROM}

@@ -19,7 +19,7 @@ MARGIN = 0.004
 
 
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres the body floats or sinks in, and hangs over."""
+    """Yield by how many metres the body floats above or sinks into the top, and its centre overhangs."""
     subject, support = arguments
     above, below = situation.body(subject), situation.body(support)
     yield abs(above.low[2] - below.high[2]) - TOLERANCE
@@ -34,7 +34,7 @@ def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
 
 
 def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the support's top, at the height of a body that stands on it."""
+    """Return the support's top, at the height of the centre of a body that stands on it."""
     subject, support = arguments
     pose, half = situation.pose(support), _half(situation, support)
     x, y, _ = pose.position
@@ -49,7 +49,7 @@ def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) 
 
 
 def _half(situation: Situation, support: str) -> Vector:
-    """Return half the sides of a support in its own axes, in metres."""
+    """Return the half-sides of a support in its own frame, in metres."""
     return situation.half(support) if situation.is_table(support) else situation.shape(support).half
 
 
@@ -75,7 +75,7 @@ def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
 
 
 def _surface(scene: Scene, support: str) -> tuple[Point, Point]:
-    """Return the middle of the table's top or of a zone, and half the sides of the box around it, in metres."""
+    """Return the centre of the table's top or of a zone, and the half-sides of its bounding box, in metres."""
     if scene.shapes[support].kind == "table":
         return scene.table.centre, (scene.table.size[0] / 2, scene.table.size[1] / 2)
     x, y, yaw = scene.fixed[support]
@@ -92,7 +92,7 @@ ON_TOP = Predicate(
     places=True,
     impossible=_impossible,
     demands=_demands,
-    told=30,
+    caption_rank=30,
 )
 
 PREDICATES = {"on_top": ON_TOP}

@@ -1,6 +1,6 @@
-"""``is_open`` and ``is_closed``: how far a drawer is drawn out, or a door is turned; metres or radians.
+"""``is_open`` and ``is_closed``: the position of the joint of a drawer (metres) or of a door (radians).
 
-Open is at least `OPEN` of the way, closed at most `CLOSED`; in between furniture is neither.
+Open is at least `OPEN` of the joint's range, closed at most `CLOSED`; in between furniture is neither.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ OPEN_MARGIN, CLOSED_MARGIN = 0.05, 0.03
 
 
 def limit(situation: Situation, furniture: str) -> float:
-    """Return how far furniture opens, in metres or radians."""
+    """Return the upper limit of the joint of furniture, in metres or radians."""
     return mechanism(situation.shape(furniture)).limit
 
 
@@ -50,7 +50,7 @@ IS_OPEN = Predicate(
     sentence=states("{0} {is} open"),
     of_joint=True,
     otherwise=_closed_volume,
-    told=160,
+    caption_rank=160,
 )
 IS_CLOSED = Predicate(
     name="is_closed",
@@ -59,7 +59,7 @@ IS_CLOSED = Predicate(
     sentence=states("{0} {is} closed"),
     of_joint=True,
     otherwise=_open_volume,
-    told=170,
+    caption_rank=170,
 )
 
 PREDICATES = {"is_open": IS_OPEN, "is_closed": IS_CLOSED}

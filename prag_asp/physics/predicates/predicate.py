@@ -1,4 +1,4 @@
-"""What a spatial predicate is: one definition that serves placement, checks, rewards, proofs and captions."""
+"""The type of spatial predicates: one definition serves placement, checks, rewards, proofs and captions."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ Arguments = tuple[str, ...]
 
 
 class ViolationsFunction(Protocol):
-    """Yields by how much a situation misses each condition of a predicate, the cheapest first; >0 is a miss."""
+    """Yields by how much a situation violates each condition of a predicate, in order of cost; > 0 is a violation."""
 
     def __call__(self, situation: Situation, arguments: Arguments) -> Iterator[float]:
         """Yield the violations."""
 
 
 class WayFunction(Protocol):
-    """Gives how far there is to go until a predicate holds where it does not, round what bars the shortest way."""
+    """Returns the length of the way to a situation that satisfies a predicate, around what bars the direct way."""
 
     def __call__(self, situation: Situation, arguments: Arguments) -> float:
         """Return the way."""
 
 
 class VolumeFunction(Protocol):
-    """Gives the region of a predicate's subject, which is turned by a rotation about z.
+    """Returns the region of a predicate's subject, which is rotated about z.
 
-    The subject's own place in the situation is not read. What is drawn from the region satisfies the predicate.
+    The subject's own pose in the situation is not read. A sample of the region satisfies the predicate.
     """
 
     def __call__(self, situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
@@ -43,42 +43,42 @@ class VolumeFunction(Protocol):
 
 
 class SentenceFunction(Protocol):
-    """Says in plain words that a predicate holds of some entities, or that it does not."""
+    """Returns a sentence which says that a predicate holds of some entities, or does not."""
 
     def __call__(self, arguments: Arguments, value: bool = True) -> str:
         """Return the sentence."""
 
 
 class DemandsFunction(Protocol):
-    """Yields what a predicate demands of the places of bodies wherever it holds; none of them is furniture."""
+    """Yields the constraints on the positions of bodies that a predicate implies; none of them is furniture."""
 
     def __call__(self, scene: Scene, arguments: Arguments) -> Iterator[Demand]:
         """Yield the demands."""
 
 
 class ImpossibleFunction(Protocol):
-    """Yields in words why a predicate can never hold of some entities of a scene, wherever they are."""
+    """Yields the reasons, in words, why a predicate can never hold of some entities of a scene, in any pose."""
 
     def __call__(self, scene: Scene, arguments: Arguments) -> Iterator[str]:
         """Yield the reasons."""
 
 
 class ExcludesFunction(Protocol):
-    """Says in words why a predicate cannot hold together with another one, None where it can."""
+    """Returns the reason, in words, why a predicate cannot hold together with another, None if it can."""
 
     def __call__(self, scene: Scene, arguments: Arguments, other: Predicate, others: Arguments) -> str | None:
         """Return the reason."""
 
 
 class NowhereFunction(Protocol):
-    """Tells whether a predicate holds nowhere with the centre of its subject in a rectangle, at any height."""
+    """Returns whether a predicate cannot hold with the centre of its subject in a rectangle, at any height."""
 
     def __call__(self, scene: Scene, arguments: Arguments, low: Point, high: Point) -> bool:
-        """Tell so; the corners of the rectangle may be infinitely far."""
+        """Return the answer; the corners of the rectangle may be at infinity."""
 
 
 class Gripper(Enum):
-    """What a predicate says that the gripper of its first argument, a robot, does; all but `OPEN` with the second."""
+    """What a predicate says about the gripper of its first argument, a robot; all but `OPEN` concern the second one."""
 
     HOLDS = "holds"
     AT = "is at"
@@ -93,44 +93,43 @@ class Direction(NamedTuple):
     axis: int
     sign: float
 
-    def seen(self, frame: str) -> Direction:
-        """Return what is this direction to the robot as the frame of the scene sees it: the viewer faces the robot."""
+    def in_frame(self, frame: str) -> Direction:
+        """Return the direction for the robot of what this is in a frame of the scene: a viewer faces the robot."""
         return self if frame == "robot" else self.opposite
 
     @property
     def opposite(self) -> Direction:
-        """The direction back."""
+        """The opposite direction."""
         return Direction(self.axis, -self.sign)
 
 
 @dataclass(frozen=True, eq=False)
 class Predicate:
-    """A spatial predicate, and all that is to be known of it; what another file asks of predicates is asked here.
+    """A spatial predicate with all its properties: other modules read these, and never test for its name.
 
-    `violations` defines it: metres or radians by which a situation misses each of its conditions. `subject`
-    is the position of the argument that moves when the predicate is made true; where `of_gripper` is true the
-    volume is the gripper's, where `of_joint` is true that of the joint of furniture, otherwise that of the subject.
-    `inverse` names the predicate that holds of the two swapped arguments whenever this one does: itself where their
-    order does not matter. `turns` is set where the volume has ranges of yaws, `looks_around` where the violations may
-    depend on more than the arguments: so those from a Python file may. `sentence` tells it in plain words, or `named`
-    where there are several robots. A caption tells first what has the least `told`, and only where nothing else is so
-    what has an infinite one.
+    `violations` defines it: metres or radians by which a situation violates each of its conditions. `subject` is the
+    position of the argument that moves when the predicate is made true. The volume is that of the gripper if
+    `of_gripper`, that of the joint of furniture if `of_joint`, otherwise that of the subject. `inverse` names the
+    predicate that holds of the swapped arguments whenever this one holds: itself for a symmetric predicate. `turns`
+    means that the volume has ranges of yaws, `looks_around` that the violations may depend on more than the arguments,
+    as those from a Python file may. `sentence` says it in plain words, `robot_sentence` in scenes with several robots.
+    Captions state predicates in the order of `caption_rank`, and those of infinite rank only if there are no others.
 
-    What it does to bodies: `supports` is set where the last argument bears the subject, `places` where that is in any
-    case the place of the subject, which rests there or is held above, `rests_on_other` where the subject may stand on
-    or in it. `direction` is where the subject lies from the second argument, as the robot sees it. `apart` are the
-    least and the greatest distance of the bounding boxes of the first two arguments, seen from above, in metres.
-    `lies_between` is set where the subject is between the two others, `gripper` says what a robot's gripper does.
+    Support: `supports` means that the last argument bears the subject, `places` that it is the place of the subject,
+    which rests there or is held above, `rests_on_other` that the subject may stand on or in it. `direction` is the
+    direction of the subject from the second argument, as the robot sees it. `apart` are the least and the greatest
+    distance between the bounding boxes of the first two arguments, seen from above, in metres. `lies_between` means
+    that the subject is between the two others. `gripper` is what the predicate says about a robot's gripper.
 
-    `way` is how far there is to go where that is more than the distance, for the rewards of agents: fingers open before
-    they go around something.
+    For rewards: `way` is the length of the way to a situation that satisfies the predicate, where it is more than the
+    distance, because fingers have to open before they close around an object.
 
-    For the search: `on_the_spot` is set where the subject can be turned to satisfy the predicate wherever it is,
-    `seen_close` where the relation is seen at a glance only if the bodies are close to each other. What is drawn from
+    For the search: `on_the_spot` means that the subject can satisfy the predicate in any place by a rotation about z,
+    `seen_close` that people recognise the relation only if the bodies are close to each other. A sample of the volume
     `otherwise` does not satisfy the predicate.
 
-    For proofs, each of which goes for all poses of the bodies: why it is `impossible`, what it `demands` of places, why
-    it `excludes` others, and whether it is so `nowhere` in a region.
+    For proofs, each of which has to hold for all poses of the bodies: why it is `impossible`, what it `demands` of
+    positions, why it `excludes` others, and whether it holds `nowhere` in a region.
     """
 
     name: str
@@ -143,8 +142,8 @@ class Predicate:
     inverse: str | None = None
     turns: bool = False
     looks_around: bool = False
-    named: SentenceFunction | None = None
-    told: float = 0.0
+    robot_sentence: SentenceFunction | None = None
+    caption_rank: float = 0.0
     supports: bool = False
     places: bool = False
     rests_on_other: bool = False
@@ -162,21 +161,21 @@ class Predicate:
     nowhere: NowhereFunction | None = None
 
     def distance(self, situation: Situation, arguments: Arguments) -> float:
-        """Return how far a situation is from satisfying the predicate, 0 exactly where it holds."""
+        """Return how far a situation is from satisfying the predicate; it is 0 if and only if the predicate holds."""
         return max(0.0, *self.violations(situation, arguments))
 
     def signed_distance(self, situation: Situation, arguments: Arguments) -> float:
-        """Return how far a situation is from satisfying the predicate; where it holds, minus what it has to spare.
+        """Return the signed distance of a situation to satisfying the predicate: minus the margin where it holds.
 
-        It is at most 0 exactly where the predicate holds, in metres or, where that is missed more, in radians. It
-        changes by at most as much as the subject moves.
+        It is at most 0 if and only if the predicate holds. The unit is that of the largest violation, metres or
+        radians. It changes by at most as much as the subject moves.
         """
         return max(self.violations(situation, arguments))
 
     def signed_way(self, situation: Situation, arguments: Arguments) -> float:
-        """Return how far there is to go until the predicate holds: the signed distance, or its `way` if longer.
+        """Return the length of the way until the predicate holds: the signed distance, or `way` if that is longer.
 
-        So it is at most 0 exactly where the predicate holds, whatever its way says.
+        So it is at most 0 if and only if the predicate holds, whatever `way` returns.
         """
         signed = self.signed_distance(situation, arguments)
         if self.way is None or signed <= 0.0:
@@ -184,7 +183,7 @@ class Predicate:
         return max(signed, self.way(situation, arguments))
 
     def holds(self, situation: Situation, arguments: Arguments) -> bool:
-        """Check the predicate on a situation; the first violation ends the check."""
+        """Return whether the predicate holds in a situation; the first violation ends the check."""
         for violation in self.violations(situation, arguments):  # noqa: SIM110 (all() is slower here)
             if violation > 0.0:
                 return False
@@ -192,12 +191,12 @@ class Predicate:
 
 
 def words(entity: str) -> str:
-    """Return an entity's name as it reads in a sentence: ``apple_1`` is ``apple 1``."""
+    """Return an entity's name for a sentence: ``apple_1`` becomes ``apple 1``."""
     return entity.replace("_", " ")
 
 
 def states(text: str) -> SentenceFunction:
-    """Return a sentence of the arguments ``{0}``, ``{1}`` and of ``{is}``: is, or is not where false."""
+    """Return a function that fills a template with the arguments ``{0}``, ``{1}`` and with ``{is}``: is, or is not."""
 
     def sentence(arguments: Arguments, value: bool = True) -> str:
         return text.format(*map(words, arguments), **{"is": "is" if value else "is not"})

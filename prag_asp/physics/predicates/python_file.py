@@ -1,7 +1,7 @@
-"""Predicates that a domain defines in a Python file of its own, which is run only where the user trusts it.
+"""Predicates that a domain defines in a Python file, which is run only if the user trusts the domain.
 
-The file defines `PREDICATES`, the predicates by their names, as `prag_asp.physics` has them. Whatever goes wrong in
-it, then or later, is an error of the scene with the file and the line.
+The file defines `PREDICATES`, a mapping from names to predicates, as the modules of this package do. An error in it,
+when it is loaded or later, becomes a `SceneError` with the file and the line.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from prag_asp.scene.scene import Own
 from prag_asp.wording import plural
 
 
-def defined(own: Own) -> Predicate:
-    """Return a predicate that a trusted Python file defines; the file is run once in a process.
+def load_predicate(own: Own) -> Predicate:
+    """Return a predicate that a trusted Python file defines; the file is run once per process.
 
     Raises:
         SceneError: the file fails, or does not define the predicate.
@@ -46,8 +46,8 @@ def defined(own: Own) -> Predicate:
         raise SceneError(
             f"{own.file}:1: {own.name} has the subject {predicate.subject}, but {count}; count them from 0"
         )
-    given = {part: getattr(predicate, part) for part in RESULTS}
-    functions = {part: function for part, function in given.items() if function is not None or part in NEEDED}
+    parts = {part: getattr(predicate, part) for part in RESULTS}
+    functions = {part: function for part, function in parts.items() if function is not None or part in NEEDED}
     for part, function in functions.items():
         if not callable(function):
             raise SceneError(f"{own.file}:1: {own.name}: its {part} is no function; got {function!r}")
@@ -68,7 +68,7 @@ def _run(file: str) -> Mapping[Any, Any]:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:
         del sys.modules[name]
-        raise SceneError(f"{_place(file, error)}: {_told(error)}; mend the file") from error
+        raise SceneError(f"{_place(file, error)}: {_error_line(error)}; mend the file") from error
     found = getattr(module, "PREDICATES", None)
     if not isinstance(found, Mapping):
         raise SceneError(f'{file}:1: defines no PREDICATES; write PREDICATES = {{"name": Predicate(...)}}')
@@ -76,21 +76,21 @@ def _run(file: str) -> Mapping[Any, Any]:
 
 
 def _place(file: str, error: BaseException) -> str:
-    """Return the last line of a file that an error came through."""
+    """Return the last line of a file in the traceback of an error."""
     if isinstance(error, SyntaxError) and error.filename == file:
         return f"{file}:{error.lineno or 1}"
     lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename) == Path(file)]
     return f"{file}:{lines[-1] if lines else 1}"
 
 
-def _told(error: BaseException) -> str:
-    """Return an error in one line."""
+def _error_line(error: BaseException) -> str:
+    """Return an error as one line of text."""
     text = error.msg if isinstance(error, SyntaxError) else str(error)
     return f"{type(error).__name__}: {' '.join(str(text).split())}"
 
 
 def _guarded(own: Own, part: str, function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return the function of a file for a part of a predicate; its errors and wrong results are errors of the scene."""
+    """Return a function of the file wrapped so that its errors and invalid results become scene errors."""
     fine, needed, yielded = RESULTS[part]
     place = _defined_at(own.file, function)
 
@@ -103,7 +103,7 @@ def _guarded(own: Own, part: str, function: Callable[..., Any]) -> Callable[...,
         except PragError:
             raise
         except (Exception, SystemExit) as error:
-            raise SceneError(f"{_place(own.file, error)}: {own.name}: {_told(error)}; mend the file") from error
+            raise SceneError(f"{_place(own.file, error)}: {own.name}: {_error_line(error)}; mend the file") from error
         if not fine(result):
             got = " ".join(repr(result).split())
             raise SceneError(f"{place}: {needed.format(own.name)}; got {got}; mend the function")
@@ -113,7 +113,7 @@ def _guarded(own: Own, part: str, function: Callable[..., Any]) -> Callable[...,
 
 
 def _defined_at(file: str, function: Callable[..., Any]) -> str:
-    """Return where a function of a file begins, the first line of the file where it is from elsewhere."""
+    """Return the file and line where a function is defined, the first line of the file if it is from elsewhere."""
     inner = unwrap(function)
     while isinstance(inner, partial):
         inner = unwrap(inner.func)
@@ -122,17 +122,17 @@ def _defined_at(file: str, function: Callable[..., Any]) -> str:
 
 
 def _is_volume(result: object) -> bool:
-    """Tell whether a value is a volume, none of whose bounds is not a number."""
+    """Return whether a value is a volume without NaN among its bounds."""
     return isinstance(result, Volume) and not any(map(math.isnan, (*result.low, *result.high, *result.width)))
 
 
 def _are_numbers(result: list[Any]) -> bool:
-    """Tell whether all of at least one value are numbers: a violation that is none would hold everywhere."""
+    """Return whether values are numbers, and at least one: without a violation, a predicate would always hold."""
     return bool(result) and all(isinstance(value, Real) and not math.isnan(value) for value in result)
 
 
 def _are_demands(result: list[Any]) -> bool:
-    """Tell whether all values are pairs of an axis and a gap."""
+    """Return whether all values are pairs of an axis and a gap."""
     return all(
         isinstance(value, tuple) and len(value) == 2 and value[0] in range(3) and isinstance(value[1], Gap)
         for value in result
@@ -140,12 +140,12 @@ def _are_demands(result: list[Any]) -> bool:
 
 
 def _is_text(result: object) -> bool:
-    """Tell whether a value is a string."""
+    """Return whether a value is a string."""
     return isinstance(result, str)
 
 
 class Result(NamedTuple):
-    """What a function of a predicate has to return: whether a result is fine, what is needed, whether it is yielded."""
+    """What a function of a predicate has to return: a test, the requirement in words, whether it yields its values."""
 
     fine: Callable[[Any], bool]
     needed: str
@@ -157,17 +157,17 @@ RESULTS: Mapping[str, Result] = {
     "way": Result(lambda found: _are_numbers([found]), "the way to {} has to be a number"),
     "volume": Result(_is_volume, "the volume of {} has to be a Volume, with numbers as its bounds"),
     "sentence": Result(_is_text, "the sentence of {} has to be a string"),
-    "named": Result(_is_text, "the sentence of {} that names its gripper has to be a string"),
+    "robot_sentence": Result(_is_text, "the sentence of {} that names its gripper has to be a string"),
     "otherwise": Result(_is_volume, "the volume where {} does not hold has to be a Volume, with numbers as its bounds"),
     "impossible": Result(
-        lambda found: all(map(_is_text, found)), "why {} is impossible has to be told in strings", yielded=True
+        lambda found: all(map(_is_text, found)), "the reasons why {} is impossible have to be strings", yielded=True
     ),
     "demands": Result(_are_demands, "the demands of {} have to be pairs of an axis (0 to 2) and a Gap", yielded=True),
     "excludes": Result(
-        lambda found: found is None or _is_text(found), "why {} excludes another has to be told in a string, or None"
+        lambda found: found is None or _is_text(found), "the reason why {} excludes another has to be a string, or None"
     ),
     "nowhere": Result(lambda found: isinstance(found, bool), "whether {} is so nowhere has to be True or False"),
 }
-"""What the functions of a predicate have to return, by their names."""
+"""The requirements on the results of the functions of a predicate, by their names."""
 
 NEEDED = ("violations", "volume", "sentence")

@@ -1,4 +1,4 @@
-"""``reachable``: a robot can grasp a body where it is, from above: its centre is in the ring of the gripper's reach."""
+"""``reachable``: a robot can grasp a body from above: its centre is within the ring of the gripper's reach."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
 
 
 def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the ring that the gripper reaches from above."""
+    """Return the ring of the gripper's reach from above."""
     robot = situation.robot(arguments[0])
     x, y, _ = robot.base.position
     inner, outer = robot.reach[0] + MARGIN, robot.reach[1] - MARGIN
@@ -46,7 +46,7 @@ def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
 
 
 def _nowhere(scene: Scene, arguments: Arguments, low: Point, high: Point) -> bool:
-    """Tell whether all of a rectangle is too near or too far for the gripper."""
+    """Return whether a rectangle is entirely too near or too far for the gripper."""
     robot = robot_of(scene, arguments[0])
     nearest, farthest = robot.reach
     base = robot.base.position
@@ -61,12 +61,12 @@ REACHABLE = Predicate(
     violations=_violations,
     volume=_volume,
     sentence=states("{1} {is} within reach"),
-    named=states("{1} {is} within reach of the {0} gripper"),
+    robot_sentence=states("{1} {is} within reach of the {0} gripper"),
     subject=1,
     gripper=Gripper.REACHES,
     demands=_demands,
     nowhere=_nowhere,
-    told=math.inf,
+    caption_rank=math.inf,
 )
 
 PREDICATES = {"reachable": REACHABLE}

@@ -1,4 +1,4 @@
-"""``rotated``: a body's x axis has the heading, from the world's x axis, that the scene gives a rotation."""
+"""``rotated``: the yaw of a body is the one that the scene gives to a rotation, within `TOLERANCE`."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ MARGIN = math.radians(0.5)
 
 
 def target_yaw(situation: Situation, rotation: str) -> float:
-    """Return the yaw in radians that a rotation stands for.
+    """Return the yaw in radians that the scene gives to a rotation.
 
     Raises:
-        SceneError: the scene does not say.
+        SceneError: the scene gives none.
     """
     yaw = situation.scene.rotations.get(rotation)
     if yaw is None:
@@ -29,7 +29,7 @@ def target_yaw(situation: Situation, rotation: str) -> float:
 
 
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many radians the heading is off, beyond the tolerance."""
+    """Yield the error of the yaw beyond the tolerance in radians."""
     yaw = yaw_of(situation.pose(arguments[0]).quaternion)
     yield abs(wrap(yaw - target_yaw(situation, arguments[1]))) - TOLERANCE
 
@@ -40,7 +40,7 @@ def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) 
 
 
 def _excludes(scene: Scene, arguments: Arguments, other: Predicate, others: Arguments) -> str | None:
-    """Return that the body would be turned in two ways."""
+    """Return that the body would have two different yaws."""
     if other.name != "rotated" or others[0] != arguments[0]:
         return None
     entity, one, two = *arguments, others[1]
@@ -57,7 +57,7 @@ ROTATED = Predicate(
     turns=True,
     on_the_spot=True,
     excludes=_excludes,
-    told=70,
+    caption_rank=70,
 )
 
 PREDICATES = {"rotated": ROTATED}

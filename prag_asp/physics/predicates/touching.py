@@ -1,9 +1,9 @@
-"""``touching``: two bodies touch: the gap between them is at most `TOLERANCE`, and they overlap by no more than that.
+"""``touching``: the gap between two bodies is at most `TOLERANCE`, and so is their penetration.
 
-The gap is the distance of the bodies in space; where they overlap it is negative, the shortest way apart. It is exact
-for boxes, cylinders and balls that stand upright, however they are turned about the vertical. Anything else, and what
-leans by more than `LEAN`, counts as the box around it: so what is inside a container overlaps it, and does not touch
-it. What stands on a body touches it, as does what stands against its side. The order of the two does not matter.
+The gap is the distance of the bodies in space; if they overlap, it is minus the penetration depth. It is exact for
+upright boxes, cylinders and balls with any yaw. Other bodies, and those that lean by more than `LEAN`, count as their
+bounding boxes: so a body inside a container overlaps it, and does not touch it. A body that stands on another or leans
+against its side touches it. The predicate is symmetric.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ from prag_asp.scene.scene import Scene, Shape
 TOLERANCE, MARGIN, HEIGHT_MARGIN = 0.002, 0.0005, 0.0002
 LEAN = math.radians(2)
 SECTOR, WHOLE_SECTOR = math.pi / 6, math.pi / 2
-"""Into how large angles the ring around a corner is cut, and the disc: the smaller, the less is drawn in vain."""
+"""The angles, in radians, into which the ring around a corner and a whole disc are cut: smaller ones reject less."""
 
 Heights = tuple[float, float]
 
 
 class Core(NamedTuple):
-    """A body as all points near its core, which is a rectangle or a point seen from above: a box is its own core.
+    """A body as the Minkowski sum of a core, a rectangle or a point in the x-y plane, and a disc or a ball.
 
-    The `corners` of the core are counter-clockwise, it goes from `low` to `high`; a cylinder is a `disc` around each
-    point of its core, a `ball` is one around its centre. Metres; a radius that is 0 is none.
+    The `corners` of the core are counter-clockwise, and it extends from `low` to `high`. `disc` is the radius of a
+    cylinder, `ball` that of a ball, 0 otherwise. Metres.
     """
 
     corners: Outline
@@ -44,7 +44,7 @@ class Core(NamedTuple):
 
 
 def _core(shape: Shape, at: Vector, half: Vector, quaternion: Quaternion) -> Core:
-    """Return the core of a body by the centre and half the sides of the box around it, in metres."""
+    """Return the core of a body from the centre `at` and the half-sides of its bounding box, in metres."""
     (x, y, z), traits, yaw = at, shape.traits, yaw_of(quaternion)
     if traits.round and not traits.flat:
         return Core(((x, y),), z, z, ball=half[2])
@@ -57,18 +57,18 @@ def _core(shape: Shape, at: Vector, half: Vector, quaternion: Quaternion) -> Cor
 
 
 def _placed(situation: Situation, entity: str) -> Core:
-    """Return the core of a body where it is."""
+    """Return the core of a body at its pose."""
     body = situation.body(entity)
     return _core(situation.shape(entity), body.centre, body.half, body.pose.quaternion)
 
 
-def _ways(one: Outline, two: Outline) -> Outline:
-    """Return the ways from points of the second outline to points of the first, as an outline around where they are."""
+def _difference(one: Outline, two: Outline) -> Outline:
+    """Return the convex outline of the differences from points of the second outline to points of the first."""
     return hull([(ax - bx, ay - by) for ax, ay in one for bx, by in two])
 
 
 def _beyond(outline: Outline, point: Point) -> float:
-    """Return how far a point is from a convex outline in metres; negative within it."""
+    """Return the signed distance of a point from a convex outline in metres, negative within it."""
     depth = inside_by(outline, point)
     if depth >= 0.0:
         return -depth
@@ -76,7 +76,7 @@ def _beyond(outline: Outline, point: Point) -> float:
 
 
 def _from_edge(a: Point, b: Point, point: Point) -> float:
-    """Return how far a point is from the line between two others, in metres."""
+    """Return the distance of a point from the segment between two others, in metres."""
     (dx, dy), (px, py) = (b[0] - a[0], b[1] - a[1]), (point[0] - a[0], point[1] - a[1])
     square = dx * dx + dy * dy
     share = min(1.0, max(0.0, (px * dx + py * dy) / square)) if square > 0.0 else 0.0
@@ -84,34 +84,34 @@ def _from_edge(a: Point, b: Point, point: Point) -> float:
 
 
 def gap(situation: Situation, arguments: Arguments) -> float:
-    """Return how wide the gap between two bodies is in metres, negative where they overlap."""
+    """Return how wide the gap between two bodies is in metres, negative if they overlap."""
     one, two = (_placed(situation, entity) for entity in arguments)
-    aside = _beyond(_ways(one.corners, two.corners), (0.0, 0.0)) - one.disc - two.disc
+    aside = _beyond(_difference(one.corners, two.corners), (0.0, 0.0)) - one.disc - two.disc
     above = max(one.low - two.high, two.low - one.high)
     apart = math.hypot(max(0.0, aside), max(0.0, above)) + min(0.0, max(aside, above))
     return apart - one.ball - two.ball
 
 
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres the gap is too wide, or the bodies are too deep in each other."""
+    """Yield by how many metres the gap is too wide, or the penetration too deep."""
     yield abs(gap(situation, arguments)) - TOLERANCE
 
 
 def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return what is beside the other body, on it and below it.
+    """Return the regions beside the other body, on it and below it.
 
-    A ball that would touch an edge is left out, but for one on the floor on which the other body is.
+    Positions of a ball that touches an edge are left out, except on the floor on which the other body stands.
     """
     subject, other = arguments
     shape, there = situation.shape(subject), _placed(situation, other)
     own = _core(shape, (0.0, 0.0, 0.0), extents(shape, quaternion), quaternion)
-    ways = _ways(there.corners, own.corners)
+    ways = _difference(there.corners, own.corners)
     disc, ball = there.disc + own.disc, there.ball + own.ball
     low, high = there.low - own.high, there.high - own.low
     near, far = ball + MARGIN, ball + TOLERANCE - MARGIN
     regions = [*_around(ways, disc + near, disc + far, (low + MARGIN, high - MARGIN))]
     floor = there.low - there.ball - own.low + own.ball
-    # On one floor the core of one may be higher than that of the other: two balls of different sizes meet aslant.
+    # On one floor the core of one may be higher than that of the other: two balls of different sizes meet at an angle.
     aslant = max(low - floor, floor - high)
     if ball > 0.0 and aslant > -MARGIN:
         near, far = (math.sqrt(reach**2 - max(0.0, aslant) ** 2) for reach in (near, far))
@@ -122,7 +122,7 @@ def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) 
 
 
 def _over(outline: Outline, reach: float, heights: Heights) -> Iterator[Volume]:
-    """Yield regions that make up what is over a convex outline, or up to a reach in metres beside it."""
+    """Yield regions whose union is what is over a convex outline, or up to `reach` metres beside it."""
     if len(outline) > 1:
         edges = zip(outline, outline[1:] + outline[:1], strict=True)
         sides = tuple(Side(a, b, a * x + b * y) for (x, y), (a, b) in ((one, _outward(one, two)) for one, two in edges))
@@ -131,9 +131,9 @@ def _over(outline: Outline, reach: float, heights: Heights) -> Iterator[Volume]:
 
 
 def _around(outline: Outline, near: float, far: float, heights: Heights) -> Iterator[Volume]:
-    """Yield regions that make up what is between two distances from a convex outline, in metres, at some heights.
+    """Yield regions whose union is what is between two distances from a convex outline, in metres, at some heights.
 
-    What is around the corners of a rectangle is left out where that is less than the tolerance.
+    What is around the corners of a rectangle is left out if that is less than the tolerance.
     """
     if heights[0] > heights[1]:
         return
@@ -155,7 +155,7 @@ def _around(outline: Outline, near: float, far: float, heights: Heights) -> Iter
 
 
 def _outward(one: Point, two: Point) -> Point:
-    """Return the unit normal of an edge, outward where the outline is counter-clockwise."""
+    """Return the outward unit normal of an edge of a counter-clockwise outline."""
     length = math.dist(one, two)
     return ((two[1] - one[1]) / length, (one[0] - two[0]) / length) if length > 0.0 else (1.0, 0.0)
 
@@ -176,7 +176,7 @@ def _sector(corner: Point, ends: tuple[float, float], near: float, far: float) -
 
 
 def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
-    """Yield that neither body is beyond the other along any axis; nothing for the table and zones."""
+    """Yield that the bodies overlap or nearly do along each axis; nothing for the table and zones."""
     one, two = arguments
     if not all(scene.shapes[entity].traits.body for entity in arguments):
         return
@@ -188,7 +188,7 @@ def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
 
 
 def _broadest(entity: str, axis: int, scene: Scene) -> float:
-    """Return half the side of the bounding box of a body along an axis in metres, as large as it can be."""
+    """Return the greatest half-side of the bounding box of a body along an axis, over all orientations; metres."""
     shape, place = scene.shapes[entity], scene.fixed.get(entity)
     if place is not None:
         return extents(shape, yaw_quaternion(place[2]))[axis]
@@ -207,7 +207,7 @@ TOUCHING = Predicate(
     volume=_volume,
     sentence=_sentence,
     inverse="touching",
-    told=75,
+    caption_rank=75,
     rests_on_other=True,
     apart=(0.0, TOLERANCE),
     demands=_demands,

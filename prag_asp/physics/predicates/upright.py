@@ -1,4 +1,4 @@
-"""``upright``: a body stands as it was made, its z axis up to `TOLERANCE` vertical; a ball always does."""
+"""``upright``: the z axis of a body is vertical within `TOLERANCE`; a ball is always upright."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ TOLERANCE = math.radians(10)
 
 
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many radians the body leans beyond the tolerance."""
+    """Yield the tilt of the body beyond the tolerance in radians."""
     if situation.shape(arguments[0]).traits.flat:
         x, y, z = rotate(situation.pose(arguments[0]).quaternion, (0.0, 0.0, 1.0))
         yield math.atan2(math.hypot(x, y), z) - TOLERANCE
@@ -23,7 +23,7 @@ def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
 
 
 def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return everything: what is turned about z alone is upright wherever it is."""
+    """Return an unrestricted volume: a body rotated only about z is upright anywhere."""
     return Volume()
 
 
@@ -33,7 +33,7 @@ UPRIGHT = Predicate(
     volume=_volume,
     sentence=states("{0} {is} upright"),
     on_the_spot=True,
-    told=150,
+    caption_rank=150,
 )
 
 PREDICATES = {"upright": UPRIGHT}

@@ -1,4 +1,4 @@
-"""Volumes: where the subject of a predicate may be, as a region to draw places from exactly."""
+"""Volumes: the regions in which the subject of a predicate may be, from which positions are sampled uniformly."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ EVERYWHERE = (-math.inf, -math.inf, -math.inf), (math.inf, math.inf, math.inf)
 
 
 class Side(NamedTuple):
-    """A half plane of the plane seen from above, ``a x + b y <= c`` with ``(a, b)`` of unit length; metres."""
+    """A half-plane in the x-y plane, ``a x + b y <= c`` with ``(a, b)`` of unit length; metres."""
 
     a: float
     b: float
@@ -25,9 +25,9 @@ class Side(NamedTuple):
 
 
 class Ring(NamedTuple):
-    """What lies between two distances from a point, seen from above, or from a rectangle along the axes; metres.
+    """The region between two distances from a point, or from an axis-aligned rectangle, in the x-y plane; metres.
 
-    Both half sides of the rectangle are given, or neither.
+    Both half-sides of the rectangle are positive, or both are 0.
     """
 
     x: float
@@ -38,14 +38,14 @@ class Ring(NamedTuple):
     half_y: float = 0.0
 
     def distance(self, x: float, y: float) -> float:
-        """Return how far a place is from the point or the rectangle in metres."""
+        """Return the distance of a position from the point or the rectangle in metres."""
         if self.half_x == 0.0:
             return math.hypot(x - self.x, y - self.y)
         return math.hypot(max(0.0, abs(x - self.x) - self.half_x), max(0.0, abs(y - self.y) - self.half_y))
 
 
 class Yaws(NamedTuple):
-    """A range of yaws by its centre and its half width, in radians."""
+    """A range of yaw angles: its centre and half its width, in radians."""
 
     centre: float
     half: float
@@ -55,8 +55,8 @@ class Volume(NamedTuple):
     """Where the subject of a predicate may be: a region for its centre, ranges of yaws, of widths, of openings.
 
     The region is what a box aligned with the world's axes, half planes, rings and, of each of the `unions`, at least
-    one volume have in common, but for the `holes`, which are convex and counter-clockwise from above; the box is
-    infinite where the predicate does not care, `yaws` is None then. Metres and radians; `width` belongs to the gripper,
+    one volume have in common, except for the `holes`, which are convex and counter-clockwise from above; the box is
+    infinite if the predicate does not care, `yaws` is None then. Metres and radians; `width` belongs to the gripper,
     `opening` to the joint of furniture.
     """
 
@@ -72,13 +72,13 @@ class Volume(NamedTuple):
 
     @property
     def empty(self) -> bool:
-        """Tell whether a range of numbers is empty; where none is, the rest may still leave nothing."""
+        """Whether a range of numbers is empty; otherwise the region may still be empty for other reasons."""
         (ax, ay, az), (bx, by, bz) = self.low, self.high
         ranges = (self.width, self.opening)
         return ax > bx or ay > by or az > bz or any(low > high for low, high in ranges) or self.yaws == ()
 
     def meet(self, other: Volume) -> Volume:
-        """Return what both volumes allow."""
+        """Return the intersection with another volume."""
         (ax, ay, az), (bx, by, bz) = self.low, other.low
         (cx, cy, cz), (dx, dy, dz) = self.high, other.high
         return Volume(
@@ -94,7 +94,7 @@ class Volume(NamedTuple):
         )
 
     def parts(self) -> tuple[Volume, ...]:
-        """Return volumes without unions that make up the region together; of those known to be empty none."""
+        """Return volumes without unions whose union is the region, without those known to be empty."""
         if not self.unions:
             return (self,)
         found = [self._replace(unions=())]
@@ -103,8 +103,8 @@ class Volume(NamedTuple):
             found = [part for part in met if not part.empty]
         return tuple(found)
 
-    def outside(self, point: Vector) -> float:
-        """Return by how many metres a point misses the region, 0 within it."""
+    def miss_distance(self, point: Vector) -> float:
+        """Return the distance in metres by which a point misses the region, 0 within it."""
         x, y, _ = point
         missed = [low - value for low, value in zip(self.low, point, strict=True)]
         missed += [value - high for high, value in zip(self.high, point, strict=True)]
@@ -113,20 +113,20 @@ class Volume(NamedTuple):
             distance = ring.distance(x, y)
             missed += [ring.inner - distance, distance - ring.outer]
         missed += [inside_by(hole, (x, y)) for hole in self.holes]
-        missed += [min((option.outside(point) for option in union), default=math.inf) for union in self.unions]
+        missed += [min((option.miss_distance(point) for option in union), default=math.inf) for union in self.unions]
         return max(0.0, *missed)
 
     def floor(self, room: float = 0.0) -> Floor | None:
-        """Return the region from above, but for its rings and holes, None where nothing is left.
+        """Return the region seen from above, without regard to its rings and holes; None if it is empty.
 
-        `room` metres are kept off its borders, or a third of the box where it is narrow. The box has to be
+        A margin of `room` metres is kept from its borders, or a third of the box if that is less. The box has to be
         finite along x and y.
         """
         patches = [patch for part in self.parts() if (patch := part.patch(room)) is not None]
         return tuple(patches) if patches else None
 
-    def patch(self, room: float) -> Patch | None:
-        """Return the floor of a region without unions."""
+    def patch(self, room: float) -> FloorPatch | None:
+        """Return the polygon of a region without unions, seen from above; None if it is empty."""
         if self.empty:
             return None
         (ax, ay, _), (bx, by, _) = self.low, self.high
@@ -137,10 +137,10 @@ class Volume(NamedTuple):
         return _fan(self, polygon) if polygon else None
 
     @staticmethod
-    def draw(floor: Floor, uniform: Callable[[float, float], float]) -> Vector | None:
-        """Draw a point of a region over its `floor` uniformly; None where the rings and holes leave none.
+    def sample(floor: Floor, uniform: Callable[[float, float], float]) -> Vector | None:
+        """Sample a point of a region uniformly over its `floor`; None if the rings and holes rejected all tries.
 
-        Where the region has a height the point is drawn from all of it.
+        The height is uniform over that of the region.
         """
         for _ in range(RING_TRIES):
             patch = floor[0] if len(floor) == 1 else _choose(floor, uniform)
@@ -151,7 +151,7 @@ class Volume(NamedTuple):
         return None
 
     def admits(self, x: float, y: float) -> bool:
-        """Tell whether a place lies in all rings and in no hole."""
+        """Return whether a position lies in all rings and in no hole."""
         for ring in self.rings:
             if not ring.inner <= ring.distance(x, y) <= ring.outer:
                 return False
@@ -161,45 +161,45 @@ class Volume(NamedTuple):
         return True
 
 
-class Patch(NamedTuple):
-    """A convex polygon from which to draw, the areas of the triangles of its fan summed up, and its volume; metres."""
+class FloorPatch(NamedTuple):
+    """A convex polygon to sample from, the cumulative areas of its triangle fan, and its volume; metres."""
 
     polygon: Outline
     areas: tuple[float, ...]
     volume: Volume
 
 
-Floor = tuple[Patch, ...]
-"""A region seen from above, but for its rings and holes; its patches may overlap."""
+Floor = tuple[FloorPatch, ...]
+"""A region seen from above, without regard to its rings and holes; its patches may overlap."""
 
 
-def _fan(volume: Volume, polygon: Outline) -> Patch:
-    """Return a polygon of at least three corners (the last one repeated where there are fewer) with its areas."""
+def _fan(volume: Volume, polygon: Outline) -> FloorPatch:
+    """Return a polygon with the areas of its triangle fan; below three corners, the last one is repeated."""
     polygon += (polygon[-1],) * (3 - len(polygon))
     (ax, ay), rest = polygon[0], polygon[1:]
     total, areas = 0.0, []
     for (bx, by), (cx, cy) in pairwise(rest):
         total += max(0.0, (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)) / 2
         areas.append(total)
-    return Patch(polygon, tuple(areas), volume)
+    return FloorPatch(polygon, tuple(areas), volume)
 
 
-def _choose(floor: Floor, uniform: Callable[[float, float], float]) -> Patch:
-    """Draw one of several patches by its area."""
+def _choose(floor: Floor, uniform: Callable[[float, float], float]) -> FloorPatch:
+    """Sample one of several patches by area."""
     sums = list(accumulate(patch.areas[-1] for patch in floor))
     return floor[bisect_left(sums, uniform(0.0, sums[-1]), 0, len(floor) - 1)]
 
 
 def _keeps(floor: Floor, x: float, y: float, uniform: Callable[[float, float], float]) -> bool:
-    """Decide whether to keep a place of several patches: what lies in n of them is drawn n times too often."""
+    """Return whether to accept a position: one that lies in n patches is sampled n times too often."""
     found = sum(inside_by(patch.polygon, (x, y)) >= 0.0 and patch.volume.admits(x, y) for patch in floor)
     return found <= 1 or uniform(0.0, found) <= 1.0
 
 
-def _inside(patch: Patch, uniform: Callable[[float, float], float]) -> tuple[float, float]:
-    """Draw a point of a convex polygon uniformly: a triangle of its fan by area, then a point in that."""
+def _inside(patch: FloorPatch, uniform: Callable[[float, float], float]) -> tuple[float, float]:
+    """Sample a point of a convex polygon uniformly: a triangle of its fan by area, then a point in it."""
     polygon, areas, _ = patch
-    # The last triangle takes what rounding leaves over.
+    # Rounding errors fall to the last triangle.
     i = bisect_left(areas, uniform(0.0, areas[-1]), 0, len(areas) - 1)
     (ax, ay), (bx, by), (cx, cy) = polygon[0], polygon[i + 1], polygon[i + 2]
     s, t = uniform(0.0, 1.0), uniform(0.0, 1.0)
@@ -209,7 +209,7 @@ def _inside(patch: Patch, uniform: Callable[[float, float], float]) -> tuple[flo
 
 
 def _meet_yaws(first: tuple[Yaws, ...] | None, second: tuple[Yaws, ...] | None) -> tuple[Yaws, ...] | None:
-    """Return the common parts of ranges of yaws: of each pair the part of the one within the other."""
+    """Return the pairwise intersections of ranges of yaws; None means unrestricted."""
     if first is None or second is None:
         return second if first is None else first
     found = []
@@ -223,7 +223,7 @@ def _meet_yaws(first: tuple[Yaws, ...] | None, second: tuple[Yaws, ...] | None) 
 
 
 def turned_box(pose: tuple[Vector, tuple[float, float]], half: tuple[float, float]) -> tuple[Side, ...]:
-    """Return the half planes of a rectangle seen from above: its centre, the cosine and sine of its yaw, its halves."""
+    """Return the half-planes of a rectangle: `pose` is its centre, and the cosine and sine of its yaw."""
     (x, y, _), (cosine, sine) = pose
     along, across = cosine * x + sine * y, cosine * y - sine * x
     return (

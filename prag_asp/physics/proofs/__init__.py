@@ -1,1 +1,1 @@
-"""Proofs that a task cannot be done, and what they teach the logic."""
+"""Proofs that a task is infeasible, and the rules that the logic learns from them."""

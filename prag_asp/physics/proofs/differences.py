@@ -1,7 +1,7 @@
-"""Differences of coordinates that have a least size, and whether any coordinates satisfy all of them.
+"""Systems of difference constraints: whether any coordinates satisfy all lower bounds on their differences.
 
-No coordinates do exactly where some differences in a row lead back to where they began and sum up to more than
-nothing: a cycle of positive length, found by Bellman and Ford's algorithm.
+A system is unsatisfiable if and only if its graph has a cycle of positive length, which the Bellman-Ford algorithm
+finds.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from prag_asp.physics.predicates.gaps import ORIGIN, ROUNDING, Gap, Node
 
 
 def impossible_row(gaps: Sequence[Gap]) -> tuple[Node, ...]:
-    """Return nodes in a row, each higher than the one before, the first higher than the last; () where none are.
+    """Return a cycle of positive length: nodes, each of which has to be above the one before; () if there is none.
 
-    The row begins at the origin where it passes it.
+    The cycle begins at the origin if it passes it.
     """
     reached = dict.fromkeys((node for gap in gaps for node in gap[:2]), 0.0)
     last: dict[Node, Gap] = {}
@@ -31,7 +31,7 @@ def impossible_row(gaps: Sequence[Gap]) -> tuple[Node, ...]:
 
 
 def _relax(gaps: Sequence[Gap], reached: dict[Node, float], last: dict[Node, Gap]) -> Node | None:
-    """Raise every coordinate that a gap wants higher, and return the last one raised."""
+    """Raise every coordinate that violates a gap, and return the last one raised."""
     changed = None
     for gap in gaps:
         low, high, least = gap
@@ -41,7 +41,7 @@ def _relax(gaps: Sequence[Gap], reached: dict[Node, float], last: dict[Node, Gap
 
 
 def _cycle(last: Mapping[Node, Gap], node: Node, steps: int) -> tuple[Node, ...]:
-    """Return the cycle of positive length that gaps lead back to from a node, the lowest first."""
+    """Return the cycle of positive length to which the last gaps lead back from a node, the lowest node first."""
     for _ in range(steps):
         if node not in last:
             return ()
@@ -55,9 +55,9 @@ def _cycle(last: Mapping[Node, Gap], node: Node, steps: int) -> tuple[Node, ...]
 
 
 def lowest(gaps: Iterable[Gap], start: Node) -> Mapping[Node, float]:
-    """Return by how much each coordinate is at least higher than that of `start`, where gaps say so.
+    """Return lower bounds on the differences of coordinates from that of `start`, as far as gaps imply any.
 
-    The gaps must be free of impossible rows.
+    The gaps have to be satisfiable.
     """
     gaps = list(gaps)
     found = {start: 0.0}

@@ -1,4 +1,4 @@
-"""Bodies that a domain lets be held, though no gripper ever holds them: what `check` warns of."""
+"""Warnings about bodies that a domain allows to be held, but that no gripper can hold."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from prag_asp.domain.load import Domain
 from prag_asp.physics.predicates import PREDICATES, Gripper
 from prag_asp.physics.predicates.gripper import CLEARANCE, bearable, lowest_grip
 from prag_asp.program.problem import Problem
-from prag_asp.scene.read.report import ancestors
+from prag_asp.scene.read.scene_values import ancestors
 from prag_asp.scene.robots import Robot, robot_of
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.solids import weight
 
 LIFTED = 0.85
-"""What share of what friction bears at rest a robot carries: measured, for it speeds up what it lifts."""
+"""The share of the load borne by friction at rest that a robot can lift, as measured: lifting accelerates it."""
 
 
 def never_gripped(domain: Domain, scene: Scene) -> Iterator[Problem]:
-    """Yield a warning for each shape of bodies that could be held, but that no gripper holds, whatever their sizes.
+    """Yield a warning for each shape of holdable bodies that no gripper can hold in any of its sizes.
 
-    A grip is from above, so what counts is how wide a body is where it is narrowest, seen from above.
+    Grasps are from above, so the least width of a body seen from above counts.
     """
     found: dict[tuple[str, int, str], list[str]] = {}
     for fluent in map(atom_of, domain.facts.fluents):
@@ -37,7 +37,7 @@ def never_gripped(domain: Domain, scene: Scene) -> Iterator[Problem]:
 
 
 def _faults(scene: Scene, name: str, entity: str) -> Iterator[tuple[str, str, str]]:
-    """Yield why a robot never holds a body, by its easiest size: a warning, the table it is about, words."""
+    """Yield why a robot cannot hold a body in its easiest size: the name of the warning, its table, and its text."""
     robot, shapes = robot_of(scene, name), scene.ranges.get(entity, (scene.shapes[entity],))
     width = min(shape.breadth(widest=False) for shape in shapes)
     if width > robot.opening - CLEARANCE:
@@ -54,7 +54,7 @@ def _faults(scene: Scene, name: str, entity: str) -> Iterator[tuple[str, str, st
 
 
 def _heavy(scene: Scene, name: str, robot: Robot, entity: str) -> Iterator[tuple[str, str, str]]:
-    """Yield that a robot never lifts a body, whatever its size: it carries less, or its friction does not bear it."""
+    """Yield that a robot cannot lift a body of any size, because of its payload or of friction."""
     shapes = scene.ranges.get(entity, (scene.shapes[entity],))
     mass = min(weight(scene.with_shapes({entity: shape}), entity) for shape in shapes)
     bears = bearable(scene, entity, name)
@@ -71,7 +71,7 @@ def _heavy(scene: Scene, name: str, robot: Robot, entity: str) -> Iterator[tuple
 
 
 def _line(domain: Domain, table: str, entity: str) -> int:
-    """Return the line of domain.toml with what a table of the scene says of an entity, or else with its shape."""
+    """Return the line of domain.toml with an entity's entry in a table of the scene, or else with its shape."""
     facts = domain.facts
     line = ancestors(facts.entity_names[entity], facts.class_names)
     for each in (table, "shapes"):

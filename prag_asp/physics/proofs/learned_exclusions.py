@@ -1,9 +1,9 @@
-"""What physics proves impossible: single fluents that never hold, and pairs that never hold together.
+"""Exclusions that physics proves: single fluents that never hold, and pairs that never hold together.
 
-They are taken from proofs alone and only forbid that fluents hold, so they are Horn clauses as all invariants of a
-domain are: together they exclude just those plans of which some state is known to satisfy a proof, and of these
-physics has proved each infeasible. Three fluents or more stay with physics: where not all is known, clauses of three
-literals cannot be carried along exactly.
+They come from proofs alone and only forbid that fluents hold, so they are Horn clauses, as all invariants of a domain
+are: they exclude exactly those plans of which some state is known to satisfy a proof, and each of these is proved
+infeasible. Exclusions of three or more fluents stay in physics: in partially known states, clauses of three literals
+cannot be propagated exactly.
 """
 
 from __future__ import annotations
@@ -26,21 +26,21 @@ Fluents = tuple[Atom, ...]
 """One fluent, or two, in the order of the domain."""
 
 Proofs = Mapping[Fluents, str | None]
-"""Why fluents cannot hold together; None where they need no reason, for the domain says so itself."""
+"""Why fluents cannot hold together; None if the domain itself excludes them."""
 
 
-def proved(stated: Facts, scene: Scene, tell: Callable[[str], None] = lambda words: None) -> Proofs:
-    """Return which single fluents never hold, and which pairs never hold together.
+def prove_exclusions(domain_facts: Facts, scene: Scene, tell: Callable[[str], None] = lambda words: None) -> Proofs:
+    """Return the single fluents that never hold, and the pairs that never hold together.
 
-    Pairs that a domain excludes itself are there with no reason. Only pairs that share an argument can exclude each
-    other, for all proofs go from body to body.
+    Pairs that the domain itself excludes have no reason. Only pairs that share an argument can exclude each other,
+    because all proofs link facts by bodies.
 
     Raises:
-        SceneError: the scene lacks the shape or the yaw of an entity that a spatial fluent speaks about.
+        SceneError: the scene lacks the shape or the yaw of an entity in a spatial fluent.
     """
     stage("proving")
-    prover, graph = Prover(scene), invariant_graph(stated)
-    spatial = list(_spatial(stated.fluents, scene))
+    prover, graph = Prover(scene), invariant_graph(domain_facts)
+    spatial = list(_spatial(domain_facts.fluents, scene))
     found: dict[Fluents, str | None] = {}
     possible = []
     for symbol, fluent, fact in spatial:
@@ -65,11 +65,11 @@ def proved(stated: Facts, scene: Scene, tell: Callable[[str], None] = lambda wor
     return found
 
 
-def unproved(domain: Domain, scene: Scene) -> Iterator[Fluents]:
-    """Yield the learned impossible fluents of a domain that physics does not prove to be so, say after a new scene.
+def unproved_exclusions(domain: Domain, scene: Scene) -> Iterator[Fluents]:
+    """Yield the learned exclusions of a domain that physics does not prove, such as after a change of the scene.
 
     Raises:
-        SceneError: the scene lacks the shape or the yaw of an entity that a spatial fluent speaks about.
+        SceneError: the scene lacks the shape or the yaw of an entity in a spatial fluent.
     """
     prover, graph = Prover(scene), invariant_graph(domain.facts)
     for pair in domain.learned:
@@ -79,7 +79,7 @@ def unproved(domain: Domain, scene: Scene) -> Iterator[Fluents]:
 
 
 def _spatial(fluents: Iterable[clingo.Symbol], scene: Scene) -> Iterator[tuple[clingo.Symbol, Atom, Fact]]:
-    """Yield the fluents that mean something to physics, and what they mean where they hold."""
+    """Yield the spatial fluents, each with its fact."""
     for symbol in fluents:
         fluent = atom_of(symbol)
         for fact in facts(scene, {fluent: True}):
@@ -87,5 +87,5 @@ def _spatial(fluents: Iterable[clingo.Symbol], scene: Scene) -> Iterator[tuple[c
 
 
 def _excluded(graph: Graph, *fluents: clingo.Symbol) -> bool:
-    """Tell whether the invariants of a domain forbid fluents to hold together."""
+    """Return whether the invariants of a domain exclude that fluents hold together."""
     return conflict(entailed([(fluent, True) for fluent in fluents], graph)) is not None

@@ -1,4 +1,4 @@
-"""What is demanded of the places of bodies: by facts that hold, and by what each body is."""
+"""Constraints on the positions of bodies: from facts that hold, and from the bodies themselves."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from prag_asp.scene.scene import Scene
 
 
 def demands(fact: Fact, scene: Scene) -> tuple[Demand, ...]:
-    """Return what a fact that holds demands; nothing where it says nothing about places, or speaks of furniture."""
+    """Return the constraints of a fact that holds; none for furniture."""
     demanded = fact.predicate.demands
     if demanded is None or any(scene.shapes[entity].traits.furniture for entity in bodies(fact, scene)):
         return ()
     return tuple(demanded(scene, fact.arguments))
 
 
-def standing(entity: str, scene: Scene) -> tuple[Demand, ...]:
-    """Return what is so of a body in any state: how high it is, and where it is if no part of it ever moves."""
+def body_demands(entity: str, scene: Scene) -> tuple[Demand, ...]:
+    """Return the constraints on a body in any state: its height and, if it is fixed, its position."""
     shape, place = scene.shapes[entity], scene.fixed.get(entity)
     if shape.traits.furniture:
         return ()
@@ -32,11 +32,11 @@ def standing(entity: str, scene: Scene) -> tuple[Demand, ...]:
 
 
 def bodies(fact: Fact, scene: Scene) -> tuple[str, ...]:
-    """Return the bodies that a fact speaks of: no robot, not the table, no zone, no rotation."""
+    """Return the objects among the arguments of a fact, without robots, tables, zones and rotations."""
     known = ((entity, scene.shapes.get(entity)) for entity in fact.arguments)
     return tuple(entity for entity, shape in known if shape is not None and shape.traits.body)
 
 
 def all_demands(fact: Fact, scene: Scene) -> tuple[Demand, ...]:
-    """Return what a fact demands, and what is so of its bodies in any state."""
-    return (*demands(fact, scene), *chain.from_iterable(standing(entity, scene) for entity in bodies(fact, scene)))
+    """Return the constraints of a fact, and those on its bodies in any state."""
+    return (*demands(fact, scene), *chain.from_iterable(body_demands(entity, scene) for entity in bodies(fact, scene)))

@@ -1,10 +1,11 @@
-"""Proofs that no arrangement of the bodies can satisfy the facts of a state, whatever their poses.
+"""Proofs that no poses of the bodies satisfy the facts of a state.
 
-A proof takes for granted the definitions of the predicates, where the fixed bodies are, and six rules of every scene:
-a gripper holds one body at a time, it is not open while it holds one, nothing rests on a ball, a body is held from
-above while it stands upright, the tips of the fingers stay above its bottom, and what a gripper moves it lifts, which
-takes the friction that bears it. The check of a witness demands the last three as well. The workspace says where the
-search puts bodies, not where they can be, so no proof reads it. What is proved of some facts is so of more facts, too.
+A proof assumes the definitions of the predicates, the poses of the fixed bodies, and six rules of every scene: a
+gripper holds one body at a time, it is not open while it holds one, nothing rests on a ball, a body is held from above
+while it stands upright, the fingertips stay above its bottom, and a gripper lifts what it moves, which needs enough
+friction. The check of a witness enforces the last three, too. The workspace limits where the search places bodies, not
+where they can be, so no proof uses it. Proofs are monotonic: what is proved of some facts holds for any superset of
+them.
 """
 
 from __future__ import annotations
@@ -15,8 +16,9 @@ from dataclasses import dataclass
 from itertools import product
 
 from prag_asp.atom import Atom
+from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.predicates.gaps import Demand, Gap, Node
-from prag_asp.physics.proofs.payload import slipping
+from prag_asp.physics.predicates.gripper import slips
 from prag_asp.physics.proofs.placement_demands import all_demands, bodies
 from prag_asp.physics.proofs.reasons import (
     AXES,
@@ -27,19 +29,19 @@ from prag_asp.physics.proofs.reasons import (
     room_reasons,
 )
 from prag_asp.physics.proofs.surfaces import surface_reasons
-from prag_asp.physics.symbolic_facts import Fact, PhysicalTask
+from prag_asp.physics.symbolic_facts import ActionEffect, Fact, PhysicalTask
 from prag_asp.scene.scene import Scene
 
 REMEMBERED = 1 << 14
-"""How many groups of facts a prover keeps in mind."""
+"""The number of groups of facts whose results a prover caches."""
 
 
 @dataclass(frozen=True)
 class Impossibility:
-    """A proof that a state cannot be, or not be come to: the reason in words, and the facts that it follows from.
+    """A proof that a state is impossible or cannot be reached: the reason in words, and the facts that imply it.
 
-    None of the facts can be left out. `state` counts from 0, the initial state; `after` is the action that leads to
-    the state, None at the start. Where the action itself is impossible, facts of the state before are among them.
+    The set of facts is minimal. `state` counts from 0, the initial state; `after` is the action that leads to the
+    state, None for the initial one. If the action itself is impossible, the facts include some of the state before.
     """
 
     reason: str
@@ -53,7 +55,7 @@ class Impossibility:
 
 
 class Prover:
-    """Proves states of one scene impossible; it remembers what each fact demands."""
+    """Proves states of one scene impossible; it caches the constraints of each fact."""
 
     def __init__(self, scene: Scene):
         self._scene = scene
@@ -63,7 +65,7 @@ class Prover:
         self._known: dict[frozenset[Fact], str | None] = {}
 
     def impossibility(self, physical: PhysicalTask) -> Impossibility | None:
-        """Return a proof that a task is infeasible, None where nothing is proved."""
+        """Return a proof that a task is infeasible, None if nothing is proved."""
         seen = set[Fact]()
         for k, facts in enumerate(physical.states):
             fresh = [fact for fact in facts if fact not in seen]
@@ -72,16 +74,16 @@ class Prover:
                 least = self.fewest(facts)
                 reason = next(self._reasons(least, least))
                 return Impossibility(reason, least, k, physical.effects[k - 1].action if k else None)
-        for k, reason, moved in slipping(physical, self._scene):
+        for k, reason, moved in slip_reasons(physical, self._scene):
             return Impossibility(reason, moved, k, physical.effects[k - 1].action)
         return None
 
     def refutation(self, facts: Sequence[Fact]) -> str | None:
-        """Return why some facts cannot hold together, None where nothing is proved."""
+        """Return why some facts cannot hold together, None if nothing is proved."""
         return next(self._reasons(facts, facts), None)
 
     def fewest(self, facts: Sequence[Fact]) -> tuple[Fact, ...]:
-        """Return facts of some that cannot hold together, none of which can be left out."""
+        """Return a minimal subset of some facts that cannot hold together."""
         left = list(facts)
         for fact in facts:
             fewer = [other for other in left if other != fact]
@@ -90,7 +92,7 @@ class Prover:
         return tuple(left)
 
     def _reasons(self, facts: Sequence[Fact], fresh: Collection[Fact]) -> Iterator[str]:
-        """Yield why facts cannot hold together; no such reason lacks all the `fresh` ones."""
+        """Yield why facts cannot hold together; only reasons that involve some of the `fresh` ones are needed."""
         for fact in fresh:
             reason = self._never(fact)
             if reason is not None:
@@ -109,9 +111,9 @@ class Prover:
                     yield reason
 
     def _groups(self, true: Iterable[Fact]) -> list[frozenset[Fact]]:
-        """Return the facts that demand places, together where one body that can move, or a gripper, links them.
+        """Return the facts with constraints, grouped by the movable bodies and grippers that they share.
 
-        The places of other bodies are known, so a row of demands that cannot be met lies within one group.
+        The positions of other bodies are known, so an unsatisfiable cycle of constraints lies within one group.
         """
         groups: list[tuple[set[str], list[Fact]]] = []
         for fact in true:
@@ -129,7 +131,7 @@ class Prover:
         return [frozenset(members) for _, members in groups]
 
     def _linked(self, fact: Fact) -> frozenset[str]:
-        """Return what a fact demands places of: bodies that can move and grippers; found once."""
+        """Return the movable bodies and grippers whose positions a fact constrains; cached."""
         known = self._links.get(fact)
         if known is None:
             names = (name for _, gap in self._demanded(fact) for name, _ in gap[:2])
@@ -137,7 +139,7 @@ class Prover:
         return known
 
     def _together(self, group: frozenset[Fact]) -> str | None:
-        """Return why facts of a group cannot hold together, None where nothing is proved; found once."""
+        """Return why the facts of a group cannot hold together, None if nothing is proved; cached."""
         if group not in self._known:
             if len(self._known) >= REMEMBERED:
                 self._known.clear()
@@ -145,7 +147,7 @@ class Prover:
         return self._known[group]
 
     def _room(self, group: frozenset[Fact]) -> Iterator[str]:
-        """Yield why there are no places for the bodies of some facts."""
+        """Yield why there are no positions for the bodies of some facts."""
         true = sorted(group, key=lambda fact: (fact.predicate.name, fact.arguments))
         gaps: tuple[dict[Gap, None], ...] = ({}, {}, {})
         for fact in true:
@@ -156,7 +158,7 @@ class Prover:
         yield from reach_reasons(true, self._scene, gaps)
 
     def _demanded(self, fact: Fact) -> tuple[Demand, ...]:
-        """Return what a fact demands of places whatever the sizes of its bodies, which is worked out once."""
+        """Return the constraints of a fact that hold for all sizes of its bodies; cached."""
         known = self._demands.get(fact)
         if known is None:
             first, *others = (_lengths(all_demands(fact, sized)) for sized in self._sized(fact))
@@ -168,27 +170,65 @@ class Prover:
         return known
 
     def _never(self, fact: Fact) -> str | None:
-        """Return why a fact can never hold, whatever else does and however large its bodies are; found once."""
+        """Return why a fact can never hold, for any sizes of its bodies, None if it may; cached."""
         if fact not in self._alone:
             reasons = [next(own_reasons(fact, sized), None) for sized in self._sized(fact)]
             self._alone[fact] = None if None in reasons else reasons[0]
         return self._alone[fact]
 
     def _sized(self, fact: Fact) -> Iterator[Scene]:
-        """Yield the scene with each choice of sizes for the bodies of a fact."""
+        """Yield the scene for each combination of sizes of the bodies of a fact."""
         drawn = [entity for entity in bodies(fact, self._scene) if entity in self._scene.ranges]
         for shapes in product(*(self._scene.ranges[entity] for entity in drawn)):
             yield self._scene.with_shapes(dict(zip(drawn, shapes, strict=True)))
 
 
 def impossibility(physical: PhysicalTask, scene: Scene) -> Impossibility | None:
-    """Return a proof that a task is infeasible, None where nothing is proved."""
+    """Return a proof that a task is infeasible, None if nothing is proved."""
     return Prover(scene).impossibility(physical)
 
 
 def _lengths(found: Iterable[Demand]) -> dict[tuple[int, Node, Node], float]:
-    """Return the greatest difference that is demanded of two coordinates along an axis."""
+    """Return the strongest lower bound on the difference of two coordinates along an axis."""
     lengths: dict[tuple[int, Node, Node], float] = {}
     for axis, (low, high, least) in found:
         lengths[axis, low, high] = max(least, lengths.get((axis, low, high), -math.inf))
     return lengths
+
+
+def slip_reasons(physical: PhysicalTask, scene: Scene) -> Iterator[tuple[int, str, tuple[Fact, ...]]]:
+    """Yield lifts of objects that slip in every size: the number of the next state, the reason, and the facts.
+
+    A gripper may close around anything that it spans, but only lifting loads it. A witness lifts what it moves: the arm
+    retreats straight up from where it grasps an object, and comes straight down to where it releases it.
+    """
+    for number, effect in enumerate(physical.effects, 1):
+        found = _lift(effect, physical.states[number - 1])
+        if found is not None:
+            _, held, _ = found
+            robot, entity = held.arguments
+            sizes = scene.ranges.get(entity, (scene.shapes[entity],))
+            reasons = [slips(scene.with_shapes({entity: shape}), entity, robot) for shape in sizes]
+            if reasons[0] is not None and None not in reasons:
+                yield number, reasons[0], found
+
+
+def _lift(effect: ActionEffect, before: tuple[Fact, ...]) -> tuple[Fact, Fact, Fact] | None:
+    """Return the facts that an object is at a place, that it is held, and that it is no longer there; None if it stays.
+
+    Only actions that move nothing but the object, and open nothing, leave the place itself still. An object in a
+    handover may stay where it is.
+    """
+    entity = effect.grasps or effect.holds or effect.releases
+    if effect.robot is None or entity is None or effect.giver or effect.turns or {*effect.moved} - {entity}:
+        return None
+    held = Fact(PREDICATES["holding"], (effect.robot, entity), True)
+    if held not in before and held not in effect.after:
+        return None
+    after = set(effect.after)
+    for fact in before:
+        if fact.predicate.places and fact.arguments[0] == entity:
+            opposite = fact._replace(value=not fact.value)
+            if opposite in after:
+                return (fact, held, opposite)
+    return None

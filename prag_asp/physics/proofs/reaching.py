@@ -1,4 +1,4 @@
-"""Places that actions speak of, though no gripper gets to them: what `check` warns of."""
+"""Warnings about places of actions that no gripper can reach."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from prag_asp.scene.scene import Scene
 
 
 def out_of_reach(domain: Domain, scene: Scene) -> Iterator[Problem]:
-    """Yield a warning for each fixed place that actions put things on or in, or take them from, beyond all reach.
+    """Yield a warning for each fixed place beyond all reach on or in which actions place objects.
 
-    Reach is that of `reachable`, the ring around a robot's base in which its gripper gets everywhere from above. What
-    is in a drawer is reached where it is open.
+    Reach is that of `reachable`, the ring around a robot's base in which its gripper reaches everything from above.
+    What is in a drawer is reached when the drawer is open.
     """
     facts = domain.facts
     stated = [
         of[action] for of in (facts.preconditions, facts.postconditions) for action in facts.actions if action in of
     ]
-    spoken = {atom_of(fluent) for conditions in stated for fluent, _ in conditions}
+    named = {atom_of(fluent) for conditions in stated for fluent, _ in conditions}
     places = set[str]()
-    for fluent in spoken:
+    for fluent in named:
         meaning = PREDICATES.get(scene.meaning(fluent) or "")
         if meaning is not None and (meaning.supports or meaning.places):
             places.add(fluent.arguments[-1])
@@ -42,7 +42,7 @@ def out_of_reach(domain: Domain, scene: Scene) -> Iterator[Problem]:
 
 
 def _beyond(scene: Scene, place: str) -> str:
-    """Return in words why no gripper gets to a place, and what to do; "" where one does."""
+    """Return why no gripper reaches a place, and what to do; "" if one does."""
     top, height = _top(scene, place)
     if scene.shapes[place].traits.surface and not scene.shared:
         low_x, high_x, low_y, high_y = scene.workspace
@@ -50,22 +50,22 @@ def _beyond(scene: Scene, place: str) -> str:
             top = cut(top, a, b, c)
         if not top:
             return "no part of it is in the workspace, where things are put; move it, or widen scene.workspace"
-    said = []
+    reasons = []
     for name in scene.robots:
         robot = robot_of(scene, name)
         near, far = _distances(top, robot)
         if near <= robot.reach[1] and far >= robot.reach[0] and height <= robot.reach_height:
             return ""
         if height > robot.reach_height:
-            said.append(f"its top is {height:.3g} m high, and {name} reaches {robot.reach_height:.3g} m high")
+            reasons.append(f"its top is {height:.3g} m high, and {name} reaches {robot.reach_height:.3g} m high")
         else:
             away = f"{near:.3g} m or more" if near > robot.reach[1] else f"{far:.3g} m or less"
-            said.append(f"it is {away} from {name}, which reaches {robot.reach[0]:.3g} to {robot.reach[1]:.3g} m")
-    return f"{'; '.join(said)}; move it"
+            reasons.append(f"it is {away} from {name}, which reaches {robot.reach[0]:.3g} to {robot.reach[1]:.3g} m")
+    return f"{'; '.join(reasons)}; move it"
 
 
 def _top(scene: Scene, place: str) -> tuple[Outline, float]:
-    """Return where the centre of what is on or in a place can be, seen from above, and the height of that in metres."""
+    """Return the region for the centres of objects on or in a place, seen from above, and its height in metres."""
     shape = scene.shapes[place]
     if shape.traits.surface:
         return outline_of(place, scene), 0.0
@@ -81,7 +81,7 @@ def _top(scene: Scene, place: str) -> tuple[Outline, float]:
 
 
 def _distances(outline: Outline, robot: Robot) -> tuple[float, float]:
-    """Return how far the nearest and the farthest point of a convex outline are from a robot's base, in metres."""
+    """Return the least and the greatest distance of a convex outline from a robot's base, in metres."""
     base = robot.base.position[:2]
     far = max(math.dist(base, corner) for corner in outline)
     if inside_by(outline, base) >= 0.0:
@@ -91,7 +91,7 @@ def _distances(outline: Outline, robot: Robot) -> tuple[float, float]:
 
 
 def _from_segment(point: Point, one: Point, two: Point) -> float:
-    """Return how far a point is from a segment, in metres."""
+    """Return the distance of a point from a segment, in metres."""
     dx, dy = two[0] - one[0], two[1] - one[1]
     length = dx * dx + dy * dy
     share = 0.0 if length == 0.0 else ((point[0] - one[0]) * dx + (point[1] - one[1]) * dy) / length

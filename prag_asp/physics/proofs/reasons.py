@@ -1,4 +1,4 @@
-"""Why facts cannot hold, in words: what is never so, what excludes what, what finds no room."""
+"""The reasons, in words, why facts cannot hold: impossible facts, exclusions, and lack of room."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ AXES = ("x", "y", "z")
 
 
 def own_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
-    """Yield why a fact can never hold, whatever else does."""
+    """Yield why a fact can never hold."""
     predicate = fact.predicate
     if fact.value and len(set(fact.arguments)) < len(fact.arguments):
         yield f"it cannot be that {fact.sentence()}, for nothing is in a relation to itself"
@@ -26,12 +26,12 @@ def own_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
         yield from predicate.impossible(scene, fact.arguments)
     entities = () if predicate.of_gripper or predicate.looks_around else bodies(fact, scene)
     still = _still(scene)
-    if entities and all(entity in still.poses for entity in entities) and not fact.satisfied(still):
+    if entities and all(entity in still.poses for entity in entities) and not fact.is_satisfied(still):
         yield f"{fact.sentence()} cannot hold, for nothing of it can move"
 
 
 def gap_reasons(true: Sequence[Fact]) -> Iterator[str]:
-    """Yield objects that one fact wants closer to each other than another one lets them be."""
+    """Yield pairs of facts of which one requires two objects to be closer than the other allows."""
     close = [fact for fact in true if fact.predicate.apart[1] < math.inf]
     for fact in true if close else ():
         least = fact.predicate.apart[0]
@@ -41,7 +41,7 @@ def gap_reasons(true: Sequence[Fact]) -> Iterator[str]:
 
 
 def _not_both(close: Fact, wide: Fact) -> str:
-    """Return in words that two objects cannot be as close as one fact says and as wide apart as another."""
+    """Return the sentence that two objects cannot be as close as one fact requires and as far apart as another."""
     if any(fact.predicate.inverse != fact.predicate.name for fact in (close, wide)):
         return _never_together((close, wide))
     ways = f"{words(close.predicate.name)} and {words(wide.predicate.name)}"
@@ -49,7 +49,7 @@ def _not_both(close: Fact, wide: Fact) -> str:
 
 
 def exclusions(true: Sequence[Fact], scene: Scene) -> Iterator[str]:
-    """Yield why two facts exclude each other by what one of them says of the other, whatever the places of bodies."""
+    """Yield why two facts exclude each other according to the predicate of one, for any poses."""
     for fact in true:
         if fact.predicate.excludes is not None:
             for other in true:
@@ -59,7 +59,7 @@ def exclusions(true: Sequence[Fact], scene: Scene) -> Iterator[str]:
 
 
 def room_reasons(true: Sequence[Fact], axis: int, gaps: Sequence[Gap]) -> Iterator[str]:
-    """Yield circles of relations, rows that are longer than the room for them, and places that exclude each other."""
+    """Yield cycles of relations, rows that are too long for their room, and positions that exclude each other."""
     row = impossible_row(gaps)
     if not row:
         return
@@ -74,7 +74,7 @@ def room_reasons(true: Sequence[Fact], axis: int, gaps: Sequence[Gap]) -> Iterat
 
 
 def reach_reasons(true: Sequence[Fact], scene: Scene, gaps: Sequence[Iterable[Gap]]) -> Iterator[str]:
-    """Yield that a body can be nowhere, such as too near or too far for a gripper, wherever the facts let it be."""
+    """Yield that a body has no position, such as one within reach of a gripper, that the facts allow."""
     if not any(fact.predicate.places and fact.arguments[-1] in scene.fixed for fact in true):
         return
     least = [lowest(gaps[axis], ORIGIN) for axis in (0, 1)]
@@ -89,13 +89,13 @@ def reach_reasons(true: Sequence[Fact], scene: Scene, gaps: Sequence[Iterable[Ga
 
 
 def _never_together(facts: Iterable[Fact]) -> str:
-    """Return in words that facts exclude each other."""
+    """Return the sentence that facts exclude each other."""
     *others, last = [fact.sentence() for fact in facts]
     return f"{', '.join(others)} and {last} exclude each other" if others else f"{last} is never so"
 
 
 def _still(scene: Scene) -> Situation:
-    """Return the situation of the bodies that never move, not even a part of them."""
+    """Return the situation of the bodies that never move, without furniture."""
     poses = {
         entity: fixed_pose(scene, entity)
         for entity in scene.fixed

@@ -1,7 +1,7 @@
-"""Proofs about single entities as rules about their classes: as general as can be said without saying too much.
+"""Generalise proofs about single entities to rules about their classes.
 
-A rule is as general as it may be where each of its instances is proved, and for the same reason; an instance that
-the domain forbids anyway does no harm.
+A rule may be as general as all its instances are proved for the same reason; an instance that the domain excludes
+anyway does no harm.
 """
 
 from __future__ import annotations
@@ -20,20 +20,20 @@ from prag_asp.program.facts import Facts
 VARIABLES = "XYZVWUTSRQ"
 LINE = 120
 ANYTHING = ""
-"""Stands for all entities, where others are the members of a class."""
+"""The kind of all entities, where other kinds are classes."""
 
 Shape = tuple[tuple[str, tuple[str, ...]], ...]
-"""The fluents of a proof with variables in place of entities: the name and the arguments of each."""
+"""The fluents of a proof with variables in place of entities: name and arguments of each."""
 
 Entities = tuple[str, ...]
-"""The entities that the variables of a shape stand for, all different."""
+"""The entities for the variables of a shape, all different."""
 
 
 @dataclass(frozen=True)
-class Rule:
-    """Impossible fluents in the words of classes; `kinds` has an entity, a class or `ANYTHING` for each variable.
+class ExclusionRule:
+    """A rule that excludes fluents; `kinds` has an entity, a class or `ANYTHING` for each variable.
 
-    `different` are pairs of variables that may not be the same entity. `proofs` are those that the rule states.
+    `different` are pairs of variables that must be different entities. `proofs` are those that the rule covers.
     """
 
     shape: Shape
@@ -57,20 +57,20 @@ class Rule:
 
 
 @dataclass(frozen=True)
-class _Table:
-    """All instances of a shape over the fluents of a domain: the entities, and why they are excluded, if they are."""
+class _InstanceTable:
+    """All instances of a shape over the fluents of a domain: their entities, proofs and reasons."""
 
     proofs: Mapping[Entities, Fluents]
     reasons: Mapping[Entities, str | None]
     possible: frozenset[Entities]
 
 
-def rules(proofs: Proofs, stated: Facts) -> list[Rule]:
-    """Return rules that state all proofs and nothing else, each proof once."""
+def rules(proofs: Proofs, stated: Facts) -> list[ExclusionRule]:
+    """Return rules that cover all proofs and nothing else, each proof once."""
     return _Folding(proofs, stated).rules()
 
 
-def text_of(found: Iterable[Rule], name: str) -> str:
+def text_of(found: Iterable[ExclusionRule], name: str) -> str:
     """Return rules as a logic program, each with its reason."""
     lines = [
         f"% What physics proves impossible in the scene of {name}: written by prag-asp learn, to be written again",
@@ -82,7 +82,7 @@ def text_of(found: Iterable[Rule], name: str) -> str:
 
 
 class _Folding:
-    """Folds the proofs of a domain into rules."""
+    """Generalises the proofs of a domain to rules."""
 
     def __init__(self, proofs: Proofs, stated: Facts):
         self._proofs = proofs
@@ -92,9 +92,9 @@ class _Folding:
             self._members.setdefault(str(kind), set()).add(str(entity))
         self._fluents = list(map(atom_of, stated.fluents))
 
-    def rules(self) -> list[Rule]:
-        """Return the rules, in the order of the proofs that they state first."""
-        found: list[Rule] = []
+    def rules(self) -> list[ExclusionRule]:
+        """Return the rules, in the order of the first proof of each."""
+        found: list[ExclusionRule] = []
         covered = set[Fluents]()
         for fluents, reason in self._proofs.items():
             if reason is not None and fluents not in covered:
@@ -103,30 +103,32 @@ class _Folding:
                 found.append(rule)
         return found
 
-    def _rule(self, fluents: Fluents, reason: str) -> Rule:
-        """Return the most general rule that states a proof and has only proved instances, for the same reason."""
+    def _rule(self, fluents: Fluents, reason: str) -> ExclusionRule:
+        """Return the most general rule for a proof whose instances are all proved for the same reason."""
         shape, entities = self._abstract(fluents)
         table = self._tables[shape]
-        wanted = _in_variables(reason, entities)
+        reason_pattern = _in_variables(reason, entities)
         options = [self._kinds(entity) for entity in entities]
         best: tuple[int, tuple[str, ...], list[Entities]] = (-1, (), [])
         for kinds in product(*options):
             instances = [e for e in table.possible if all(map(self._belongs, e, kinds))]
-            if len(instances) > best[0] and all(self._same(table, each, wanted) for each in instances):
+            if len(instances) > best[0] and all(self._same(table, each, reason_pattern) for each in instances):
                 best = (len(instances), kinds, instances)
         _, kinds, instances = best
         stated = [table.proofs[each] for each in sorted(instances) if table.reasons[each] is not None]
-        return Rule(shape, kinds, frozenset(self._entities), self._different(shape, kinds), wanted, tuple(stated))
+        return ExclusionRule(
+            shape, kinds, frozenset(self._entities), self._different(shape, kinds), reason_pattern, tuple(stated)
+        )
 
-    def _same(self, table: _Table, entities: Entities, wanted: str) -> bool:
-        """Tell whether an instance is excluded for the wanted reason, or by the domain itself."""
+    def _same(self, table: _InstanceTable, entities: Entities, reason_pattern: str) -> bool:
+        """Return whether an instance is excluded for the same reason, or by the domain itself."""
         if entities not in table.reasons:
             return False
         reason = table.reasons[entities]
-        return reason is None or _kind(_in_variables(reason, entities)) == _kind(wanted)
+        return reason is None or _kind(_in_variables(reason, entities)) == _kind(reason_pattern)
 
     def _kinds(self, entity: str) -> list[str]:
-        """Return what a variable for an entity may range over, the most general first, the entity itself last."""
+        """Return the possible kinds of a variable for an entity, the most general first, the entity itself last."""
         classes = [kind for kind, members in self._members.items() if kind != ANYTHING and entity in members]
         return [ANYTHING, *sorted(classes, key=lambda kind: -len(self._members[kind])), entity]
 
@@ -148,7 +150,7 @@ class _Folding:
 
     @cached_property
     def _arguments(self) -> Mapping[tuple[str, int], set[str]]:
-        """What fluents of each name have as their i-th argument."""
+        """The i-th arguments of the fluents of each name."""
         found: dict[tuple[str, int], set[str]] = {}
         for fluent in self._fluents:
             for i, argument in enumerate(fluent.arguments):
@@ -156,8 +158,8 @@ class _Folding:
         return found
 
     @cached_property
-    def _tables(self) -> Mapping[Shape, _Table]:
-        """The instances of the shapes of all proofs, both orders of a pair alike."""
+    def _tables(self) -> Mapping[Shape, _InstanceTable]:
+        """The instances of the shapes of all proofs, in both orders of a pair."""
         shapes = {self._abstract(fluents)[0] for fluents, reason in self._proofs.items() if reason is not None}
         possible: dict[Shape, set[Entities]] = {shape: set() for shape in shapes}
         reasons: dict[Shape, dict[Entities, str | None]] = {shape: {} for shape in shapes}
@@ -172,17 +174,17 @@ class _Folding:
                         stated[shape][entities] = fluents
                     elif any((fluent,) in self._proofs for fluent in fluents):
                         reasons[shape][entities] = None
-        return {shape: _Table(stated[shape], reasons[shape], frozenset(possible[shape])) for shape in shapes}
+        return {shape: _InstanceTable(stated[shape], reasons[shape], frozenset(possible[shape])) for shape in shapes}
 
     def _candidates(self, sizes: set[int]) -> Iterator[Fluents]:
-        """Yield all single fluents and pairs of fluents that a rule of some sizes could speak of."""
+        """Yield all single fluents and pairs of fluents, according to the sizes of the shapes."""
         if 1 in sizes:
             yield from ((fluent,) for fluent in self._fluents)
         if 2 in sizes:
             yield from combinations(self._fluents, 2)
 
     def _different(self, shape: Shape, kinds: Sequence[str]) -> tuple[tuple[str, str], ...]:
-        """Return the pairs of variables that have to be kept apart, for fluents could have one entity for both."""
+        """Return the pairs of variables that need an inequality, because fluents could have one entity for both."""
         ranges = {VARIABLES[i]: self._range(shape, VARIABLES[i], kind) for i, kind in enumerate(kinds)}
         return tuple(
             (one, two)
@@ -191,7 +193,7 @@ class _Folding:
         )
 
     def _range(self, shape: Shape, variable: str, kind: str) -> set[str]:
-        """Return the entities that a variable ranges over."""
+        """Return the range of a variable."""
         found = self._members.get(kind, {kind})
         for name, arguments in shape:
             for i, argument in enumerate(arguments):
@@ -200,7 +202,7 @@ class _Folding:
         return found
 
     def _could_be(self, shape: Shape, one: str, two: str, entity: str) -> bool:
-        """Tell whether fluents of a shape may have an entity for two variables at once."""
+        """Return whether fluents of a shape can have an entity for two variables at once."""
         both = [(name, arguments) for name, arguments in shape if one in arguments and two in arguments]
         return all(
             any(
@@ -220,5 +222,5 @@ def _in_variables(reason: str, entities: Entities) -> str:
 
 
 def _kind(reason: str) -> str:
-    """Return a reason without saying which variable is which: a circle has no beginning."""
+    """Return a reason with all variables masked: a cycle has no first element."""
     return re.sub(rf"\b[{VARIABLES}]\b", "_", reason)

@@ -1,7 +1,7 @@
-"""The table's top and its zones: what stands on one of them stands on all those that it is over, and on no others.
+"""Proofs about the table's top and its zones: a body stands on exactly those that its centre is over.
 
-A surface is a convex region of one plane, and to stand on it is to stand on the plane with the centre over the region.
-So a body that is known to stand on some of them has its centre over what they have in common.
+A surface is a convex region of one plane, and a body stands on it if it stands on the plane with its centre over the
+region. So a body that is known to stand on several of them has its centre over their intersection.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from prag_asp.scene.geometry import cut, inside_by
 from prag_asp.scene.scene import Scene
 
 FLUSH = 1e-8
-"""Metres by which a region may stand out of another that it lies within, for coordinates are rounded."""
+"""The tolerance for one region to lie within another, in metres, because coordinates are rounded."""
 
 
 def surface_reasons(facts: Iterable[Fact], fresh: Iterable[Fact], scene: Scene) -> Iterator[str]:
-    """Yield why bodies cannot stand on some of the table's top and its zones, and not on others of them."""
+    """Yield why bodies cannot stand on some surfaces and not on others."""
     bodies = dict.fromkeys(fact.arguments[0] for fact in fresh if _of_surface(fact, scene))
     about = [fact for fact in facts if _of_surface(fact, scene)] if bodies else []
     for entity in bodies:
@@ -56,7 +56,7 @@ def outline_of(surface: str, scene: Scene) -> Outline:
 
 
 def within(outline: Outline, other: Outline) -> Outline:
-    """Return what two convex outlines share, or nearly share, none where they are apart by more than `ROUNDING`."""
+    """Return the intersection of two convex outlines within `ROUNDING`, () if it is empty."""
     for (ax, ay), (bx, by) in zip(other, other[1:] + other[:1], strict=True):
         length = ((bx - ax) ** 2 + (by - ay) ** 2) ** 0.5
         a, b = (by - ay) / length, (ax - bx) / length
@@ -65,5 +65,5 @@ def within(outline: Outline, other: Outline) -> Outline:
 
 
 def _of_surface(fact: Fact, scene: Scene) -> bool:
-    """Tell whether a fact says that a body stands, or does not stand, on the table or a zone."""
+    """Return whether a fact is about a body on the table or a zone."""
     return fact.predicate is PREDICATES["on_top"] and scene.shapes[fact.arguments[1]].traits.surface

@@ -1,1 +1,1 @@
-"""The arms of the robots: their kinematics, and the files that PyBullet loads."""
+"""The robots' kinematics, and the files from which PyBullet loads them."""

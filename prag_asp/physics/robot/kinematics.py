@@ -1,7 +1,8 @@
-"""Forward and inverse kinematics of the robots, every answer verified.
+"""Forward and inverse kinematics of the robots, every solution verified.
 
-The solution of each robot is in closed form but for one angle, which is swept lazily: first where it would be if the
-arm bent in one plane (or stayed as it is), then coarsely over its range, and finely where that finds nothing.
+Each robot's inverse kinematics is closed-form except for one redundant angle, which is swept lazily: first around its
+value for an arm bent in one plane (or around the current one), then coarsely over its range, finely if that finds
+nothing.
 """
 
 from __future__ import annotations
@@ -23,10 +24,10 @@ APART = 0.4
 ADJUSTMENTS, DIFFERENCE, DAMPING = 12, 1e-5, 1e-6
 DIFFERENCES = DIFFERENCE * np.eye(7)
 BELOW, ABOVE = np.array((7, 2, 3)), np.array((5, 6, 1))
-"""Which of the nine numbers of a rotation, row by row, tell by their differences about which axis it turns."""
+"""Indices into the nine entries of a rotation matrix, row by row, whose differences give the rotation axis."""
 
 CAUTION, POSTURE_GAIN = 1e-3, 0.02
-"""How much a step is damped near where the arm is stretched, and what share of the way to its posture it takes."""
+"""The damping of a step near singularities, and the gain of the null-space motion towards the robot's posture."""
 DAMPED = CAUTION * np.eye(6)
 
 MAX_SOLUTIONS = 4
@@ -50,10 +51,10 @@ def tool_pose(robot: Robot, joints: Joints) -> Pose:
 
 
 def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> Iterator[Joints]:
-    """Yield joint vectors that bring the tool to a pose, at most `MAX_SOLUTIONS`, good ones first.
+    """Yield at most `MAX_SOLUTIONS` joint configurations that bring the tool to a pose, the best first.
 
-    They are near `near`, or near the robot's posture turned towards the target. Each is within the limits,
-    and forward kinematics puts it within 0.01 mm of the target. Nothing is yielded where nothing is found.
+    The best are those nearest to `near`, by default to the robot's posture turned towards the target. Each is within
+    the joint limits, and forward kinematics puts it within 0.01 mm of the target. Nothing is yielded if there is none.
     """
     tool = _from_base(robot, tool)
     goal, flange = rows(tool), matrix(compose(tool, _from_tool(robot)))
@@ -71,7 +72,7 @@ def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> Iterator[Jo
 def _fresh(
     robot: Robot, candidates: Sequence[Joints], goal: list[list[float]], found: list[Joints]
 ) -> Iterator[Joints]:
-    """Yield the joint vectors that are unlike those found before and reach the goal, and note them as found."""
+    """Yield the joint configurations that reach the goal and differ from those in `found`, and add them to it."""
     for joints in candidates:
         if any(math.dist(joints, other) < APART for other in found):
             continue
@@ -82,10 +83,10 @@ def _fresh(
                 return
 
 
-def adjusted(robot: Robot, tool: Pose, near: Joints) -> Joints | None:
-    """Return joint angles next to others that bring the tool to a pose not far away, None where none are found.
+def adjust_joints(robot: Robot, tool: Pose, near: Joints) -> Joints | None:
+    """Return a joint configuration close to `near` that brings the tool to a pose close by, None if none is found.
 
-    Damped least squares, which changes the posture no more than it has to, unlike a sweep.
+    Uses damped least squares, which, unlike a sweep, changes the posture no more than necessary.
     """
     forward, target, joints = robot.solver.forward, matrix(_from_base(robot, tool)), np.array(near)
     for _ in range(ADJUSTMENTS):
@@ -100,24 +101,24 @@ def adjusted(robot: Robot, tool: Pose, near: Joints) -> Joints | None:
     return None
 
 
-def nudged(
+def nudge_joints(
     robot: Robot, joints: NDArray[np.float64], here: NDArray[np.float64], twist: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return joint angles that move and turn the tool by about a small twist, in the frame of the world; shape (7,).
+    """Return joint angles that move the tool by approximately a small twist in the world frame; shape (7,).
 
     `here` is where the tool is with `joints`, in the frame of the base as a homogeneous matrix; `twist` has the shape
     (6,): metres, then radians about the axes. It is one step of damped least squares (Wampler,
     "Manipulator inverse kinematic solutions based on vector formulations and damped least-squares methods", 1986), so
-    that the arm does not leap where it is stretched. What does not move the tool draws the arm to the robot's posture.
+    the arm does not jump near singularities. The null space is used to move the arm towards the robot's posture.
     """
     jacobian = _jacobian(robot, joints, here)
     if robot.base is not ORIGIN:
         turn = matrix(robot.base)[:3, :3].T
         twist = np.concatenate([turn @ twist[:3], turn @ twist[3:]])
     inverse = jacobian.T @ np.linalg.inv(jacobian @ jacobian.T + DAMPED)
-    drawn = POSTURE_GAIN * (_posture(robot) - joints)
-    drawn[0] = 0.0
-    found: NDArray[np.float64] = joints + drawn + inverse @ (twist - jacobian @ drawn)
+    posture_step = POSTURE_GAIN * (_posture(robot) - joints)
+    posture_step[0] = 0.0
+    found: NDArray[np.float64] = joints + posture_step + inverse @ (twist - jacobian @ posture_step)
     return found
 
 
@@ -128,7 +129,7 @@ def _posture(robot: Robot) -> NDArray[np.float64]:
 
 
 def _jacobian(robot: Robot, joints: NDArray[np.float64], here: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return how the tool moves from `here` with each joint, in the frame of the base, shape (6, 7); by differences."""
+    """Return the Jacobian of the tool pose at `here` in the base frame, shape (6, 7), by finite differences."""
     forward = robot.solver.forward
     near = np.array(list(map(forward, joints + DIFFERENCES)))
     turns = (near[:, :3, :3] @ here[:3, :3].T).reshape(-1, 9)
@@ -140,7 +141,7 @@ def _jacobian(robot: Robot, joints: NDArray[np.float64], here: NDArray[np.float6
 
 
 def _twist(one: NDArray[np.float64], two: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return how one pose has to move and turn to become another that is near, shape (6,); metres and radians."""
+    """Return the twist from one pose to another one close by, shape (6,): metres, then radians."""
     turn = two[:3, :3] @ one[:3, :3].T
     vector = (turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1])
     return np.concatenate([two[:3, 3] - one[:3, 3], np.array(vector) / 2])
@@ -153,17 +154,17 @@ def _ranked(
     angles: tuple[float, ...],
     weights: tuple[float, ...],
 ) -> list[Joints]:
-    """Return the solutions within the limits for some angles to choose, nearest to `start` first."""
+    """Return the solutions within the joint limits for some values of the redundant angle, nearest to `start` first."""
     found, origin = [], tuple(map(mul, start, weights))
     for row in robot.solver.solutions(flange, start, angles):
-        # A branch without a solution is NaN, which no comparison lets through.
+        # A branch without a solution is NaN, for which no comparison holds.
         if robot.within_limits(row):
             found.append((math.dist(tuple(map(mul, row, weights)), origin), tuple(row)))
     return [joints for _, joints in sorted(found)]
 
 
 def _error(found: Rows, goal: list[list[float]]) -> float:
-    """Return the largest distance of two rows of homogeneous matrices."""
+    """Return the largest distance between corresponding rows of two homogeneous matrices."""
     return max(map(math.dist, found[:3], goal))
 
 

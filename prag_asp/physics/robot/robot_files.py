@@ -1,9 +1,9 @@
-"""The files of robots that PyBullet loads: the wheel's URDF, with a gripper of exact boxes where that is wanted.
+"""The URDF files of the robots: those of PyBullet's wheel, with a gripper made of exact boxes.
 
-The wheel's fingers of the panda are one convex hull each, which fills the recess above the finger tips and is 1 mm
-thicker than the finger. A pad and a shank of boxes have the true sizes of Franka's finger, so that the opening of the
-gripper is the distance of its pads. The rubber of the pads is the wheel's: its contact stiffness and damping stay. An
-arm without a gripper is given one, whose fingers have the same stiffness.
+In the wheel's URDF each finger of the Panda is one convex hull, which fills the recess above the fingertips and is 1 mm
+thicker than the finger. Boxes for the pad and the shank have the true sizes of Franka's finger, so the opening of the
+gripper is the distance between its pads. The contact stiffness and damping of the rubber pads are kept. An arm without
+a gripper gets one, whose fingers have the same stiffness.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from prag_asp.scene.scene import Solid
 
 PALM_MASS, FINGER_MASS, INERTIA = 0.8, 0.1, 0.01
 STIFFNESS, DAMPING = 30000.0, 1000.0
-"""Of the contact with rubber, as the wheel has them for Franka's fingers: newtons a metre, newton seconds a metre."""
+"""Contact parameters of the rubber pads, as in the wheel's URDF of Franka's fingers: N/m and N s/m."""
 
 FORCE, SPEED = 20, 0.2
 DARK = "0.25 0.27 0.3 1"
@@ -56,7 +56,7 @@ def robot_file(robot: Robot) -> bytes:
 
 
 def _mount(root: ElementTree.Element, hand: Hand, robot: Robot) -> None:
-    """Add a gripper to an arm: a palm, and two fingers that slide along its y axis."""
+    """Add a gripper to an arm: a palm and two fingers that slide along its y axis."""
     middle = (0.0, 0.0, hand.palm[2] / 2)
     palm = _link(root, "hand", PALM_MASS, middle)
     for kind in ("visual", "collision"):
@@ -89,7 +89,7 @@ def _link(root: ElementTree.Element, name: str, mass: float, at: Vector) -> Elem
 def _joint(
     root: ElementTree.Element, name: str, kind: str, links: tuple[str, str], ahead: float, turn: float
 ) -> ElementTree.Element:
-    """Add a joint from one link to another, ahead of it and turned about its z axis."""
+    """Add a joint from one link to another, offset and rotated along its z axis."""
     joint = ElementTree.SubElement(root, "joint", name=name, type=kind)
     ElementTree.SubElement(joint, "parent", link=links[0])
     ElementTree.SubElement(joint, "child", link=links[1])
@@ -98,7 +98,7 @@ def _joint(
 
 
 def _give_boxes(finger: ElementTree.Element, boxes: tuple[Solid, ...], side: float) -> None:
-    """Replace what a finger collides with by boxes, mirrored where `side` is -1."""
+    """Replace the collision geometry of a finger by boxes, mirrored if `side` is -1."""
     for collision in finger.findall("collision"):
         finger.remove(collision)
     for solid in boxes:
@@ -106,13 +106,13 @@ def _give_boxes(finger: ElementTree.Element, boxes: tuple[Solid, ...], side: flo
 
 
 def _mirrored(at: Vector, side: float) -> Vector:
-    """Return a point of the left finger in the frame of the one on a side."""
+    """Return a point of the left finger for the finger on a side."""
     x, y, z = at
     return (x, side * y, z)
 
 
 def _add_box(link: ElementTree.Element, kind: str, at: Vector, size: Vector) -> None:
-    """Add a box to what a link collides with, or to what is seen of it."""
+    """Add a box to the collision or visual geometry of a link."""
     part = ElementTree.SubElement(link, kind)
     ElementTree.SubElement(part, "origin", xyz=" ".join(map(str, at)), rpy="0 0 0")
     geometry = ElementTree.SubElement(part, "geometry")

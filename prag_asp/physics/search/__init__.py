@@ -1,1 +1,1 @@
-"""The search for a witness: first states, actions, and room for what comes."""
+"""The search for a witness: initial states, actions, and room for later actions."""

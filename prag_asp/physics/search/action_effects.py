@@ -1,18 +1,19 @@
-"""Carry out the effect of one action on a snapshot: what it does is read off the facts, not off its name."""
+"""Apply the effect of one action to a snapshot; the effect comes from facts, not from the name of the action."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.predicates.gripper import grip_width
 from prag_asp.physics.search.attempt import NO_GRASP, RELATION, Exhausted, Failure, Search, Snapshot
 from prag_asp.physics.search.carrying import carry, release, relocate
 from prag_asp.physics.search.furniture_handling import turn
-from prag_asp.physics.search.grasping import Configuration, descend, grasps
+from prag_asp.physics.search.grasping import CollisionQuery, descend, grasps
 from prag_asp.physics.search.meeting import move_over, take_over
 from prag_asp.physics.search.moving import arm_waypoint, raise_arm, require_free, turn_to
-from prag_asp.physics.symbolic_facts import Effect, Fact
+from prag_asp.physics.symbolic_facts import ActionEffect, Fact
 from prag_asp.physics.witness import Arm, Waypoint
 from prag_asp.scene.geometry import compose, invert
 from prag_asp.scene.solids import weight
@@ -20,12 +21,12 @@ from prag_asp.scene.solids import weight
 Outcome = tuple[Snapshot, tuple[Waypoint, ...]]
 
 
-def advance(search: Search, snapshot: Snapshot, effect: Effect, attempt: int) -> Outcome:
-    """Return a snapshot after an action, and the waypoints of the arm on the way; `attempt` counts from 0.
+def advance(search: Search, snapshot: Snapshot, effect: ActionEffect, attempt: int) -> Outcome:
+    """Return a snapshot after an action, and the waypoints of the arm; `attempt` counts from 0.
 
     Raises:
-        Failure: this attempt found none.
-        Exhausted: earlier attempts were all that there are.
+        Failure: this attempt failed.
+        Exhausted: there are no further attempts.
     """
     if attempt > 0 and not (effect.moved or effect.turns or effect.grasps or effect.visits or effect.over):
         raise Exhausted
@@ -43,11 +44,11 @@ def advance(search: Search, snapshot: Snapshot, effect: Effect, attempt: int) ->
     return snapshot, tuple(waypoints)
 
 
-def _act(search: Search, snapshot: Snapshot, effect: Effect, attempt: int, waypoints: list[Waypoint]) -> Snapshot:
-    """Return a snapshot after what an action does with the gripper, and add its waypoints.
+def _act(search: Search, snapshot: Snapshot, effect: ActionEffect, attempt: int, waypoints: list[Waypoint]) -> Snapshot:
+    """Return a snapshot after the gripper's part of an action, and add its waypoints.
 
     Raises:
-        Failure: this attempt found none.
+        Failure: this attempt failed.
     """
     for furniture in effect.turns:
         snapshot = turn(search, snapshot, furniture, effect.after, attempt, waypoints)
@@ -64,15 +65,15 @@ def _act(search: Search, snapshot: Snapshot, effect: Effect, attempt: int, waypo
     elif effect.visits is not None and snapshot.arm.held is None:
         snapshot = _visit(search, snapshot, effect.visits, attempt, waypoints)
     elif effect.closes and snapshot.arm.held is None:
-        snapshot = snapshot.with_arm(snapshot.arm._replace(width=0.0), snapshot.above)
+        snapshot = snapshot.with_arm(replace(snapshot.arm, width=0.0), snapshot.above)
     return snapshot
 
 
 def take_place(search: Search, snapshot: Snapshot, entity: str, closed: bool) -> Snapshot:
-    """Return a snapshot of a first state in which the gripper is already at an object, or holds it.
+    """Return a snapshot of an initial state in which the gripper is at an object, or holds it.
 
     Raises:
-        Failure: the gripper does not get there.
+        Failure: the gripper cannot reach it.
     """
     options = grasps(search, snapshot.situation, entity)
     choice = 0 if search.rng.random() < 0.5 else int(search.rng.integers(len(options)))
@@ -81,7 +82,7 @@ def take_place(search: Search, snapshot: Snapshot, entity: str, closed: bool) ->
 
 
 def _verify(search: Search, before: Snapshot, after: Snapshot, fresh: Iterable[Fact], facts: Iterable[Fact]) -> None:
-    """Check the facts that an action can have changed or that the state newly knows."""
+    """Check the facts that an action may have changed, and those that are new in the state."""
     known_again, openings = set(fresh), after.situation.openings
     changed = {
         entity
@@ -92,12 +93,12 @@ def _verify(search: Search, before: Snapshot, after: Snapshot, fresh: Iterable[F
     for fact in facts:
         predicate = fact.predicate
         concerned = predicate.of_gripper or predicate.looks_around or not changed.isdisjoint(fact.arguments)
-        if (concerned or fact in known_again) and not fact.satisfied(after.situation):
+        if (concerned or fact in known_again) and not fact.is_satisfied(after.situation):
             raise Failure(RELATION, fact=fact)
 
 
-def _stays_down(snapshot: Snapshot, effect: Effect) -> bool:
-    """Tell whether a lowered gripper begins an action where it is: it grasps, lets go or waits there."""
+def _stays_down(snapshot: Snapshot, effect: ActionEffect) -> bool:
+    """Return whether a lowered gripper begins an action where it is: to grasp, release or wait."""
     if effect.releases is not None or effect.turns:
         return effect.releases not in effect.moved and not effect.turns
     target = effect.grasps or effect.visits
@@ -113,15 +114,15 @@ def _visit(search: Search, snapshot: Snapshot, entity: str, attempt: int, waypoi
         raise Exhausted
     tool, _ = options[attempt]
     opening = search.robot.opening
-    wanted = Configuration(snapshot.situation, opening, entity)
-    at, above = descend(search, tool, wanted, wanted)
+    query = CollisionQuery(snapshot.situation, opening, entity)
+    at, above = descend(search, tool, query, query)
     acting = snapshot.acting
     waypoints += [Waypoint("approach", acting, above, opening), Waypoint("at", acting, at, opening)]
     return snapshot.with_arm(Arm(at, opening), above)
 
 
 def _close(search: Search, snapshot: Snapshot, entity: str) -> Snapshot:
-    """Close the gripper on the object that it is at."""
+    """Close the gripper on the object at which it is."""
     situation = snapshot.situation
     if weight(situation.scene, entity) > search.robot.payload:
         raise Failure(NO_GRASP, entity)
@@ -132,8 +133,10 @@ def _close(search: Search, snapshot: Snapshot, entity: str) -> Snapshot:
     return closed
 
 
-def _grasp(search: Search, snapshot: Snapshot, effect: Effect, attempt: int, waypoints: list[Waypoint]) -> Snapshot:
-    """Take hold of an object, and lift it where it leaves what it stands on."""
+def _grasp(
+    search: Search, snapshot: Snapshot, effect: ActionEffect, attempt: int, waypoints: list[Waypoint]
+) -> Snapshot:
+    """Grasp an object, and lift it if it leaves its support."""
     entity = effect.grasps
     assert entity is not None
     if snapshot.arm.held not in (None, entity):

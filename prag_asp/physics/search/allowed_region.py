@@ -1,4 +1,4 @@
-"""What the facts of a state leave to one object: the volume of each, its yaws, and what is left to check."""
+"""The region that the facts of a state allow one object: volumes, yaw ranges, and the facts left to check."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from prag_asp.physics.symbolic_facts import Fact
 from prag_asp.scene.geometry import IDENTITY, Pose, Quaternion
 
 AIM = 0.6
-"""What share of a tolerance of the heading is drawn from: what is put down may turn a little."""
+"""The share of a yaw range that is sampled: an object may rotate a little when it is put down."""
 
 
-def relevant(facts: Iterable[Fact], entity: str, situation: Situation) -> list[Fact]:
-    """Return the facts about an object whose other bodies have their places; the gripper's are left out."""
+def relevant_facts(facts: Iterable[Fact], entity: str, situation: Situation) -> list[Fact]:
+    """Return the facts about an object whose other bodies are placed already, without those about grippers."""
     return [
         fact
         for fact in facts
@@ -26,13 +26,13 @@ def relevant(facts: Iterable[Fact], entity: str, situation: Situation) -> list[F
 
 
 def shapes_volume(fact: Fact, entity: str) -> bool:
-    """Tell whether a fact is one that the volume of an object expresses exactly."""
+    """Return whether the volume of an object expresses a fact exactly."""
     subject = fact.arguments[fact.predicate.subject]
     return fact.value and (subject == entity or fact.predicate.inverse is not None)
 
 
-def allowed(situation: Situation, fact: Fact, entity: str, quaternion: Quaternion) -> Volume:
-    """Return where an object, turned as it will be, may be by a fact that its volume expresses."""
+def allowed_volume(situation: Situation, fact: Fact, entity: str, quaternion: Quaternion) -> Volume:
+    """Return the volume that a fact allows an object with its orientation; the fact has to satisfy `shapes_volume`."""
     predicate, arguments = fact.predicate, fact.arguments
     if arguments[predicate.subject] == entity:
         return predicate.volume(situation, arguments, quaternion)
@@ -41,7 +41,7 @@ def allowed(situation: Situation, fact: Fact, entity: str, quaternion: Quaternio
 
 
 def yaw_ranges(situation: Situation, entity: str, facts: Iterable[Fact]) -> tuple[Yaws, ...] | None:
-    """Return the ranges of yaws that facts allow an object, None where any will do.
+    """Return the ranges of yaws that facts allow an object, None if any yaw will do.
 
     Raises:
         Failure: no yaw is left.
@@ -49,29 +49,29 @@ def yaw_ranges(situation: Situation, entity: str, facts: Iterable[Fact]) -> tupl
     volume = Volume()
     for fact in facts:
         if fact.predicate.turns and shapes_volume(fact, entity):
-            volume = volume.meet(allowed(situation, fact, entity, IDENTITY))
+            volume = volume.meet(allowed_volume(situation, fact, entity, IDENTITY))
     if volume.yaws == ():
         raise Failure(EMPTY_VOLUME, entity)
     return volume.yaws
 
 
-def draw_yaws(search: Search, ranges: tuple[Yaws, ...]) -> Iterator[float]:
-    """Draw a yaw in radians of each of some ranges, of any of them first."""
+def sample_yaws(search: Search, ranges: tuple[Yaws, ...]) -> Iterator[float]:
+    """Yield a random yaw in radians from each range, beginning with a random range."""
     first = 0 if len(ranges) == 1 else int(search.rng.integers(len(ranges)))
     for chosen in (*ranges[first:], *ranges[:first]):
         yield chosen.centre + search.uniform(-AIM * chosen.half, AIM * chosen.half)
 
 
-def unsatisfied(facts: Iterable[Fact], situation: Situation, entity: str, pose: Pose) -> Fact | None:
-    """Return a fact that would not hold with an object at a pose, None where all would."""
+def first_unsatisfied(facts: Iterable[Fact], situation: Situation, entity: str, pose: Pose) -> Fact | None:
+    """Return the first fact that would not hold with an object at a pose, None if all would."""
     facts = list(facts)
     if not facts:
         return None
     trial = situation.with_pose(entity, pose)
-    return next((fact for fact in facts if not fact.satisfied(trial)), None)
+    return next((fact for fact in facts if not fact.is_satisfied(trial)), None)
 
 
 def _has_place(situation: Situation, entity: str) -> bool:
-    """Tell whether an argument of a fact needs no place of its own or has it."""
+    """Return whether an argument of a fact is placed already, or needs no place."""
     shape = situation.scene.shapes.get(entity)
     return shape is None or not shape.traits.body or entity in situation.poses

@@ -1,4 +1,4 @@
-"""What the search for a witness carries along, and how it says that an attempt failed."""
+"""The state of the search for a witness, and the causes for which an attempt fails."""
 
 from __future__ import annotations
 
@@ -49,11 +49,14 @@ CAUSES = (
     LOST,
     NOT_REACHED,
 )
-"""Every cause of a failed attempt, cheapest check first."""
+"""The causes of failed attempts, in order of the cost of their checks."""
 
 
-class Fault(NamedTuple):
-    """What went wrong: one of `CAUSES`, the bodies concerned, and the fact that does not hold or other words on it."""
+class PhysicsFault(NamedTuple):
+    """Why an attempt or a witness failed: the cause, the bodies concerned, and the fact that does not hold, or a text.
+
+    The cause is one of `CAUSES`, or what is wrong with a witness that is checked again.
+    """
 
     cause: str
     entities: tuple[str, ...] = ()
@@ -62,20 +65,20 @@ class Fault(NamedTuple):
 
 
 class Failure(Exception):
-    """One attempt of the search failed: one of `CAUSES`, and of what. It never leaves the validator."""
+    """An attempt of the search failed, for one of `CAUSES`; the validator catches it."""
 
     def __init__(self, cause: str, *entities: str, fact: Fact | None = None):
         super().__init__(cause)
-        self.fault = Fault(cause, entities or (() if fact is None else fact.arguments), fact)
+        self.fault = PhysicsFault(cause, entities or (() if fact is None else fact.arguments), fact)
 
 
 class Exhausted(Exception):
-    """Nothing of this action is drawn at random, so nothing is left to attempt. It stays in the validator."""
+    """Nothing of this action is random, so there are no further attempts; the validator catches it."""
 
 
 @dataclass(frozen=True)
 class Search:
-    """The simulator, the objects of the task, the generator of random numbers of this task, what comes later in it."""
+    """What a search uses: the simulator, the task's objects and random generator, and the room for later actions."""
 
     simulator: Simulator
     objects: tuple[str, ...]
@@ -90,19 +93,19 @@ class Search:
 
     @property
     def robot(self) -> Robot:
-        """The robot that acts in the simulator."""
+        """The acting robot in the simulator."""
         return self.simulator.robot
 
     def uniform(self, low: float, high: float) -> float:
-        """Draw a number between two bounds."""
+        """Return a uniform random number between two bounds."""
         return low + (high - low) * self.rng.random()
 
 
 @dataclass(frozen=True)
 class Snapshot:
-    """One state of the search: the situation, the robot that acts, and which grippers are down at an object.
+    """One state of the search: the situation, the acting robot, and the grippers that are lowered to an object.
 
-    `lowered` holds for each of these the joint angles straight above its place.
+    `lowered` has the joint configuration straight above the object for each of these.
     """
 
     situation: Situation
@@ -111,17 +114,17 @@ class Snapshot:
 
     @property
     def arm(self) -> Arm:
-        """The arm that acts."""
+        """The acting arm."""
         return self.situation.arms[self.acting]
 
     @property
     def tool(self) -> Pose:
-        """The pose of the tool of the arm that acts."""
+        """The pose of the tool of the acting arm."""
         return self.situation.tool(self.acting)
 
     @property
     def above(self) -> Joints | None:
-        """The joint angles straight above the gripper that acts, None where it is not down at an object."""
+        """The joint configuration straight above the acting gripper, None if it is not lowered to an object."""
         return self.lowered.get(self.acting)
 
     def moment(self) -> Moment:
@@ -130,11 +133,11 @@ class Snapshot:
         return Moment(dict(situation.poses), dict(situation.arms), dict(situation.openings))
 
     def turned_to(self, robot: str | None) -> Snapshot:
-        """Return the snapshot with another robot as the one that acts; with None it stays the same one."""
+        """Return the snapshot with another acting robot; None keeps the present one."""
         return self if robot is None else replace(self, acting=robot)
 
     def with_arm(self, arm: Arm, above: Joints | None = None) -> Snapshot:
-        """Return the snapshot with the arm that acts elsewhere; `above` is where it was lowered from to be there."""
+        """Return the snapshot with another state of the acting arm, lowered from the configuration `above` if given."""
         lowered = {robot: joints for robot, joints in self.lowered.items() if robot != self.acting}
         if above is not None:
             lowered[self.acting] = above

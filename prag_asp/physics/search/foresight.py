@@ -1,6 +1,6 @@
-"""Room for what comes later: an object beside which another will be put is kept off the border of the workspace.
+"""Room for later objects: an object beside which another is placed later is kept off the border of the workspace.
 
-This only steers draws; every check stays as it is.
+This only guides sampling; all checks stay the same.
 """
 
 from __future__ import annotations
@@ -10,17 +10,17 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from prag_asp.physics.predicates import Direction, Volume
 from prag_asp.physics.predicates.beside import GAP, MARGIN
-from prag_asp.physics.symbolic_facts import Effect, Fact, PhysicalTask
+from prag_asp.physics.symbolic_facts import ActionEffect, Fact, PhysicalTask
 from prag_asp.scene.scene import Scene
 
 Foresight = Mapping[tuple[int, str], tuple[Volume, ...]]
-"""For a state and an object that comes to its place in it: where all of it leaves ample room, then just enough."""
+"""Volumes for an object that is placed in a state, in which it leaves ample room, then just enough."""
 
 Rooms = dict[Direction, float]
 
 
 def foresee(physical: PhysicalTask, scene: Scene) -> Foresight:
-    """Return where the objects of a task should be put so that there is room for what is put beside them later."""
+    """Return the volumes for the objects of a task that leave room for what is placed beside them later."""
     found: dict[tuple[int, str], tuple[Volume, ...]] = {}
     begun = [_named(effect.fresh) for effect in physical.effects]
     for k in range(len(physical.states)):
@@ -34,17 +34,17 @@ def foresee(physical: PhysicalTask, scene: Scene) -> Foresight:
 
 
 def _named(facts: Iterable[Fact]) -> set[str]:
-    """Return the objects that facts put beside others, or beside which they put others."""
+    """Return the objects of facts that have a direction."""
     return {entity for fact in facts if fact.value and fact.predicate.direction for entity in fact.arguments}
 
 
 def _rooms(physical: PhysicalTask, scene: Scene, k: int, entity: str, wide: bool, depth: int = 0) -> Rooms:
-    """Return how many metres there should be between an object put down in state `k` and each side."""
+    """Return the room in metres that an object placed in state `k` needs on each side."""
     rooms: Rooms = {}
     for j, comer, direction in _later(physical, scene, k, entity):
         if comer in scene.fixed or depth > len(physical.effects):
             continue
-        side = direction.seen(scene.frame)
+        side = direction.in_frame(scene.frame)
         radius = scene.shapes[comer].breadth(wide) / 2
         beyond = _rooms(physical, scene, j, comer, wide, depth + 1).get(side) if j > k else None
         room = GAP + 2 * MARGIN + radius + (0.0 if beyond is None else radius + beyond)
@@ -53,7 +53,7 @@ def _rooms(physical: PhysicalTask, scene: Scene, k: int, entity: str, wide: bool
 
 
 def _later(physical: PhysicalTask, scene: Scene, k: int, entity: str) -> Iterator[tuple[int, str, Direction]]:
-    """Yield what is put beside an object that rests since state `k`: in which state, what, and in which direction."""
+    """Yield what is placed beside an object that rests since state `k`: the state, the object and the direction."""
     if k == 0:
         yield from ((0, *beside) for beside in _beside(physical.initial, entity))
     for j in range(k, len(physical.effects)):
@@ -66,7 +66,7 @@ def _later(physical: PhysicalTask, scene: Scene, k: int, entity: str) -> Iterato
 
 
 def _beside(facts: Iterable[Fact], entity: str) -> Iterator[tuple[str, Direction]]:
-    """Yield the objects that facts put beside one, and in which direction from it each lies, to the robot."""
+    """Yield the objects that facts place beside one, and their directions from it, as the robot sees them."""
     for fact in facts:
         direction = fact.predicate.direction
         if fact.value and direction is not None and entity in fact.arguments:
@@ -74,8 +74,8 @@ def _beside(facts: Iterable[Fact], entity: str) -> Iterator[tuple[str, Direction
             yield (subject, direction) if other == entity else (other, direction.opposite)
 
 
-def _comes_to_table(scene: Scene, effect: Effect, comer: str) -> bool:
-    """Tell whether an object is moved by an action, and not onto or into another object."""
+def _comes_to_table(scene: Scene, effect: ActionEffect, comer: str) -> bool:
+    """Return whether an action moves an object to the table, not onto or into another object."""
     supports = [
         fact.arguments[-1]
         for fact in effect.after
@@ -85,7 +85,7 @@ def _comes_to_table(scene: Scene, effect: Effect, comer: str) -> bool:
 
 
 def _volume(scene: Scene, rooms: Rooms) -> Volume:
-    """Return the part of the workspace that leaves room."""
+    """Return the part of the workspace that leaves the room."""
     low, high = [-math.inf] * 3, [math.inf] * 3
     for (axis, sign), room in rooms.items():
         if sign > 0:

@@ -1,4 +1,4 @@
-"""Bring the gripper to an object: grasps from above, and arm configurations at it and above it."""
+"""Grasps from above, and joint configurations at an object and above it."""
 
 from __future__ import annotations
 
@@ -25,23 +25,23 @@ from prag_asp.scene.robots import Joints
 from prag_asp.scene.scene import Shape
 
 LIFT = 0.10
-"""How far above an object the gripper approaches it, in metres."""
+"""The height above an object at which the gripper begins its approach, in metres."""
 
 TOP_GRIP = 0.01
-"""How far below the top of an object the highest grip is, in metres."""
+"""The distance of the highest grasp below the top of an object, in metres."""
 
 HAIR = 1e-5
-"""How far below the top of an object every grip is, for kinematics are not exact, in metres."""
+"""The least distance of every grasp below the top of an object, in metres, because kinematics are not exact."""
 
 LONG, FROM_END = 0.08, 0.03
-"""Where robots share a table each grips a box that is at least twice as long so far from its end, in metres."""
+"""With several robots, a box of at least twice `LONG` is grasped at the distance `FROM_END` from its end, in metres."""
 
 LARGEST_STEP = 1.2
 DOWN = (1.0, 0.0, 0.0, 0.0)
 
 
-class Configuration(NamedTuple):
-    """What the arm has to be free of: the objects of a situation, but for the one it may touch."""
+class CollisionQuery(NamedTuple):
+    """A collision query for the acting arm: a situation, the opening of the gripper, the object that it may touch."""
 
     situation: Situation
     width: float
@@ -49,10 +49,10 @@ class Configuration(NamedTuple):
 
 
 def grasps(search: Search, situation: Situation, entity: str) -> list[tuple[Pose, float]]:
-    """Return tool poses from above that grip an object, each with the opening then, the easiest first.
+    """Return tool poses from above that grasp an object, each with its opening in metres, the easiest first.
 
-    Boxes are gripped by opposite sides, round things in four directions; first at the middle or as deep as
-    the palm lets them in, then at the top, where the palm passes over what stands around.
+    Boxes are grasped by opposite sides, round objects in four directions; first at the middle or as deep as the palm
+    allows, then at the top, where the palm clears the objects around.
 
     Raises:
         Failure: the object is too wide for the gripper, or too low.
@@ -69,7 +69,7 @@ def grasps(search: Search, situation: Situation, entity: str) -> list[tuple[Pose
     round_body = shape.traits.round
     first = heading if round_body else yaw_of(pose.quaternion)
     turns = [first + turn * math.pi / (4 if round_body else 2) for turn in range(8 if round_body else 4)]
-    # Half a turn gives the same grip, so of each pair of opposite headings the nearer one is enough.
+    # Half a turn gives the same grasp, so the nearer one of each pair of opposite headings is enough.
     yaws = sorted(turns, key=lambda angle: -math.cos(angle - heading))[: len(turns) // 2]
     found = []
     for yaw in yaws:
@@ -88,7 +88,7 @@ def grasps(search: Search, situation: Situation, entity: str) -> list[tuple[Pose
 
 
 def _at_ends(shape: Shape, pose: Pose, grasp: tuple[Pose, float]) -> Iterator[tuple[Pose, float]]:
-    """Yield a grasp of a long box shifted to either end, so that another robot finds the other end free."""
+    """Yield a grasp of a long box shifted to either end, so that the other end is free for another robot."""
     tool, width = grasp
     along = 0 if shape.half[0] > shape.half[1] else 1
     shift = shape.half[along] - FROM_END
@@ -98,15 +98,15 @@ def _at_ends(shape: Shape, pose: Pose, grasp: tuple[Pose, float]) -> Iterator[tu
         yield Pose((cx + x, cy + y, cz + z), tool.quaternion), width
 
 
-def configure(search: Search, tool: Pose, wanted: Configuration, near: Joints | None = None) -> Joints:
-    """Return joint angles that bring the tool to a pose, free of collisions.
+def configure(search: Search, tool: Pose, query: CollisionQuery, near: Joints | None = None) -> Joints:
+    """Return a collision-free joint configuration for a tool pose.
 
     Raises:
         Failure: there are none.
     """
-    failed = Failure(NO_KINEMATICS_AT, *_touched(wanted))
+    failed = Failure(NO_KINEMATICS_AT, *_touched(query))
     for joints in inverse(search.robot, tool, near):
-        collision = collide(search, joints, wanted)
+        collision = collide(search, joints, query)
         if collision is None:
             return joints
         failed = Failure(ARM_COLLIDES, collision.other)
@@ -115,8 +115,8 @@ def configure(search: Search, tool: Pose, wanted: Configuration, near: Joints | 
     raise failed
 
 
-def descend(search: Search, tool: Pose, at: Configuration, above: Configuration) -> tuple[Joints, Joints]:
-    """Return joint angles at a tool pose and, near to those, `LIFT` straight above, free of collisions.
+def descend(search: Search, tool: Pose, at: CollisionQuery, above: CollisionQuery) -> tuple[Joints, Joints]:
+    """Return collision-free joint configurations at a tool pose and, near to it, `LIFT` straight above.
 
     Raises:
         Failure: there are none.
@@ -138,11 +138,11 @@ def descend(search: Search, tool: Pose, at: Configuration, above: Configuration)
     raise failed or Failure(NO_KINEMATICS_AT, *_touched(at))
 
 
-def _touched(wanted: Configuration) -> tuple[str, ...]:
-    """Return the object that the arm goes to, where it goes to one."""
-    return () if wanted.touched is None else (wanted.touched,)
+def _touched(query: CollisionQuery) -> tuple[str, ...]:
+    """Return the object that the arm may touch, if any."""
+    return () if query.touched is None else (query.touched,)
 
 
-def collide(search: Search, joints: Joints, wanted: Configuration) -> ArmCollision | None:
-    """Return what the arm collides with, None where it is free."""
-    return arm_collision(search.simulator, wanted.situation, joints, wanted.width, wanted.touched)
+def collide(search: Search, joints: Joints, query: CollisionQuery) -> ArmCollision | None:
+    """Return the collision of the acting arm, None if it is free."""
+    return arm_collision(search.simulator, query.situation, joints, query.width, query.touched)

@@ -1,4 +1,4 @@
-"""Draw the first state of a task: each object gets a pose that the facts allow; the unknown is free."""
+"""Sample the initial state of a task: each object gets a pose that the facts allow; unknown fluents are free."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from prag_asp.physics.predicates import Gripper
 from prag_asp.physics.predicates.on_top import ON_TOP
 from prag_asp.physics.search.action_effects import take_place
 from prag_asp.physics.search.attempt import ARM_COLLIDES, RELATION, Failure, Search, Snapshot
-from prag_asp.physics.search.furniture_handling import draw_openings
-from prag_asp.physics.search.grasping import Configuration, collide
+from prag_asp.physics.search.furniture_handling import sample_openings
+from prag_asp.physics.search.grasping import CollisionQuery, collide
 from prag_asp.physics.search.meeting import move_over
 from prag_asp.physics.search.moving import raise_arm, turn_to, verify_objects
-from prag_asp.physics.search.placement import any_support, draw_pose, known_support
+from prag_asp.physics.search.placement import any_support, known_support, sample_pose
 from prag_asp.physics.situation import Situation, fixed_pose
 from prag_asp.physics.symbolic_facts import Fact, PhysicalTask, of_robot
 from prag_asp.physics.witness import Arm
@@ -23,41 +23,41 @@ from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene
 
 BACKTRACKS = 12
-"""How often a first state goes back to an object that was put down before, instead of beginning anew."""
+"""The number of backtracking steps in an initial state before it starts over."""
 
 
-def draw_start(search: Search, physical: PhysicalTask) -> Snapshot:
+def sample_initial_state(search: Search, physical: PhysicalTask) -> Snapshot:
     """Return a snapshot that satisfies the facts of the initial state.
 
     Raises:
-        Failure: this attempt found none.
+        Failure: this attempt failed.
     """
     snapshot = _at_home(search, fixed_poses(search, physical))
     still = snapshot.situation
-    for furniture, opening in draw_openings(search, still, physical.initial).items():
+    for furniture, opening in sample_openings(search, still, physical.initial).items():
         still = still.with_opening(furniture, opening)
-    situation = _arranged(search, physical, still)
+    situation = _arrange(search, physical, still)
     verify_objects(search, situation, physical.objects)
     snapshot = replace(snapshot, situation=situation)
     for robot in search.scene.robots:
         snapshot = _bring(search, turn_to(search, snapshot, robot), physical)
     for fact in physical.initial:
-        if not fact.satisfied(snapshot.situation):
+        if not fact.is_satisfied(snapshot.situation):
             raise Failure(RELATION, fact=fact)
     return snapshot
 
 
 def _at_home(search: Search, poses: Mapping[str, Pose]) -> Snapshot:
-    """Return a snapshot in which every arm waits, the gripper open; the first one is to act."""
+    """Return a snapshot with every arm at its home configuration, the gripper open; the first robot acts."""
     robots = {name: robot_of(search.scene, name) for name in search.scene.robots}
     arms = {name: Arm(robot.home, robot.opening) for name, robot in robots.items()}
     return turn_to(search, Snapshot(Situation(search.scene, poses, arms), next(iter(arms))), None)
 
 
 def _about(physical: PhysicalTask, entity: str, situation: Situation) -> tuple[Fact, ...]:
-    """Return what an object's place has to agree with: the facts of the first state.
+    """Return the facts that the pose of an object has to satisfy: those of the initial state.
 
-    An object that a robot holds in the air is first put down below its gripper, to be taken from there.
+    An object that a robot holds in the air is first placed below its gripper, and grasped there.
     """
     holder = next((robot for robot, thing in physical.held.items() if thing == entity), None)
     if holder is None or not (situation.scene.shared or _in_the_air(physical, entity)):
@@ -69,16 +69,16 @@ def _about(physical: PhysicalTask, entity: str, situation: Situation) -> tuple[F
 
 
 def _in_the_air(physical: PhysicalTask, entity: str) -> bool:
-    """Tell whether a held object is known not to stand on or in something, and to stand on or in nothing."""
+    """Return whether a held object is known to have no support: some facts deny one, and none states one."""
     known = [fact for fact in physical.initial if fact.predicate.supports and fact.arguments[0] == entity]
     return bool(known) and not any(fact.value for fact in known)
 
 
 def _bring(search: Search, snapshot: Snapshot, physical: PhysicalTask) -> Snapshot:
-    """Bring the arm that acts to where the facts of the first state have it.
+    """Move the acting arm to where the facts of the initial state have it.
 
     Raises:
-        Failure: it does not get there.
+        Failure: it cannot get there.
     """
     arm, own = snapshot.arm, of_robot(physical.initial, snapshot.acting)
     held, over = physical.held.get(snapshot.acting), _place(own, Gripper.OVER)
@@ -90,27 +90,27 @@ def _bring(search: Search, snapshot: Snapshot, physical: PhysicalTask) -> Snapsh
     if over is not None:
         snapshot = move_over(search, snapshot, over, 0, [])
     else:
-        hit = collide(search, arm.joints, Configuration(snapshot.situation, arm.width, None))
+        hit = collide(search, arm.joints, CollisionQuery(snapshot.situation, arm.width, None))
         if hit is not None:
             raise Failure(ARM_COLLIDES, hit.other)
     if any(fact.predicate.gripper is Gripper.OPEN and not fact.value for fact in own):
-        return snapshot.with_arm(snapshot.arm._replace(width=0.0), snapshot.above)
+        return snapshot.with_arm(replace(snapshot.arm, width=0.0), snapshot.above)
     return snapshot
 
 
 def fixed_poses(search: Search, physical: PhysicalTask) -> Mapping[str, Pose]:
-    """Return the poses of the objects of a task that never move."""
+    """Return the poses of the fixed objects of a task."""
     return {entity: fixed_pose(search.scene, entity) for entity in search.scene.fixed if entity in physical.objects}
 
 
-def _arranged(search: Search, physical: PhysicalTask, still: Situation) -> Situation:
-    """Return a situation with all objects at places that the facts allow, one after the other.
+def _arrange(search: Search, physical: PhysicalTask, still: Situation) -> Situation:
+    """Return a situation with all objects at poses that the facts allow, placed one after the other.
 
-    Where there is no place for one, an earlier one that it is in a relation to is drawn again, and all after that:
-    the nearest first, at the next time the one before it.
+    If there is no pose for one, backtrack to an earlier object to which it has a relation: to the last one first, the
+    next time to the one before that.
 
     Raises:
-        Failure: there is no such object, or this has been tried `BACKTRACKS` times.
+        Failure: there is no such object, or `BACKTRACKS` steps have been made.
     """
     order = [entity for entity in order_of(physical, search.scene) if entity not in still.poses]
     partners = _partners(physical.initial)
@@ -122,7 +122,7 @@ def _arranged(search: Search, physical: PhysicalTask, still: Situation) -> Situa
             support = known_support(situation, entity, about)
             if support is None:
                 support = any_support(search, situation, entity, about)
-            pose = draw_pose(search, situation, entity, support, about, 0)
+            pose = sample_pose(search, situation, entity, support, about, 0)
         except Failure:
             earlier = [i for i, other in enumerate(order[: len(situations) - 1]) if other in partners.get(entity, ())]
             if not earlier or failures.total() >= BACKTRACKS:
@@ -135,7 +135,7 @@ def _arranged(search: Search, physical: PhysicalTask, still: Situation) -> Situa
 
 
 def _partners(facts: Iterable[Fact]) -> Mapping[str, set[str]]:
-    """Return for each object those that it is known to be in a relation to."""
+    """Return for each object those to which it has a relation."""
     partners: dict[str, set[str]] = {}
     for fact in facts:
         if fact.value:
@@ -145,10 +145,10 @@ def _partners(facts: Iterable[Fact]) -> Mapping[str, set[str]]:
 
 
 def order_of(physical: PhysicalTask, scene: Scene) -> list[str]:
-    """Return the objects in the order in which they are put down, large ones before small ones.
+    """Return the objects in the order in which they are placed, large ones before small ones.
 
-    Supports come before what stands on them and, as far as there is no circle, what a relation refers to before its
-    subject, so that its volume is known; where the two can be swapped it does not matter.
+    Supports come before what stands on them. Unless there is a cycle, the other arguments of a relation come before its
+    subject, whose volume depends on them; for a predicate with an inverse the order does not matter.
     """
     below: dict[str, set[str]] = {entity: set() for entity in physical.objects}
     before: dict[str, set[str]] = {entity: set() for entity in physical.objects}
@@ -171,5 +171,5 @@ def order_of(physical: PhysicalTask, scene: Scene) -> list[str]:
 
 
 def _place(facts: Iterable[Fact], does: Gripper) -> str | None:
-    """Return what the gripper is known to be at or over."""
+    """Return the object that the gripper is known to be at or over."""
     return next((fact.arguments[1] for fact in facts if fact.value and fact.predicate.gripper is does), None)

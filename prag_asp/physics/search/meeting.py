@@ -1,4 +1,4 @@
-"""Move a gripper over a place, and hand an object from one gripper to another in the air."""
+"""Move a gripper over a place, and hand over an object from one gripper to another in the air."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import math
 
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.search.attempt import EMPTY_VOLUME, Failure, Search, Snapshot
-from prag_asp.physics.search.grasping import DOWN, LIFT, Configuration, configure
+from prag_asp.physics.search.grasping import DOWN, LIFT, CollisionQuery, configure
 from prag_asp.physics.search.moving import (
     arm_waypoint,
-    changed,
+    changed_objects,
     moved_arm,
     require_free,
     turn_to,
@@ -21,10 +21,10 @@ from prag_asp.scene.geometry import IDENTITY, Pose, compose, multiply, raised, y
 from prag_asp.scene.robots import robot_of
 
 LOWEST, HIGHEST = 0.18, 0.28
-"""Between which heights the tool moves over a place, in metres above its top."""
+"""The range of heights of the tool over a place, in metres above its top."""
 
 SPREAD = 0.5
-"""By how many radians the gripper is turned away from the handiest heading at most, in the first attempts."""
+"""The largest deviation of the gripper from the best yaw in the first attempts, in radians."""
 
 HANDY_ATTEMPTS = 6
 OFF_CENTRE = 0.02
@@ -34,41 +34,41 @@ def move_over(search: Search, snapshot: Snapshot, place: str, attempt: int, wayp
     """Move the gripper over a zone or an object, with what it holds.
 
     Raises:
-        Failure: this attempt found no way.
+        Failure: this attempt failed.
     """
     tool = _tool_over(search, snapshot, place, attempt)
-    situation, (_, width, held, grasp) = snapshot.situation, snapshot.arm
+    situation, arm = snapshot.situation, snapshot.arm
     poses = situation.poses
-    if held is not None:
-        assert grasp is not None
-        poses = with_riders(situation, held, compose(tool, grasp), search.objects)
-        verify_objects(search, situation.with_poses(poses), changed(snapshot, poses))
-    wanted = Configuration(situation.with_poses(poses), width, held)
-    after = moved_arm(snapshot, configure(search, tool, wanted), poses)
-    waypoints.append(arm_waypoint("move" if held is None else "carry", after))
+    if arm.held is not None:
+        assert arm.grasp is not None
+        poses = with_riders(situation, arm.held, compose(tool, arm.grasp), search.objects)
+        verify_objects(search, situation.with_poses(poses), changed_objects(snapshot, poses))
+    query = CollisionQuery(situation.with_poses(poses), arm.width, arm.held)
+    after = moved_arm(snapshot, configure(search, tool, query), poses)
+    waypoints.append(arm_waypoint("move" if arm.held is None else "carry", after))
     return after
 
 
 def take_over(search: Search, snapshot: Snapshot, giver: str, waypoints: list[Waypoint]) -> Snapshot:
-    """Let the giver of an object, which another gripper has closed on as well, open its own and leave upwards.
+    """Let the giver in a handover open its gripper and retreat upwards, when the receiver has grasped the object.
 
     Raises:
-        Failure: it does not get away.
+        Failure: it cannot retreat.
     """
     snapshot = turn_to(search, snapshot, giver)
     before, opening, tool = snapshot.arm, search.robot.opening, snapshot.tool
     opened = snapshot.with_arm(Arm(before.joints, opening))
     require_free(search, opened, before.held)
     waypoints.append(arm_waypoint("at", opened))
-    wanted = Configuration(opened.situation, opening, None)
-    joints = configure(search, raised(tool, LIFT), wanted, near=before.joints)
+    query = CollisionQuery(opened.situation, opening, None)
+    joints = configure(search, raised(tool, LIFT), query, near=before.joints)
     gone = moved_arm(opened, joints, opened.situation.poses)
     waypoints.append(arm_waypoint("retreat", gone))
     return gone
 
 
 def _tool_over(search: Search, snapshot: Snapshot, place: str, attempt: int) -> Pose:
-    """Draw a pose of the tool over a place, on the robot's own side of it, the held object clear of what is below.
+    """Return a random tool pose over a place, on the robot's side of it, with a held object clear of what is below.
 
     Raises:
         Failure: there is no room over the place.
@@ -82,7 +82,7 @@ def _tool_over(search: Search, snapshot: Snapshot, place: str, attempt: int) -> 
     floor = volume.floor()
     if floor is None:
         raise Failure(EMPTY_VOLUME, place)
-    points = [point for _ in range(2) if (point := volume.draw(floor, search.uniform)) is not None]
+    points = [point for _ in range(2) if (point := volume.sample(floor, search.uniform)) is not None]
     at = min(points, key=lambda point: math.dist(point[:2], base[:2]))
     if attempt < HANDY_ATTEMPTS:
         yaw = _handy_yaw(search, snapshot, at) + search.uniform(-SPREAD, SPREAD)
@@ -92,12 +92,12 @@ def _tool_over(search: Search, snapshot: Snapshot, place: str, attempt: int) -> 
 
 
 def _handy_yaw(search: Search, snapshot: Snapshot, at: tuple[float, float, float]) -> float:
-    """Return how to turn the tool: along the arm, or so that what it holds at one end points to the other robots."""
+    """Return the best yaw of the tool: along the arm, or with a held object's free end towards the other robots."""
     x, y, _ = search.robot.base.position
     grasp = snapshot.arm.grasp
     bases = [robot_of(search.scene, name).base.position for name in search.scene.robots if name != snapshot.acting]
     if grasp is None or not bases or math.hypot(*grasp.position[:2]) < OFF_CENTRE:
         return math.atan2(at[1] - y, at[0] - x)
     other = min(bases, key=lambda base: math.dist(base, at))
-    # The tool points down, so that its y axis is mirrored.
+    # The tool points down, so its y axis is mirrored.
     return math.atan2(other[1] - y, other[0] - x) - math.atan2(-grasp.position[1], grasp.position[0])

@@ -1,12 +1,13 @@
-"""Move the arm and what it holds from one snapshot to the next, and check what comes of it."""
+"""Move the arm and what it holds from one snapshot to the next, and check the result."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 from prag_asp.physics.predicates.gripper import slips
 from prag_asp.physics.search.attempt import ARM_COLLIDES, LOST, OBJECTS_COLLIDE, UNSUPPORTED, Failure, Search, Snapshot
-from prag_asp.physics.search.grasping import LIFT, Configuration, collide
+from prag_asp.physics.search.grasping import LIFT, CollisionQuery, collide
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Waypoint
 from prag_asp.physics.world.collisions import colliding
@@ -16,7 +17,7 @@ from prag_asp.scene.robots import Joints
 
 
 def turn_to(search: Search, snapshot: Snapshot, robot: str | None) -> Snapshot:
-    """Let another robot be the one that acts; with None it stays the same one."""
+    """Make another robot the acting one; None keeps the present one."""
     turned = snapshot.turned_to(robot)
     search.simulator.turn_to(turned.acting)
     return turned
@@ -26,7 +27,7 @@ def raise_arm(search: Search, snapshot: Snapshot, waypoints: list[Waypoint]) -> 
     """Move a lowered gripper straight up, with what it holds.
 
     Raises:
-        Failure: it slips out of the gripper, or something is in the way.
+        Failure: the object slips out of the gripper, or there is a collision.
     """
     assert snapshot.above is not None
     poses, held = snapshot.situation.poses, snapshot.arm.held
@@ -36,14 +37,14 @@ def raise_arm(search: Search, snapshot: Snapshot, waypoints: list[Waypoint]) -> 
         poses = with_riders(snapshot.situation, held, raised(poses[held], LIFT), search.objects)
     after = moved_arm(snapshot, snapshot.above, poses)
     if held is not None:
-        verify_objects(search, after.situation, changed(snapshot, poses))
+        verify_objects(search, after.situation, changed_objects(snapshot, poses))
     require_free(search, after)
     waypoints.append(arm_waypoint("lift" if held else "retreat", after))
     return after
 
 
 def with_riders(situation: Situation, entity: str, pose: Pose, objects: Iterable[str]) -> Mapping[str, Pose]:
-    """Return all poses after an object has moved with everything that rests on it."""
+    """Return all poses after an object and everything that rests on it have moved."""
     poses = {**situation.poses, entity: pose}
     delta = compose(pose, invert(situation.poses[entity]))
     for rider in riders(situation, entity, [other for other in objects if other != entity]):
@@ -51,36 +52,36 @@ def with_riders(situation: Situation, entity: str, pose: Pose, objects: Iterable
     return poses
 
 
-def changed(snapshot: Snapshot, poses: Mapping[str, Pose]) -> list[str]:
-    """Return the objects that have other poses than in a snapshot."""
+def changed_objects(snapshot: Snapshot, poses: Mapping[str, Pose]) -> list[str]:
+    """Return the objects whose poses differ from those in a snapshot."""
     return [entity for entity, pose in poses.items() if snapshot.situation.poses[entity] != pose]
 
 
 def moved_arm(snapshot: Snapshot, joints: Joints, poses: Mapping[str, Pose]) -> Snapshot:
-    """Return a snapshot with the arm elsewhere, not down at an object; the held one goes along as `poses` say."""
-    return snapshot.with_poses(poses).with_arm(snapshot.arm._replace(joints=joints))
+    """Return a snapshot with the arm at other joint angles, not lowered, and the objects at other poses."""
+    return snapshot.with_poses(poses).with_arm(replace(snapshot.arm, joints=joints))
 
 
 def require_free(search: Search, snapshot: Snapshot, touched: str | None = None) -> None:
     """Check that the arm of a snapshot is free of collisions."""
     arm = snapshot.arm
-    wanted = Configuration(snapshot.situation, arm.width, touched or arm.held)
-    hit = collide(search, arm.joints, wanted)
+    query = CollisionQuery(snapshot.situation, arm.width, touched or arm.held)
+    hit = collide(search, arm.joints, query)
     if hit is not None:
         raise Failure(ARM_COLLIDES, hit.other)
 
 
 def arm_waypoint(name: str, snapshot: Snapshot) -> Waypoint:
-    """Return the configuration of a snapshot as a waypoint."""
+    """Return a waypoint at the configuration of the acting arm."""
     arm = snapshot.arm
     return Waypoint(name, snapshot.acting, arm.joints, arm.width, arm.held)
 
 
 def verify_objects(search: Search, situation: Situation, moved: Iterable[str]) -> None:
-    """Check that moved objects collide with nothing and that every object stays where it is.
+    """Check that moved objects collide with nothing, and that every object is stable.
 
     Raises:
-        Failure: they collide, or one would fall.
+        Failure: two objects collide, or one would fall.
     """
     pair = colliding(search.simulator, situation, moved, search.objects)
     if pair is not None:

@@ -1,4 +1,4 @@
-"""Draw poses of objects from the volumes that the facts of a state allow."""
+"""Sample poses of objects from the volumes that the facts of a state allow."""
 
 from __future__ import annotations
 
@@ -12,9 +12,16 @@ from prag_asp.physics.predicates.inside import INSIDE
 from prag_asp.physics.predicates.on_top import ON_TOP
 from prag_asp.physics.predicates.reachable import REACHABLE
 from prag_asp.physics.predicates.volume import Floor
-from prag_asp.physics.search.allowed_region import allowed, draw_yaws, relevant, shapes_volume, unsatisfied, yaw_ranges
+from prag_asp.physics.search.allowed_region import (
+    allowed_volume,
+    first_unsatisfied,
+    relevant_facts,
+    sample_yaws,
+    shapes_volume,
+    yaw_ranges,
+)
 from prag_asp.physics.search.attempt import EMPTY_VOLUME, OBJECTS_COLLIDE, RELATION, Failure, Search
-from prag_asp.physics.search.chains import Chain, chains, kept_apart
+from prag_asp.physics.search.spacing_chains import SpacingChain, spacing_chains, spacing_volume
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import Fact
 from prag_asp.physics.world.collisions import box
@@ -33,11 +40,11 @@ JITTER = 0.05
 EDGE = 0.02
 
 Neighbour = tuple[float, float, float, float]
-"""The centre of a body seen from above, and how far from it along x and y another touches it; metres."""
+"""The centre of a body seen from above, and the distances along x and y at which another touches it; metres."""
 
 
-class Wanted(NamedTuple):
-    """An object that is wanted on a support, or `height` metres above it, as the facts `about` it want it.
+class PlacementRequest(NamedTuple):
+    """An object to be placed on a support, or `height` metres above it, so that the facts `about` it hold.
 
     `ahead` is room for what comes beside it later, `between` for what comes between it and others, ample room first.
     """
@@ -47,11 +54,11 @@ class Wanted(NamedTuple):
     about: list[Fact]
     height: float
     ahead: tuple[Volume, ...]
-    between: tuple[list[Chain], ...]
+    between: tuple[list[SpacingChain], ...]
 
 
 def known_support(situation: Situation, entity: str, facts: Iterable[Fact]) -> str | None:
-    """Return what an object stands on or in by the facts, `TABLE` for the table, None where unknown."""
+    """Return what an object stands on or in by the facts, `TABLE` for the table, None if unknown."""
     for fact in facts:
         if fact.value and fact.predicate.places and fact.arguments[0] == entity:
             support = fact.arguments[-1]
@@ -60,9 +67,9 @@ def known_support(situation: Situation, entity: str, facts: Iterable[Fact]) -> s
 
 
 def any_support(search: Search, situation: Situation, entity: str, facts: Iterable[Fact]) -> str:
-    """Return a support for an object that may be anywhere: the table, unless it is known not to be on it.
+    """Return a support for an object whose support is unknown: the table, unless it is known not to be on it.
 
-    Where a relation of the domain's own lets it stand on or in the other object, that is one as likely.
+    If a user-defined relation lets it stand on or in another object, that is an equally likely choice.
 
     Raises:
         Failure: every support is ruled out.
@@ -84,14 +91,14 @@ def any_support(search: Search, situation: Situation, entity: str, facts: Iterab
 
 
 def _may_bear(facts: Iterable[Fact], entity: str, other: str) -> bool:
-    """Tell whether a fact speaks of where an object is on, in or beside another."""
+    """Return whether a fact allows an object to rest on or in another."""
     return any(
         fact.value and fact.predicate.rests_on_other and fact.arguments[0] == entity and fact.arguments[-1] == other
         for fact in facts
     )
 
 
-def draw_pose(
+def sample_pose(
     search: Search,
     situation: Situation,
     entity: str,
@@ -101,16 +108,16 @@ def draw_pose(
     *,
     height: float = 0.0,
 ) -> Pose:
-    """Draw a pose of an object at rest on a support, or `height` metres above, that the facts of a state allow there.
+    """Return a random pose of an object on a support, or `height` metres above it, that the facts of a state allow.
 
     Raises:
-        Failure: the volume is empty, or nothing drawn from it satisfies the facts or is free.
+        Failure: the volume is empty, or no sample of it satisfies the facts and is free.
     """
     facts = list(facts)
-    about = relevant(facts, entity, situation)
+    about = relevant_facts(facts, entity, situation)
     ahead = _ahead(search, situation, entity, support, state)
-    wanted = Wanted(entity, support, about, height, ahead, chains(situation, entity, facts))
-    quaternion, volume, everything = _place(search, situation, wanted)
+    request = PlacementRequest(entity, support, about, height, ahead, spacing_chains(situation, entity, facts))
+    quaternion, volume, everything = _place(search, situation, request)
     half = extents(situation.shape(entity), quaternion)
     preferred = _close(situation, entity, volume, about)
     room = TABLE_ROOM if support == TABLE else FINGER_ROOM
@@ -121,53 +128,55 @@ def draw_pose(
     beside = _neighbours(situation, others, support, half, volume.low[2]) if height > 0.0 else below
     failed = Failure(RELATION, entity)
     for floor, spacing in _tries(favourite, everything, support):
-        at = volume.draw(floor, search.uniform)
+        at = volume.sample(floor, search.uniform)
         if at is None:
             continue
-        # What is held should be free to come down, but where that cannot be it may be held above something.
+        # A held object should be free to come down; if that is impossible it may be held above something.
         if not _clear(at[0], at[1], below if spacing >= FINGER_ROOM / 2 else beside, spacing):
             failed = Failure(OBJECTS_COLLIDE, entity)
             continue
-        broken = unsatisfied(checked, situation, entity, Pose(at, quaternion))
+        broken = first_unsatisfied(checked, situation, entity, Pose(at, quaternion))
         if broken is None:
             return Pose(at, quaternion)
         failed = Failure(RELATION, fact=broken)
     raise failed
 
 
-def _place(search: Search, situation: Situation, wanted: Wanted) -> tuple[Quaternion, Volume, Floor]:
-    """Return how an object is turned, where it can be then, and the floor of that.
+def _place(search: Search, situation: Situation, request: PlacementRequest) -> tuple[Quaternion, Volume, Floor]:
+    """Return the orientation of an object, its volume with that, and the floor of the volume.
 
-    A yaw is drawn; where it leaves no room, for the object or for what comes later, the object is put square
-    to the axes instead, which takes the least.
+    The yaw is random. If it leaves no room for the object or for later ones, the object is aligned with the axes
+    instead, which takes the least room.
 
     Raises:
         Failure: the volume is empty.
     """
     found: tuple[Quaternion, Volume, Floor] | None = None
-    for yaw in _yaws(search, situation, wanted):
+    for yaw in _yaws(search, situation, request):
         quaternion = yaw_quaternion(yaw)
-        volume, floor = _roomy(situation, wanted, quaternion)
+        volume, floor = _roomy(situation, request, quaternion)
         if floor is None:
             continue
-        half = extents(situation.shape(wanted.entity), quaternion)
-        for wished in (volume.meet(_shrunk(room, half)) for room in wanted.ahead):
-            wished_floor = wished.floor()
-            if wished_floor and (wished.rings == volume.rings or Volume.draw(wished_floor, search.uniform)):
-                return quaternion, wished, wished_floor
+        half = extents(situation.shape(request.entity), quaternion)
+        for preferred_volume in (volume.meet(_shrunk(room, half)) for room in request.ahead):
+            preferred_floor = preferred_volume.floor()
+            if preferred_floor and (
+                preferred_volume.rings == volume.rings or Volume.sample(preferred_floor, search.uniform)
+            ):
+                return quaternion, preferred_volume, preferred_floor
         found = found or (quaternion, volume, floor)
-        if not wanted.ahead:
+        if not request.ahead:
             break
     if found is None:
-        raise Failure(EMPTY_VOLUME, wanted.entity)
+        raise Failure(EMPTY_VOLUME, request.entity)
     return found
 
 
-def _roomy(situation: Situation, wanted: Wanted, quaternion: Quaternion) -> tuple[Volume, Floor | None]:
-    """Return where an object can be that leaves room for what comes between, ample room if there is, and its floor."""
-    volume = _volume(situation, wanted, quaternion)
-    for chained in wanted.between or ([],):
-        part = volume.meet(kept_apart(situation, wanted.entity, quaternion, chained)) if chained else volume
+def _roomy(situation: Situation, request: PlacementRequest, quaternion: Quaternion) -> tuple[Volume, Floor | None]:
+    """Return the volume of an object that leaves room for what comes between, ample if possible, and its floor."""
+    volume = _volume(situation, request, quaternion)
+    for chained in request.between or ([],):
+        part = volume.meet(spacing_volume(situation, request.entity, quaternion, chained)) if chained else volume
         floor = part.floor()
         if floor is not None:
             return part, floor
@@ -175,13 +184,13 @@ def _roomy(situation: Situation, wanted: Wanted, quaternion: Quaternion) -> tupl
 
 
 def _shrunk(volume: Volume, half: Vector) -> Volume:
-    """Return where the centre of an object may be that has to be in a box wholly, seen from above."""
+    """Return the volume for the centre of an object that has to be entirely in a box, seen from above."""
     (ax, ay, az), (bx, by, bz) = volume.low, volume.high
     return volume._replace(low=(ax + half[0], ay + half[1], az), high=(bx - half[0], by - half[1], bz))
 
 
 def _ahead(search: Search, situation: Situation, entity: str, support: str, state: int) -> tuple[Volume, ...]:
-    """Return where all of an object leaves ample room for what comes later, and where just enough."""
+    """Return the volumes in which an object leaves ample room for later ones, and just enough."""
     rooms = search.foresight.get((state, entity), ()) if support == TABLE else ()
     spans = [span for span in search.spans.get((state, entity), ()) if span.other in situation.poses]
     if not spans:
@@ -196,12 +205,12 @@ def _ahead(search: Search, situation: Situation, entity: str, support: str, stat
     return tuple(found)
 
 
-def _volume(situation: Situation, wanted: Wanted, quaternion: Quaternion) -> Volume:
-    """Return where an object, turned as it will be, can be put down on a support, or above, as the facts want it.
+def _volume(situation: Situation, request: PlacementRequest, quaternion: Quaternion) -> Volume:
+    """Return the volume of an object with its orientation on or above a support, as the facts require.
 
-    What is put on the table has to be within reach, unless it is known not to be or several robots share the table.
+    An object on the table has to be within reach, unless it is known not to be or several robots share the table.
     """
-    entity, support, about, height, *_ = wanted
+    entity, support, about, height, *_ = request
     out_of_reach = any(fact.predicate.gripper is Gripper.REACHES and not fact.value for fact in about)
     volume = _surface(situation, entity, support, quaternion, out_of_reach)
     if height > 0.0:
@@ -213,12 +222,12 @@ def _volume(situation: Situation, wanted: Wanted, quaternion: Quaternion) -> Vol
     for fact in about:
         on_it = fact.arguments == (entity, support) and fact.predicate.supports
         if not on_it and shapes_volume(fact, entity):
-            volume = volume.meet(allowed(situation, fact, entity, quaternion))
+            volume = volume.meet(allowed_volume(situation, fact, entity, quaternion))
     return volume
 
 
 def _close(situation: Situation, entity: str, volume: Volume, about: Iterable[Fact]) -> Volume:
-    """Return the part of a volume around what an object is beside: there the relation is seen at a glance."""
+    """Return the part of a volume close to what an object is beside, where people recognise the relation."""
     for fact in about:
         if fact.value and fact.predicate.seen_close:
             other = fact.arguments[1] if fact.arguments[0] == entity else fact.arguments[0]
@@ -230,7 +239,7 @@ def _close(situation: Situation, entity: str, volume: Volume, about: Iterable[Fa
 
 
 def _surface(situation: Situation, entity: str, support: str, quaternion: Quaternion, out_of_reach: bool) -> Volume:
-    """Return where an object can be put down: all of a top or floor, or the workspace of the table."""
+    """Return the volume of an object on a support: all of a top or floor, or the workspace of the table."""
     if support != TABLE:
         rests = INSIDE if situation.shape(support).traits.hollow else ON_TOP
         return rests.volume(situation, (entity, support), quaternion)
@@ -244,14 +253,14 @@ def _surface(situation: Situation, entity: str, support: str, quaternion: Quater
 
 
 def _others(situation: Situation, about: Iterable[Fact]) -> list[str]:
-    """Return what an object is kept `SPACING` apart from: not what facts want closer, for they say how close."""
+    """Return the objects from which one is kept `SPACING` apart: not those that the facts require to be closer."""
     close = (fact for fact in about if fact.value and fact.predicate.apart[1] < SPACING)
     touched = {entity for fact in close for entity in fact.arguments[:2]}
     return [entity for entity in situation.poses if entity not in touched]
 
 
 def _neighbours(situation: Situation, others: Iterable[str], support: str, half: Vector, z: float) -> list[Neighbour]:
-    """Return which others the bounding box of an object at a height can meet, but for containers it is put into."""
+    """Return the others that the bounding box of an object at a height can meet, without containers it is put into."""
     found, shapes = [], situation.scene.shapes
     for other in others:
         traits = shapes[other].traits
@@ -265,7 +274,7 @@ def _neighbours(situation: Situation, others: Iterable[str], support: str, half:
 
 
 def _boxes(situation: Situation, entity: str) -> tuple[Box, ...]:
-    """Return the bounding box of a body; of furniture that of its body, and of all the places of its part."""
+    """Return the bounding box of a body; for furniture, those of its body and of the swept moving part."""
     shape = situation.shape(entity)
     if not shape.traits.furniture:
         return (box(situation, entity),)
@@ -273,7 +282,7 @@ def _boxes(situation: Situation, entity: str) -> tuple[Box, ...]:
 
 
 def _clear(x: float, y: float, neighbours: Iterable[Neighbour], spacing: float) -> bool:
-    """Tell whether an object is `spacing` metres away from its neighbours along x or y."""
+    """Return whether an object is `spacing` metres away from its neighbours along x or y."""
     for other_x, other_y, near_x, near_y in neighbours:
         if abs(x - other_x) < near_x + spacing and abs(y - other_y) < near_y + spacing:
             return False
@@ -281,22 +290,22 @@ def _clear(x: float, y: float, neighbours: Iterable[Neighbour], spacing: float) 
 
 
 def _tries(favourite: Floor, everything: Floor, support: str) -> Iterator[tuple[Floor, float]]:
-    """Yield where to draw and how far from others in metres: first wide, then closer, on the table never close."""
+    """Yield the floor to sample and the spacing in metres: first wide, then closer, on the table at least `SPACING`."""
     yield from repeat((favourite, FINGER_ROOM), TRIES)
     yield from repeat((favourite, FINGER_ROOM / 2), TRIES)
     yield from repeat((everything, SPACING if support == TABLE else 0.0), TRIES)
 
 
-def _yaws(search: Search, situation: Situation, wanted: Wanted) -> Iterator[float]:
-    """Yield yaws in radians: of the ranges that facts want, else square to the support, else any, then square."""
-    ranges = yaw_ranges(situation, wanted.entity, wanted.about)
+def _yaws(search: Search, situation: Situation, request: PlacementRequest) -> Iterator[float]:
+    """Yield yaws in radians: in required ranges, else random and then axis-aligned, on a support along it."""
+    ranges = yaw_ranges(situation, request.entity, request.about)
     if ranges is not None:
-        yield from draw_yaws(search, ranges)
+        yield from sample_yaws(search, ranges)
         return
-    if wanted.support == TABLE:
+    if request.support == TABLE:
         yield search.uniform(-math.pi, math.pi)
         along = int(search.rng.integers(2)) * math.pi / 2
         yield from (along, math.pi / 2 - along)
         return
     quarter = int(search.rng.integers(4)) * math.pi / 2
-    yield yaw_of(situation.pose(wanted.support).quaternion) + quarter + search.uniform(-JITTER, JITTER)
+    yield yaw_of(situation.pose(request.support).quaternion) + quarter + search.uniform(-JITTER, JITTER)

@@ -1,6 +1,6 @@
-"""Room for what comes between two objects, now or later: the two are put far enough apart.
+"""Spacing for an object that comes between two others, now or later: the two are placed far enough apart.
 
-This only steers draws; every check stays as it is.
+This only guides sampling; all checks stay the same.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from prag_asp.scene.scene import Scene
 
 FINGER_ROOM = 0.035
 DEPTH = 4
-"""How many objects in a row are foreseen."""
+"""The number of nested objects in between that are considered."""
 
 
 class Span(NamedTuple):
-    """How far another object should be, centre to centre, in metres: with room for a finger, or just enough."""
+    """The desired distance of another object, centre to centre, in metres: with room for a finger, or just enough."""
 
     other: str
     ample: float
@@ -26,11 +26,11 @@ class Span(NamedTuple):
 
 
 Spans = Mapping[tuple[int, str], tuple[Span, ...]]
-"""For a state and an object that comes to its place in it: how far from which others it should be."""
+"""The spans of an object that is placed in a state, by the number of the state and the object."""
 
 
 def foresee_spans(physical: PhysicalTask, scene: Scene) -> Spans:
-    """Return how far apart the objects of a task should be for what comes between them."""
+    """Return the desired distances between the objects of a task, for what comes between them."""
     known = [*physical.initial, *(fact for effect in physical.effects for fact in effect.fresh)]
     if not any(fact.value and fact.predicate.lies_between for fact in known):
         return {}
@@ -52,7 +52,7 @@ def foresee_spans(physical: PhysicalTask, scene: Scene) -> Spans:
 
 
 def _span(physical: PhysicalTask, scene: Scene, k: int, pair: tuple[str, str], wide: bool, depth: int = 0) -> float:
-    """Return how far apart the centres of two objects should be in state `k`, in metres."""
+    """Return the desired distance between the centres of two objects in state `k`, in metres."""
     one, two = pair
     need = scene.shapes[one].breadth(wide) / 2 + scene.shapes[two].breadth(wide) / 2
     need += FINGER_ROOM if wide else GAP + 2 * MARGIN
@@ -65,7 +65,7 @@ def _span(physical: PhysicalTask, scene: Scene, k: int, pair: tuple[str, str], w
 
 
 def _between(physical: PhysicalTask, k: int, pair: tuple[str, str]) -> Iterator[tuple[int, Fact]]:
-    """Yield what is between two objects while they rest as in state `k`, with the state that begins it."""
+    """Yield the facts that put something between two objects while they rest as in state `k`, each with its state."""
     if k == 0:
         yield from ((0, fact) for fact in physical.initial if _parts(fact, pair))
     for j in range(k, len(physical.effects)):
@@ -76,5 +76,5 @@ def _between(physical: PhysicalTask, k: int, pair: tuple[str, str]) -> Iterator[
 
 
 def _parts(fact: Fact, pair: tuple[str, str]) -> bool:
-    """Tell whether a fact puts something between two objects."""
+    """Return whether a fact puts something between two objects."""
     return fact.value and fact.predicate.lies_between and {*fact.arguments[1:]} == {*pair}

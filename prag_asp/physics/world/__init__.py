@@ -1,1 +1,1 @@
-"""Bodies in PyBullet: simulators without and with forces, what collides, and what stands."""
+"""Bodies in PyBullet: kinematic and dynamic simulators, collisions and static stability."""

@@ -17,15 +17,15 @@ from prag_asp.scene.solids import solids, walls, weight
 PARKING = (20.0, 20.0, 5.0)
 GREY = "#808080"
 NO_MARGIN = 0.0
-"""PyBullet keeps other bodies 1 mm off the hull of a mesh and rounds the edges of other solids by as much, unless it is
-told not to; of solids that stand upright only vertical edges are."""
+"""The collision margin of meshes. By default PyBullet keeps other bodies 1 mm off the hull of a mesh, and rounds the
+edges of other solids by as much; on upright solids only the vertical edges."""
 
 PATCH = 0.001
-"""How far the colour of a zone stands out of the table, in metres."""
+"""The height of the coloured patch of a zone above the table, in metres."""
 
 
 def parking_place(i: int) -> Vector:
-    """Return the place where the body number `i` is in nobody's way, in metres."""
+    """Return the parking place of the body number `i`, in metres; all are distinct."""
     return (PARKING[0] + 2.0 * i, PARKING[1], PARKING[2])
 
 
@@ -39,7 +39,7 @@ def make_table(client: int, scene: Scene, *, visual: bool = False) -> int:
 
 
 def show_zone(client: int, scene: Scene, entity: str) -> None:
-    """Show where a zone is: a patch of colour on the table that nothing touches."""
+    """Show a zone as a coloured patch on the table that collides with nothing."""
     (x, y, yaw), half, color = scene.fixed[entity], scene.shapes[entity].half, scene.colors.get(entity, GREY)
     patch = pybullet.createVisualShape(
         pybullet.GEOM_BOX,
@@ -53,10 +53,10 @@ def show_zone(client: int, scene: Scene, entity: str) -> None:
 def make_body(
     client: int, scene: Scene, entity: str, at: Vector, *, visual: bool = False, free: bool = False, floor: bool = True
 ) -> int:
-    """Make the body of an object; one that is fixed in the scene has no mass, and a container may lack its floor.
+    """Make the body of an object; a fixed one has no mass, and a container can be made without its floor.
 
-    `free` makes it a plain rigid body, which is cheaper to simulate, but cannot be part of a mechanism, as furniture
-    is, nor have the exact geometry that a body from a URDF has, however its solids are turned: both never are.
+    `free` makes it a plain rigid body, which is cheaper to simulate. Furniture and bodies with a model, which need
+    joints or exact geometry, never are.
 
     Raises:
         SceneError: PyBullet refuses its shape.
@@ -87,7 +87,7 @@ def _make(
     color: str | None,
     free: bool = False,
 ) -> int:
-    """Make one body of several solids; without a colour it cannot be seen.
+    """Make one body of several solids; without a colour it is invisible.
 
     Raises:
         SceneError: PyBullet refuses a shape.
@@ -108,5 +108,5 @@ def _make(
 
 
 def _rgba(color: str) -> list[float]:
-    """Return the parts of a colour like ``#e4572e``, each at most 1, and that nothing shines through."""
+    """Return a colour like ``#e4572e`` as RGBA values from 0 to 1, opaque."""
     return [int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)] + [1.0]

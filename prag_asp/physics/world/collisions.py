@@ -1,4 +1,4 @@
-"""Which bodies collide: bounding boxes first, then the closest points that the simulator finds."""
+"""Collision checks: bounding boxes first, then the closest points that the simulator finds."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from prag_asp.scene.robots import Joints
 
 BASE_LINK = -1
 ARMS_APART = 0.01
-"""Metres that arms keep from each other: where they only just do not meet, they press on each other when they move."""
+"""The distance in metres that arms keep from each other: if they barely miss, they press on each other in motion."""
 
 
 class ArmCollision(NamedTuple):
-    """What the arm collides with, and whether the hand does: then no other arm configuration helps."""
+    """What the arm collides with, and whether its hand does, so that no other configuration for the tool pose helps."""
 
     other: str
     by_hand: bool
 
 
 def box(situation: Situation, entity: str) -> Box:
-    """Return the bounding box of a body: its centre and its half sides in metres."""
+    """Return the bounding box of a body: its centre and half-sides in metres."""
     body = situation.body(entity)
     return body.centre, body.half
 
 
 def boxes_meet(one: Box, two: Box) -> bool:
-    """Tell whether two bounding boxes overlap."""
+    """Return whether two bounding boxes overlap."""
     (ax, ay, az), (ahx, ahy, ahz) = one
     (bx, by, bz), (bhx, bhy, bhz) = two
     return abs(ax - bx) < ahx + bhx and abs(ay - by) < ahy + bhy and abs(az - bz) < ahz + bhz + COLLISION
@@ -39,7 +39,7 @@ def boxes_meet(one: Box, two: Box) -> bool:
 def colliding(
     simulator: Simulator, situation: Situation, moved: Iterable[str], objects: Iterable[str]
 ) -> tuple[str, str] | None:
-    """Return a moved object and another, or the table, that it collides with; None where none do."""
+    """Return a moved object and the object, or the table, with which it collides; None if there is no collision."""
     boxes, done = {entity: box(situation, entity) for entity in objects}, set[str]()
     for one in moved:
         done.add(one)
@@ -59,9 +59,9 @@ def colliding(
 def arm_collision(
     simulator: Simulator, situation: Situation, joints: Joints, width: float, touched: str | None
 ) -> ArmCollision | None:
-    """Return what the arm that acts would collide with, None where it is free; its fingers may touch `touched`.
+    """Return the collision of the acting arm at joint angles, None if it is free; its fingers may touch `touched`.
 
-    The other arms are where the situation has them; neither the objects nor this arm may meet them.
+    The other arms are as in the situation; they must not collide with the objects or with this arm.
     """
     arm, flange = simulator.arm, simulator.robot.flange_link
     boxes = arm.link_boxes(joints, width)
@@ -88,7 +88,7 @@ def arm_collision(
 
 
 def _meets_object(simulator: Simulator, situation: Situation, name: str, arm: Arm) -> tuple[str, int] | None:
-    """Return an object and a link of an arm that collide, None where none do; its fingers may touch what it holds."""
+    """Return an object and the link of an arm that collide, None if none do; its fingers may touch what it holds."""
     simulated = simulator.arms[name]
     robot = simulated.robot
     bodies = situation.bodies
@@ -109,7 +109,7 @@ def _meets_object(simulator: Simulator, situation: Situation, name: str, arm: Ar
 
 
 def _meets_arm(simulator: Simulator, name: str, arm: Arm, joints: Joints, width: float) -> int | None:
-    """Return a link of the arm that acts which is not `ARMS_APART` from another arm, None where all are."""
+    """Return a link of the acting arm that is closer than `ARMS_APART` to another arm, None if there is none."""
     acting, other = simulator.arm, simulator.arms[name]
     boxes = [*zip(other.robot.links, other.link_boxes(arm.joints, arm.width), strict=True)]
     links = zip(acting.robot.links, acting.link_boxes(joints, width), strict=True)
@@ -122,12 +122,12 @@ def _meets_arm(simulator: Simulator, name: str, arm: Arm, joints: Joints, width:
 
 
 def _deep(contacts: Iterable[tuple[int, float]]) -> int | None:
-    """Return a link whose contact is a collision, None where there is none."""
+    """Return a link whose contact is a collision, None if there is none."""
     return next((link for link, gap in contacts if gap < COLLISION), None)
 
 
 def _touching(body: Corners, links: Iterable[tuple[int, Corners]]) -> list[int]:
-    """Return the links whose bounding boxes have a point in common with one."""
+    """Return the links whose bounding boxes intersect another."""
     (ax, ay, az), (bx, by, bz) = body
     return [
         link

@@ -1,4 +1,4 @@
-"""A world with forces: arms move by their motors, and their grippers hold by friction alone."""
+"""A dynamic simulation: motors move the arms, and the grippers hold objects by friction alone."""
 
 from __future__ import annotations
 
@@ -9,48 +9,47 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import NamedTuple
 
-from prag_asp.physics.bullet import STDOUT, pybullet, silenced
+from prag_asp.physics.bullet import STDOUT, mute_output, pybullet
 from prag_asp.physics.predicates.gripper import FINGER_FRICTION
 from prag_asp.physics.robot.robot_files import robot_file
-from prag_asp.physics.witness import Arm, Moment
-from prag_asp.physics.witness_json import PARTS
+from prag_asp.physics.witness import ROBOT_PARTS, Arm, Moment
 from prag_asp.physics.world.bodies import make_body, make_table, parking_place
 from prag_asp.physics.world.collisions import BASE_LINK
 from prag_asp.physics.world.furniture_bodies import JOINT, UPRIGHT, read_opening, set_opening
-from prag_asp.physics.world.simulated_arm import load_written
+from prag_asp.physics.world.simulated_arm import load_robot_files
 from prag_asp.physics.world.simulator import open_client, read_pose, start_world
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.robots import Joints, Robot, robot_of
 from prag_asp.scene.scene import Scene
 
 TIME_STEP = 1 / 120
-"""Seconds; half of it doubles the costs and does not raise the share of tasks that succeed."""
+"""Seconds; half of it doubles the cost and does not raise the share of tasks that succeed."""
 
 SOLVER_ITERATIONS = 200
-"""With PyBullet's 50 a joint leaps now and then, by more than it may gather speed; this costs a sixth more."""
+"""With PyBullet's default of 50 a joint sometimes exceeds its acceleration limit; this costs a sixth more."""
 
 POSITION_GAIN = 0.2
-"""What share of a joint's error its motor corrects in one step."""
+"""The share of a joint's position error that its motor corrects in one step."""
 
 RESTING, RESTING_TURN = 0.005, 0.05
-"""What moves no faster is at rest, in metres and radians a second: what is held trembles a little."""
+"""Speeds below which a body is at rest, in m/s and rad/s: held objects tremble a little."""
 
 SLEEP_FRAMES = 4
-"""A body found at rest so many times in a row is no longer simulated, until something that moves comes near it.
+"""After this number of consecutive frames at rest a body is put to sleep, until something moving comes close to it.
 
 PyBullet itself waits for two seconds.
 """
 
 FORGETTING = 2
-"""For how many steps bodies have to be far apart until PyBullet knows nothing more of how they touched."""
+"""The number of steps that bodies have to be far apart until PyBullet has discarded their contacts."""
 
 AWAKE, ASLEEP = pybullet.ACTIVATION_STATE_WAKE_UP, pybullet.ACTIVATION_STATE_SLEEP
 COUPLING_GAIN, COUPLING_FORCE = 0.5, 500.0
 STILL = (0.0,) * 7
 
 
-class Command(NamedTuple):
-    """What the motors of an arm drive to: seven joint angles in radians, the opening of the gripper in metres."""
+class ArmCommand(NamedTuple):
+    """Position targets of the motors of an arm: seven joint angles in radians, the opening of the gripper in metres."""
 
     joints: Joints
     opening: float
@@ -58,9 +57,9 @@ class Command(NamedTuple):
 
 @dataclass(frozen=True)
 class LoadedArm:
-    """An arm in a world: its robot, its body, the joints of arm and gripper that motors drive.
+    """An arm in a simulation: its robot, its body, and the joints of arm and gripper that motors drive.
 
-    `base` is where PyBullet says that it stands: the centre of mass of its first link.
+    `base` is its pose according to PyBullet: that of the centre of mass of its first link.
     """
 
     robot: Robot
@@ -70,7 +69,7 @@ class LoadedArm:
 
 
 class Dynamics:
-    """One PyBullet client, its world built anew for every task, on which alone the results then depend."""
+    """One PyBullet client, whose world is built anew for every task, so that results depend on the task alone."""
 
     def __init__(self, scene: Scene, client: int):
         self.scene = scene
@@ -82,7 +81,7 @@ class Dynamics:
         self._parts: dict[tuple[int, int], int] = {}
 
     def begin(self, objects: Sequence[str], moment: Moment, scene: Scene | None = None) -> None:
-        """Build a world with some objects and the arms as they are at a moment; `scene` may have other sizes.
+        """Build a world with some objects and the arms at a moment; `scene` may have other sizes.
 
         Raises:
             SceneError: a robot cannot be loaded, or PyBullet refuses a body.
@@ -110,11 +109,11 @@ class Dynamics:
         self._parts = self._numbered(table)
 
     def restore(self, moment: Moment) -> None:
-        """Put the world that was begun back to where it is at a moment, at rest; only what is held is awake.
+        """Reset the world to a moment, at rest; only held objects are awake.
 
-        What follows depends on the moment alone, bit for bit, whatever has happened before: PyBullet remembers which
-        bodies touched, and how they pressed, so all are taken far apart first, for as many steps as it takes to forget.
-        The moment has to have the bodies with which the world was begun, and all of its arms.
+        What follows depends on the moment alone, bit for bit: PyBullet caches contacts and their forces, so all bodies
+        are first moved far apart for `FORGETTING` steps. The moment has to have the objects with which the world was
+        built, and all its arms.
         """
         client = self.client
         apart = [*self._bodies.values(), *(arm.body for arm in self._arms.values())]
@@ -132,7 +131,7 @@ class Dynamics:
                 pybullet.changeDynamics(body, -1, activationState=ASLEEP, physicsClientId=client)
 
     def _place(self, moment: Moment) -> None:
-        """Put the objects, the arms and the parts of furniture to where they are at a moment, without speed."""
+        """Reset the objects, the arms and the furniture to a moment, with zero velocities."""
         for entity, opening in moment.openings.items():
             set_opening(self.client, self._bodies[entity], opening)
         for entity, body in self._bodies.items():
@@ -143,11 +142,11 @@ class Dynamics:
             pybullet.resetJointStatesMultiDof(loaded.body, loaded.driven, values, physicsClientId=self.client)
         self._quiet = dict.fromkeys(self._bodies, 0)
 
-    def drive(self, robot: str, command: Command, speeds: Sequence[float] = STILL) -> None:
-        """Tell the motors of an arm what to drive to from now on.
+    def drive(self, robot: str, command: ArmCommand, speeds: Sequence[float] = STILL) -> None:
+        """Set the targets of the motors of an arm from now on.
 
-        `speeds` are those that the joints should have there, in radians a second. An opening less than that of
-        an object between the fingers squeezes it.
+        `speeds` are the target speeds of the joints in rad/s. An opening less than the width of an object between the
+        fingers squeezes it.
         """
         arm = self._arms[robot]
         pybullet.setJointMotorControlArray(
@@ -162,15 +161,15 @@ class Dynamics:
         )
 
     def step(self) -> None:
-        """Let one `TIME_STEP` pass."""
+        """Simulate one `TIME_STEP`."""
         pybullet.stepSimulation(physicsClientId=self.client)
 
     def arms(self) -> dict[str, Arm]:
-        """Return where each arm is; what it holds is not known."""
+        """Return the state of each arm; what it holds is not known."""
         return {name: self._where(arm) for name, arm in self._arms.items()}
 
     def poses(self) -> dict[str, Pose]:
-        """Return where the objects are."""
+        """Return the poses of the objects."""
         return {entity: read_pose(self.client, body) for entity, body in self._bodies.items()}
 
     def openings(self) -> dict[str, float]:
@@ -178,7 +177,7 @@ class Dynamics:
         return {entity: read_opening(self.client, body) for entity, body in self._furniture.items()}
 
     def at_rest(self) -> bool:
-        """Tell whether nothing moves; what is at rest for `SLEEP_FRAMES` calls goes to sleep."""
+        """Return whether nothing moves; objects at rest for `SLEEP_FRAMES` consecutive calls are put to sleep."""
         still = all(map(self._arm_rests, self._arms.values()))
         for entity, body in self._bodies.items():
             speed, turn = self._speeds(entity, body)
@@ -191,14 +190,14 @@ class Dynamics:
 
     @property
     def parts(self) -> tuple[str, ...]:
-        """The names of the bodies and links that contacts are told of, before those of the objects."""
-        grippers = [f"{part} of {name}" for name in self.scene.robots for part in PARTS]
+        """The names of the bodies and links in contacts, which come before those of the objects."""
+        grippers = [f"{part} of {name}" for name in self.scene.robots for part in ROBOT_PARTS]
         return (*grippers, "table")
 
     def contacts(self) -> Mapping[tuple[int, int], float]:
-        """Return the normal force in newtons between bodies that press on each other.
+        """Return the normal force in newtons of each pair of bodies that press on each other.
 
-        Bodies are numbered: `parts` first, then the objects in the order in which the world was begun with.
+        Bodies are numbered: `parts` first, then the objects in the order of `begin`.
         """
         forces: dict[tuple[int, int], float] = {}
         for point in pybullet.getContactPoints(physicsClientId=self.client):
@@ -224,13 +223,13 @@ class Dynamics:
         return numbers
 
     def _where(self, arm: LoadedArm) -> Arm:
-        """Return the joint angles of an arm, and how far its gripper is open."""
+        """Return the state of an arm: its joint angles and the opening of its gripper."""
         states = pybullet.getJointStates(arm.body, arm.driven, physicsClientId=self.client)
         *joints, left, right = (state[0] for state in states)
         return Arm(tuple(joints), left + right)
 
     def _speeds(self, entity: str, body: int) -> tuple[float, float]:
-        """Return how fast a body moves in metres a second and turns in radians a second; of furniture, its part."""
+        """Return the speeds of a body in m/s and rad/s; for furniture, those of its moving part."""
         if entity in self._furniture:
             speed = abs(pybullet.getJointState(body, JOINT, physicsClientId=self.client)[1])
             return speed, speed
@@ -238,15 +237,15 @@ class Dynamics:
         return math.hypot(*speed), math.hypot(*turn)
 
     def _arm_rests(self, arm: LoadedArm) -> bool:
-        """Tell whether no joint of an arm moves."""
+        """Return whether no joint of an arm moves."""
         states = pybullet.getJointStates(arm.body, arm.driven, physicsClientId=self.client)
         return all(abs(state[1]) < RESTING for state in states)
 
     def _load_arm(self, name: str) -> LoadedArm:
-        """Load a robot whose links meet; its fingers are of rubber and coupled, as by the one motor of a real hand."""
+        """Load a robot with self-collisions; its fingers have rubber pads and are coupled, as by one motor."""
         client, robot = self.client, robot_of(self.scene, name)
-        with silenced(STDOUT):
-            body = load_written(client, {"robot.urdf": robot_file(robot)}, robot.base, solid=True)
+        with mute_output(STDOUT):
+            body = load_robot_files(client, {"robot.urdf": robot_file(robot)}, robot.base, solid=True)
         _meet_itself(client, body, robot)
         left, right = robot.finger_joints
         ends = ([1, 0, 0], [0, 0, 0], [0, 0, 0])
@@ -260,7 +259,7 @@ class Dynamics:
 
 
 def _meet_itself(client: int, body: int, robot: Robot) -> None:
-    """Let only those links of an arm meet of which the robot says that they can."""
+    """Enable self-collisions only for the pairs of links that can collide."""
     pairs = {frozenset(pair) for pair in robot.self_pairs}
     links = range(BASE_LINK, pybullet.getNumJoints(body, physicsClientId=client))
     for pair in combinations(links, 2):
@@ -270,7 +269,7 @@ def _meet_itself(client: int, body: int, robot: Robot) -> None:
 
 @contextmanager
 def open_dynamics(scene: Scene) -> Iterator[Dynamics]:
-    """Open a world with forces, and close it afterwards.
+    """Open a dynamic simulation, and close it afterwards.
 
     Raises:
         SceneError: a robot of the scene cannot be loaded.

@@ -1,4 +1,4 @@
-"""Make furniture as a PyBullet body with one joint, and move that."""
+"""Furniture as PyBullet bodies with one joint."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from prag_asp.scene.solids import boxes, volume
 JOINT = 0
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 SLIDE_DRAG, HINGE_DRAG = 2.0, 0.2
-"""What moves a joint has to overcome this friction, in newtons or newton metres."""
+"""The friction of a joint, in newtons or newton metres."""
 
 LIGHTER = 0.25
 
 
 def make_furniture(client: int, shape: Shape, material: Material, at: Vector, color: str | None) -> int:
-    """Make furniture that is closed; without a colour it cannot be seen.
+    """Make closed furniture; without a colour it is invisible.
 
     Raises:
         SceneError: PyBullet refuses its shape.
@@ -62,7 +62,7 @@ def make_furniture(client: int, shape: Shape, material: Material, at: Vector, co
 
 
 def set_opening(client: int, body: int, opening: float) -> None:
-    """Open furniture so far, in metres or radians."""
+    """Set how far furniture is open, in metres or radians."""
     pybullet.resetJointState(body, JOINT, opening, physicsClientId=client)
 
 
@@ -72,6 +72,6 @@ def read_opening(client: int, body: int) -> float:
 
 
 def lighter(color: str) -> str:
-    """Return a colour nearer to white."""
+    """Return a lighter colour."""
     parts = (int(color[i : i + 2], 16) for i in (1, 3, 5))
     return "#" + "".join(f"{round(part + LIGHTER * (255 - part)):02x}" for part in parts)

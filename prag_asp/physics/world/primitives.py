@@ -1,14 +1,21 @@
-"""Collision and visual shapes of PyBullet from solids."""
+"""PyBullet's collision and visual shapes of solids, and the mesh files that it reads for them.
+
+The files are written from the meshes that we have read and measured, so that both agree. PyBullet's own readers include
+points that no face uses, and crash on a face of two corners or on an ASCII .stl.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
+from hashlib import sha256
+from itertools import chain
 from typing import Any
 
 from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet
-from prag_asp.physics.temporary_files import lent
-from prag_asp.physics.world.meshes import mesh_file
+from prag_asp.physics.temporary_files import temporary_folder
+from prag_asp.scene.read.mesh import Part, mesh_parts, state_of
 from prag_asp.scene.scene import Solid
 
 GEOMETRIES: Mapping[str, int] = {
@@ -17,31 +24,31 @@ GEOMETRIES: Mapping[str, int] = {
     "sphere": pybullet.GEOM_SPHERE,
     "mesh": pybullet.GEOM_MESH,
 }
-"""What PyBullet calls the solids; of a mesh it takes the hull of each part."""
+"""PyBullet's types of the solids; of a mesh it uses the convex hull of each part."""
 
 NOTHING = -1
 SHADE, BELT, SPOT, STANDING_OUT = 0.45, 0.12, 0.5, 0.02
-"""How bright the marks on a ball are beside it, how high its belt and how large its spot are beside its diameter, and
-how far both stand out."""
+"""The marks on a ball, as shares of the ball's brightness and diameter: their shade, the height of the belt, the size
+of the spot, and how far both stand out."""
 
 ASIDE = (0.6, 0.0, 0.8)
 STRAIGHT = (0.0, 0.0, 0.0)
 
 
 def make_shapes(solids: Sequence[Solid], client: int, color: str | None) -> tuple[int, int]:
-    """Return the ids of what several solids collide with and look like; without a colour they cannot be seen.
+    """Return the ids of the collision and visual shapes of several solids; without a colour they are invisible.
 
     Raises:
         SceneError: PyBullet refuses one, or a mesh cannot be read.
     """
     meshes = {solid: mesh_file(solid) for solid in solids if solid.mesh}
-    with lent(dict(meshes.values())) as folder:
+    with temporary_folder(dict(meshes.values())) as folder:
         files = {solid: str(folder / name) for solid, (name, _) in meshes.items()}
         return _loaded(solids, client, color, files)
 
 
 def _loaded(solids: Sequence[Solid], client: int, color: str | None, files: Mapping[Solid, str]) -> tuple[int, int]:
-    """Return the ids of what several solids collide with and look like, of which meshes have files.
+    """Return the ids of the collision and visual shapes of several solids, given the files of meshes.
 
     Raises:
         SceneError: PyBullet refuses one.
@@ -71,7 +78,7 @@ def _loaded(solids: Sequence[Solid], client: int, color: str | None, files: Mapp
 
 
 def _sizes(solids: Sequence[Solid]) -> dict[str, Any]:
-    """Return the arguments for the sizes of solids, of which each kind takes what it needs."""
+    """Return PyBullet's arguments for the sizes of solids; each type reads what it needs."""
     return {
         "shapeTypes": [GEOMETRIES[solid.kind] for solid in solids],
         "radii": [solid.size[0] / 2 for solid in solids],
@@ -81,7 +88,7 @@ def _sizes(solids: Sequence[Solid]) -> dict[str, Any]:
 
 
 def _marks(ball: Solid) -> list[Solid]:
-    """Return what is drawn on a ball, so that its turn is seen from everywhere: a belt, and a spot beside it."""
+    """Return the marks on a ball that make its rotation visible from everywhere: a belt, and a spot beside it."""
     across, (x, y, z) = ball.size[0], ball.at
     belt, spot = BELT * across, SPOT * across
     off = (1 + STANDING_OUT) * across / 2 - spot / 2
@@ -92,7 +99,7 @@ def _marks(ball: Solid) -> list[Solid]:
 
 
 def _turned(what: str, solids: Sequence[Solid], files: Mapping[Solid, str]) -> dict[str, Any]:
-    """Return the arguments for turned solids and for meshes, none where there are none."""
+    """Return PyBullet's arguments for rotated solids and for meshes, none if there are none."""
     if not any(solid.mesh or solid.turn != STRAIGHT for solid in solids):
         return {}
     return {
@@ -100,3 +107,34 @@ def _turned(what: str, solids: Sequence[Solid], files: Mapping[Solid, str]) -> d
         "meshScales": [(1.0, 1.0, 1.0)] * len(solids),
         f"{what}FrameOrientations": [pybullet.getQuaternionFromEuler(solid.turn) for solid in solids],
     }
+
+
+def mesh_file(solid: Solid) -> tuple[str, bytes]:
+    """Return a unique name and an .obj with a mesh in metres, each object of which collides as its convex hull.
+
+    Raises:
+        SceneError: the mesh cannot be read.
+    """
+    return _mesh_file(solid.mesh, solid.size, state_of(solid.mesh))
+
+
+@lru_cache(maxsize=32)
+def _mesh_file(mesh: str, scale: tuple[float, float, float], _state: tuple[int, int]) -> tuple[str, bytes]:
+    """Return a name and an .obj; `_state` is that of the mesh's file, so that a changed file is read again.
+
+    Raises:
+        SceneError: the mesh cannot be read.
+    """
+    content = ("\n".join(_obj_lines(mesh_parts(mesh, scale))) + "\n").encode("ascii")
+    return f"{sha256(content).hexdigest()[:32]}.obj", content
+
+
+def _obj_lines(parts: Sequence[Part]) -> Iterator[str]:
+    """Yield the lines of an .obj: all points, then the faces of each part as a separate object."""
+    numbers = {point: i for i, point in enumerate(dict.fromkeys(chain.from_iterable(chain.from_iterable(parts))), 1)}
+    for x, y, z in numbers:
+        yield f"v {x!r} {y!r} {z!r}"
+    for i, part in enumerate(parts):
+        yield f"o part_{i}"
+        for one, two, three in part:
+            yield f"f {numbers[one]} {numbers[two]} {numbers[three]}"

@@ -1,4 +1,4 @@
-"""One arm in a simulator without forces: put it anywhere, and ask what its links touch."""
+"""One arm in a kinematic simulator: set its configuration, and query the contacts of its links."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.robot.robot_files import robot_file, wheel_file
-from prag_asp.physics.temporary_files import lent
+from prag_asp.physics.temporary_files import temporary_folder
 from prag_asp.scene.boxes import Corners, around, touch
 from prag_asp.scene.geometry import Pose, rotate
 from prag_asp.scene.robots import Joints, Robot
@@ -21,7 +21,7 @@ REMEMBERED = 256
 
 @dataclass
 class _Posture:
-    """What is known of an arm at joint angles: its links' bounding boxes at an opening, and how links overlap."""
+    """Cached properties of an arm configuration: the bounding boxes of its links at an opening, and self-overlap."""
 
     width: float
     boxes: list[Corners]
@@ -29,7 +29,7 @@ class _Posture:
 
 
 class SimulatedArm:
-    """The body of an arm, and what is known of it where it is."""
+    """The PyBullet body of an arm, with cached properties of its configurations."""
 
     def __init__(self, client: int, robot: Robot, visual: bool):
         self.client = client
@@ -43,7 +43,7 @@ class SimulatedArm:
         self._fingers = [(robot.links.index(link), side) for link, (_, side) in sides]
 
     def pose(self, joints: Joints, width: float) -> None:
-        """Put the arm at seven joint angles in radians, the gripper at an opening in metres.
+        """Set seven joint angles in radians, and the opening of the gripper in metres.
 
         Raises:
             SceneError: a number is not finite, or there are not seven joints.
@@ -57,10 +57,7 @@ class SimulatedArm:
         self._at = joints, width
 
     def contacts(self, body: int, links: Iterable[int], within: float = 0.0) -> list[tuple[int, float]]:
-        """Return which of some links of the arm touch a body, where both are now, with the distance in metres.
-
-        So do those that are `within` a distance of it, in metres.
-        """
+        """Return the links of the arm that are `within` a distance of a body, with the distances in metres."""
         found = []
         for link in links:
             points = pybullet.getClosestPoints(self.body, body, within, linkIndexA=link, physicsClientId=self.client)
@@ -70,7 +67,7 @@ class SimulatedArm:
     def link_boxes(self, joints: Joints, width: float) -> list[Corners]:
         """Return the bounding box of each of the robot's links at joint angles in radians and an opening in metres.
 
-        The arm itself is moved only where they are not known.
+        The arm itself is moved only if they are not cached.
 
         Raises:
             SceneError: a number is not finite, or there are not seven joints.
@@ -86,7 +83,7 @@ class SimulatedArm:
         return known.boxes if known.width == width else self._opened(joints, known, width)
 
     def _opened(self, joints: Joints, known: _Posture, width: float) -> list[Corners]:
-        """Return bounding boxes with the gripper open otherwise: the fingers slide along the y axis of the tool."""
+        """Return the bounding boxes for another opening: the fingers slide along the y axis of the tool."""
         axis = rotate(tool_pose(self.robot, joints).quaternion, (0.0, 1.0, 0.0))
         boxes = list(known.boxes)
         for i, side in self._fingers:
@@ -97,7 +94,7 @@ class SimulatedArm:
         return boxes
 
     def self_overlap(self, joints: Joints, width: float) -> float:
-        """Return the smallest distance of two links of the arm that touch in metres, 0 where none do."""
+        """Return minus the deepest penetration of two links of the arm in metres, 0 if none touch."""
         boxes = self.link_boxes(joints, width)
         known = self._known[joints]
         if known.overlap is None:
@@ -105,7 +102,7 @@ class SimulatedArm:
         return known.overlap
 
     def _overlaps(self, joints: Joints, width: float, boxes: Mapping[int, Corners]) -> Iterator[float]:
-        """Yield the distances of the links that touch in metres, of those whose bounding boxes do."""
+        """Yield the distances of the links that touch in metres, among those whose bounding boxes do."""
         trunk = around([boxes[link] for link in self._trunk])
         near = {link for link in self._wrist if touch(boxes[link], trunk)}
         for low, high in self.robot.self_pairs:
@@ -117,12 +114,12 @@ class SimulatedArm:
                 yield from (point[8] for point in points)
 
     def flange(self) -> Pose:
-        """Return the pose of the flange as the simulator's own kinematics has it."""
+        """Return the pose of the flange by the simulator's own forward kinematics."""
         return read_flange(self.client, self.body, self.robot)
 
 
 def load_robot(client: int, path: Path, base: Pose, *, visual: bool = False, solid: bool = False) -> int:
-    """Load an arm from a file, its base at a pose; one that is `solid` is pushed by its own links as by other bodies.
+    """Load an arm from a file, with its base at a pose; `solid` enables self-collisions.
 
     Raises:
         SceneError: PyBullet cannot load it.
@@ -136,33 +133,33 @@ def load_robot(client: int, path: Path, base: Pose, *, visual: bool = False, sol
         raise SceneError(f"{path}: the robot cannot be loaded: {error}") from error
 
 
-def load_written(
+def load_robot_files(
     client: int, files: Mapping[str, bytes], base: Pose, *, visual: bool = False, solid: bool = False
 ) -> int:
-    """Load an arm as `load_robot` does, from a URDF that is the first of some files.
+    """Load an arm as `load_robot` does, from the contents of files, the first of which is the URDF.
 
     Raises:
         SceneError: PyBullet cannot load it.
     """
-    with lent(files) as folder:
+    with temporary_folder(files) as folder:
         return load_robot(client, folder / next(iter(files)), base, visual=visual, solid=solid)
 
 
 def _load_with_hand(client: int, robot: Robot, visual: bool) -> int:
-    """Load an arm with its gripper where it stands.
+    """Load an arm with its gripper at the robot's base.
 
     Raises:
         SceneError: PyBullet cannot load it.
     """
     if robot.hand is None:
         return load_robot(client, wheel_file(robot), robot.base, visual=visual)
-    return load_written(client, {"robot.urdf": robot_file(robot)}, robot.base, visual=visual)
+    return load_robot_files(client, {"robot.urdf": robot_file(robot)}, robot.base, visual=visual)
 
 
 def read_flange(client: int, arm: int, robot: Robot) -> Pose:
-    """Return the pose of an arm's flange as the simulator's own kinematics has it.
+    """Return the pose of an arm's flange by the simulator's own forward kinematics.
 
-    Its quaternion is off unit length by up to 1e-7, for the URDF's angles are rounded; it is made one.
+    The quaternion is normalized, because the rounded angles of the URDF make it deviate by up to 1e-7.
     """
     state = pybullet.getLinkState(arm, robot.flange_link, computeForwardKinematics=True, physicsClientId=client)
     length = math.hypot(*state[5])

@@ -1,8 +1,8 @@
-"""A PyBullet world with the robots, the table and one body for each object of the scene.
+"""A kinematic PyBullet world with the robots, the table and one body for each object of the scene.
 
-Bodies are made once and reused: making and removing them leaks. Those that a task does not use are parked,
-each at its own place. PyBullet is silent about unknown bodies and about poses that are not finite, so both
-are checked here.
+Bodies are made once and reused, because making and removing them leaks memory. Those that a task does not use are
+parked, each at its own place. PyBullet does not report unknown bodies and poses that are not finite, so both are
+checked here.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
 from prag_asp.errors import SceneError
-from prag_asp.physics.bullet import STDOUT, pybullet, silenced
+from prag_asp.physics.bullet import STDOUT, mute_output, pybullet
 from prag_asp.physics.witness import Moment
 from prag_asp.physics.world.bodies import make_body, make_table, parking_place, show_zone
 from prag_asp.physics.world.furniture_bodies import set_opening
@@ -22,12 +22,12 @@ from prag_asp.scene.robots import Joints, Robot, robot_of
 from prag_asp.scene.scene import Scene
 
 COLLISION = -0.0015
-"""Bodies collide where they are closer than this, in metres: deeper than 1.5 mm in each other."""
+"""Bodies collide if their distance is below this, in metres: a penetration of more than 1.5 mm."""
 
 NOTHING_OPEN: Mapping[str, float] = {}
 CONTACT_BREAKING = 0.005
-"""Metres; with PyBullet's 20 mm, points of contact keep normals from before a held object was turned, and with 2 mm,
-a can that stands still sinks up to 5 mm into what is below.
+"""Metres; with PyBullet's default of 20 mm contact points keep normals from before a held object was rotated, and with
+2 mm a standing can sinks by up to 5 mm into its support.
 
 It is one number for all worlds of a process.
 """
@@ -61,10 +61,10 @@ class Simulator:
             self._put(body, Pose(parking_place(i)))
 
     def use(self, scene: Scene) -> None:
-        """Take the bodies of a scene that has other sizes of the ranges of this one.
+        """Switch to the bodies of a scene with other sizes from the ranges of this one.
 
         Raises:
-            SceneError: a size is none of theirs.
+            SceneError: a size is not in its range.
         """
         if scene is self.scene:
             return
@@ -74,7 +74,7 @@ class Simulator:
         self.bodies = self._chosen()
 
     def place(self, poses: Mapping[str, Pose], openings: Mapping[str, float] = NOTHING_OPEN) -> None:
-        """Put objects at poses, and park all others; `openings` of furniture are metres or radians.
+        """Move objects to poses, and park all others; `openings` of furniture are in metres or radians.
 
         Raises:
             SceneError: an object has no body, or its pose or opening is not finite.
@@ -96,20 +96,20 @@ class Simulator:
 
     @property
     def robot(self) -> Robot:
-        """The robot that acts."""
+        """The acting robot."""
         return self.arm.robot
 
     @property
     def arm(self) -> SimulatedArm:
-        """The arm that acts."""
+        """The acting arm."""
         return self.arms[self.acting]
 
     def turn_to(self, robot: str) -> None:
-        """Let another robot be the one that acts."""
+        """Make another robot the acting one."""
         self.acting = robot
 
     def pose_arm(self, joints: Joints, width: float) -> None:
-        """Put the arm that acts at seven joint angles in radians, its gripper at an opening in metres.
+        """Set seven joint angles of the acting arm in radians, and the opening of its gripper in metres.
 
         Raises:
             SceneError: a number is not finite, or there are not seven joints.
@@ -117,22 +117,22 @@ class Simulator:
         self.arm.pose(joints, width)
 
     def show(self, moment: Moment) -> None:
-        """Put everything where it is at a moment."""
+        """Show a moment: move all objects and arms."""
         self.place(moment.poses, moment.openings)
         for name, arm in moment.arms.items():
             self.arms[name].pose(arm.joints, arm.width)
 
     def overlap(self, one: int, two: int) -> float:
-        """Return the distance of two bodies that touch in metres: negative in each other, 0 where apart."""
+        """Return minus the penetration depth of two bodies in metres, 0 if they are apart."""
         points = pybullet.getClosestPoints(one, two, 0.0, physicsClientId=self.client)
         return min((point[8] for point in points), default=0.0)
 
     def flange(self) -> Pose:
-        """Return the pose of the flange of the arm that acts as the simulator's own kinematics has it."""
+        """Return the pose of the flange of the acting arm by the simulator's own forward kinematics."""
         return self.arm.flange()
 
     def read(self, entity: str) -> Pose:
-        """Return where the simulator has an object.
+        """Return the pose of an object in the simulator.
 
         Raises:
             SceneError: it has no body.
@@ -150,22 +150,22 @@ class Simulator:
         return self.bodies[entity]
 
     def _park(self, entity: str) -> None:
-        """Put one body where it is in nobody's way."""
+        """Move a body to its parking place."""
         i = list(self._pool).index((entity, self.scene.shapes[entity]))
         self._put(self.bodies[entity], Pose(parking_place(i)))
         del self._poses[entity]
 
     def _move(self, entity: str, pose: Pose) -> None:
-        """Put an object at a pose."""
+        """Move an object to a pose."""
         self._put(self.body(entity), pose)
         self._poses[entity] = pose
 
     def _put(self, body: int, pose: Pose) -> None:
-        """Put one body at a pose."""
+        """Move a body to a pose."""
         pybullet.resetBasePositionAndOrientation(body, pose.position, pose.quaternion, physicsClientId=self.client)
 
     def _chosen(self) -> dict[str, int]:
-        """Return the body of each object, of the size that the scene has now.
+        """Return the body of each object in its present size.
 
         Raises:
             SceneError: there is none of that size.
@@ -178,7 +178,7 @@ class Simulator:
 
 
 def start_world(client: int) -> None:
-    """Make the world of a client empty, with gravity, and repeatable."""
+    """Reset the world of a client: empty, with gravity, and deterministic."""
     pybullet.resetSimulation(physicsClientId=client)
     pybullet.setPhysicsEngineParameter(
         deterministicOverlappingPairs=1, contactBreakingThreshold=CONTACT_BREAKING, physicsClientId=client
@@ -187,19 +187,19 @@ def start_world(client: int) -> None:
 
 
 def read_pose(client: int, body: int) -> Pose:
-    """Return where a body is."""
+    """Return the pose of a body."""
     position, quaternion = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
     return Pose(tuple(position), tuple(quaternion))
 
 
 @contextmanager
 def open_client() -> Iterator[int]:
-    """Connect to a PyBullet without a window, and disconnect afterwards.
+    """Connect to PyBullet without a window, and disconnect afterwards.
 
     Raises:
         SceneError: too many are open in this process.
     """
-    with silenced(STDOUT):
+    with mute_output(STDOUT):
         client = pybullet.connect(pybullet.DIRECT)
     if client < 0:
         raise SceneError("PyBullet cannot open a simulator: too many are open in this process")
@@ -213,6 +213,6 @@ def open_client() -> Iterator[int]:
 def open_simulator(scene: Scene, *, visual: bool = False) -> Iterator[Simulator]:
     """Open a simulator without a window, and close it afterwards; `visual` loads what pictures need."""
     with open_client() as client:
-        with silenced(STDOUT):
+        with mute_output(STDOUT):
             simulator = Simulator(scene, client, visual)
         yield simulator

@@ -1,7 +1,6 @@
-"""Whether bodies stay where they are put: contacts from below, and the centre of mass of what rests on them.
+"""Static stability: the contacts from below, and the centre of mass of a body with what rests on it.
 
-Bodies stand upright. Of a stack the centre of mass of everything that rests on a body is used, not only its
-own.
+Bodies stand upright. In a stack, the centre of mass includes everything that rests on a body.
 """
 
 from __future__ import annotations
@@ -18,25 +17,25 @@ from prag_asp.scene.solids import weight
 CONTACT = 0.002
 BALANCE = 1e-6
 STEADY = 0.005
-"""How far within its base the centre of mass of what is put somewhere should be, in metres."""
+"""The desired margin of the centre of mass of a placed object within its base, in metres."""
 TABLE = ""
 
 
 @dataclass(frozen=True)
 class Contact:
-    """A body rests on another (or on the table, `TABLE`) where their outlines, seen from above, overlap."""
+    """A contact with a support below (`TABLE` for the table): the overlap of the outlines, seen from above."""
 
     support: str
     region: Outline
 
 
 def contacts(situation: Situation, entity: str, others: Iterable[str]) -> list[Contact]:
-    """Return what a body rests on: tops, floors of containers and the table that it touches from above."""
+    """Return the contacts of a body with tops, floors of containers and the table below it."""
     return _contacts(situation, entity, list(_tops(situation, others)))
 
 
 def _contacts(situation: Situation, entity: str, tops: Iterable[tuple[str, float]]) -> list[Contact]:
-    """Return what a body rests on, of surfaces with their heights in metres."""
+    """Return the contacts of a body with surfaces, given with their heights in metres."""
     bottom = situation.bottom(entity)
     below: Outline = ()
     found = []
@@ -51,7 +50,7 @@ def _contacts(situation: Situation, entity: str, tops: Iterable[tuple[str, float
 
 
 def resting_height(situation: Situation, entity: str, others: Iterable[str]) -> float:
-    """Return the height of the highest top under a body that is let down from where it is, in metres."""
+    """Return the height of the highest surface below a body, in metres."""
     below = outline(situation.shape(entity), situation.pose(entity))
     bottom = situation.bottom(entity) + CONTACT
     heights = [
@@ -63,9 +62,9 @@ def resting_height(situation: Situation, entity: str, others: Iterable[str]) -> 
 
 
 def unsupported(situation: Situation, entities: Iterable[str], margin: float = 0.0) -> str | None:
-    """Return a body that would fall or tip over, None where all stay; what an arm holds stays, and bears others.
+    """Return a body that would fall or tip over, None if all are stable; held bodies are stable, and bear others.
 
-    With a `margin` in metres, so does one that is as near to tipping over. Of a small base half is enough.
+    The centre of mass has to be within the base by a `margin` in metres; on a small base half of its radius is enough.
     """
     bodies = list(entities)
     still = {*(arm.held for arm in situation.arms.values()), *situation.scene.fixed}
@@ -84,7 +83,7 @@ def unsupported(situation: Situation, entities: Iterable[str], margin: float = 0
 
 
 def riders(situation: Situation, entity: str, others: Iterable[str]) -> list[str]:
-    """Return the bodies that rest on or in a body, directly or not, and so move with it."""
+    """Return the bodies that rest on or in a body, directly or indirectly, and so move with it."""
     candidates = list(others)
     found = [entity]
     for current in found:
@@ -93,7 +92,7 @@ def riders(situation: Situation, entity: str, others: Iterable[str]) -> list[str
 
 
 def _tops(situation: Situation, others: Iterable[str]) -> Iterable[tuple[str, float]]:
-    """Yield every surface that a body can rest on: its owner and its height in metres."""
+    """Yield every surface on which a body can rest: its owner and its height in metres."""
     yield TABLE, 0.0
     for other in others:
         height = _surface(situation, other)
@@ -110,7 +109,7 @@ def _surface(situation: Situation, support: str) -> float | None:
 
 
 def _rests_on(situation: Situation, body: str, support: str) -> bool:
-    """Tell whether a body touches another from above."""
+    """Return whether a body touches another from above."""
     height = _surface(situation, support)
     if height is None or abs(situation.bottom(body) - height) > CONTACT:
         return False
@@ -118,7 +117,7 @@ def _rests_on(situation: Situation, body: str, support: str) -> bool:
 
 
 def _top(situation: Situation, support: str) -> Outline:
-    """Return the outline of the surface of a support, a container's floor between its walls."""
+    """Return the outline of the surface of a support; for a container, of the floor between its walls."""
     if support == TABLE:
         x, y = situation.scene.table.centre
         size_x, size_y = situation.scene.table.size
@@ -132,7 +131,7 @@ def _top(situation: Situation, support: str) -> Outline:
 
 
 def _low_on_table(situation: Situation, body: str) -> bool:
-    """Tell whether a body stands on the table with its centre over it, the usual case."""
+    """Return whether a body stands on the table with its centre over it, which is the usual case."""
     measured, table = situation.body(body), situation.scene.table
     if abs(measured.low[2]) > CONTACT:
         return False
@@ -141,7 +140,7 @@ def _low_on_table(situation: Situation, body: str) -> bool:
 
 
 def _on_table(situation: Situation, below: Outline) -> bool:
-    """Tell whether an outline lies wholly on the table top."""
+    """Return whether an outline lies entirely on the table top."""
     x, y = situation.scene.table.centre
     size_x, size_y = situation.scene.table.size
     return all(abs(px - x) <= size_x / 2 and abs(py - y) <= size_y / 2 for px, py in below)
@@ -153,10 +152,10 @@ def _base(touching: Iterable[Contact]) -> Outline:
 
 
 def _load(situation: Situation, body: str, resting: Mapping[str, list[Contact]]) -> tuple[float, Point]:
-    """Return the mass of a body and of all that it bears, and where this load acts, seen from above.
+    """Return the mass of a body with all that it bears, and the point where this load acts, seen from above.
 
-    What rests on one body alone loads it at its own centre of mass; what bridges several loads each with an
-    equal share, at the middle of their contact.
+    A body that rests on one support loads it at its centre of mass; one that bridges several loads each with an equal
+    share, at the centre of the contact.
     """
     total = weight(situation.scene, body)
     x, y = (total * value for value in situation.pose(body).position[:2])

@@ -1,4 +1,4 @@
-"""Near the goal first."""
+"""Reverse curriculum: episodes begin near the goal first."""
 
 from __future__ import annotations
 
@@ -6,23 +6,23 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-from prag_asp.rl.curriculum.course import Episode, State
-from prag_asp.rl.curriculum.mastery import Mastery, reviewing
-from prag_asp.rl.curriculum.task_pool import chosen, share_of
+from prag_asp.rl.curriculum.mastery import Mastery, review_shares
+from prag_asp.rl.curriculum.task_pool import parse_share, sample_index
+from prag_asp.rl.curriculum.task_sampler import EpisodeResult, State
 from prag_asp.space.weights.weights import Number
 
 
 @dataclass(frozen=True)
 class Backwards:
-    """The last subgoal of tasks first, then the last two, and so on back to whole tasks.
+    """Begin with the last subgoal of tasks, then with the last two, and so on back to whole tasks.
 
-    One more subgoal comes when of the last `window` episodes that began as far back as any yet a share of `threshold`
-    ended well. A share of `review` of the episodes begins nearer to the goal, all such subgoals alike. The idea is that
-    of Florensa, Held, Wulfmeier, Zhang and Abbeel ("Reverse curriculum generation for reinforcement learning", 2017);
-    here the states to begin with are those of witnesses.
+    One more subgoal is added when a share of `threshold` of the last `window` episodes that began farthest back were
+    successful. A share of `review` of the episodes begins nearer to the goal, uniformly. The idea is that of Florensa,
+    Held, Wulfmeier, Zhang and Abbeel ("Reverse curriculum generation for reinforcement learning", 2017); here the
+    initial states are those of witnesses.
 
     Raises:
-        QueryError: a share is none, or the window no whole number of at least 1.
+        QueryError: a share is not between 0 and 1, or the window is less than 1.
     """
 
     threshold: Number | float = 0.8
@@ -31,45 +31,45 @@ class Backwards:
 
     def __post_init__(self) -> None:
         Mastery.of(self.threshold, self.window)
-        share_of("review", self.review)
+        parse_share("review", self.review)
 
-    def walk(self) -> BackwardsWalk:
-        """Return a course through subgoals."""
-        return BackwardsWalk(self)
+    def subgoal_sampler(self) -> BackwardsSampler:
+        """Return a sampler of initial subgoals."""
+        return BackwardsSampler(self)
 
 
-class BackwardsWalk:
-    """A course from the last subgoal to the first."""
+class BackwardsSampler:
+    """Samples initial subgoals, from the last one back to the first."""
 
-    def __init__(self, asked: Backwards):
-        self._review = share_of("review", asked.review)
-        self._mastery = Mastery.of(asked.threshold, asked.window)
+    def __init__(self, curriculum: Backwards):
+        self._review = parse_share("review", curriculum.review)
+        self._mastery = Mastery.of(curriculum.threshold, curriculum.window)
         self.seed(0)
 
     def seed(self, seed: int) -> None:
-        """Begin anew."""
+        """Reset the sampler."""
         self._seed, self._back, self._drawn, self._longest = seed, 1, 0, 1
         self._mastery.load(())
 
     def stage(self, stages: int) -> tuple[int, Fraction]:
-        """Return the subgoal to begin with of a task of so many, and with which probability it was drawn."""
-        shares = reviewing(self._review, min(self._back, stages))
-        place = chosen(shares, self._seed, "stage", self._drawn)
+        """Return the initial subgoal of a task of `stages` subgoals, from 0, and its exact probability."""
+        shares = review_shares(self._review, min(self._back, stages))
+        place = sample_index(shares, self._seed, "stage", self._drawn)
         self._drawn += 1
         return stages - 1 - place, shares[place]
 
-    def report(self, episode: Episode) -> None:
-        """Go one subgoal farther back where enough episodes ended well."""
-        self._longest = max(self._longest, episode.stages)
-        if episode.stages - episode.begun == self._back and self._mastery.add(episode.success):
+    def update(self, result: EpisodeResult) -> None:
+        """Go one subgoal farther back where enough episodes were successful."""
+        self._longest = max(self._longest, result.stages)
+        if result.stages - result.first == self._back and self._mastery.add(result.success):
             self._back = min(self._back + 1, self._longest)
 
-    def told(self) -> Mapping[str, int | str]:
-        """Return how many subgoals from the end episodes begin."""
+    def summary(self) -> Mapping[str, int | str]:
+        """Return how many subgoals before the end episodes begin."""
         return {"back": self._back}
 
     def state_dict(self) -> State:
-        """Return what it has come to."""
+        """Return the state as values of JSON."""
         return {
             "seed": self._seed,
             "back": self._back,
@@ -79,7 +79,7 @@ class BackwardsWalk:
         }
 
     def load_state_dict(self, state: State) -> None:
-        """Go on from what `state_dict` returned."""
+        """Continue from a state of `state_dict`."""
         self.seed(state["seed"])
         self._back, self._drawn, self._longest = state["back"], state["drawn"], state["longest"]
         self._mastery.load(state["ends"])

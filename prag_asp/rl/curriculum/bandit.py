@@ -1,4 +1,4 @@
-"""A bandit whose arms are names, pairs and classes: each pull is a lot of tasks that have more of one of them."""
+"""An EXP3 bandit whose arms are action names, pairs and classes: a pull is a lot of tasks with more of one of them."""
 
 from __future__ import annotations
 
@@ -8,27 +8,35 @@ from decimal import Context, Decimal
 from fractions import Fraction
 
 from prag_asp.errors import QueryError
-from prag_asp.rl.curriculum.course import Episode, Keys, State
-from prag_asp.rl.curriculum.stream import Stream, times
-from prag_asp.rl.curriculum.task_pool import Offer, Pool, Word, chosen, derived, share_of, whole_of
+from prag_asp.rl.curriculum.proposal_stream import ProposalStream, scale_weights
+from prag_asp.rl.curriculum.task_pool import (
+    Proposal,
+    TaskPool,
+    Word,
+    derive_seed,
+    parse_count,
+    parse_share,
+    sample_index,
+)
+from prag_asp.rl.curriculum.task_sampler import ActionKeys, EpisodeResult, State
 from prag_asp.space.weights.weights import Number
 
 EMPHASIS = 8
-"""How much more often what an arm stands for is drawn while it is pulled."""
+"""The factor of the weight of an arm's name, pair or class while it is pulled."""
 
 PARTS = 10**12
-"""Of how many parts the weight of an arm is, beside the largest."""
+"""The weights of arms are multiples of 1e-12 of the largest, so that they are the same on every machine."""
 
 DIGITS = Context(prec=40)
 
 
 @dataclass(frozen=True)
 class Bandit:
-    """EXP3 over what tasks can have more of: a name of an action, a pair of names, or a class.
+    """EXP3 over arms that are action names, pairs of names, or classes.
 
-    A pull of an arm is a `lot` of episodes whose tasks are drawn with `EMPHASIS` times the weight for it. Its gain is
-    the absolute learning progress: by how much the share of its subgoals that were reached differs from that in the
-    lot before in which some were tried, between 0 and 1.
+    A pull of an arm is a `lot` of episodes whose tasks are sampled with `EMPHASIS` times the weight for it. Its gain is
+    the absolute learning progress: the difference between the success rate of its subgoals and that of the last lot in
+    which some were tried, between 0 and 1.
 
     `exploration` is the gamma of EXP3. For K arms and g pulls, the gains fall short of those of the best arm by
     (e - 1) gamma G + K ln(K) / gamma at most, in expectation, where G is what the best arm gains; with the best gamma,
@@ -37,38 +45,38 @@ class Bandit:
     compares with the gains as they were along the way, for what an agent has learned depends on what it was given.
 
     Raises:
-        QueryError: the share is none above 0, or the lot no whole number of at least 1.
+        QueryError: the share is not above 0 and at most 1, or the lot is less than 1.
     """
 
     exploration: Number | float = 0.2
     lot: int = 20
 
     def __post_init__(self) -> None:
-        share_of("exploration", self.exploration, least=True)
-        whole_of("lot", self.lot)
+        parse_share("exploration", self.exploration, positive=True)
+        parse_count("lot", self.lot)
 
-    def course(self, pool: Pool) -> BanditCourse:
-        """Return a course through the tasks of a pool.
+    def task_sampler(self, pool: TaskPool) -> BanditSampler:
+        """Return a sampler of the tasks of a pool.
 
         Raises:
             QueryError: all tasks have the same names and classes.
         """
-        return BanditCourse(self, pool)
+        return BanditSampler(self, pool)
 
 
-class BanditCourse:
-    """A course by the arms that are pulled."""
+class BanditSampler:
+    """Samples tasks by the weights of the arm that is pulled."""
 
-    def __init__(self, asked: Bandit, pool: Pool):
-        self._asked, self._pool = asked, pool
-        self._exploration = share_of("exploration", asked.exploration, least=True)
-        self._keys = Keys(pool.space.domain.facts)
+    def __init__(self, curriculum: Bandit, pool: TaskPool):
+        self._curriculum, self._pool = curriculum, pool
+        self._exploration = parse_share("exploration", curriculum.exploration, positive=True)
+        self._keys = ActionKeys(pool.space.domain.facts)
         self._base = dict(pool.space.domain.settings.weights)
         self.arms = _arms(pool)
         self.seed(0)
 
     def seed(self, seed: int) -> None:
-        """Begin anew."""
+        """Reset the sampler."""
         self._seed = seed
         self._gained = [Fraction(0)] * len(self.arms)
         self._before: dict[str, Fraction] = {}
@@ -77,37 +85,37 @@ class BanditCourse:
 
     @property
     def probabilities(self) -> list[Fraction]:
-        """With which probability each arm is pulled next: exact, of gains and weights rounded to 12 digits."""
+        """The exact probability of each arm for the next pull, of gains and weights rounded to 12 digits."""
         most = max(self._gained)
         rate = self._exploration / len(self.arms)
         weights = [int(PARTS * _exponential(rate * (gained - most))) for gained in self._gained]
         total = sum(weights)
         return [(1 - self._exploration) * Fraction(weight, total) + rate for weight in weights]
 
-    def offer(self) -> Offer:
-        """Return a task by the weights of the arm that is pulled, with its probability by these."""
-        return self._pool.kept(self._stream.take)
+    def propose(self) -> Proposal:
+        """Return a task by the weights of the current arm, with its probability."""
+        return self._pool.next_in_pool(self._stream.take)
 
-    def settle(self, word: Word, feasible: bool) -> None:
-        """Nothing depends on it."""
+    def note_feasibility(self, word: Word, feasible: bool) -> None:
+        """Ignore it."""
 
-    def report(self, episode: Episode) -> None:
-        """Note what was reached; after a lot, learn from it and pull again."""
-        for attempt in episode.attempts:
+    def update(self, result: EpisodeResult) -> None:
+        """Record the attempts; after each lot, update the gains and pull an arm."""
+        for attempt in result.attempts:
             for key in self._keys.of(attempt):
                 tried, reached = self._tried.get(key, (0, 0))
                 self._tried[key] = tried + 1, reached + attempt.reached
         self._reported += 1
-        if self._reported == self._asked.lot:
+        if self._reported == self._curriculum.lot:
             self._learn()
             self._pull(self._lots + 1)
 
-    def told(self) -> Mapping[str, int | str]:
-        """Return the number of the lot, and the arm that is pulled."""
+    def summary(self) -> Mapping[str, int | str]:
+        """Return the number of the lot and the current arm."""
         return {"lot": self._lots, "arm": self.arms[self._arm]}
 
     def state_dict(self) -> State:
-        """Return what it has come to."""
+        """Return the state as values of JSON."""
         return {
             "seed": self._seed,
             "lots": self._lots,
@@ -119,7 +127,7 @@ class BanditCourse:
         }
 
     def load_state_dict(self, state: State) -> None:
-        """Go on from what `state_dict` returned."""
+        """Continue from a state of `state_dict`."""
         self._seed = state["seed"]
         self._gained = list(map(Fraction, state["gained"]))
         self._before = {key: Fraction(share) for key, share in state["before"].items()}
@@ -129,7 +137,7 @@ class BanditCourse:
         self._stream.skip(state["taken"])
 
     def _learn(self) -> None:
-        """Give the arm its gain, over the probability with which it was pulled."""
+        """Add the gain of the current arm, divided by the probability of its pull."""
         shares = {key: Fraction(reached, tried) for key, (tried, reached) in self._tried.items()}
         arm = self.arms[self._arm]
         if arm in shares:
@@ -142,23 +150,23 @@ class BanditCourse:
         self._lots, self._reported = lots, 0
         self._tried = {}
         probabilities = self.probabilities
-        self._arm = chosen(probabilities, self._seed, "arm", lots)
+        self._arm = sample_index(probabilities, self._seed, "arm", lots)
         self._probability = probabilities[self._arm]
-        weights = times(self._base, {self.arms[self._arm]: Fraction(EMPHASIS)})
-        self._stream = Stream(self._pool, weights, derived(self._seed, "lot", lots))
+        weights = scale_weights(self._base, {self.arms[self._arm]: Fraction(EMPHASIS)})
+        self._stream = ProposalStream(self._pool, weights, derive_seed(self._seed, "lot", lots))
 
 
-def _arms(pool: Pool) -> tuple[str, ...]:
-    """Return what some tasks of a pool's space have more of than others.
+def _arms(pool: TaskPool) -> tuple[str, ...]:
+    """Return the names, pairs and classes that occur in tasks of a pool's space.
 
     Raises:
-        QueryError: there are no two such things.
+        QueryError: there are fewer than two.
     """
     found: set[str] = set()
     for length in reversed(pool.lengths):
         figures = pool.at(length).statistics()
         found |= {*figures.expected_names, *map(">".join, figures.expected_pairs), *figures.contains_class}
-    known = Keys(pool.space.domain.facts)
+    known = ActionKeys(pool.space.domain.facts)
     found = {key for key in found if ">" in key or key in known.weighable}
     if len(found) < 2:
         raise QueryError("a bandit needs two arms: action names, pairs or classes; give a space that has more")

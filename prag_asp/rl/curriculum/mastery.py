@@ -1,4 +1,4 @@
-"""When an agent may go on: the share of its last episodes that ended well."""
+"""The criterion for the next step of a curriculum: the success rate of the last episodes."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from prag_asp.rl.curriculum.task_pool import share_of, whole_of
+from prag_asp.rl.curriculum.task_pool import parse_count, parse_share
 from prag_asp.space.weights.weights import Number
 
 
 @dataclass
 class Mastery:
-    """The ends of the last `window` episodes, and the `threshold` share of them that have to be good."""
+    """The results of the last `window` episodes, and the success rate `threshold` that is needed."""
 
     threshold: Fraction
     window: int
@@ -21,16 +21,16 @@ class Mastery:
 
     @classmethod
     def of(cls, threshold: Number | float, window: int) -> Mastery:
-        """Return one that has heard of no episode.
+        """Return a criterion without results.
 
         Raises:
-            QueryError: the threshold is no share above 0, or the window no whole number of at least 1.
+            QueryError: the threshold is not above 0 and at most 1, or the window is less than 1.
         """
-        most = whole_of("window", window)
-        return cls(share_of("threshold", threshold, least=True), most, deque(maxlen=most))
+        most = parse_count("window", window)
+        return cls(parse_share("threshold", threshold, positive=True), most, deque(maxlen=most))
 
     def add(self, success: bool) -> bool:
-        """Note an end; return whether enough were good, and then forget them all."""
+        """Add a result; return whether the success rate is reached, and clear the results if it is."""
         self.ends.append(success)
         enough = len(self.ends) == self.window and sum(self.ends) >= self.threshold * self.window
         if enough:
@@ -38,13 +38,13 @@ class Mastery:
         return enough
 
     def load(self, ends: Sequence[bool]) -> None:
-        """Take the ends of episodes from elsewhere."""
+        """Replace the results."""
         self.ends.clear()
         self.ends.extend(ends)
 
 
-def reviewing(review: Fraction, places: int) -> list[Fraction]:
-    """Return with which probability each of some places is taken: the last one, or for review one before it."""
+def review_shares(review: Fraction, places: int) -> list[Fraction]:
+    """Return the probability of each of some places: `review` is shared by all but the last."""
     if places == 1:
         return [Fraction(1)]
     return [review / (places - 1)] * (places - 1) + [1 - review]

@@ -1,4 +1,4 @@
-"""What a curriculum draws from: the tasks of a space, or of a part of it, and no others."""
+"""The tasks that a curriculum samples: those of a space, or of a part of it."""
 
 from __future__ import annotations
 
@@ -7,33 +7,32 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import partial
 from hashlib import sha256
-from itertools import islice
 from math import lcm
 from typing import TYPE_CHECKING, NamedTuple
 
+from prag_asp.batches import growing_batches
 from prag_asp.errors import NotFound, QueryError
 from prag_asp.random_bits import SeededBits
+from prag_asp.space.distinct_sampling import MISSES
 from prag_asp.space.engines import Draw
-from prag_asp.space.sampling.draws import log_probability
+from prag_asp.space.sampling.streams import log_probability
 from prag_asp.space.task_space import TaskSpace
-from prag_asp.space.weights.weights import Number, parse_number
-from prag_asp.space.without_replacement import MISSES, at, lengths_of
+from prag_asp.space.weights.weights import Number, Weights, parse_number
 from prag_asp.task import Task
 
 if TYPE_CHECKING:
     from prag_asp.space.parts.ranked_tasks import Ranks
-    from prag_asp.space.task_spaces import TaskSpaces
 
 Word = tuple[str, ...]
 
-TOGETHER, KEPT, NOTED = 32, 256, 4096
-"""So many draws are told together at most, so many tasks are kept, and of so many it is noted which come together."""
+BATCH, CACHED, NOTED = 32, 256, 4096
+"""The largest batch of plans that become tasks at once, cached tasks, and plans whose batch is remembered."""
 
 
-class Offer(NamedTuple):
-    """A task that was drawn, as the texts of its actions, with the exact probability that the draw gave it.
+class Proposal(NamedTuple):
+    """A sampled task, as the texts of its actions, with its exact probability.
 
-    `passed` is how many draws before it were passed over, because no task of the pool came of them.
+    `passed` counts the samples before it that were rejected because they are not in the pool.
     """
 
     word: Word
@@ -42,22 +41,22 @@ class Offer(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Pool:
+class TaskPool:
     """The tasks of a space that have an action; with a `part`, those of them alone that it has the ranks of.
 
     Raises:
         QueryError: there are none, or a part is given of a space of several lengths.
     """
 
-    space: TaskSpace | TaskSpaces
+    space: TaskSpace
     part: Ranks | None = None
-    _coming: dict[Word, list[Draw]] = field(default_factory=dict, repr=False, compare=False)
-    _told: dict[Word, Task] = field(default_factory=dict, repr=False, compare=False)
+    _batches: dict[Word, list[Draw]] = field(default_factory=dict, repr=False, compare=False)
+    _tasks: dict[Word, Task] = field(default_factory=dict, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        if not any(lengths_of(self.space)):
+        if not any(self.space.lengths):
             raise QueryError("tasks of no action have no subgoal; give a space of another length")
-        if self.part is not None and not isinstance(self.space, TaskSpace):
+        if self.part is not None and len(self.space.lengths) > 1:
             raise QueryError("a part is one of a space of one length; give that, or spaces without a part")
         if self.part is not None and not self.part.size:
             raise QueryError("the part has no task; give another one")
@@ -69,91 +68,89 @@ class Pool:
         Raises:
             QueryError: there is no task.
         """
-        found = sorted(length for length in lengths_of(self.space) if length and self.at(length).count())
+        found = sorted(length for length in self.space.lengths if length and self.at(length).count())
         if not found:
             raise QueryError("there is no task to draw; give a space of other lengths, or of fewer conditions")
         return found
 
     def at(self, length: int) -> TaskSpace:
         """Return the space of one length."""
-        return at(self.space, length)
+        return self.space.at(length)
 
     def has(self, word: Word) -> bool:
-        """Tell whether a task of the space is one of the pool."""
+        """Return whether a task of the space is in the pool."""
         if not word or self.part is None:
             return bool(word)
-        return self.part.place(self.at(len(word)).rank_of(word)) is not None
+        return self.part.place(self.at(len(word)).index(word)) is not None
 
-    def offers(self, *, seed: int, length: int | None = None) -> Iterator[Offer]:
-        """Yield tasks drawn by the weights of the domain, independently and without end; of one length where given.
+    def proposals(self, *, seed: int, length: int | None = None) -> Iterator[Proposal]:
+        """Yield independent tasks by the weights of the domain, without end; those of one length where it is given.
 
         The probability is that among all tasks of the space, or of those of the length.
 
         Raises:
-            QueryError: there is nothing to draw.
-            NotFound: so many in a row are none of the pool.
+            QueryError: there is no task.
+            NotFound: `MISSES` tasks in a row are not in the pool.
         """
         draws = self.draws(seed=seed, length=length)
         while True:
-            yield self.kept(partial(next, draws))
+            yield self.next_in_pool(partial(next, draws))
 
     def draws(
-        self, *, seed: int, weights: Mapping[str, Number] | None = None, length: int | None = None
-    ) -> Iterator[Offer]:
-        """Yield tasks of the space as `offers` does, those of the pool and all others; weights as `TaskSpace.draw` has.
+        self, *, seed: int, weights: Mapping[str, Number] | Weights | None = None, length: int | None = None
+    ) -> Iterator[Proposal]:
+        """Yield tasks of the space as `proposals` does, in the pool or not; weights are as in `TaskSpace.draw`.
 
         Raises:
-            QueryError: there is nothing to draw, or a weight fits nothing.
+            QueryError: there is no task, or a weight fits nothing.
         """
         space = self.space if length is None else self.at(length)
-        for draw in self.together(space.draw_words(seed=seed, weights=weights)):
-            yield Offer(draw.word, draw.probability)
+        for draw in self.batched(space.sampling(weights=weights).draws(seed=seed)):
+            yield Proposal(draw.word, draw.probability)
 
-    def kept(self, draw: Callable[[], Offer], misses: int = MISSES) -> Offer:
-        """Draw until a task of the pool comes, and return that: it notes how many were passed over.
+    def next_in_pool(self, draw: Callable[[], Proposal], misses: int = MISSES) -> Proposal:
+        """Return the first sample that is in the pool, with the number of those before it.
 
         Raises:
-            NotFound: so many in a row are none.
+            NotFound: `misses` samples in a row are not in the pool.
         """
         for passed in range(misses):
-            found = draw()
-            if self.has(found.word):
-                return found._replace(passed=passed)
-        raise NotFound(f"none of {misses} tasks drawn in a row is one of those to be learned; give a larger part")
+            sample = draw()
+            if self.has(sample.word):
+                return sample._replace(passed=passed)
+        raise NotFound(f"none of {misses} sampled tasks in a row is in the part; give a larger part")
 
-    def together(self, draws: Iterator[Draw]) -> Iterator[Draw]:
-        """Yield draws, and note which come together: their tasks are told together, where one is asked for."""
-        size = 1
-        while batch := list(islice(draws, size)):
-            if len(self._coming) > NOTED:
-                self._coming.clear()
-            self._coming.update((draw.word, batch) for draw in batch)
+    def batched(self, draws: Iterator[Draw]) -> Iterator[Draw]:
+        """Yield draws, and note their batches: where one task is needed, those of its whole batch are made."""
+        for batch in growing_batches(draws, BATCH):
+            if len(self._batches) > NOTED:
+                self._batches.clear()
+            self._batches.update((draw.word, batch) for draw in batch)
             yield from batch
-            size = min(2 * size, TOGETHER)
 
-    def task(self, offer: Offer) -> Task:
-        """Return the task that is offered."""
-        word = offer.word
-        if word not in self._told:
-            if len(self._told) > KEPT:
-                self._told.clear()
-            coming = (draw for draw in self._coming.pop(word, ()) if draw.word not in self._told)
+    def task(self, proposal: Proposal) -> Task:
+        """Return the task of a proposal."""
+        word = proposal.word
+        if word not in self._tasks:
+            if len(self._tasks) > CACHED:
+                self._tasks.clear()
+            coming = (draw for draw in self._batches.pop(word, ()) if draw.word not in self._tasks)
             alike = [draw for draw in coming if len(draw.word) == len(word)]
-            alike = alike or [Draw(word, offer.probability)]
-            tasks = self.at(len(word)).tasks_of(alike)
-            self._told.update((draw.word, task) for draw, task in zip(alike, tasks, strict=True))
-        return replace(self._told[word], log_probability=log_probability(offer.probability))
+            alike = alike or [Draw(word, proposal.probability)]
+            tasks = self.at(len(word)).tasks_of_draws(alike)
+            self._tasks.update((draw.word, task) for draw, task in zip(alike, tasks, strict=True))
+        return replace(self._tasks[word], log_probability=log_probability(proposal.probability))
 
 
-def derived(seed: int, *numbers: int | str) -> int:
-    """Return a seed that follows from another one and some numbers: draws by it are independent of all others."""
+def derive_seed(seed: int, *numbers: int | str) -> int:
+    """Return a seed that is derived from another one and some labels; samples by it are independent of all others."""
     return int.from_bytes(sha256(" ".join(map(str, (seed, *numbers))).encode()).digest()[:16], "big")
 
 
-def chosen(shares: Sequence[Fraction], seed: int, *numbers: int | str) -> int:
-    """Return a place with exactly the probability that it has among some shares, which add up to 1."""
+def sample_index(shares: Sequence[Fraction], seed: int, *numbers: int | str) -> int:
+    """Return an index, sampled with exactly the probabilities in `shares`, which add up to 1."""
     scale = lcm(*(share.denominator for share in shares))
-    number = SeededBits(derived(seed, *numbers)).randrange(scale)
+    number = SeededBits(derive_seed(seed, *numbers)).randrange(scale)
     for place, share in enumerate(shares):
         number -= int(share * scale)
         if number < 0:
@@ -161,19 +158,19 @@ def chosen(shares: Sequence[Fraction], seed: int, *numbers: int | str) -> int:
     raise AssertionError("shares add up to 1")
 
 
-def share_of(what: str, number: Number | float, *, least: bool = False) -> Fraction:
-    """Return a share from 0 to 1 as a fraction; a float is what its digits say. With `least` it is above 0.
+def parse_share(what: str, number: Number | float, *, positive: bool = False) -> Fraction:
+    """Return a share from 0 to 1 as a fraction, a float by its decimal digits; with `positive` it is above 0.
 
     Raises:
         QueryError: it is none.
     """
     share = parse_number(what, str(number))
-    if not 0 <= share <= 1 or (least and not share):
-        raise QueryError(f"{what}: {number} is no share; give a number {'above 0' if least else 'from 0'} up to 1")
+    if not 0 <= share <= 1 or (positive and not share):
+        raise QueryError(f"{what}: {number} is no share; give a number {'above 0' if positive else 'from 0'} up to 1")
     return share
 
 
-def whole_of(what: str, number: object) -> int:
+def parse_count(what: str, number: object) -> int:
     """Return a whole number of at least 1.
 
     Raises:

@@ -1,1 +1,1 @@
-"""Where the tasks of an environment come from, and with which of their subgoals an episode begins."""
+"""The tasks of an environment and their sources, and the initial states of episodes."""

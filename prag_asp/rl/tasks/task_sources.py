@@ -1,4 +1,4 @@
-"""Where the tasks of an environment come from, each with a witness: one task, a task space, or a data set."""
+"""The sources of an environment's tasks, each with a witness: one task, a task space, or a dataset."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ import numpy as np
 
 from prag_asp.errors import NotFound, QueryError
 from prag_asp.physics import Budget, Situation, Validator, Witness, open_validator, physical_task
-from prag_asp.rl.curriculum.course import Course, Episode, State
-from prag_asp.rl.curriculum.task_pool import Pool
+from prag_asp.rl.curriculum.task_pool import TaskPool
+from prag_asp.rl.curriculum.task_sampler import EpisodeResult, State, TaskSampler
 from prag_asp.space.task_space import TaskSpace
 
 if TYPE_CHECKING:
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 PATIENCE = 1000
-"""How many tasks in a row are drawn at most until one has a witness."""
+"""The most tasks in a row that are sampled without a witness."""
 
 
 class Assignment(NamedTuple):
-    """A task that an agent is given, with a witness, and its rank among all of its length where that is known.
+    """A task for the agent with a witness, and its rank among all of its length where that is known.
 
-    `probability` is the exact one of the draw that it came of, None where it was not drawn; `rejected` is how many
-    draws since the last task that was given had none that could be given: it is not feasible, or not of the part.
+    `probability` is the exact probability of the sample, None where the task was not sampled; `rejected` counts the
+    samples since the last assignment that are not feasible, or not in the part.
     """
 
     task: Task
@@ -39,17 +39,17 @@ class Assignment(NamedTuple):
     rejected: int = 0
 
 
-class Source(Protocol):
-    """Gives tasks."""
+class TaskSource(Protocol):
+    """Yields tasks with witnesses."""
 
     def seed(self, seed: int) -> None:
-        """Begin the draws anew; what is drawn from now on depends on the seed, and on what is reported, alone."""
+        """Reset the source; all samples from now on depend on the seed and on the results of episodes alone."""
 
     def draw(self) -> Assignment:
         """Return the next task.
 
         Raises:
-            NotFound: so many were drawn in vain.
+            NotFound: `PATIENCE` samples in a row have no witness.
         """
 
     def ranked(self, rank: int) -> Assignment:
@@ -59,28 +59,28 @@ class Source(Protocol):
             QueryError: there is none, or it has no witness.
         """
 
-    def report(self, episode: Episode) -> None:
-        """Hear how an episode has ended."""
+    def update(self, result: EpisodeResult) -> None:
+        """Learn how an episode has ended."""
 
-    def told(self) -> Mapping[str, int | str]:
-        """Return in few words what its curriculum has come to."""
+    def summary(self) -> Mapping[str, int | str]:
+        """Return the progress of its curriculum."""
 
     def state_dict(self) -> State:
-        """Return what it has come to, of what JSON can write."""
+        """Return the state as values of JSON."""
 
     def load_state_dict(self, state: State) -> None:
-        """Go on from what `state_dict` returned."""
+        """Continue from a state of `state_dict`."""
 
 
-class Finder:
-    """Finds witnesses of tasks, by one validator that is opened where it is first needed."""
+class WitnessFinder:
+    """Finds witnesses of tasks by one validator, which is opened lazily."""
 
     def __init__(self, scene: Scene, resources: ExitStack, budget: Budget | None):
         self.scene, self._resources, self._budget = scene, resources, budget
         self._validator: Validator | None = None
 
     def witness(self, task: Task, *, seed: int = 0, index: int = 0) -> Witness | None:
-        """Return a witness of a task, None where none is found; it depends on nothing but what is given.
+        """Return a witness of a task, None where none is found; it depends on the arguments alone.
 
         Raises:
             SceneError: the task speaks about something for which the scene has no shape.
@@ -106,43 +106,43 @@ class Finder:
 
 
 @dataclass
-class OneTask:
-    """Gives the same task again and again."""
+class SingleTask:
+    """Yields the same task again and again."""
 
-    given: Assignment
+    assignment: Assignment
 
     def seed(self, seed: int) -> None:
-        """There is nothing to draw."""
+        """Ignore it: nothing is random."""
 
     def draw(self) -> Assignment:
         """Return the task."""
-        return self.given._replace(probability=Fraction(1))
+        return self.assignment._replace(probability=Fraction(1))
 
     def ranked(self, rank: int) -> Assignment:
-        """Refuse.
+        """Raise an error.
 
         Raises:
             QueryError: a single task has no rank.
         """
-        raise QueryError(f"rank {rank}: there is one task alone; give a space or a data set")
+        raise QueryError(f"rank {rank}: there is only one task; give a space or a dataset")
 
-    def report(self, episode: Episode) -> None:
-        """Nothing depends on it."""
+    def update(self, result: EpisodeResult) -> None:
+        """Ignore it."""
 
-    def told(self) -> Mapping[str, int | str]:
-        """There is nothing to tell."""
+    def summary(self) -> Mapping[str, int | str]:
+        """Return nothing."""
         return {}
 
     def state_dict(self) -> State:
-        """There is nothing to keep."""
+        """Return an empty state."""
         return {}
 
     def load_state_dict(self, state: State) -> None:
-        """There is nothing to go on from."""
+        """Ignore it."""
 
 
-def fitting(task: Task, witness: Witness, scene: Scene) -> Assignment:
-    """Return a task with a witness that somebody gives for it.
+def assign_witness(task: Task, witness: Witness, scene: Scene) -> Assignment:
+    """Return a task with a given witness, which is checked.
 
     Raises:
         QueryError: it is of another task: not all facts of a state hold in it, or it has too few or too many states.
@@ -155,17 +155,17 @@ def fitting(task: Task, witness: Witness, scene: Scene) -> Assignment:
     for number, (facts, moment) in enumerate(zip(states, moments, strict=True)):
         situation = Situation(sized, moment.poses, moment.arms, moment.openings)
         for fact in facts:
-            if not fact.satisfied(situation):
-                told = f"in state {number} of the witness it does not hold that {fact.sentence()}"
-                raise QueryError(f"{told}; give the witness of the task")
+            if not fact.is_satisfied(situation):
+                text = f"in state {number} of the witness it does not hold that {fact.sentence()}"
+                raise QueryError(f"{text}; give the witness of the task")
     return Assignment(task, witness)
 
 
 def require_rank(rank: object, count: int) -> int:
-    """Return a rank that there is.
+    """Return a valid rank below `count`.
 
     Raises:
-        QueryError: there is none.
+        QueryError: it is not valid.
     """
     if isinstance(rank, bool) or not isinstance(rank, int | np.integer) or not 0 <= rank < count:
         raise QueryError(f"rank {rank!r}: give a whole number from 0 to {count - 1}")
@@ -173,35 +173,35 @@ def require_rank(rank: object, count: int) -> int:
 
 
 class SpaceSource:
-    """Draws the tasks of a pool by a course through them, and takes those that have a witness."""
+    """Samples the tasks of a pool by a curriculum, and rejects those without a witness."""
 
-    def __init__(self, pool: Pool, course: Course, finder: Finder):
-        self._pool, self._course, self._finder = pool, course, finder
+    def __init__(self, pool: TaskPool, sampler: TaskSampler, finder: WitnessFinder):
+        self._pool, self._sampler, self._finder = pool, sampler, finder
         self._seed, self._number = 0, 0
 
     def seed(self, seed: int) -> None:
-        """Begin the draws anew."""
+        """Reset the sampler."""
         self._seed, self._number = seed, 0
-        self._course.seed(seed)
+        self._sampler.seed(seed)
 
     def draw(self) -> Assignment:
         """Return the next task that has a witness.
 
         Raises:
-            NotFound: so many in a row have none.
+            NotFound: `PATIENCE` samples in a row have none.
         """
         rejected = 0
         for _ in range(PATIENCE):
-            offer = self._course.offer()
-            task, index = self._pool.task(offer), self._number + offer.passed
+            proposal = self._sampler.propose()
+            task, index = self._pool.task(proposal), self._number + proposal.passed
             witness = self._finder.witness(task, seed=self._seed, index=index)
-            self._course.settle(offer.word, witness is not None)
+            self._sampler.note_feasibility(proposal.word, witness is not None)
             self._number = index + 1
-            rejected += offer.passed
+            rejected += proposal.passed
             if witness is not None:
-                return Assignment(task, witness, probability=offer.probability, rejected=rejected)
+                return Assignment(task, witness, probability=proposal.probability, rejected=rejected)
             rejected += 1
-        raise NotFound(f"none of {PATIENCE} tasks drawn in a row is feasible; take another space, or a larger budget")
+        raise NotFound(f"none of {PATIENCE} sampled tasks in a row is feasible; take another space, or a larger budget")
 
     def ranked(self, rank: int) -> Assignment:
         """Return the task of a rank, with a witness.
@@ -215,76 +215,76 @@ class SpaceSource:
             raise QueryError("a rank is that among the tasks of one length; give a space of one length")
         task = space[require_rank(rank, space.count())]
         if not self._pool.has(tuple(map(str, task.actions))):
-            raise QueryError(f"rank {rank} is not one of the part that is given; give a rank of that")
+            raise QueryError(f"rank {rank} is not in the part; give a rank of the part")
         return Assignment(task, self._finder.required(task), rank)
 
-    def report(self, episode: Episode) -> None:
-        """Let the course hear how an episode has ended."""
-        self._course.report(episode)
+    def update(self, result: EpisodeResult) -> None:
+        """Update the curriculum with the result of an episode."""
+        self._sampler.update(result)
 
-    def told(self) -> Mapping[str, int | str]:
-        """Return in few words what the course has come to."""
-        return self._course.told()
+    def summary(self) -> Mapping[str, int | str]:
+        """Return the progress of the curriculum."""
+        return self._sampler.summary()
 
     def state_dict(self) -> State:
-        """Return what it has come to."""
-        return {"seed": self._seed, "number": self._number, "course": self._course.state_dict()}
+        """Return the state as values of JSON."""
+        return {"seed": self._seed, "number": self._number, "sampler": self._sampler.state_dict()}
 
     def load_state_dict(self, state: State) -> None:
-        """Go on from what `state_dict` returned."""
+        """Continue from a state of `state_dict`."""
         self._seed, self._number = state["seed"], state["number"]
-        self._course.load_state_dict(state["course"])
+        self._sampler.load_state_dict(state["sampler"])
 
 
 class DatasetSource:
-    """Gives the tasks of a data set in random order, each from a first state that it has a witness for."""
+    """Samples the tasks of a dataset, each from an initial state that it has a witness for."""
 
     def __init__(self, dataset: Dataset):
         self._dataset, self._count = dataset, dataset.count()
         if self._count == 0:
-            raise QueryError(f"{dataset.folder}: there is no task to be given")
+            raise QueryError(f"{dataset.folder}: there is no task; give another dataset")
         self.seed(0)
 
     def seed(self, seed: int) -> None:
-        """Begin the draws anew."""
+        """Reset the sampler."""
         self._rng = np.random.default_rng(seed)
 
     def draw(self) -> Assignment:
-        """Return a task that has an action, all equally likely, from one of its first states.
+        """Return a uniformly random task with an action, from one of its initial states.
 
         Raises:
-            NotFound: so many in a row have none.
+            NotFound: `PATIENCE` samples in a row have none.
         """
         for rejected in range(PATIENCE):
-            given = self._given(int(self._rng.integers(self._count)))
-            if given.task.actions:
-                return given._replace(probability=Fraction(1, self._count), rejected=rejected)
-        raise NotFound(f"{self._dataset.folder}: {PATIENCE} tasks in a row have no action; take another data set")
+            assignment = self._assignment(int(self._rng.integers(self._count)))
+            if assignment.task.actions:
+                return assignment._replace(probability=Fraction(1, self._count), rejected=rejected)
+        raise NotFound(f"{self._dataset.folder}: {PATIENCE} tasks in a row have no action; take another dataset")
 
     def ranked(self, rank: int) -> Assignment:
-        """Return the task of a number of the data set.
+        """Return the task of a number of the dataset.
 
         Raises:
             QueryError: there is none.
         """
-        return self._given(require_rank(rank, self._count))
+        return self._assignment(require_rank(rank, self._count))
 
-    def report(self, episode: Episode) -> None:
-        """Nothing depends on it."""
+    def update(self, result: EpisodeResult) -> None:
+        """Ignore it."""
 
-    def told(self) -> Mapping[str, int | str]:
-        """There is nothing to tell."""
+    def summary(self) -> Mapping[str, int | str]:
+        """Return nothing."""
         return {}
 
     def state_dict(self) -> State:
-        """Return what it has come to."""
+        """Return the state as values of JSON."""
         return {"rng": dict(self._rng.bit_generator.state)}
 
     def load_state_dict(self, state: State) -> None:
-        """Go on from what `state_dict` returned."""
+        """Continue from a state of `state_dict`."""
         self._rng.bit_generator.state = state["rng"]
 
-    def _given(self, number: int) -> Assignment:
+    def _assignment(self, number: int) -> Assignment:
         entry = self._dataset.entry(number)
         if entry.starts == 0:
             raise QueryError(f"{self._dataset.folder}: its tasks have no witnesses; generate it with physics")

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from prag_asp.errors import SceneError
 from prag_asp.safe_reading import read_bytes
-from prag_asp.scene.read.report import SMALLEST
+from prag_asp.scene.read.scene_values import SMALLEST
 
 LARGEST = 32_000_000
 """Bytes of a mesh."""

@@ -1,4 +1,4 @@
-"""Read ``[scene.own]``, the spatial predicates that a domain adds, and collect everything that is wrong with them.
+"""Read ``[scene.own]``, the spatial predicates that a domain adds.
 
 [scene.own.in_corner]           # of boxes around the second argument: metres, in its axes, heights from its bottom
 arguments = ["object", "object"]
@@ -15,14 +15,14 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
+from pathlib import Path
 from string import Formatter
-from typing import Any
 
 from prag_asp.safe_reading import is_inside
 from prag_asp.scene.predicate_names import PREDICATE_ROLES
-from prag_asp.scene.read.report import Report, is_number
-from prag_asp.scene.scene import IGNORED, Bounds, Own
-from prag_asp.wording import did_you_mean
+from prag_asp.scene.read.scene_values import DomainNames
+from prag_asp.scene.scene import IGNORED, BoxBounds, Own
+from prag_asp.tables.report import TableEntry, is_number
 
 ROLES = tuple(dict.fromkeys(role for roles in PREDICATE_ROLES.values() for role in roles))
 """What an argument of a spatial predicate can be."""
@@ -31,152 +31,120 @@ BOX_KEYS = ("arguments", "boxes", "inside", "around", "sentence")
 PYTHON_KEYS = ("arguments", "python")
 INSIDE = ("centre", "whole")
 AXES = ("x", "y", "z")
-PAIR = 2
 NAME = re.compile(r"[a-z]\w*")
 EXAMPLE = '"{0} {is} in the corner of {1}"'
 ENDLESS = (-math.inf, math.inf)
 
 
-def read_own(report: Report, value: object) -> dict[str, Own]:
-    """Return the predicates of a ``[scene.own]`` table by their names, those with mistakes left out."""
-    return _OwnReader(report).read(value)
-
-
-class _OwnReader:
-    """Reads a ``[scene.own]`` table, and reports what is wrong with it instead of stopping."""
-
-    def __init__(self, report: Report) -> None:
-        self.report = report
-        self.add = report.add
-
-    def read(self, value: object) -> dict[str, Own]:
-        """Return the predicates by their names, those with mistakes left out."""
-        if not isinstance(value, Mapping):
-            self.add("scene.own", f"needs a table for each predicate, such as [scene.own.in_corner]; got {value!r}")
-            return {}
-        found = {}
-        for name, table in value.items():
-            before = len(self.report.problems)
-            own = self.predicate(f"scene.own.{name}", name, table)
-            if own is not None and len(self.report.problems) == before:
-                found[name] = own
-            else:
-                self.report.doubtful.add(name)
-        return found
-
-    def predicate(self, key: str, name: str, table: object) -> Own | None:
-        """Return one predicate; where something is wrong with it, a problem has been added."""
-        if not isinstance(table, Mapping):
-            self.add(key, f"needs a table with arguments, and boxes or python; got {table!r}")
-            return None
-        if name in PREDICATE_ROLES or name == IGNORED:
-            self.add(key, f"{name} is there already; choose another name")
-        elif not NAME.fullmatch(name):
-            self.add(key, "is no name of a fluent; begin with a small letter, go on with letters, digits and _")
-        if ("python" in table) == ("boxes" in table):
-            which = "boxes and python" if "python" in table else "neither boxes nor python"
-            self.add(key, f"has {which}; define it by one of them")
-            return None
-        known = PYTHON_KEYS if "python" in table else BOX_KEYS
-        self.report.unknown(key, table, known)
-        roles = self.roles(f"{key}.arguments", table.get("arguments"), ROLES)
-        if "python" in table:
-            return Own(name, roles, file=self.file(f"{key}.python", table["python"]))
-        return self.composed(key, name, table, roles)
-
-    def roles(self, key: str, value: object, known: tuple[str, ...]) -> tuple[str, ...]:
-        """Return what the arguments of a predicate have to be."""
-        if isinstance(value, list) and value and all(role in known for role in value):
-            return tuple(value)
-        self.add(key, f'needs a list of {", ".join(known)}, such as ["object", "object"]; got {value!r}')
-        return ()
-
-    def composed(self, key: str, name: str, table: Mapping[str, Any], roles: tuple[str, ...]) -> Own:
-        """Return a predicate made of boxes."""
-        around = table.get("around")
-        if roles and set(roles) != {"object"}:
-            self.add(f"{key}.arguments", f"of boxes can only be objects; got {', '.join(roles)}")
-        elif around is None and len(roles) not in (0, PAIR):
-            text = (
-                "need two objects, the second with the boxes around it; or one, and `around`, the entity of the boxes"
-            )
-            self.add(f"{key}.arguments", text)
-        elif around is not None and len(roles) != 1:
-            self.add(f"{key}.around", "stands in for a second argument; give it one object as its arguments")
-        elif around is not None and str(around) not in self.report.entities:
-            self.add(f"{key}.around", f"unknown entity; {did_you_mean(str(around), self.report.entities)}")
-        inside = table.get("inside", INSIDE[0])
-        if inside not in INSIDE:
-            self.add(f"{key}.inside", f"needs one of {', '.join(INSIDE)} (what is in a box); got {inside!r}")
-        return Own(
-            name,
-            roles,
-            boxes=self.boxes(f"{key}.boxes", table["boxes"]),
-            whole=inside == "whole",
-            around=None if around is None else str(around),
-            sentence=self.sentence(f"{key}.sentence", table.get("sentence")),
-        )
-
-    def boxes(self, key: str, value: object) -> tuple[Bounds, ...]:
-        """Return the boxes of a predicate, at least one."""
-        if not isinstance(value, list) or not value:
-            self.add(key, f"needs a list of boxes like {{ x = [0.05, 0.12], z = [0, 0.1] }}; got {value!r}")
-            return ()
-        return tuple(self.box(f"{key}.{i}", box) for i, box in enumerate(value, 1))
-
-    def box(self, key: str, value: object) -> Bounds:
-        """Return a box; along an axis that it does not name nothing bounds it."""
-        if not isinstance(value, Mapping) or not value:
-            self.add(key, f"needs a table like {{ x = [0.05, 0.12], y = [0, 0.1] }}; got {value!r}")
-            return Bounds((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-        for name in value:
-            if name not in AXES:
-                self.add(f"{key}.{name}", f"unknown key; {did_you_mean(name, AXES)}")
-        ends = [self.ends(f"{key}.{axis}", value.get(axis, list(ENDLESS))) for axis in AXES]
-        (ax, bx), (ay, by), (az, bz) = ends
-        return Bounds((ax, ay, az), (bx, by, bz))
-
-    def ends(self, key: str, value: object) -> tuple[float, float]:
-        """Return the low and the high end of a box along an axis in metres."""
-        if isinstance(value, list) and len(value) == PAIR and all(map(_is_length, value)):
-            low, high = map(float, value)
-            if low < high and low < math.inf and high > -math.inf:
-                return low, high
-        self.add(key, f"needs a low and a high end in metres; got {value!r}")
-        return ENDLESS
-
-    def sentence(self, key: str, value: object) -> str:
-        """Return the template of a sentence: {0}, {1} and {is}, each of the two arguments at most."""
-        if isinstance(value, str) and value.strip():
-            try:
-                fields = [field for _, field, _, _ in Formatter().parse(value) if field is not None]
-            except ValueError:
-                fields = [""]
-            wrong = [field for field in fields if field not in ("0", "1", "is")]
-            if wrong:
-                self.add(key, f"has braces that name no argument; use {{0}}, {{1}} and {{is}}, as in {EXAMPLE}")
-            elif "is" not in fields or "0" not in fields:
-                self.add(key, f"needs {{0}}, and {{is}} for is or is not, as in {EXAMPLE}")
-            return value
-        got = "" if value is None else f"; got {value!r}"
-        self.add(key, f"{'missing: write' if value is None else 'needs'} a sentence like {EXAMPLE}{got}")
-        return ""
-
-    def file(self, key: str, value: object) -> str:
-        """Return the path of a Python file within the folder of the domain."""
-        if not isinstance(value, str) or not value.endswith(".py"):
-            self.add(key, f'needs the name of a Python file of the domain, such as "predicates.py"; got {value!r}')
+def read_own(section: TableEntry, names: DomainNames) -> dict[str, Own]:
+    """Return the predicates of a ``[scene.own]`` table by their names, without those that have problems."""
+    if not section.is_table("for each predicate, such as [scene.own.in_corner]"):
+        return {}
+    found = {}
+    for name, entry in section.entries():
+        own = _predicate(entry, name, names)
+        if own is not None and entry.is_sound:
+            found[name] = own
         else:
-            path = self.report.folder / value
-            if not is_inside(path, self.report.folder):
-                self.add(key, f"{value} lies outside of the folder of the domain; move it there")
-            elif not path.is_file():
-                self.add(key, f"{value} is not in the folder of the domain; write it, or mend the name")
-            else:
-                return str(path.resolve())
+            section.report.doubtful.add(name)
+    return found
+
+
+def _predicate(entry: TableEntry, name: str, names: DomainNames) -> Own | None:
+    """Return one predicate, None where it is not even clear how it is defined."""
+    if not entry.is_table("with arguments, and boxes or python"):
+        return None
+    if name in PREDICATE_ROLES or name == IGNORED:
+        entry.add(f"{name} is there already; choose another name")
+    elif not NAME.fullmatch(name):
+        entry.add("is no name of a fluent; begin with a small letter, go on with letters, digits and _")
+    by_python = "python" in entry.value
+    if by_python == ("boxes" in entry.value):
+        entry.add(f"has {'boxes and python' if by_python else 'neither boxes nor python'}; define it by one of them")
+        return None
+    entry.require_known(PYTHON_KEYS if by_python else BOX_KEYS)
+    roles, value = (), entry.at("arguments").value
+    if isinstance(value, list) and value and all(role in ROLES for role in value):
+        roles = tuple(value)
+    else:
+        entry.at("arguments").needs(f'a list of {", ".join(ROLES)}, such as ["object", "object"]')
+    if by_python:
+        return Own(name, roles, file=_file(entry.at("python"), names.folder))
+    return _composed(entry, name, roles, names)
+
+
+def _composed(entry: TableEntry, name: str, roles: tuple[str, ...], names: DomainNames) -> Own:
+    """Return a predicate that is defined by boxes."""
+    arguments, around = entry.at("arguments"), entry.at("around")
+    if roles and set(roles) != {"object"}:
+        arguments.add(f"are {', '.join(roles)}, but those of boxes can only be objects; write a file in Python instead")
+    elif around.missing and len(roles) not in (0, 2):
+        arguments.needs(
+            "two objects, the second with the boxes around it; or one, and `around`, the entity of the boxes"
+        )
+    elif not around.missing and len(roles) != 1:
+        around.add("stands in for a second argument; give it one object as its arguments")
+    elif not around.missing:
+        names.has_entity(around, str(around.value))
+    boxes = entry.at("boxes")
+    if not isinstance(boxes.value, list) or not boxes.value:
+        boxes.needs("a list of boxes like { x = [0.05, 0.12], z = [0, 0.1] }")
+    return Own(
+        name,
+        roles,
+        boxes=tuple(map(_box, boxes.items())),
+        whole=entry.at("inside", INSIDE[0]).choice(INSIDE, "what is in a box") == "whole",
+        around=None if around.missing else str(around.value),
+        sentence=_sentence(entry.at("sentence")),
+    )
+
+
+def _box(entry: TableEntry) -> BoxBounds:
+    """Return a box; nothing bounds it along an axis that it does not name."""
+    if not isinstance(entry.value, Mapping) or not entry.value:
+        entry.needs("a table like { x = [0.05, 0.12], y = [0, 0.1] }")
+        return BoxBounds((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    entry.require_known(AXES)
+    (ax, bx), (ay, by), (az, bz) = (_ends(entry.at(axis, list(ENDLESS))) for axis in AXES)
+    return BoxBounds((ax, ay, az), (bx, by, bz))
+
+
+def _ends(entry: TableEntry) -> tuple[float, float]:
+    """Return the low and the high end of a box along an axis in metres; an end may be infinite."""
+    value = entry.value
+    if isinstance(value, list) and len(value) == 2 and all(is_number(each) or each in ENDLESS for each in value):
+        low, high = map(float, value)
+        if low < high and low < math.inf and high > -math.inf:
+            return low, high
+    entry.needs("a low and a high end in metres")
+    return ENDLESS
+
+
+def _sentence(entry: TableEntry) -> str:
+    """Return the template of a sentence with {0}, {1} and {is}."""
+    if not isinstance(entry.value, str) or not entry.value.strip():
+        entry.needs(f"a sentence like {EXAMPLE}")
         return ""
+    try:
+        fields = [field for _, field, _, _ in Formatter().parse(entry.value) if field is not None]
+    except ValueError:
+        fields = [""]
+    if not {"0", "1", "is"}.issuperset(fields):
+        entry.add(f"has braces that name no argument; use {{0}}, {{1}} and {{is}}, as in {EXAMPLE}")
+    elif "is" not in fields or "0" not in fields:
+        entry.add(f"has no {{0}}, or no {{is}} for is or is not; write both, as in {EXAMPLE}")
+    return entry.value
 
 
-def _is_length(value: object) -> bool:
-    """Tell whether a TOML value is a number, which may be infinite."""
-    return is_number(value) or (isinstance(value, float) and math.isinf(value))
+def _file(entry: TableEntry, folder: Path) -> str:
+    """Return the path of a Python file within the folder of the domain."""
+    value = entry.value
+    if not isinstance(value, str) or not value.endswith(".py"):
+        entry.needs('the name of a Python file of the domain, such as "predicates.py"')
+    elif not is_inside(folder / value, folder):
+        entry.add(f"{value} lies outside of the folder of the domain; move it there")
+    elif not (folder / value).is_file():
+        entry.add(f"{value} is not in the folder of the domain; write it, or mend the name")
+    else:
+        return str((folder / value).resolve())
+    return ""

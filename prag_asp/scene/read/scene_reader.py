@@ -1,4 +1,4 @@
-"""Read the ``[scene]`` table of a domain, and collect everything that is wrong with it.
+"""Read the ``[scene]`` table of a domain.
 
 Lengths are metres, angles in the file degrees.
 """
@@ -12,15 +12,16 @@ from typing import Any
 
 from prag_asp.scene.predicate_names import PREDICATE_ROLES
 from prag_asp.scene.read.camera_reader import read_cameras
-from prag_asp.scene.read.layout import place_problems, read_fixed, read_table, read_workspace
+from prag_asp.scene.read.layout import check_places, read_fixed, read_table, read_workspace
 from prag_asp.scene.read.materials import read_colors, read_materials
-from prag_asp.scene.read.report import Report, is_number
-from prag_asp.scene.read.robots import base_problems, read_robots
+from prag_asp.scene.read.predicates import read_own
+from prag_asp.scene.read.robots import check_bases, read_robots
+from prag_asp.scene.read.scene_values import DomainNames
 from prag_asp.scene.read.shapes import read_shapes
 from prag_asp.scene.read.stability import falls
-from prag_asp.scene.read.vary import read_vary
 from prag_asp.scene.robots import ROBOTS
-from prag_asp.scene.scene import IGNORED, Own, Scene, Shape, Table
+from prag_asp.scene.scene import IGNORED, Own, Ranges, Scene
+from prag_asp.tables.report import TableEntry, is_number, shown
 from prag_asp.wording import did_you_mean
 
 FRAMES = ("robot", "viewer")
@@ -41,86 +42,114 @@ SCENE_KEYS = (
     "vary",
 )
 
+FACTORS = (0.05, 20.0)
+"""The least and the largest factor of friction and mass: they cover all materials that bodies are made of."""
 
-def read_scene(report: Report, table: Mapping[str, Any], own: Mapping[str, Own]) -> Scene:
-    """Return a scene that has its `own` predicates too; a wrong value is reported, and the default stands in for it."""
-    report.unknown("scene", table, SCENE_KEYS)
-    if not isinstance(table.get("shapes", {}), Mapping) or "scene.shapes" in report.misspelt:
-        report.doubtful |= set(report.entities)
-    sizes = read_shapes(report, report.section(table, "shapes"))
+LARGEST_RANGES: Mapping[str, tuple[float, str]] = {
+    "light": (80.0, "degrees"),
+    "camera": (0.4, "a share of how far the camera is from what it looks at"),
+    "colour": (60.0, "Delta E in CIELAB"),
+}
+"""The largest value of each kind, and its unit."""
+
+
+def read_scene(root: TableEntry, names: DomainNames) -> Scene:
+    """Return the scene of a ``[scene]`` table; the default stands in for a wrong value, which is reported."""
+    report = root.report
+    root.require_known(SCENE_KEYS)
+    if not isinstance(root.value.get("shapes", {}), Mapping) or (*root.keys, "shapes") in report.misspelt:
+        report.doubtful |= set(names.entities)
+    own = read_own(root.at("own", {}), names)
+    sizes = read_shapes(root.section("shapes"), names)
     shapes = {entity: several[-1] for entity, several in sizes.items()}
-    usual = report.choice(table, "robot", tuple(ROBOTS))
+    usual = root.at("robot", next(iter(ROBOTS))).choice(tuple(ROBOTS)) or next(iter(ROBOTS))
     arms = {entity: shape for entity, shape in shapes.items() if shape.kind == "robot"}
-    robots = read_robots(report, report.section(table, "robots"), shapes, usual)
-    top = read_table(report, report.section(table, "table"))
+    robots = read_robots(root.section("robots"), shapes, usual)
+    top = read_table(root.section("table"))
     scene = Scene(
         shapes=shapes,
         robots=robots,
-        frame=report.choice(table, "frame", FRAMES),
-        workspace=read_workspace(report, report.section(table, "workspace")),
+        frame=root.at("frame", FRAMES[0]).choice(FRAMES) or FRAMES[0],
+        workspace=read_workspace(root.section("workspace")),
         table=top,
-        colors=read_colors(report, report.section(table, "colors"), shapes, top.color),
-        fixed=read_fixed(report, report.section(table, "fixed"), shapes),
-        predicates=_predicates(report, report.section(table, "predicates"), own),
-        rotations=_rotations(report, report.section(table, "rotations")),
-        materials=read_materials(report, report.section(table, "materials")),
+        colors=read_colors(root.section("colors"), names, shapes, top.color),
+        fixed=read_fixed(root.section("fixed"), names, shapes),
+        predicates=_predicates(root.section("predicates"), own),
+        rotations=_rotations(root.section("rotations")),
+        materials=read_materials(root.section("materials"), names),
         own=own,
-        cameras=read_cameras(report, report.section(table, "cameras"), {**robots, **arms}),
-        vary=read_vary(report, report.section(table, "vary")),
+        cameras=read_cameras(root.section("cameras"), {**robots, **arms}),
+        vary=_ranges(root.section("vary")),
         ranges={entity: several for entity, several in sizes.items() if len(several) > 1},
     )
     if not report.problems:
-        _check_bodies(report, scene, report.section(table, "shapes"))
+        _check_bodies(root, scene, names)
     return scene
 
 
-def _check_bodies(report: Report, scene: Scene, given: Mapping[str, Any]) -> None:
-    """Report objects larger than the table, fixed ones off it or in each other or a robot, furniture without a place.
+def _check_bodies(root: TableEntry, scene: Scene, names: DomainNames) -> None:
+    """Report bodies that cannot stand where they are, or anywhere.
 
-    `given` is ``scene.shapes`` by class.
+    These are objects larger than the table, fixed ones off it or in each other or a robot, bodies that fall over, and
+    furniture without a place.
     """
+    report, shapes, places = root.report, root.section("shapes"), root.section("fixed")
     for entity, shape in scene.shapes.items():
         if shape.traits.furniture and entity not in scene.fixed:
-            report.add(f"scene.fixed.{entity}", f"missing: {entity} is a {shape.kind}, which does not move; say where")
-    bodies = {entity: shape for entity, shape in scene.shapes.items() if shape.traits.body}
+            places.at(entity).needs(f"where {entity} stands, because a {shape.kind} does not move")
     fallen: dict[str, str] = {}
-    for entity, shape in bodies.items():
-        owner = next(name for name in report.line(entity) if name in given)
+    for entity, shape in scene.shapes.items():
+        if not shape.traits.body:
+            continue
+        owner = next(name for name in names.line(entity) if name in shapes.value)
         if shape.model is not None and entity not in scene.fixed and falls(shape.model.solids):
             fallen.setdefault(owner, entity)
-        if _larger(shape, scene.table):
-            sides, room = sorted(shape.size[:2]), sorted(scene.table.size)
+        sides, room = sorted(shape.size[:2]), sorted(scene.table.size)
+        if sides[0] > room[0] or sides[1] > room[1]:
             text = f"{sides[1]:g} x {sides[0]:g} m is larger than the table, which is {room[1]:g} x {room[0]:g} m"
-            report.add(f"scene.shapes.{owner}", f"{text}; make it smaller")
+            shapes.at(owner).add(f"{text}; make it smaller")
             report.doubtful.add(entity)
     for owner, entity in fallen.items():
         text = f"{entity} falls over: the middle of its box, its centre of mass here, is not above what it stands on"
-        report.add(f"scene.shapes.{owner}.path", f"{text}; turn it, widen its foot, or fix it to a place")
+        shapes.at(owner).at("path").add(f"{text}; turn it, widen its foot, or fix it to a place")
     fixed = {entity: place for entity, place in scene.fixed.items() if entity not in report.doubtful}
-    report.problems += [*place_problems(scene.table, scene.shapes, fixed), *base_problems(replace(scene, fixed=fixed))]
+    check_places(places, scene.table, scene.shapes, fixed)
+    check_bases(places, replace(scene, fixed=fixed))
 
 
-def _larger(shape: Shape, table: Table) -> bool:
-    """Tell whether a body is longer or broader than the table."""
-    return any(side > room for side, room in zip(sorted(shape.size[:2]), sorted(table.size), strict=True))
-
-
-def _predicates(report: Report, value: Mapping[str, Any], own: Mapping[str, Own]) -> dict[str, str]:
+def _predicates(section: TableEntry, own: Mapping[str, Own]) -> dict[str, str]:
     """Return which spatial predicate a fluent name means."""
     known = [*PREDICATE_ROLES, *own, IGNORED]
-    for fluent, predicate in value.items():
-        if predicate not in known and str(predicate) not in report.doubtful:
-            hint = did_you_mean(str(predicate), known)
-            report.add(f"scene.predicates.{fluent}", f"unknown spatial predicate {predicate!r}; {hint}")
-    return {fluent: str(predicate) for fluent, predicate in value.items()}
+    for _, entry in section.entries():
+        if entry.value not in known and str(entry.value) not in section.report.doubtful:
+            entry.add(f"unknown spatial predicate {shown(entry.value)}; {did_you_mean(str(entry.value), known)}")
+    return {fluent: str(entry.value) for fluent, entry in section.entries()}
 
 
-def _rotations(report: Report, value: Mapping[str, Any]) -> dict[str, float]:
+def _rotations(section: TableEntry) -> dict[str, float]:
     """Return the yaw in radians that a name stands for."""
     rotations = {}
-    for name, yaw in value.items():
-        if is_number(yaw):
-            rotations[name] = math.radians(yaw)
+    for name, entry in section.entries():
+        if is_number(entry.value):
+            rotations[name] = math.radians(entry.value)
         else:
-            report.add(f"scene.rotations.{name}", f"needs a yaw in degrees; got {yaw!r}")
+            entry.needs("a yaw in degrees")
     return rotations
+
+
+def _ranges(section: TableEntry) -> Ranges:
+    """Return the ranges of ``[scene.vary]`` within which episodes vary, the usual ones where it names none."""
+    usual, (low, high) = Ranges(), FACTORS
+    section.require_known(Ranges._fields)
+    ranges: dict[str, Any] = {}
+    what = f"a low and a high factor from {low:g} to {high:g}, such as [0.8, 1.2]"
+    for name in ("friction", "mass"):
+        entry = section.at(name, list(getattr(usual, name)))
+        pair = entry.numbers(2, what, low, high)
+        if pair is not None and pair[0] > pair[1]:
+            entry.needs(what)
+        ranges[name] = pair or getattr(usual, name)
+    for name, (most, unit) in LARGEST_RANGES.items():
+        number = section.at(name, getattr(usual, name)).number(0.0, most, unit)
+        ranges[name] = getattr(usual, name) if number is None else number
+    return Ranges(**ranges)

@@ -1,7 +1,7 @@
-"""Whether a body of solids stands by itself, upright as its URDF has it.
+"""The static stability of a body of solids, upright as its URDF has it.
 
-It touches what it stands on with all that is within `CONTACT` of its lowest point. Boxes and meshes are looked at by
-their corners, cylinders and balls by points all around, balls just above their lowest point too.
+Its support is the hull of all its points within `CONTACT` of the lowest one. Boxes and meshes are sampled at their
+corners, cylinders and balls all around, balls also just above their lowest point.
 """
 
 from __future__ import annotations
@@ -15,21 +15,24 @@ from prag_asp.scene.scene import Size, Solid
 
 Rows = tuple[Size, Size, Size]
 CONTACT = 0.002
-STEADY = 0.0025
-"""How far within its foot the middle of a body has to be in metres: on an edge it is hardly more than `CONTACT`."""
+"""The height in metres up to which a body touches the ground: to PyBullet, bodies that near are in contact."""
+
+STABLE_DEPTH = 0.0025
+"""The least distance of the centre of mass from the edge of the support, in metres: a little more than `CONTACT`."""
 
 DIRECTIONS = 64
+"""Directions in which the support and round surfaces are sampled: one every 5.6 degrees."""
 
 
 def falls(solids: Sequence[Solid]) -> bool:
-    """Tell whether the middle of a body, its centre of mass, is beside what it touches the ground with, or on an edge.
+    """Return whether the centre of mass of a body is outside its support, or on an edge of it.
 
     The solids are relative to the middle. A round foot counts as if it were flat.
     """
     points = [point for solid in solids for point in _surface(solid)]
     lowest = min(z for _, _, z in points)
     foot = [(x, y) for x, y, z in points if z <= lowest + CONTACT]
-    return _depth(foot) < STEADY
+    return _depth(foot) < STABLE_DEPTH
 
 
 def _depth(foot: Sequence[tuple[float, float]]) -> float:

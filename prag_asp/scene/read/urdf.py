@@ -19,9 +19,9 @@ from prag_asp.errors import SceneError
 from prag_asp.safe_reading import is_inside, read_bytes
 from prag_asp.scene.forms import FORMS
 from prag_asp.scene.read.mesh import mesh_points, thickness
-from prag_asp.scene.read.report import SMALLEST
+from prag_asp.scene.read.scene_values import SMALLEST
 from prag_asp.scene.read.stability import rotation
-from prag_asp.scene.scene import Model, Shape, Size, Solid
+from prag_asp.scene.scene import BodyModel, Shape, Size, Solid
 from prag_asp.wording import plural
 
 ZEROS = "0 0 0"
@@ -51,19 +51,19 @@ def read_urdf(path: Path, folder: Path) -> Shape:
     name = f"link {link.get('name', 'without a name')}"
     solids, corners = [], list[Size]()
     for number, element in enumerate(link.iter("collision"), 1):
-        with _told_of(path, lines[element], f"{name}, collision {number}"):
+        with _errors_at(path, lines[element], f"{name}, collision {number}"):
             solids.append(_solid(element, path, folder))
             corners += _ends(solids[-1])
     mass = link.find("inertial/mass")
     if mass is None or not solids:
         missing = "<collision>" if mass is not None else "<mass> in an <inertial>"
         raise SceneError(f"{path}:{lines[link]}: {name} has no {missing}; add one")
-    with _told_of(path, lines[mass], name):
+    with _errors_at(path, lines[mass], name):
         weight = _lengths(mass, "value", 1)[0]
     low, high = (_size([end(corner[i] for corner in corners) for i in range(3)]) for end in (min, max))
     middle = _size([(a + b) / 2 for a, b in zip(low, high, strict=True)])
     centred = tuple(solid._replace(at=_minus(solid.at, middle)) for solid in solids)
-    return Shape("urdf", _minus(high, low), model=Model(centred, weight))
+    return Shape("urdf", _minus(high, low), model=BodyModel(centred, weight))
 
 
 def _parsed(path: Path, folder: Path) -> tuple[ElementTree.Element, dict[ElementTree.Element, int]]:
@@ -82,8 +82,8 @@ def _parsed(path: Path, folder: Path) -> tuple[ElementTree.Element, dict[Element
 
     def start(tag: str, attributes: dict[str, str]) -> None:
         if tag == "collision" and next(solids) > MOST_SOLIDS:
-            where, told = f"{path}:{parser.CurrentLineNumber}", f"more than {MOST_SOLIDS:,} collisions"
-            raise SceneError(f"{where}: {told}; give the body a simpler shape, such as one mesh or a few boxes")
+            where, text = f"{path}:{parser.CurrentLineNumber}", f"more than {MOST_SOLIDS:,} collisions"
+            raise SceneError(f"{where}: {text}; give the body a simpler shape, such as one mesh or a few boxes")
         lines[builder.start(tag, attributes)] = parser.CurrentLineNumber
 
     parser.StartElementHandler, parser.EndElementHandler = start, builder.end
@@ -97,8 +97,8 @@ def _parsed(path: Path, folder: Path) -> tuple[ElementTree.Element, dict[Element
 
 
 @contextmanager
-def _told_of(path: Path, line: int, what: str) -> Iterator[None]:
-    """Begin the message of an error in a URDF with its line, and with what of it is wrong.
+def _errors_at(path: Path, line: int, what: str) -> Iterator[None]:
+    """Prefix errors in the block with their line in a URDF and the element they belong to.
 
     Raises:
         SceneError: what is read raises one.

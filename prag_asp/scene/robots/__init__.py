@@ -1,4 +1,4 @@
-"""The robots: one file each, behind one small description that the rest of physics reads."""
+"""The robots: one file each, with one description for the rest of physics."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from prag_asp.errors import SceneError
 from prag_asp.scene.geometry import Pose, yaw_quaternion
 from prag_asp.scene.robots.kuka import KUKA
 from prag_asp.scene.robots.panda import PANDA
-from prag_asp.scene.robots.robot import Hand, Joints, Robot, Solver
+from prag_asp.scene.robots.robot import Hand, Joints, KinematicsSolver, Robot
 from prag_asp.scene.scene import Mount, Scene
 
 ROBOTS: Mapping[str, Robot] = {"panda": PANDA, "kuka": KUKA}
@@ -31,9 +31,9 @@ def robot_of(scene: Scene, name: str) -> Robot:
 
 @cache
 def _mounted(mount: Mount) -> Robot:
-    """Return a robot that stands somewhere."""
+    """Return a robot with its base at a mount."""
     base = Pose((mount.x, mount.y, 0.0), yaw_quaternion(mount.yaw))
     return ROBOTS[mount.kind] if base == Pose((0.0, 0.0, 0.0)) else replace(ROBOTS[mount.kind], base=base)
 
 
-__all__ = ["KUKA", "PANDA", "ROBOTS", "Hand", "Joints", "Robot", "Solver", "robot_of"]
+__all__ = ["KUKA", "PANDA", "ROBOTS", "Hand", "Joints", "KinematicsSolver", "Robot", "robot_of"]

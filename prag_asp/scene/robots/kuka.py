@@ -1,4 +1,4 @@
-"""The KUKA LBR iiwa 14 R820 with a gripper of our own: a palm and two fingers of boxes.
+"""The KUKA LBR iiwa 14 R820 with a custom gripper: a palm and two fingers of boxes.
 
 Joint limits and speeds are KUKA's ("LBR iiwa 7 R800, LBR iiwa 14 R820: specification", axis data of the R820); the
 wheel's URDF has the limits too. The arm is a shoulder, an elbow and a wrist: the axes of joints 1 to 3 meet in one

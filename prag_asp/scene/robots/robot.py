@@ -1,4 +1,4 @@
-"""What the rest of physics needs to know of a robot: an arm of seven joints with a parallel gripper.
+"""The description of a robot for the rest of physics: an arm of seven joints with a parallel gripper.
 
 The tool is the point between the finger tips, its z axis the direction in which the fingers point, its y axis
 the one along which they open.
@@ -25,11 +25,11 @@ Joints = tuple[float, ...]
 ORIGIN = Pose((0.0, 0.0, 0.0))
 
 
-class Solver(Protocol):
-    """The kinematics of an arm in closed form; of its seven freedoms one angle is left to choose.
+class KinematicsSolver(Protocol):
+    """The kinematics of an arm in closed form; one angle of its seven degrees of freedom is a parameter.
 
-    `last_resort` are the angles to try where no others gave a solution, `weights` how much the inverse kinematics
-    minds that each joint is away from the robot's posture.
+    `last_resort` are the angles to try where no others gave a solution, `weights` the costs of the joints'
+    distances from the robot's posture in the inverse kinematics.
     """
 
     last_resort: tuple[float, ...]
@@ -51,7 +51,7 @@ class Solver(Protocol):
 
 
 class Hand(NamedTuple):
-    """A gripper of our own, for arms that come without: a box as the palm, and fingers that slide apart.
+    """A custom gripper for arms without one: a box as the palm, and sliding fingers.
 
     `parent` is the link of the arm that carries it, `at` how far ahead of that link's frame it begins and
     `turn` how far it is turned about the axis of that, `palm` the sizes of the palm; metres and radians.
@@ -76,11 +76,11 @@ class Robot:
     seen from above, where the gripper gets to it and above it from straight above however it is turned, up to
     `reach_height`. `payload` is what the arm may carry, in kilograms, `grip_force` what each finger presses with, in
     newtons. `finger_names` are the links of the fingers, each with the side on which it is; `finger_boxes` make up the
-    left one, in its frame. `hand` is there where the gripper is our own. `base` is where the robot stands.
+    left one, in its frame. `hand` is set where the gripper is a custom one. `base` is where the robot stands.
     """
 
     urdf: str
-    solver: Solver
+    solver: KinematicsSolver
     footprint: tuple[Footprint, ...]
     lower: Joints
     upper: Joints
@@ -110,7 +110,7 @@ class Robot:
     base: Pose = ORIGIN
 
     def within_limits(self, joints: Sequence[float], tolerance: float = 0.0) -> bool:
-        """Tell whether every joint is within its limits, widened by `tolerance` radians."""
+        """Return whether every joint is within its limits, widened by `tolerance` radians."""
         lower, upper = self.lower, self.upper
         if tolerance:
             lower, upper = tuple(low - tolerance for low in lower), tuple(high + tolerance for high in upper)

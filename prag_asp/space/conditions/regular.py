@@ -195,10 +195,10 @@ def parse_expression(text: str, names: Iterable[str]) -> Expression:
     Raises:
         QueryError: it spells none, or speaks of an unknown name.
     """
-    return _Parser(text, frozenset(names)).whole()
+    return _ExpressionParser(text, frozenset(names)).whole()
 
 
-class _Parser:
+class _ExpressionParser:
     """Reads an expression by recursive descent."""
 
     def __init__(self, text: str, names: frozenset[str]) -> None:

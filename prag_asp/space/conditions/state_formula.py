@@ -25,7 +25,7 @@ def parse_formula(text: str, fluents: Iterable[str]) -> tuple[Conjunction, ...]:
         QueryError: it is no formula, or speaks of an unknown fluent.
     """
     with not_too_deep(text):
-        return tuple(dict(literals) for literals in _Parser(text, frozenset(fluents)).whole())
+        return tuple(dict(literals) for literals in _FormulaParser(text, frozenset(fluents)).whole())
 
 
 def parse_conjunction(text: str, fluents: Iterable[str]) -> Conjunction:
@@ -43,7 +43,7 @@ def parse_conjunction(text: str, fluents: Iterable[str]) -> Conjunction:
 _Literals = frozenset[tuple[str, bool]]
 
 
-class _Parser:
+class _FormulaParser:
     """Reads a formula by recursive descent, with its negation pushed down to the fluents."""
 
     def __init__(self, text: str, fluents: frozenset[str]) -> None:

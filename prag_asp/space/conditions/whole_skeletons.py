@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
@@ -14,6 +15,12 @@ from prag_asp.space.parts.shares import divided
 
 FEWEST_CLASSES = 20
 """Classes that skeletons are divided into at least: where there are many skeletons, parts are made of whole classes."""
+
+MOST_SKELETONS, LONGEST = 500, 30
+"""Skeletons up to which parts are chosen skeleton by skeleton, and the number of actions up to which they are."""
+
+SPELLABLE = re.compile(r"\w+")
+"""A name that regular expressions can spell."""
 
 Count = Callable[[Condition], int]
 """Returns how many tasks satisfy a condition."""

@@ -24,7 +24,7 @@ def weigh_words(
     Raises:
         QueryError: the weights distinguish interchangeable entities, or skeletons are weighed.
     """
-    from prag_asp.space.plans.task_builder import Narrator
+    from prag_asp.space.plans.task_builder import TaskBuilder
     from prag_asp.space.weights.tree import word_tree
 
     refuse_weights(level, weights, model, length)
@@ -35,7 +35,7 @@ def weigh_words(
         return word_tree(spelled, length)
     actions = {str(action): action for action in model.domain.facts.actions}
     weighs = [weights.of_plan([actions[letter] for letter in word]) for word in everything] if weights else None
-    return word_tree(spelled, length, weighs, Narrator(model).last_states(everything) if goals else None)
+    return word_tree(spelled, length, weighs, TaskBuilder(model).final_states(everything) if goals else None)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol, overload
 
@@ -37,12 +37,12 @@ class Ranks(Protocol):
 class Space(Protocol):
     """What the ranks are those of: a `TaskSpace`."""
 
-    def word(self, rank: int) -> tuple[str, ...]:
-        """Return the task of a rank as the texts of its actions."""
+    def plan_at(self, rank: int) -> tuple[str, ...]:
+        """Return the plan of the task of a rank as the texts of its actions."""
         ...
 
-    def narrate(self, plans: Iterator[tuple[str, ...]]) -> Iterator[Task]:
-        """Yield the tasks of such texts."""
+    def tasks_of_plans(self, plans: Iterable[Sequence[str]]) -> Iterator[Task]:
+        """Yield the tasks of such plans."""
         ...
 
     def index(self, task: Task) -> int:
@@ -51,7 +51,7 @@ class Space(Protocol):
 
 
 @dataclass(frozen=True)
-class Interval:
+class RankRange:
     """The ranks of a range."""
 
     ranks: range
@@ -68,19 +68,19 @@ class Interval:
         """Return the place of a rank, None where it is not one of them."""
         return (rank - self.ranks.start) // self.ranks.step if rank in self.ranks else None
 
-    def cut(self, places: range) -> Interval:
+    def cut(self, places: range) -> RankRange:
         """Return the ranks at some places."""
         step = self.ranks.step * places.step
         start = self.ranks.start + self.ranks.step * places.start
-        return Interval(range(start, start + step * size_of(places), step))
+        return RankRange(range(start, start + step * size_of(places), step))
 
 
 @dataclass(frozen=True)
-class Shuffled:
+class ShuffledRanks:
     """The ranks that a shuffle has at some places."""
 
     order: Shuffle
-    places: Interval
+    places: RankRange
 
     @property
     def size(self) -> int:
@@ -94,9 +94,9 @@ class Shuffled:
         """Return the place of a rank, None where it is not one of them."""
         return self.places.place(self.order.place(rank)) if 0 <= rank < self.order.size else None
 
-    def cut(self, places: range) -> Shuffled:
+    def cut(self, places: range) -> ShuffledRanks:
         """Return the ranks at some places."""
-        return Shuffled(self.order, self.places.cut(places))
+        return ShuffledRanks(self.order, self.places.cut(places))
 
 
 @dataclass(frozen=True)
@@ -121,13 +121,13 @@ class RankedTasks:
         size = self.count()
         if isinstance(place, slice):
             return RankedTasks(self.ranks.cut(range(*place.indices(size))), self.space)
-        return next(self._told([self.ranks[checked_place(place, size)]]))
+        return next(self._tasks([self.ranks[checked_place(place, size)]]))
 
     def __iter__(self) -> Iterator[Task]:
-        return self._told(self._all())
+        return self._tasks(self._all())
 
-    def _told(self, ranks: Iterable[int]) -> Iterator[Task]:
-        return self.space.narrate(map(self.space.word, ranks))
+    def _tasks(self, ranks: Iterable[int]) -> Iterator[Task]:
+        return self.space.tasks_of_plans(map(self.space.plan_at, ranks))
 
     def _all(self) -> Iterator[int]:
         place, size = 0, self.count()
@@ -157,19 +157,23 @@ class RankedTasks:
         return place
 
     def sample(self, count: int, *, seed: int, distinct: bool = False) -> list[Task]:
-        """Return tasks drawn uniformly and independently, or with `distinct` without replacement.
+        """Return tasks sampled uniformly and independently, or with `distinct` without replacement.
+
+        Distinct tasks come in the same order however many are sampled.
 
         Raises:
             QueryError: there are too few.
         """
-        size, generator = self.count(), random.Random(seed)
+        size = self.count()
         if count < 0 or (count and not size) or (distinct and count > size):
-            raise QueryError(f"cannot draw {count} of {size} tasks")
+            raise QueryError(f"cannot sample {count} of {size} tasks")
         if distinct:
-            places = distinct_ranks(generator, size, count)
+            order = Shuffle(size, seed)
+            places = [order[number] for number in range(count)]
         else:
+            generator = random.Random(seed)
             places = [generator.randrange(size) for _ in range(count)]
-        return list(self._told(self.ranks[place] for place in places))
+        return list(self._tasks(self.ranks[place] for place in places))
 
 
 def checked_place(place: int, size: int) -> int:
@@ -186,30 +190,3 @@ def checked_place(place: int, size: int) -> int:
 def size_of(numbers: range) -> int:
     """Return how many numbers a range has; `len` fails above 2^63."""
     return max(0, -((numbers.start - numbers.stop) // numbers.step))
-
-
-class Generator(Protocol):
-    """A source of random numbers."""
-
-    def randrange(self, below: int, /) -> int:
-        """Return a number from 0 to `below` - 1, each with the same probability."""
-        ...
-
-
-def distinct_ranks(generator: Generator, total: int, count: int) -> list[int]:
-    """Return `count` different numbers below `total`, every set of them equally likely, in random order.
-
-    Needs room for the numbers returned alone, however large `total` is (Floyd's algorithm, Bentley 1987).
-    """
-    chosen: set[int] = set()
-    ranks: list[int] = []
-    for last in range(total - count, total):
-        rank = generator.randrange(last + 1)
-        if rank in chosen:
-            rank = last
-        chosen.add(rank)
-        ranks.append(rank)
-    for last in range(count - 1, 0, -1):
-        other = generator.randrange(last + 1)
-        ranks[last], ranks[other] = ranks[other], ranks[last]
-    return ranks

@@ -1,10 +1,9 @@
-"""From words to tasks: what is known of the states that a plan passes, its subgoals and its goal."""
+"""Build tasks from plans: the known fluents of each state, the subgoals and the goal."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property, reduce
-from itertools import groupby, islice
 from operator import or_
 from typing import NamedTuple
 
@@ -12,6 +11,7 @@ import clingo
 import numpy as np
 
 from prag_asp.atom import Atom, atom_of
+from prag_asp.batches import growing_batches
 from prag_asp.errors import EngineError
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step.hindsight import TRUE, UNKNOWN, Hindsight
@@ -21,14 +21,17 @@ from prag_asp.program.facts import Assignment
 from prag_asp.task import FrozenDict, Task
 
 BATCH = 2048
-"""Plans that are told together; the first task of a long iteration waits for one batch at most."""
+"""Plans that are evaluated together at most; a lazy iteration waits for one batch."""
 
 BATCH_STATES = 1 << 14
-"""States that these plans pass together, about: what is remembered is forgotten between batches alone."""
+"""States that the plans of a batch pass, about: stored states are only dropped between batches."""
 
 Known = FrozenDict[Atom, bool]
 Entities = int
 """A set of entities: bit i for the i-th."""
+
+WeighedPlan = tuple[Sequence[str], "float | None"]
+"""A plan as the texts of its actions, and the log-probability of its draw, None where it was not drawn."""
 
 
 class _Action(NamedTuple):
@@ -37,83 +40,73 @@ class _Action(NamedTuple):
     entities: Entities
 
 
-class Narrator:
-    """Tells the tasks of one domain from their plans; equal states, effects and goals are one object."""
+class TaskBuilder:
+    """Builds the tasks of one domain from their plans; equal states, effects and goals are one object."""
 
     def __init__(self, model: DomainLogic) -> None:
         self._model = model
         self._plan_states = self._new_plan_states()
         self._states: list[Known] = []
-        self._named: list[Entities] = []
+        self._entities_of: list[Entities] = []
         self._classes: dict[Entities, FrozenDict[str, str]] = {}
         self._constants = FrozenDict(model.domain.constants)
 
-    def tasks(self, words: Iterable[tuple[Sequence[str], float | None]]) -> Iterator[Task]:
-        """Yield the task of each plan, given as the texts of its actions and the log-probability of its draw.
+    def tasks(self, plans: Iterable[WeighedPlan]) -> Iterator[Task]:
+        """Yield the task of each plan, lazily, in batches that grow from one plan."""
+        for batch in growing_batches(plans, lambda plan: _batch_size(len(plan[0]))):
+            yield from self.build(batch)
 
-        Batches grow from one plan, so that the first task comes at once.
-        """
-        waiting = iter(words)
-        size = 1
-        while batch := list(islice(waiting, size)):
-            yield from self.told(batch)
-            size = min(2 * size, _most(batch[0][0]))
+    def build(self, plans: Sequence[WeighedPlan]) -> list[Task]:
+        """Return the task of each plan; plans of one length are evaluated together."""
+        by_length: dict[int, list[int]] = {}
+        for place, (plan, _) in enumerate(plans):
+            by_length.setdefault(len(plan), []).append(place)
+        tasks: dict[int, Task] = {}
+        for length, places in by_length.items():
+            size = _batch_size(length)
+            for first in range(0, len(places), size):
+                batch = places[first : first + size]
+                states = self._state_numbers([plans[place][0] for place in batch])
+                for place, numbers in zip(batch, states, strict=True):  # before later batches may forget the states
+                    tasks[place] = self._task(*plans[place], numbers)
+        return [tasks[place] for place in range(len(plans))]
 
-    def told(self, words: Sequence[tuple[Sequence[str], float | None]]) -> list[Task]:
-        """Return the task of each of some plans, told together.
+    def final_states(self, plans: Sequence[Sequence[str]]) -> list[Known]:
+        """Return what is known of the final state of each plan."""
+        return [self._states[numbers[-1]] for numbers in self._state_numbers(plans)] if plans else []
 
-        They are told at once: whoever tells others before they are used may have the states forgotten.
-        """
-        size = _most(words[0][0]) if words else 1
-        return [
-            self._task([self._actions[text] for text in word], numbers, log_probability)
-            for first in range(0, len(words), size)
-            for (word, log_probability), numbers in self._numbered(words[first : first + size])
-        ]
-
-    def _numbered(
-        self, words: Sequence[tuple[Sequence[str], float | None]]
-    ) -> Iterator[tuple[tuple[Sequence[str], float | None], list[int]]]:
-        """Yield each plan with the places of its states; those of one length in a row are told together."""
-        for _, row in groupby(words, key=lambda each: len(each[0])):
-            several = list(row)
-            yield from zip(several, self._told([word for word, _ in several]), strict=True)
-
-    def last_states(self, words: Sequence[Sequence[str]]) -> list[Known]:
-        """Return what is known of the last state of each of some plans."""
-        return [self._states[numbers[-1]] for numbers in self._told(words)] if words else []
-
-    def _told(self, words: Sequence[Sequence[str]]) -> list[list[int]]:
-        """Return the places in `_states` of what is known of the states of each plan."""
+    def _state_numbers(self, plans: Sequence[Sequence[str]]) -> list[list[int]]:
+        """Return the numbers in `_states` of the states of each plan; all plans have the same length."""
         if self._plan_states.full:
             self._plan_states = self._new_plan_states()
-            self._states, self._named, self._classes = [], [], {}
-        plans = np.array([[self._letters[text] for text in word] for word in words], dtype=np.int64)
-        numbers = self._plan_states.numbers(plans.reshape(len(words), -1))
+            self._states, self._entities_of, self._classes = [], [], {}
+        actions = np.array([[self._action_numbers[text] for text in plan] for plan in plans], dtype=np.int64)
+        numbers = self._plan_states.numbers(actions.reshape(len(plans), -1))
         new = range(len(self._states), int(numbers.max()) + 1)
         for column in self._plan_states.values(new).T:
             places = np.flatnonzero(column != UNKNOWN)
             values = (column[places] == TRUE).tolist()
             fluents = [self._fluents[place] for place in places.tolist()]
             self._states.append(FrozenDict(zip(fluents, values, strict=True)))
-            self._named.append(reduce(or_, (self._named_by_fluent[place] for place in places.tolist()), 0))
-        told: list[list[int]] = numbers.tolist()
-        return told
+            self._entities_of.append(reduce(or_, (self._entities_of_fluent[place] for place in places.tolist()), 0))
+        state_numbers: list[list[int]] = numbers.tolist()
+        return state_numbers
 
-    def _task(self, plan: Sequence[_Action], told: Sequence[int], log_probability: float | None) -> Task:
-        states = [self._states[number] for number in told]
+    def _task(self, plan: Sequence[str], log_probability: float | None, numbers: Sequence[int]) -> Task:
+        actions = [self._actions[text] for text in plan]
+        states = [self._states[number] for number in numbers]
         used = 0
-        for action in plan:
+        for action in actions:
             used |= action.entities
-        for number in {*told}:
-            used |= self._named[number]
+        for number in {*numbers}:
+            used |= self._entities_of[number]
         return Task(
             self._model.domain.name,
-            tuple([action.atom for action in plan]),  # a list is faster than a generator
+            tuple([action.atom for action in actions]),  # a list is faster than a generator
             self._classes_of(used),
             states[0],
             tuple(states[1:]),
-            tuple([action.effect for action in plan]),
+            tuple([action.effect for action in actions]),
             self._goal or states[-1],
             log_probability,
             self._constants,
@@ -134,7 +127,7 @@ class Narrator:
             return SolvedPlanStates(self._model.program, self._model.domain.facts)
 
     @cached_property
-    def _letters(self) -> dict[str, int]:
+    def _action_numbers(self) -> dict[str, int]:
         return {str(action): number for number, action in enumerate(self._plan_states.letters)}
 
     @cached_property
@@ -142,7 +135,7 @@ class Narrator:
         return [atom_of(fluent) for fluent in self._model.domain.facts.fluents]
 
     @cached_property
-    def _named_by_fluent(self) -> list[Entities]:
+    def _entities_of_fluent(self) -> list[Entities]:
         return [self._mentioned(fluent) for fluent in self._model.domain.facts.fluents]
 
     @cached_property
@@ -167,9 +160,9 @@ class Narrator:
         return reduce(or_, (1 << self._places[entity] for entity in mentioned_entities(symbol, self._places)), 0)
 
 
-def _most(word: Sequence[str]) -> int:
-    """Return how many plans as long as one are told together at most."""
-    return min(BATCH, max(BATCH_STATES // (len(word) + 1), 1))
+def _batch_size(length: int) -> int:
+    """Return the number of plans of a length that are evaluated together at most."""
+    return min(BATCH, max(BATCH_STATES // (length + 1), 1))
 
 
 def _values(values: Assignment) -> Known:

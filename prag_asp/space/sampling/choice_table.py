@@ -30,7 +30,7 @@ Resolve = Callable[[int, int], int]
 
 
 @dataclass(frozen=True)
-class Table:
+class ChoiceTable:
     """The choices of one step: for some states, called slots 0, 1, ..., their edges and when these are chosen.
 
     The edges of slot s are ``first[s]:first[s + 1]``; `edges` are their numbers in the automaton, and `thresholds`
@@ -72,7 +72,7 @@ class Table:
         return low
 
 
-def make_table(automaton: Automaton, states: Integers, row: NDArray[Any], *, guided: bool) -> Table:
+def make_choice_table(automaton: Automaton, states: Integers, row: NDArray[Any], *, guided: bool) -> ChoiceTable:
     """Return the choices of `states`, each of which some word completes; `row` weighs what follows each state."""
     counts = automaton.offsets[states + 1] - automaton.offsets[states]
     first = np.concatenate([[0], np.cumsum(counts)])
@@ -82,7 +82,7 @@ def make_table(automaton: Automaton, states: Integers, row: NDArray[Any], *, gui
     scaled = (_thresholds(behind[begin:end]) for begin, end in pairwise(starts))
     thresholds = np.fromiter(chain.from_iterable(scaled), dtype=np.uint64, count=len(edges))
     bits = max(int(GUIDE_CELLS / len(states)).bit_length() - 1, 0) if guided and len(states) else 0
-    return Table(states, first, edges, thresholds, bits, _guide(thresholds, first, bits))
+    return ChoiceTable(states, first, edges, thresholds, bits, _guide(thresholds, first, bits))
 
 
 def weights_behind(automaton: Automaton, edges: Integers, row: NDArray[Any]) -> list[int]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from prag_asp.random_bits import Bits, Words
 from prag_asp.space.automaton.automaton import Completions
-from prag_asp.space.sampling.choice_table import Integers, Table, exact_choice, make_table, weights_behind
+from prag_asp.space.sampling.choice_table import ChoiceTable, Integers, exact_choice, make_choice_table, weights_behind
 
 CHUNK_WORDS = 1 << 17
 """Random words that are used together, about: few enough to stay in the cache."""
@@ -23,7 +23,7 @@ KEPT_EDGES = 1 << 23
 """Edges of all tables together up to which they are kept; where there are more, each chunk makes those it visits."""
 
 
-class PathDrawer:
+class PathSampler:
     """Draws paths of one length that end in an accepting state.
 
     Each path costs one random word for each edge. Results depend neither on how many paths are drawn together nor on
@@ -34,11 +34,11 @@ class PathDrawer:
         self._completions = completions
         self._length = length
         self._starts = np.zeros(1, dtype=np.int64) if starts is None else starts
-        self._tables: list[Table] | None = None
+        self._tables: list[ChoiceTable] | None = None
         self._numbered: list[Integers] = []
         self._too_many = False
 
-    def draw(self, bits: Bits, first: int, count: int) -> NDArray[np.int64]:
+    def sample(self, bits: Bits, first: int, count: int) -> NDArray[np.int64]:
         """Return the edges of paths from state 0, those of draws from `first` on; shape (length, count)."""
         edges = np.empty((self._length, count), dtype=np.int64)
         for begin, end in chunks(count, self._length):
@@ -77,13 +77,13 @@ class PathDrawer:
         for step, words in enumerate(columns):
             visited, slots = np.unique(states, return_inverse=True)
             row = self._completions.row(self._length - step - 1)
-            table = make_table(automaton, visited, row, guided=False)
+            table = make_choice_table(automaton, visited, row, guided=False)
             found[step] = table.edges[table.choose(slots, words, self._resolver(table, words, step, further))]
             states = automaton.targets[found[step]].astype(np.int64)
         return found
 
     def _resolver(
-        self, table: Table, words: Words, step: int, further: Callable[[int, int], Iterator[int]]
+        self, table: ChoiceTable, words: Words, step: int, further: Callable[[int, int], Iterator[int]]
     ) -> Callable[[int, int], int]:
         def resolve(place: int, slot: int) -> int:
             edges = table.edges[int(table.first[slot]) : int(table.first[slot + 1])]
@@ -92,7 +92,7 @@ class PathDrawer:
 
         return resolve
 
-    def _kept(self) -> list[Table] | None:
+    def _kept(self) -> list[ChoiceTable] | None:
         """Return the tables of all steps, or None where they would be too large."""
         if self._tables is None and not self._too_many:
             layers = self._layers()
@@ -101,7 +101,7 @@ class PathDrawer:
                 return None
             automaton, rows = self._completions.automaton, self._completions.row
             self._tables = [
-                make_table(automaton, states, rows(self._length - step - 1), guided=True)
+                make_choice_table(automaton, states, rows(self._length - step - 1), guided=True)
                 for step, states in enumerate(layers[:-1])
             ]
             self._numbered = [

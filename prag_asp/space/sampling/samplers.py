@@ -17,7 +17,7 @@ from prag_asp.random_bits import Bits
 from prag_asp.space.automaton.automaton import Automaton, Completions, Ranking, positive
 from prag_asp.space.automaton.skeletons import skeleton_automaton
 from prag_asp.space.sampling.choice_table import exact_choice
-from prag_asp.space.sampling.paths import PathDrawer, chunks
+from prag_asp.space.sampling.paths import PathSampler, chunks
 from prag_asp.space.weights.weights import Walks, Weighed
 
 Over = Literal["skeletons", "goals"]
@@ -31,47 +31,50 @@ Sums = tuple[list[dict[int, list[int]]], int]
 
 
 @dataclass(frozen=True)
-class Drawn:
+class DrawArray:
     """Words as numbers of letters, shape (draws, length), and the exact probability of each where it was asked for."""
 
     letters: NDArray[np.int32]
     probabilities: Sequence[Fraction] = ()
 
 
-class Drawer(Protocol):
+class Sampler(Protocol):
     """A way to draw the words of one length."""
 
-    def draw(self, bits: Bits, first: int, count: int, *, tell: bool) -> Drawn:
-        """Return the draws from number `first` on; with `tell`, their probabilities too.
+    def sample(self, bits: Bits, first: int, count: int, *, with_probabilities: bool) -> DrawArray:
+        """Return the draws from number `first` on; with `with_probabilities`, their probabilities too.
 
         A draw depends on its number and the bits alone.
         """
         ...
 
 
-class ByWeight:
+class WeightSampler:
     """Draws a word with a probability proportional to its weight."""
 
     def __init__(self, weighed: Weighed, length: int) -> None:
         self._automaton = weighed.automaton
-        self._paths = PathDrawer(weighed.completions, length)
+        self._paths = PathSampler(weighed.completions, length)
         self._total = weighed.total(length)
 
-    def draw(self, bits: Bits, first: int, count: int, *, tell: bool) -> Drawn:
+    def sample(self, bits: Bits, first: int, count: int, *, with_probabilities: bool) -> DrawArray:
         """Return the draws from number `first` on."""
-        edges = self._paths.draw(bits, first, count)
+        edges = self._paths.sample(bits, first, count)
         letters = _letters(self._automaton, edges)
-        return Drawn(letters, _shares(self._automaton, edges, [self._total] * count) if tell else ())
+        return DrawArray(letters, _shares(self._automaton, edges, [self._total] * count) if with_probabilities else ())
 
 
-class ByWalk:
-    """Draws as `ByWeight`, the same words, one by one: where a path stands for several, or states are never listed."""
+class WalkSampler:
+    """Samples the words that `WeightSampler` would, one by one.
+
+    For automata where a path stands for several words, or whose states are never listed.
+    """
 
     def __init__(self, ranking: Walks, length: int) -> None:
         self._ranking = ranking
         self._length = length
 
-    def draw(self, bits: Bits, first: int, count: int, *, tell: bool) -> Drawn:
+    def sample(self, bits: Bits, first: int, count: int, *, with_probabilities: bool) -> DrawArray:
         """Return the draws from number `first` on."""
         words, probabilities = [], []
         for number in range(first, first + count):
@@ -84,10 +87,10 @@ class ByWalk:
             words.append(word)
             probabilities.append(Fraction(weight, self._ranking.total))
         letters = np.array(words, dtype=np.int32).reshape(count, self._length)
-        return Drawn(letters, probabilities if tell else ())
+        return DrawArray(letters, probabilities if with_probabilities else ())
 
 
-class OverGoals:
+class GoalSampler:
     """Draws a goal uniformly, then a word that ends there by weight.
 
     A goal is what is known after the last action. The words that end there are drawn backward, from their last edge to
@@ -103,9 +106,9 @@ class OverGoals:
         row = completions.row(length)
         self._starts = np.flatnonzero(row[automaton.states :] != 0) + automaton.states
         self._totals = [int(row[state]) for state in self._starts.tolist()]
-        self._paths = PathDrawer(completions, length, self._starts)
+        self._paths = PathSampler(completions, length, self._starts)
 
-    def draw(self, bits: Bits, first: int, count: int, *, tell: bool) -> Drawn:
+    def sample(self, bits: Bits, first: int, count: int, *, with_probabilities: bool) -> DrawArray:
         """Return the draws from number `first` on; the first word of each chooses its goal."""
         running = list(range(1, len(self._starts) + 1))
         edges = np.empty((self._length, count), dtype=np.int64)
@@ -119,10 +122,10 @@ class OverGoals:
             ]
             edges[:, begin:end] = self._paths.descend(self._starts[goals[begin:end]], words[:, 1:], further)
         letters = self._letters[edges[::-1]].T.astype(np.int32)
-        if not tell:
-            return Drawn(letters)
+        if not with_probabilities:
+            return DrawArray(letters)
         totals = [len(running) * self._totals[goal] for goal in goals.tolist()]
-        return Drawn(letters, _shares(self._reversed, edges, totals))
+        return DrawArray(letters, _shares(self._reversed, edges, totals))
 
 
 def _reversed(automaton: Automaton, goals: NDArray[np.int64]) -> tuple[Automaton, NDArray[np.int64]]:
@@ -147,7 +150,7 @@ def _reversed(automaton: Automaton, goals: NDArray[np.int64]) -> tuple[Automaton
     return turned, letters
 
 
-class OverSkeletons:
+class SkeletonSampler:
     """Draws a skeleton uniformly, of those that some word of positive weight has, then a word with it by weight.
 
     `count` is how many such skeletons there are.
@@ -158,7 +161,7 @@ class OverSkeletons:
         self._length = length
         self._names = names
         self._completions = completions = Completions(skeleton_automaton(self._automaton, names)[0])
-        self._skeletons = PathDrawer(completions, length)
+        self._skeletons = PathSampler(completions, length)
         self._skeleton_letters = completions.automaton.letters
         self.count = int(completions.row(length)[0])
         self._known: dict[tuple[int, ...], Sums] = {}
@@ -176,7 +179,7 @@ class OverSkeletons:
             moves[source].setdefault(name, []).append((edge, target, weight))
         return moves
 
-    def draw(self, bits: Bits, first: int, count: int, *, tell: bool) -> Drawn:
+    def sample(self, bits: Bits, first: int, count: int, *, with_probabilities: bool) -> DrawArray:
         """Return the draws from number `first` on; the first half of the words of each chooses its skeleton."""
         edges = np.empty((self._length, count), dtype=np.int64)
         totals: list[int] = []
@@ -190,7 +193,9 @@ class OverSkeletons:
                 path, total = self._with_skeleton(tuple(skeleton), chosen, partial(further, place))
                 edges[:, begin + place] = path
                 totals.append(self.count * total)
-        return Drawn(_letters(self._automaton, edges), _shares(self._automaton, edges, totals) if tell else ())
+        return DrawArray(
+            _letters(self._automaton, edges), _shares(self._automaton, edges, totals) if with_probabilities else ()
+        )
 
     def of_rank(self, rank: int, bits: Bits, number: int) -> tuple[list[int], Fraction]:
         """Return the draw of a number among the words of one skeleton by weight, and its probability among these.

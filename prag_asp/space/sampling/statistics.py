@@ -23,7 +23,7 @@ from prag_asp.program.entity_names import action_name, mentioned_entities
 from prag_asp.program.facts import Facts
 from prag_asp.space.automaton.automaton import Automaton, Completions, avoiding, positive
 from prag_asp.space.engines.engine import Engine, Level
-from prag_asp.space.sampling.draws import weighed_words
+from prag_asp.space.sampling.streams import weighed_words
 from prag_asp.space.weights.weights import Weights
 from prag_asp.wording import unknown
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from decimal import Context, Decimal, localcontext
 from fractions import Fraction
+from typing import TypeVar
 
 from prag_asp.errors import QueryError
 from prag_asp.space.weights.weights import Number, Weights, parse_number
@@ -15,6 +17,8 @@ DIGITS = 40
 
 LARGEST_EXPONENT = 1000
 """Powers of ten beyond which a weight is refused."""
+
+Key = TypeVar("Key")
 
 Temperature = Number
 """A number above 0, or ``inf``."""
@@ -32,12 +36,12 @@ def tempered(weights: Weights, temperature: Temperature) -> Weights:
         QueryError: the temperature is no number above 0, or too low.
     """
     exponent = _exponent(temperature)
-    return Weights(
-        {key: power(weight, exponent) for key, weight in weights.names.items()},
-        {key: power(weight, exponent) for key, weight in weights.pairs.items()},
-        {key: power(weight, exponent) for key, weight in weights.actions.items()},
-        {key: power(weight, exponent) for key, weight in weights.entities.items()},
-    )
+
+    def powers(stated: Mapping[Key, Fraction]) -> dict[Key, Fraction]:
+        found = {key: power(weight, exponent) for key, weight in stated.items()}
+        return {key: weight for key, weight in found.items() if weight != 1}
+
+    return Weights(powers(weights.names), powers(weights.pairs), powers(weights.actions), powers(weights.entities))
 
 
 def power(weight: Fraction, exponent: Fraction) -> Fraction:

@@ -152,7 +152,7 @@ def test_a_recording_of_other_cameras_is_told_with_its_task(filmed: Dataset, tmp
     ("change", "told"),
     [
         (('"wrist"', '"wirst"'), "the scene has no camera wirst"),
-        (('"rate": 5', '"rate": 0'), "a recording has 20 frames a second"),
+        (('"rate": 5', '"rate": 0'), "an episode has 20 frames a second"),
         (("\n    48,", "\n    4,"), "16 to 2048 pixels"),
         (("\n    48,", ""), "16 to 2048 pixels"),
     ],

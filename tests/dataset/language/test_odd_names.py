@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 
 from prag_asp import DomainError, TaskSpace, load_domain
-from prag_asp.dataset.language import start_of, teller_of
+from prag_asp.dataset.language import context_of, instruction_writer_of
 from tests.chance import Chance
 
 NAMES = (
@@ -55,12 +55,12 @@ def test_words_of_the_language_as_names_are_no_obstacle(chance: Chance) -> None:
             domain = load_domain(text=odd_domain(drawn))
         except DomainError:
             continue  # what the linter refuses
-        teller = teller_of(domain)
+        writer = instruction_writer_of(domain)
         for task in TaskSpace(domain, 3).sample(2, seed=drawn.randrange(1000)):
-            words = teller.instructions(task)
-            assert teller.read(task, words.default).actions == teller.read(task, words.exact).actions == task.actions
-            assert teller.read(task, words.vague).goal == teller.goal(task)
+            words = writer.instructions(task)
+            assert writer.read(task, words.default).actions == writer.read(task, words.exact).actions == task.actions
+            assert writer.read(task, words.vague).goal == writer.goal(task)
             for number, text in enumerate(words.subgoals):
-                assert teller.read(start_of(task, number), text).actions == (task.actions[number],)
+                assert writer.read(context_of(task, number), text).actions == (task.actions[number],)
             told += 1
     assert told > 10

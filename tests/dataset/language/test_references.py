@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from prag_asp import Domain, QueryError, Scene, TaskSpace, load_scene
-from prag_asp.dataset.language import start_of, teller_of
+from prag_asp.dataset.language import context_of, instruction_writer_of
 from prag_asp.dataset.language.appearance import color_terms
 from prag_asp.dataset.language.descriptions import Description
 from prag_asp.scene.read.materials import PALETTE
@@ -36,16 +36,16 @@ def may_fit(what: Description, thing: str, domain: Domain, scene: Scene, state: 
 @pytest.mark.parametrize("name", ["twins", "tabletop", "kitchen"])
 def test_a_description_fits_its_thing_and_no_other(name: str, tmp_path: Path, chance: Chance) -> None:
     domain = twins(tmp_path) if name == "twins" else shipped(name)
-    tongue, scene = teller_of(domain).tongue, load_scene(domain)
+    lexicon, scene = instruction_writer_of(domain).lexicon, load_scene(domain)
     space = TaskSpace(domain, 4) if name == "twins" else space_of(name, 4)
     kinds = set[str]()
     for task in space.sample(chance.examples(20), seed=chance.seed(8)):
         for number in range(4):
-            start = start_of(task, number)
-            view = tongue.view(start)
-            for thing in view.crowd.entities:
+            start = context_of(task, number)
+            view = lexicon.view(start)
+            for thing in view.context.entities:
                 what = view.describe(thing)
-                fitting = [each for each in view.crowd.entities if may_fit(what, each, domain, scene, start.state)]
+                fitting = [each for each in view.context.entities if may_fit(what, each, domain, scene, start.state)]
                 assert fitting == [thing], (what, str(task))
                 kinds |= {key for key, value in what._asdict().items() if value}
     if name == "twins":
@@ -57,26 +57,26 @@ def test_a_shorter_description_is_taken_before_a_longer_one(tmp_path: Path) -> N
     space = TaskSpace(domain, 4)
     plan = ["pick(panda,cube_1,tray_1)", "put(panda,cube_1,tray_1)", "pick(panda,cube_2,tray_2)"]
     task = space[space.index([*plan, "put(panda,cube_2,tray_2)"])]
-    told = teller_of(domain).instructions(task)
+    told = instruction_writer_of(domain).instructions(task)
     assert "the small cube in the right tray" in told.default and "red" not in told.default
     assert "the cube in the gripper" in told.subgoals[1] and "small" not in told.subgoals[1] and told.named == ()
 
 
 def test_what_is_kept_of_other_states_is_said_only_where_it_means_the_same(tmp_path: Path, chance: Chance) -> None:
     domain = twins(tmp_path)
-    often = teller_of(domain)
+    often = instruction_writer_of(domain)
     tasks = list(TaskSpace(domain, 4).sample(chance.examples(25), seed=chance.seed(9)))
     for task in tasks:
         often.instructions(task)
     told = [often.instructions(task) for task in reversed(tasks)]
     assert any("gripper" in subgoal for each in told for subgoal in each.subgoals)
-    assert told == [teller_of(domain).instructions(task) for task in reversed(tasks)]
+    assert told == [instruction_writer_of(domain).instructions(task) for task in reversed(tasks)]
 
 
 def test_what_nothing_tells_apart_goes_by_its_name_and_is_told_to_do_so(tmp_path: Path) -> None:
     domain = twins(tmp_path)
     space = TaskSpace(domain, 1)
-    told = teller_of(domain).instructions(space[space.index(["pick(panda,cube_1,tray_1)"])])
+    told = instruction_writer_of(domain).instructions(space[space.index(["pick(panda,cube_1,tray_1)"])])
     assert told.named == ("cube_1",) and "cube 1" in told.default
 
 
@@ -84,7 +84,7 @@ def test_colours_that_pass_for_each_other_tell_nothing_apart(tmp_path: Path) -> 
     assert color_terms("#e8e2d6")["beige"] and color_terms("#e8e2d6")["white"] is False
     domain = twins(tmp_path, SETTINGS.replace('ball_1 = "#d7263d"', 'ball_1 = "#e8e2d6"').replace("#2e86ab", "#e6dfd0"))
     space = TaskSpace(domain, 1)
-    told = teller_of(domain).instructions(space[space.index(["pick(panda,ball_1,tray_1)"])])
+    told = instruction_writer_of(domain).instructions(space[space.index(["pick(panda,ball_1,tray_1)"])])
     assert told.named == ("ball_1",)
 
 
@@ -105,9 +105,9 @@ def test_colours_are_called_what_people_call_them(color: str, term: str) -> None
 def test_things_go_by_the_colours_that_a_picture_shows_them_in() -> None:
     plan = "pick(panda,cube_1,table_1) insert(panda,cube_1,bin_1) pick(panda,cube_1,bin_1) insert(panda,cube_1,bin_1)"
     task = task_of("tabletop", *plan.split())
-    painted = teller_of(shipped("tabletop"), colors={"cube_1": "#20a040"})
+    painted = instruction_writer_of(shipped("tabletop"), colors={"cube_1": "#20a040"})
     assert "the green cube" in painted.instructions(task).default
-    alike = teller_of(shipped("tabletop"), colors={"cube_1": "#2e86ab"})
+    alike = instruction_writer_of(shipped("tabletop"), colors={"cube_1": "#2e86ab"})
     assert alike.instructions(task).named == ("cube_1",)
     with pytest.raises(QueryError, match="cube_9 = '#20a040' is no colour of an entity; write one of tabletop"):
-        teller_of(shipped("tabletop"), colors={"cube_9": "#20a040"})
+        instruction_writer_of(shipped("tabletop"), colors={"cube_9": "#20a040"})

@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 
 from prag_asp import Domain, TaskSpace, load_domain
-from prag_asp.dataset.language import Teller, teller_of
+from prag_asp.dataset.language import InstructionWriter, instruction_writer_of
 from prag_asp.task import Task
 
 LOGIC = """
@@ -73,9 +73,9 @@ def shipped(name: str) -> Domain:
 
 
 @cache
-def teller(name: str, language: str = "en") -> Teller:
-    """Return a teller of a shipped domain, for all tests."""
-    return teller_of(shipped(name), language)
+def writer(name: str, language: str = "en") -> InstructionWriter:
+    """Return a writer of a shipped domain, for all tests."""
+    return instruction_writer_of(shipped(name), language)
 
 
 @cache

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from prag_asp import QueryError, TaskSpaces, load_domain
+from prag_asp import QueryError, TaskSpace, load_domain
 from prag_asp.dataset import generate
 from prag_asp.dataset.making import executors
 from prag_asp.errors import RayMissingError, WorkerError
@@ -54,7 +54,7 @@ def cluster() -> Iterator[subprocess.Popen[str]]:
 def test_places_that_there_are_not_are_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     def refused(kind: type[Exception], match: str, **asked: Any) -> None:
         with pytest.raises(kind, match=match):
-            generate(TaskSpaces(load_domain("kitchen"), [1]), tmp_path / "none", tasks=1, **asked)
+            generate(TaskSpace(load_domain("kitchen"), [1]), tmp_path / "none", tasks=1, **asked)
         assert not (tmp_path / "none").exists()
 
     refused(QueryError, "no place 'moon' to look at tasks; there is ray", on="moon")
@@ -71,7 +71,7 @@ def test_places_that_there_are_not_are_refused(monkeypatch: pytest.MonkeyPatch, 
 def test_a_node_that_is_lost_half_way_costs_nothing_but_time(
     cluster: subprocess.Popen[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    spaces, tasks = TaskSpaces(load_domain("tabletop"), range(2, 4)), 120
+    spaces, tasks = TaskSpace(load_domain("tabletop"), range(2, 4)), 120
     asked: dict[str, Any] = {"tasks": tasks, "seed": 2, "starts": 2, "shard": 50}
     assert cluster.stdin is not None and cluster.stdout is not None
     monkeypatch.setenv("RAY_ADDRESS", cluster.stdout.readline().strip())
@@ -115,7 +115,7 @@ def test_ctrl_c_leaves_no_process_of_a_cluster_on_this_machine(tmp_path: Path) -
 def test_a_cluster_that_is_not_there_is_told_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("RAY_ADDRESS", "127.0.0.1:1")
     with pytest.raises(WorkerError, match=r"no Ray cluster at 127\.0\.0\.1:1: "):
-        generate(TaskSpaces(load_domain("tabletop"), [1]), tmp_path / "none", tasks=1, on="ray")
+        generate(TaskSpace(load_domain("tabletop"), [1]), tmp_path / "none", tasks=1, on="ray")
     done = run(
         "generate", "tabletop", "-n", "1", "--tasks", "1", "--on", "ray", "--workers", "2", "-o", "x", cwd=tmp_path
     )

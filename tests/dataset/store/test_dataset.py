@@ -14,7 +14,7 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
-from prag_asp import Dataset, Domain, DomainError, QueryError, TaskSpace, TaskSpaces, load_domain
+from prag_asp import Dataset, Domain, DomainError, QueryError, TaskSpace, load_domain
 from prag_asp.dataset import generate
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.dataset.store import tables
@@ -29,7 +29,7 @@ def copy(small: Dataset, tmp_path: Path) -> Path:
     return Path(shutil.copytree(small.folder, tmp_path / "copy"))
 
 
-def test_tasks_come_back_as_they_were_drawn(small: Dataset, spaces: TaskSpaces) -> None:
+def test_tasks_come_back_as_they_were_drawn(small: Dataset, spaces: TaskSpace) -> None:
     tasks = list(small.tasks())
     assert [small.task(number) for number in range(12)] == tasks == [small.task(number - 12) for number in range(12)]
     for entry in small.entries():
@@ -132,7 +132,7 @@ def test_every_way_to_give_a_domain_is_kept(given: dict[str, object], tmp_path: 
     shutil.move(tmp_path / "kept", tmp_path / "moved")
     kept = Dataset.open(tmp_path / "moved", trust=domain.trusted).domain
     assert (kept.label, kept.settings.scene) == (domain.label, domain.settings.scene)
-    assert [*TaskSpace(kept, 2).words("plan")] == [*TaskSpace(domain, 2).words("plan")]
+    assert [*TaskSpace(kept, 2).enumerate("plan")] == [*TaskSpace(domain, 2).enumerate("plan")]
     assert tasks == list(Dataset.open(tmp_path / "moved").tasks())
     if domain.settings.scene:
         assert scene_of(kept).shapes == scene_of(domain).shapes

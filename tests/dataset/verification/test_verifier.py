@@ -14,8 +14,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from prag_asp import Dataset, Domain, QueryError, TaskSpace, TaskSpaces
-from prag_asp.dataset import Teller, generate, teller_of, verify
+from prag_asp import Dataset, Domain, QueryError, TaskSpace
+from prag_asp.dataset import InstructionWriter, generate, instruction_writer_of, verify
 from prag_asp.dataset.store.schema import SCHEMAS
 from prag_asp.dataset.store.shards import shard_name, write_shard
 from prag_asp.dataset.verification import row_checks
@@ -209,13 +209,16 @@ def copied(small: Dataset, tmp_path: Path) -> Path:
 
 
 @pytest.fixture(scope="module")
-def known(small: Dataset) -> tuple[dict[int, TaskSpace], Teller]:
-    return clingo_spaces(small.manifest, small.domain), teller_of(small.domain)
+def known(small: Dataset) -> tuple[dict[int, TaskSpace], InstructionWriter]:
+    return clingo_spaces(small.manifest, small.domain), instruction_writer_of(small.domain)
 
 
 @pytest.fixture
 def quick(
-    monkeypatch: pytest.MonkeyPatch, small: Dataset, spaces: TaskSpaces, known: tuple[dict[int, TaskSpace], Teller]
+    monkeypatch: pytest.MonkeyPatch,
+    small: Dataset,
+    spaces: TaskSpace,
+    known: tuple[dict[int, TaskSpace], InstructionWriter],
 ) -> Callable[[], None]:
     """Return what spares reading the domain once more for each corruption that is not in its files."""
 
@@ -223,9 +226,9 @@ def quick(
 
     def spare() -> None:
         monkeypatch.setattr(Dataset, "domain", property(lambda _: domain))
-        monkeypatch.setattr(verifying, "TaskSpaces", lambda *_: spaces)
+        monkeypatch.setattr(verifying, "TaskSpace", lambda *_: spaces)
         monkeypatch.setattr(row_checks, "clingo_spaces", lambda *_: known[0])
-        monkeypatch.setattr(row_checks, "teller_of", lambda *_, **__: known[1])
+        monkeypatch.setattr(row_checks, "instruction_writer_of", lambda *_, **__: known[1])
 
     return spare
 
@@ -262,7 +265,7 @@ def test_nothing_is_found_on_clean_data_sets(small: Dataset, numbers: Path) -> N
     assert (done.returncode, done.stdout) == (0, f"{numbers}: ok; 6 tasks\n")
 
 
-def test_recordings_are_the_files_that_were_written_and_show_their_tasks(spaces: TaskSpaces, tmp_path: Path) -> None:
+def test_recordings_are_the_files_that_were_written_and_show_their_tasks(spaces: TaskSpace, tmp_path: Path) -> None:
     folder = tmp_path / "shown"
     generate(spaces.at(1), folder, tasks=2, seed=2, demonstrate=True, staging=Staging(("front",), (32, 32), rate=1))
     assert list(verify(folder)) == []

@@ -31,7 +31,7 @@ def test_what_is_told_of_a_plan_holds_in_every_execution_and_suffices_for_one(to
     assume(plans)
     plan = data.draw(st.sampled_from(plans))
     space = TaskSpace(domain_of(toy.text(), "at_most"), 3)
-    (task,) = space.narrate(iter([tuple(term(toy, i) for i in plan)]))
+    (task,) = space.tasks_of_plans(iter([tuple(term(toy, i) for i in plan)]))
     told = [{int(f.name[1:]): value for f, value in state.items()} for state in (task.initial, *task.states)]
     paths = trajectories(toy, plan)
     assert all(agrees(path[k], told[k]) for path in paths for k in range(4))
@@ -49,7 +49,7 @@ def test_solving_the_whole_plan_tells_the_same_as_evaluating_its_steps(toy: Toy,
     assume(plans)
     plan = tuple(term(toy, i) for i in data.draw(st.sampled_from(plans)))
     domain = domain_of(toy.text(), "at_most")
-    (task,) = TaskSpace(domain, 3).narrate(iter([plan]))
+    (task,) = TaskSpace(domain, 3).tasks_of_plans(iter([plan]))
     actions = {str(action): action for action in domain.facts.actions}
     fluents = domain.facts.fluents
     solved = solved_states(DomainLogic(domain).program, tuple(actions[text] for text in plan), fluents).T
@@ -59,7 +59,7 @@ def test_solving_the_whole_plan_tells_the_same_as_evaluating_its_steps(toy: Toy,
 
 def test_a_goal_says_nothing_of_states_before_its_fluent_changed() -> None:
     toy = Toy(1, (Action("a", {}, {}), Action("b", {}, {0: True}), Action("c", {}, {0: False})), goal={0: False})
-    (task,) = TaskSpace(domain_of(toy.text()), 3).narrate(iter([("a(0)", "b(1)", "c(2)")]))
+    (task,) = TaskSpace(domain_of(toy.text()), 3).tasks_of_plans(iter([("a(0)", "b(1)", "c(2)")]))
     assert (task.initial, *(dict(state) for state in task.states)) == (
         {}, {}, {Atom("f0"): True}, {Atom("f0"): False},
     )  # fmt: skip

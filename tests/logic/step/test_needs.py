@@ -24,7 +24,7 @@ from tests.strategies import toys
 def test_random_domains_count_as_the_definition_says_where_actions_are_many(toy: Toy, room: int) -> None:
     with patch.object(transition, "MANY", 0), patch.object(needs, "ROOM", room):
         space = TaskSpace(domain_of(toy.text(), "at_most"), 3)
-        assert set(space.words("plan")) == {tuple(term(toy, i) for i in plan) for plan in toy.plans(3)}
+        assert set(space.enumerate("plan")) == {tuple(term(toy, i) for i in plan) for plan in toy.plans(3)}
 
 
 @settings(max_examples=examples(50))

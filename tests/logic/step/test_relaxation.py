@@ -64,7 +64,7 @@ def test_no_state_is_held_to_be_farther_from_the_end_than_it_is(toy: Toy, data: 
     check_that_none_is_held_to_be_farther_than_it_is(DomainLogic(domain).transition(tasks=False))
     asked = data.draw(st.lists(clauses(toy), min_size=1, max_size=2))
     space = TaskSpace(domain, 0).where(*(clause.words for clause in asked))
-    check_that_none_is_held_to_be_farther_than_it_is(space._shared.model.transition(tasks=False))
+    check_that_none_is_held_to_be_farther_than_it_is(space.engines.model.transition(tasks=False))
 
 
 TRACK = """
@@ -87,7 +87,7 @@ def test_one_thing_on_a_track_is_as_far_from_the_end_as_there_are_stops() -> Non
 )
 def test_the_automaton_of_a_condition_is_followed_exactly(expression: str, fewest: int) -> None:
     domain = domain_of("fluent(f). action(go;turn;stay).")
-    transition = TaskSpace(domain, 0).where(f"matches {expression}")._shared.model.transition(tasks=False)
+    transition = TaskSpace(domain, 0).where(f"matches {expression}").engines.model.transition(tasks=False)
     rows, far = distances(transition)
     assert far[0] == fewest
     for left in range(FARTHEST + 1):

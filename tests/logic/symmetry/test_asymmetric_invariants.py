@@ -52,7 +52,7 @@ SAID_AGAIN = {
 def test_what_follows_anyway_is_no_difference(said: str) -> None:
     invariants, condition = SAID_AGAIN[said]
     space = TaskSpace(domain_of(THINGS + invariants), 2)
-    model = (space.where(condition) if condition else space)._shared.model
+    model = (space.where(condition) if condition else space).engines.model
     named = {str(entity) for group in model.groups(2) for entity in group}
     assert named == {"x1", "x2", "x3"}
 
@@ -62,8 +62,8 @@ def test_two_patterns_of_one_action_are_one() -> None:
         "action(t(X,Y)) :- entity(X,c), entity(Y,c), X != Y. fluent(g). postcondition(t(X,Y),g,true) :- action(t(X,Y))."
     )
     space = TaskSpace(domain_of(f"class(c). entity((x1;x2),c). initially(g,false). {pairs}"), 2)
-    assert space.where("lacks t(_,x2)", "lacks t(x2,x1)")._shared.model.groups(2)
-    assert not space.where("lacks t(_,x2)")._shared.model.groups(2)
+    assert space.where("lacks t(_,x2)", "lacks t(x2,x1)").engines.model.groups(2)
+    assert not space.where("lacks t(_,x2)").engines.model.groups(2)
 
 
 def test_tasks_under_an_exclusion_that_is_said_again() -> None:

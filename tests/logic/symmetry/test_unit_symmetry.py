@@ -84,10 +84,10 @@ def renamings_of_pairs() -> Iterable[Names]:
 )
 def test_tasks_are_orbits_under_renamings_of_what_belongs_together(text, names, engine) -> None:
     space = TaskSpace(domain_of(text), 3, engine=engine)
-    found = orbits(space.words("plan"), names())
+    found = orbits(space.enumerate("plan"), names())
     assert space.symmetries.order == len(list(names()))
     assert space.count() == len(found)
-    assert orbits(space.words("task"), names()) == found
+    assert orbits(space.enumerate("task"), names()) == found
     ranks = [{space.index(plan) for plan in orbit} for orbit in found]
     assert sorted(map(sorted, ranks)) == [[rank] for rank in range(len(found))]
 
@@ -102,7 +102,7 @@ def test_states_are_merged_beside_units() -> None:
         postcondition(serve(C), (on(C); full(T)), true) :- lies(C, T).
         postcondition(clear(C), on(C), false) :- lies(C, _).
     """
-    model = TaskSpace(domain_of(text), 0)._shared.model
+    model = TaskSpace(domain_of(text), 0).engines.model
     assert [len(group) for group in model.groups(0)] == [3, 3] and len(model.symmetries(0).joint) == 1
     plain, merged = (AutomatonEngine(model, "task", merge=merge) for merge in (False, True))
     for length in range(6):
@@ -115,7 +115,7 @@ def test_of_a_ring_one_reflection_is_found() -> None:
     assert space.symmetries.order == 2 and len(units) == 2
     pairs = {str(one): str(other) for one, other in zip(*units, strict=True)}
     names = {seat: seat for seat in ("s1", "s2", "s3", "s4", "s5")} | pairs | {b: a for a, b in pairs.items()}
-    assert space.count() == len(orbits(space.words("plan"), [{seat: seat for seat in names}, names]))
+    assert space.count() == len(orbits(space.enumerate("plan"), [{seat: seat for seat in names}, names]))
 
 
 def test_what_tells_one_apart_tells_its_unit_apart() -> None:
@@ -131,14 +131,14 @@ def test_a_member_of_a_unit_is_not_held_out(what: str) -> None:
 
 def test_members_of_units_weigh_the_same() -> None:
     space = TaskSpace(domain_of(SAUCERS), 2)
-    assert space.total_weight(weights={"cup": 2}) > space.count()
+    assert space.sampling(weights={"cup": 2}).total_weight() > space.count()
     with pytest.raises(QueryError, match="c1 and c2 are interchangeable"):
-        space.total_weight(weights={"c2": 2})
+        space.sampling(weights={"c2": 2}).total_weight()
 
 
 def test_after_a_mere_name_a_prefix_names_units_that_were_named_before() -> None:
     space = TaskSpace(domain_of(SAUCERS), 3)
-    plans = [plan for plan in space.words("plan") if plan[0] == "serve(c3)" and plan[2] == "clear(s1)"]
+    plans = [plan for plan in space.enumerate("plan") if plan[0] == "serve(c3)" and plan[2] == "clear(s1)"]
     assert space.count(prefix=["serve(c3)", "serve", "clear(s1)"]) == len(orbits(plans, renamings_of_saucers())) == 1
     with pytest.raises(QueryError, match="mere name"):
         space.count(prefix=["serve(c3)", "serve", "clear(s2)"])

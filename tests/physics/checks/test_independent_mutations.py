@@ -29,7 +29,7 @@ def _records(name, plans, tier="kinematics", scene=None):
     domain = load_domain(name)
     scene = scene or load_scene(domain)
     if isinstance(plans, tuple):
-        tasks = list(TaskSpace(domain, len(plans[0])).narrate(plans))
+        tasks = list(TaskSpace(domain, len(plans[0])).tasks_of_plans(plans))
     else:
         tasks = [task for length, count in plans.items() for task in TaskSpace(domain, length).sample(count, seed=6)]
     found = []

@@ -25,8 +25,8 @@ def witness(tabletop_validator) -> Witness:
 def _with_moment(witness: Witness, k: int, **changes: object) -> Witness:
     """Return a witness with a moment changed: its poses, or fields of its arm."""
     moments = list(witness.moments)
-    arm = {name: change for name, change in changes.items() if name in Arm._fields}
-    rest = {name: change for name, change in changes.items() if name not in Arm._fields}
+    arm = {name: change for name, change in changes.items() if name in Arm.__dataclass_fields__}
+    rest = {name: change for name, change in changes.items() if name not in Arm.__dataclass_fields__}
     moments[k] = replace(with_arm(moments[k], **arm), **rest)
     return replace(witness, moments=tuple(moments))
 

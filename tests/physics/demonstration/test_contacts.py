@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from prag_asp.physics import Budget, check_demonstration
-from prag_asp.physics.demonstration.contacts import Asked, Touch, asked, unasked
+from prag_asp.physics.demonstration.contacts import IntendedContacts, Touch, intended_contacts, unintended_contacts
 from prag_asp.physics.demonstration.performance import Performer, open_performer
 from prag_asp.physics.robot.kinematics import inverse
 from prag_asp.physics.search.attempt import PRESSED
@@ -142,24 +142,24 @@ def test_an_arm_that_presses_on_itself_is_felt(scene, start):
     folded = (0.0, 1.2, 0.0, -3.0, 0.0, 3.0, 0.0)
     with dynamics.open_dynamics(scene) as world:
         world.begin((), replace(start, poses={}, openings={}, arms={**start.arms, "left": Arm(folded, WIDTH)}))
-        world.drive("left", dynamics.Command(folded, WIDTH))
+        world.drive("left", dynamics.ArmCommand(folded, WIDTH))
         for _ in range(5):
             world.step()
         pressing = {(world.parts[one], world.parts[two]) for (one, two), force in world.contacts().items() if force > 1}
     assert ("arm of left", "arm of left") in pressing
     touch = Touch(3, "arm of left", "arm of left", 4.0)
-    assert unasked([touch], Asked({"left": frozenset()}, frozenset())) == [touch]
+    assert unintended_contacts([touch], IntendedContacts({"left": frozenset()}, frozenset())) == [touch]
 
 
-def _told(touches: Iterable[tuple[str, str]], wanted: Asked) -> set[tuple[str, str]]:
+def _told(touches: Iterable[tuple[str, str]], wanted: IntendedContacts) -> set[tuple[str, str]]:
     """Return the pairs of some in one frame, all of 5 N, for which a task does not ask."""
-    return {(touch.one, touch.two) for touch in unasked([Touch(0, *pair, 5.0) for pair in touches], wanted)}
+    return {(touch.one, touch.two) for touch in unintended_contacts([Touch(0, *pair, 5.0) for pair in touches], wanted)}
 
 
 def test_the_definition_pair_by_pair():
     finger, arm = "left finger of panda", "arm of panda"
     resting = frozenset({("cube", "brick"), ("brick", "table"), ("lid", "cube"), ("cup", "drawer"), ("can", "drawer")})
-    wanted = Asked({"panda": frozenset({"cube"}), "other": frozenset()}, resting)
+    wanted = IntendedContacts({"panda": frozenset({"cube"}), "other": frozenset()}, resting)
     held = (finger, "cube")
     # What the gripper holds, what that rests on, and what rests on it.
     assert _told([held, ("brick", "cube"), ("cube", "lid"), ("table", "brick")], wanted) == set()
@@ -183,7 +183,7 @@ def test_the_definition_pair_by_pair():
     ):
         assert pair in _told([held, pair], wanted), pair
     # Furniture that is pulled, with what lies in it.
-    pulled = Asked({"panda": frozenset({"drawer"})}, resting)
+    pulled = IntendedContacts({"panda": frozenset({"drawer"})}, resting)
     handle = (finger, "drawer")
     assert _told([handle, ("drawer", "cup"), ("cup", "can")], pulled) == set()
     assert _told([handle, ("drawer", "wall"), ("cup", "wall"), (arm, "drawer")], pulled) == {
@@ -194,25 +194,27 @@ def test_the_definition_pair_by_pair():
 
 
 def test_a_gentle_touch_is_not_told_and_of_two_bodies_the_hardest_one_is():
-    wanted = Asked({"panda": frozenset()}, frozenset())
+    wanted = IntendedContacts({"panda": frozenset()}, frozenset())
     touches = [Touch(k, "arm of panda", "can_1", force) for k, force in enumerate((0.9, 1.0, 3.0, 7.0, 2.0))]
-    assert unasked(touches[:2], wanted) == []
-    assert [touch.sentence() for touch in unasked(touches, wanted)] == ["the arm of panda presses on can_1 with 7.0 N"]
+    assert unintended_contacts(touches[:2], wanted) == []
+    assert [touch.sentence() for touch in unintended_contacts(touches, wanted)] == [
+        "the arm of panda presses on can_1 with 7.0 N"
+    ]
 
 
 def test_what_is_asked_for_is_read_off_the_task_action_by_action(tabletop, tabletop_validator):
     physical = physical_task(stacking(), tabletop)
     moments = tabletop_validator.validate(stacking(), seed=1).witness.moments
     seen = [Situation(tabletop, moment.poses, moment.arms, moment.openings) for moment in moments]
-    assert asked(physical, 0, seen[0]).handled == {"panda": frozenset()}
+    assert intended_contacts(physical, 0, seen[0]).handled == {"panda": frozenset()}
     for k in (1, 2):
-        assert asked(physical, k, *seen[k - 1 : k + 1]).handled == {"panda": frozenset({"cube_1"})}
-    pick, stack = (asked(physical, k, *seen[k - 1 : k + 1]).resting for k in (1, 2))
+        assert intended_contacts(physical, k, *seen[k - 1 : k + 1]).handled == {"panda": frozenset({"cube_1"})}
+    pick, stack = (intended_contacts(physical, k, *seen[k - 1 : k + 1]).resting for k in (1, 2))
     assert ("cube_1", "table") in pick and ("cube_1", "brick_1") not in pick
     assert ("cube_1", "brick_1") in stack and ("cube_1", "table") not in stack
 
 
-def test_a_contact_that_was_written_into_a_recording_does_not_pass_the_check(tabletop, tabletop_validator):
+def test_a_contact_that_was_written_into_an_episode_does_not_pass_the_check(tabletop, tabletop_validator):
     shown = tabletop_validator.validate(stacking(), seed=1, budget=Budget(5, 10, "demonstration")).demonstration
     assert check_demonstration(stacking(), shown, tabletop) == []
     names = shown.bodies.index("arm of panda"), shown.bodies.index("brick_1")

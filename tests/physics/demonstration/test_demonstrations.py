@@ -194,7 +194,7 @@ def test_the_search_goes_on_where_a_witness_cannot_be_performed(tabletop_validat
     assert (verdict.status, verdict.reason, verdict.causes[LOST]) == ("not_found", LOST, 2)
 
 
-def test_a_recording_comes_back_from_its_file_as_it_was(stacked, tmp_path):
+def test_an_episode_comes_back_from_its_file_as_it_was(stacked, tmp_path):
     stacked.save(tmp_path / "stack.npz")
     loaded = Demonstration.load(tmp_path / "stack.npz")
     assert loaded == stacked and loaded.poses.dtype == np.float32
@@ -203,7 +203,7 @@ def test_a_recording_comes_back_from_its_file_as_it_was(stacked, tmp_path):
         stacked.save(tmp_path / "missing" / "stack.npz")
 
 
-def test_files_that_hold_no_recording_are_refused(stacked, tmp_path):
+def test_files_that_hold_no_episode_are_refused(stacked, tmp_path):
     path = tmp_path / "bad.npz"
     stacked.save(path)
     whole = path.read_bytes()
@@ -234,7 +234,7 @@ def test_files_that_hold_no_recording_are_refused(stacked, tmp_path):
         Demonstration.load(tmp_path)
 
 
-def test_a_recording_that_was_changed_does_not_pass_the_check(stacked, tabletop):
+def test_an_episode_that_was_changed_does_not_pass_the_check(stacked, tabletop):
     poses = stacked.poses.copy()
     poses[-1, stacked.objects.index("cube_1"), 2] += 0.01
     found = check_demonstration(stacking(), replace(stacked, poses=poses), tabletop)
@@ -276,7 +276,7 @@ def test_what_rests_sleeps_and_what_tips_slowly_does_not(tabletop, witness, beyo
     with dynamics.open_dynamics(tabletop) as world:
         world.begin(list(poses), replace(witness.moments[0], poses=poses))
         arm = witness.moments[0].arms["panda"]
-        world.drive("panda", dynamics.Command(arm.joints, arm.width))
+        world.drive("panda", dynamics.ArmCommand(arm.joints, arm.width))
         rested, places = [], []
         for _ in range(20):
             for _ in range(FRAME_STEPS):

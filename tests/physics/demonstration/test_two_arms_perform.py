@@ -41,7 +41,7 @@ def scene() -> Scene:
 
 @pytest.fixture(scope="module")
 def handover() -> Task:
-    [task] = TaskSpace(load_domain("two_arms"), len(HANDOVER)).narrate([HANDOVER])
+    [task] = TaskSpace(load_domain("two_arms"), len(HANDOVER)).tasks_of_plans([HANDOVER])
     return task
 
 
@@ -76,7 +76,7 @@ def test_two_arms_carry_a_bar_from_side_to_side_through_the_air(scene, handover,
     assert bar[shown.ends[GIVE] : shown.ends[-2], 2].min() > 0.1
 
 
-def test_the_recording_tells_joints_and_gripper_of_every_arm(shown):
+def test_the_episode_tells_joints_and_gripper_of_every_arm(shown):
     frames = len(shown.times)
     assert shown.robots == ("left", "right")
     assert shown.joints.shape == (frames, 2, 7) and shown.commands.shape == (frames, 2, 8)
@@ -132,7 +132,7 @@ def test_without_friction_nothing_changes_hands(scene, handover, verdict, monkey
     assert shown.cause == LOST and len(shown.ends) == 2
 
 
-def test_a_recording_of_two_arms_comes_back_from_its_file_and_is_drawn(scene, handover, shown, tmp_path: Path):
+def test_an_episode_of_two_arms_comes_back_from_its_file_and_is_drawn(scene, handover, shown, tmp_path: Path):
     shown.save(tmp_path / "it.npz")
     loaded = Demonstration.load(tmp_path / "it.npz")
     assert loaded == shown and loaded.robots == shown.robots

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from prag_asp.physics.bullet import pybullet
-from prag_asp.physics.filming.appearance_meshes import Mesh, clustered, low_files, read_parts
+from prag_asp.physics.filming.appearance_meshes import Mesh, cluster_corners, low_files, read_parts
 from prag_asp.physics.filming.studio import matrices, open_studio
 from prag_asp.physics.witness import Arm, Moment
 from prag_asp.physics.world.simulator import open_simulator
@@ -32,10 +32,10 @@ def test_a_mesh_is_read_by_materials_and_its_faces_become_triangles():
 def test_corners_of_a_cell_become_one_and_triangles_without_area_go():
     corners = np.array([[0, 0, 0], [0.1, 0, 0], [1, 0, 0], [1, 1, 0], [9, 9, 9]], dtype=float)
     mesh = Mesh(corners, np.array([[0, 1, 2], [0, 2, 3], [1, 2, 3]]))
-    found = clustered(mesh, 0.5)
+    found = cluster_corners(mesh, 0.5)
     assert sorted(found.corners.tolist()) == [[0.05, 0, 0], [1, 0, 0], [1, 1, 0]]
     assert len(found.triangles) == 1
-    assert clustered(mesh, 0.05).triangles.shape == (3, 3)
+    assert cluster_corners(mesh, 0.05).triangles.shape == (3, 3)
 
 
 @pytest.mark.parametrize("kind", ROBOTS)

@@ -17,18 +17,18 @@ from prag_asp.scene.cameras import Camera
 from prag_asp.scene.geometry import Pose, compose
 from prag_asp.scene.variation import USUAL_LIGHT
 
-RECORDINGS = Path(__file__).parents[1] / "old_form"
+EPISODES = Path(__file__).parents[1] / "episodes"
 OBJECTS = ("bin_1", "brick_1", "brick_2", "can_1", "cube_1", "cube_2", "tray_1")
 
 
 @pytest.fixture(scope="module")
 def recorded():
-    return Demonstration.load(RECORDINGS / "one_robot.npz")
+    return Demonstration.load(EPISODES / "one_robot.npz")
 
 
 @pytest.fixture(scope="module")
 def filmed(recorded, tabletop):
-    """A recording with a camera in front and one at the wrist, four pictures of 64 x 48 pixels each."""
+    """An episode with a camera in front and one at the wrist, four pictures of 64 x 48 pixels each."""
     return film(recorded, tabletop, Staging(("front", "wrist"), (64, 48), rate=2))
 
 
@@ -70,7 +70,7 @@ def test_floors_of_containers_by_rays_are_seen_as_those_of_triangles(recorded, t
             if triangles:
                 patch.setattr(studio, "has_still_floor", lambda *_: False)
                 patch.setattr(studio, "floors", lambda *_: [])
-            with studio.open_studio(recorded.sized(tabletop), recorded.objects, light) as shown:
+            with studio.open_studio(recorded.sized_scene(tabletop), recorded.objects, light) as shown:
                 shown.show(moment)
                 pictures.append([shown.take(camera) for camera in (*cameras.values(), above)])
                 tray = shown.legend.index("tray_1")
@@ -82,7 +82,7 @@ def test_floors_of_containers_by_rays_are_seen_as_those_of_triangles(recorded, t
     assert (pictures[0][-1].segmentation == tray).mean() > 0.3, "the last camera looks into the tray"
 
 
-def test_a_recording_without_cameras_keeps_its_bytes(recorded, filmed, tmp_path):
+def test_an_episode_without_cameras_keeps_its_bytes(recorded, filmed, tmp_path):
     recorded.save(tmp_path / "before.npz")
     replace(filmed, footage=None).save(tmp_path / "after.npz")
     assert (tmp_path / "before.npz").read_bytes() == (tmp_path / "after.npz").read_bytes()
@@ -129,7 +129,7 @@ def test_each_picture_says_for_which_subgoal_is_worked(recorded):
 
 
 def test_two_robots_have_a_camera_each_and_zones_are_in_the_legend():
-    shown = Demonstration.load(RECORDINGS / "two_robots.npz")
+    shown = Demonstration.load(EPISODES / "two_robots.npz")
     scene = load_scene(load_domain("two_arms"))
     footage = film(shown, scene, Staging(("left_wrist", "right_wrist"), (32, 32), rate=2)).footage
     assert footage.tools.shape == (2, 2, 7)
@@ -158,7 +158,7 @@ def test_an_unknown_camera_is_told(tabletop):
         Staging(("frnt",)).cameras_of(tabletop)
 
 
-def test_a_recording_of_another_scene_is_told(recorded, prag):
+def test_an_episode_of_another_scene_is_told(recorded, prag):
     with pytest.raises(SceneError, match="bin_1 is to be filmed; give its class the shape of an object"):
         film(recorded, prag, Staging(("front",), (16, 16), rate=1))
     with pytest.raises(SceneError, match="there is no robot panda"):

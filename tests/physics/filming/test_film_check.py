@@ -10,12 +10,12 @@ from prag_asp.physics import Demonstration, Staging, Variation, check_footage, f
 from prag_asp.physics.demonstration.packing import Packer
 from prag_asp.scene.scene import Mount
 
-RECORDINGS = Path(__file__).parents[1] / "old_form"
+EPISODES = Path(__file__).parents[1] / "episodes"
 
 
 @pytest.fixture(scope="module")
 def filmed(tabletop):
-    shown = Demonstration.load(RECORDINGS / "one_robot.npz")
+    shown = Demonstration.load(EPISODES / "one_robot.npz")
     drawn = Variation(light=(0.0, 0.0, 1.0), colours={"cube_1": "#112233"})
     return film(replace(shown, variation=drawn), tabletop, Staging(("front", "wrist"), (48, 32), rate=2))
 
@@ -50,13 +50,13 @@ def test_films_are_right_in_the_world_in_which_they_were_taken_and_in_no_other(f
 def test_a_list_that_was_changed_is_told(filmed, tabletop, name):
     wrong = getattr(filmed.footage, name).copy()
     wrong.flat[1] += 1
-    assert check_footage(changed(filmed, **{name: wrong}), tabletop) == [f"{name} is not what the recording says"]
+    assert check_footage(changed(filmed, **{name: wrong}), tabletop) == [f"{name} is not what the episode says"]
 
 
 def test_a_legend_or_a_camera_that_is_another_is_told(filmed, tabletop):
     legend = filmed.footage.legend
     assert check_footage(changed(filmed, legend=(*legend[:-2], legend[-1], legend[-2])), tabletop) == [
-        "legend is not what the recording says"
+        "legend is not what the episode says"
     ]
     films = {"side": filmed.footage.films["front"]}
     assert check_footage(changed(filmed, films=films), tabletop) == ["the scene has no camera side"]
@@ -80,4 +80,4 @@ def test_a_film_that_was_cut_off_is_told(filmed, tabletop):
     packed = filmed.footage.films["front"].packed
     cut = (replace(packed[0], stream=packed[0].stream[:-20]), *packed[1:])
     (told,) = check_footage(with_film(filmed, "front", packed=cut), tabletop)
-    assert told == "front: the pictures of a recording were cut off or changed; record it anew"
+    assert told == "front: the pictures of an episode were cut off or changed; record it anew"

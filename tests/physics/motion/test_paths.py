@@ -10,11 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from prag_asp.physics.bullet import pybullet
-from prag_asp.physics.motion.clearance import CLEARANCE, clear
-from prag_asp.physics.motion.route import Grip, Load, _free, free_path, straight, vertical
-from prag_asp.physics.motion.trajectory import LOADED_ACCELERATION, ROUNDING, blended, limits_of, timed
+from prag_asp.physics.motion.clearance import CLEARANCE, keeps_clear
+from prag_asp.physics.motion.route import _is_free, free_path, is_vertical, straight_path
+from prag_asp.physics.motion.trajectory import LOADED_ACCELERATION, ROUNDING, blend_paths, joint_limits, time_path
 from prag_asp.physics.robot.kinematics import inverse, tool_pose
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.witness import Arm
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.robots import KUKA, PANDA, Joints
@@ -40,7 +41,7 @@ def _motion(path: Sequence[Joints], rows: np.ndarray) -> tuple[np.ndarray, np.nd
 
 @pytest.mark.parametrize("robot", [PANDA, KUKA])
 def test_the_limits_of_every_joint_are_the_makers(robot):
-    limits, loaded = limits_of(robot), limits_of(robot, loaded=True)
+    limits, loaded = joint_limits(robot), joint_limits(robot, loaded=True)
     assert (limits.speeds < robot.speeds).all() and (limits.accelerations < robot.accelerations).all()
     assert (loaded.speeds == limits.speeds).all() and (loaded.accelerations <= LOADED_ACCELERATION).all()
     if robot is PANDA:
@@ -49,7 +50,7 @@ def test_the_limits_of_every_joint_are_the_makers(robot):
 
 @given(path=paths, robot=robots)
 def test_no_joint_exceeds_its_own_limits_on_a_timed_path(path, robot):
-    rows = timed(path, TIME_STEP, limits_of(robot))
+    rows = time_path(path, TIME_STEP, joint_limits(robot))
     assert rows[-1] == pytest.approx(path[-1], abs=1e-9)
     speeds, accelerations = _motion(path, rows)
     assert (speeds <= robot.speeds).all() and (accelerations <= robot.accelerations).all()
@@ -58,8 +59,8 @@ def test_no_joint_exceeds_its_own_limits_on_a_timed_path(path, robot):
 @pytest.mark.parametrize("joint", range(7))
 def test_a_joint_that_turns_alone_is_as_fast_as_it_may_be(joint):
     goal = tuple(1.5 * (i == joint) for i in range(7))
-    limits = limits_of(PANDA)
-    speeds, accelerations = _motion([(0.0,) * 7], timed([(0.0,) * 7, goal], TIME_STEP, limits))
+    limits = joint_limits(PANDA)
+    speeds, accelerations = _motion([(0.0,) * 7], time_path([(0.0,) * 7, goal], TIME_STEP, limits))
     assert speeds[joint] > 0.95 * limits.speeds[joint]
     assert accelerations[joint] > 0.9 * limits.accelerations[joint]
 
@@ -68,7 +69,7 @@ def test_a_path_of_many_pieces_that_hardly_turn_is_not_slower_than_one_that_is_s
     turn = np.linspace(0.0, 1.0, 30)[:, None]
     bent = np.sin(turn) * [1.2, 0.5, 0, 0, 0, 0, 0] + (1 - np.cos(turn)) * [0, 0.3, 0.5, 0, 0, 0, 0]
     path = [tuple(row) for row in bent.tolist()]
-    rows, direct = (timed(each, TIME_STEP, limits_of(PANDA)) for each in (path, [path[0], path[-1]]))
+    rows, direct = (time_path(each, TIME_STEP, joint_limits(PANDA)) for each in (path, [path[0], path[-1]]))
     speeds, accelerations = _motion(path, rows)
     assert (speeds <= PANDA.speeds).all() and (accelerations <= PANDA.accelerations).all()
     assert len(rows) < 1.2 * len(direct)
@@ -76,7 +77,7 @@ def test_a_path_of_many_pieces_that_hardly_turn_is_not_slower_than_one_that_is_s
 
 @given(path=paths)
 def test_a_timed_path_stays_within_the_box_of_its_points(path):
-    rows = timed(path, TIME_STEP, limits_of(PANDA))
+    rows = time_path(path, TIME_STEP, joint_limits(PANDA))
     points = np.array(path)
     assert (rows >= points.min(axis=0) - 1e-9).all() and (rows <= points.max(axis=0) + 1e-9).all()
 
@@ -84,9 +85,9 @@ def test_a_timed_path_stays_within_the_box_of_its_points(path):
 @pytest.mark.parametrize("tiny", [5e-324, 2e-308, 1e-300, 1e-160, 1e-30, 1e-13, 1e-11])
 def test_a_turn_too_small_for_numbers_is_none(tiny):
     start, near, far = (0.0,) * 7, (*(0.0,) * 6, tiny), (0.0, 1.0, *(0.0,) * 4, tiny)
-    limits = limits_of(PANDA)
+    limits = joint_limits(PANDA)
     for path in ([start, near], [start, near, far], [start, far], [far, start, near]):
-        rows = timed(path, TIME_STEP, limits)
+        rows = time_path(path, TIME_STEP, limits)
         assert np.isfinite(rows).all() and rows[-1] == pytest.approx(path[-1], abs=1e-9)
         speeds, accelerations = _motion(path, rows)
         assert (speeds <= PANDA.speeds).all() and (accelerations <= PANDA.accelerations).all()
@@ -94,9 +95,9 @@ def test_a_turn_too_small_for_numbers_is_none(tiny):
 
 @given(points=st.lists(st.tuples(*[angles] * 7), min_size=3, max_size=4), loaded=st.booleans(), robot=robots)
 def test_blended_ways_keep_to_the_limits_and_pass_the_corners_nearby(points, loaded, robot):
-    limits = limits_of(robot, loaded)
-    ways = [timed(pair, TIME_STEP, limits) for pair in pairwise(points)]
-    whole = blended(ways, points[0], TIME_STEP, limits)
+    limits = joint_limits(robot, loaded)
+    ways = [time_path(pair, TIME_STEP, limits) for pair in pairwise(points)]
+    whole = blend_paths(ways, points[0], TIME_STEP, limits)
     assert whole[-1] == pytest.approx(points[-1], abs=1e-9)
     assert len(whole) <= sum(map(len, ways))
     speeds, accelerations = _motion(points, whole)
@@ -109,8 +110,8 @@ def test_blended_ways_keep_to_the_limits_and_pass_the_corners_nearby(points, loa
 
 def test_blended_ways_pass_on_without_a_stop():
     points = [(0.0,) * 7, (1.0,) * 7, (1.0, 2.0, 1.0, 1.0, 1.0, 1.0, 1.0)]
-    ways = [timed(pair, TIME_STEP, limits_of(PANDA)) for pair in pairwise(points)]
-    whole = blended(ways, points[0], TIME_STEP, limits_of(PANDA))
+    ways = [time_path(pair, TIME_STEP, joint_limits(PANDA)) for pair in pairwise(points)]
+    whole = blend_paths(ways, points[0], TIME_STEP, joint_limits(PANDA))
     assert len(whole) == sum(map(len, ways)) - round(ROUNDING / TIME_STEP)
 
 
@@ -121,8 +122,8 @@ def _reach(x: float, y: float, z: float) -> Joints:
 def test_a_straight_path_is_straight():
     high = _reach(0.5, 0.2, 0.2)
     low = next(inverse(PANDA, Pose((0.5, 0.2, 0.1), DOWN), near=high))
-    assert vertical(PANDA, high, low) and not vertical(PANDA, high, _reach(0.5, 0.25, 0.2))
-    for row in timed(straight(PANDA, high, low), TIME_STEP, limits_of(PANDA)).tolist():
+    assert is_vertical(PANDA, high, low) and not is_vertical(PANDA, high, _reach(0.5, 0.25, 0.2))
+    for row in time_path(straight_path(PANDA, high, low), TIME_STEP, joint_limits(PANDA)).tolist():
         x, y, z = tool_pose(PANDA, tuple(row)).position
         assert (x, y) == pytest.approx((0.5, 0.2), abs=0.002) and 0.099 < z < 0.201
 
@@ -158,15 +159,15 @@ def test_a_path_goes_over_what_stands_in_the_way(tabletop, held):
     start, goal = _reach(0.5, -0.2, 0.12), _reach(0.5, 0.2, 0.12)
     with open_simulator(_walled(tabletop, 0.2)) as simulator:
         poses = {"brick_1": Pose((0.6, 0.0, 0.1))}
-        load = Load(0.05)
+        arm = Arm(start, 0.05)
         if held:
             poses["cube_1"] = Pose((0.5, -0.2, 0.115))
-            load = Load(0.05, Grip("cube_1", Pose((0.0, 0.0, 0.005), DOWN)))
+            arm = Arm(start, 0.05, "cube_1", Pose((0.0, 0.0, 0.005), DOWN))
         situation = Situation(simulator.scene, poses)
-        direct = timed([start, goal], TIME_STEP, limits_of(PANDA))
+        direct = time_path([start, goal], TIME_STEP, joint_limits(PANDA))
         simulator.place({"brick_1": poses["brick_1"]})
         assert _gap(simulator, direct, held) < -0.01
-        found = free_path(simulator, situation, load, start, goal, TIME_STEP)
+        found = free_path(simulator, situation, arm, goal, TIME_STEP)
         assert found is not None and found[-1] == pytest.approx(goal)
         simulator.place({"brick_1": poses["brick_1"]})
         assert _gap(simulator, found, held) > 0.8 * CLEARANCE
@@ -174,7 +175,7 @@ def test_a_path_goes_over_what_stands_in_the_way(tabletop, held):
 
 def test_a_way_over_a_wall_is_free_where_it_keeps_a_centimetre_away(tabletop):
     start, goal = _reach(0.5, 0.2, 0.30), _reach(0.5, -0.2, 0.30)
-    rows = np.array([start, *timed([start, goal], TIME_STEP, limits_of(PANDA)).tolist()])
+    rows = np.array([start, *time_path([start, goal], TIME_STEP, joint_limits(PANDA)).tolist()])
     scene = _walled(tabletop, 0.2)
     found = set()
     with open_simulator(scene) as simulator:
@@ -182,7 +183,7 @@ def test_a_way_over_a_wall_is_free_where_it_keeps_a_centimetre_away(tabletop):
             pose = Pose((0.6, 0.0, height))
             simulator.place({"brick_1": pose})
             gap = _gap(simulator, rows, False)
-            free = _free(simulator, Situation(scene, {"brick_1": pose}), Load(0.05), rows)
+            free = _is_free(simulator, Situation(scene, {"brick_1": pose}), Arm(start, 0.05), rows)
             if not 0.9 * CLEARANCE < gap < 1.1 * CLEARANCE:
                 assert free == (gap > CLEARANCE), gap
                 found.add((free, gap > 0.0))
@@ -192,17 +193,17 @@ def test_a_way_over_a_wall_is_free_where_it_keeps_a_centimetre_away(tabletop):
 def test_only_what_is_near_an_end_of_a_way_may_be_near_on_it_and_until_it_has_been_left():
     near, nearer, tray = {("the arm", "tray"): 0.004}, {("the arm", "tray"): 0.002}, ("the arm", "tray")
     far: dict[tuple[str, str], float] = {}
-    assert clear(near, [near, {tray: 0.008}, far, far], far)
-    assert clear(far, [far, far, {tray: 0.009}, near], near)
-    assert clear(near, [near, far, near], near) and clear(near, [near, near], near)
-    assert not clear(near, [near, far, near, far], far)
-    assert not clear(near, [near, nearer, far], far)
-    assert not clear(near, [far, near], far) and not clear(far, [near, far], near)
-    assert not clear(near, [{("the arm", "crate"): 0.009}], near)
+    assert keeps_clear(near, [near, {tray: 0.008}, far, far], far)
+    assert keeps_clear(far, [far, far, {tray: 0.009}, near], near)
+    assert keeps_clear(near, [near, far, near], near) and keeps_clear(near, [near, near], near)
+    assert not keeps_clear(near, [near, far, near, far], far)
+    assert not keeps_clear(near, [near, nearer, far], far)
+    assert not keeps_clear(near, [far, near], far) and not keeps_clear(far, [near, far], near)
+    assert not keeps_clear(near, [{("the arm", "crate"): 0.009}], near)
 
 
 def test_no_path_is_made_up_where_there_is_none(tabletop):
     start, goal = _reach(0.5, -0.2, 0.12), _reach(0.5, 0.2, 0.12)
     with open_simulator(_walled(tabletop, 1.8)) as simulator:
         situation = Situation(simulator.scene, {"brick_1": Pose((0.6, 0.0, 0.9))})
-        assert free_path(simulator, situation, Load(0.05), start, goal, TIME_STEP) is None
+        assert free_path(simulator, situation, Arm(start, 0.05), goal, TIME_STEP) is None

@@ -8,7 +8,7 @@ import pytest
 
 from prag_asp.errors import QueryError
 from prag_asp.physics import PicturesMissingError, film_strip
-from prag_asp.physics.pictures.rendering import captioned
+from prag_asp.physics.pictures.rendering import make_captions
 from tests.physics.scenarios import stacking, state, task
 
 
@@ -36,7 +36,7 @@ def test_headings_can_be_given(witness, tabletop):
 
 def test_all_words_can_be_given(witness, tabletop):
     told = [("before", "all is there"), ("one", ""), ("two", "done")]
-    assert captioned(stacking(), tabletop, range(3), None, told)[1:] == told[1:]
+    assert make_captions(stacking(), tabletop, range(3), None, told)[1:] == told[1:]
     plain = film_strip(stacking(), witness, tabletop, frames=2, size=(60, 50))
     other = film_strip(stacking(), witness, tabletop, frames=2, size=(60, 50), told=told)
     assert np.asarray(plain).tobytes() != np.asarray(other).tobytes()
@@ -60,7 +60,7 @@ def test_the_start_tells_of_what_is_handled_and_whose_sides_are_meant(tabletop):
     step = ("place(panda,cube_1,left_of,brick_1)", state("left_of(cube_1,brick_1)"))
     for frame, told in (("robot", " (sides are as the robot sees them)"), ("viewer", "")):
         scene = replace(tabletop, frame=frame)
-        captions = captioned(task(known, step), scene, range(2), None)
+        captions = make_captions(task(known, step), scene, range(2), None)
         assert captions[0] == ("start", f"cube 1 is on table 1, brick 1 is on table 1{told}")
         assert captions[1] == ("1. place cube 1 left of brick 1", "cube 1 is to the left of brick 1")
-        assert captioned(task(known, step), scene, range(2), ["put it there"])[1][0] == "1. put it there"
+        assert make_captions(task(known, step), scene, range(2), ["put it there"])[1][0] == "1. put it there"

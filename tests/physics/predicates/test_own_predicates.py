@@ -18,7 +18,7 @@ from prag_asp.physics.search.spans import foresee_spans
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import physical_task
 from prag_asp.scene.geometry import Pose, yaw_of
-from prag_asp.scene.scene import Bounds, Own, Scene, Shape
+from prag_asp.scene.scene import BoxBounds, Own, Scene, Shape
 from tests.chance import Chance
 from tests.physics.scenarios import STUDIO, state, task
 from tests.physics.scenarios import STUDIO_SHAPES as SHAPES
@@ -69,7 +69,7 @@ def test_what_a_relation_refers_to_is_put_down_before_its_subject_as_far_as_ther
 
 @pytest.mark.parametrize(("larger", "fits"), [(0.0, True), (0.0035, True), (0.0045, False)])
 def test_a_body_as_large_as_its_box_is_in_it_up_to_the_tolerance(larger: float, fits: bool, chance: Chance) -> None:
-    box = Bounds((0.1, -0.2, 0.0), (0.21 - larger, -0.15, 0.04))  # the brick is 110 x 50 x 40 mm
+    box = BoxBounds((0.1, -0.2, 0.0), (0.21 - larger, -0.15, 0.04))  # the brick is 110 x 50 x 40 mm
     own = Own("odd", PAIR, (box,), whole=True, sentence="{0} {is} in {1}")
     predicate = predicate_of(Scene(shapes=SHAPES, own={"odd": own}), "odd")
     turned = (0.0, 0.0, math.sin(0.4), math.cos(0.4))
@@ -80,12 +80,12 @@ def test_a_body_as_large_as_its_box_is_in_it_up_to_the_tolerance(larger: float, 
     )
     assert (floor is not None) == fits
     if floor is not None:
-        at = Volume.draw(floor, chance.generator(1).uniform)
+        at = Volume.sample(floor, chance.generator(1).uniform)
         assert at is not None
         assert predicate.distance(situation.with_pose("brick_1", Pose(at, turned)), ("brick_1", "camera_1")) == 0.0
 
 
-def test_a_first_state_goes_back_to_what_leaves_no_room(studio: Domain, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_initial_state_goes_back_to_what_leaves_no_room(studio: Domain, monkeypatch: pytest.MonkeyPatch) -> None:
     # The brick and the camera, which are put down first, are seldom near enough for a cup to be near both.
     both = task(state("near(cup_1,brick_1)", "near(camera_1,cup_1)", "-near(brick_1,camera_1)"), ("wait(panda)", {}))
 
@@ -168,7 +168,7 @@ def test_relations_are_searched_for_together(studio: Domain) -> None:
 
 @pytest.mark.parametrize("fluent", ["near(apple_1,can_1)", "between(apple_1,can_1,box_1)", "above(apple_1,bowl_1)"])
 def test_what_is_carried_is_brought_where_the_relation_holds_in_the_air(fluent: str, prag: Scene) -> None:
-    box = Bounds((-0.1, -0.1, 0.1), (0.1, 0.1, 0.3))
+    box = BoxBounds((-0.1, -0.1, 0.1), (0.1, 0.1, 0.3))
     scene = replace(prag, own={"above": Own("above", PAIR, (box,), sentence="{0} {is} above {1}")})
     carried = task(
         state("-at(panda,apple_1)", "open(panda)"),

@@ -23,7 +23,7 @@ from prag_asp.physics.witness import Arm
 from prag_asp.scene.geometry import IDENTITY, Pose, compose, multiply, yaw_quaternion
 from prag_asp.scene.predicate_names import PREDICATE_ROLES, VOCABULARY
 from prag_asp.scene.robots import robot_of
-from prag_asp.scene.scene import Bounds, Own, Scene, Shape
+from prag_asp.scene.scene import BoxBounds, Own, Scene, Shape
 from tests.chance import examples
 from tests.physics.scenarios import STUDIO
 
@@ -67,11 +67,11 @@ ARGUMENTS = {
     "is_closed": ("cupboard",),
 }
 CORNERS = (
-    Bounds((0.05, 0.03, 0.0), (0.15, 0.12, 0.2)),
-    Bounds((0.0, 0.06, -0.1), (0.15, 0.12, 0.1)),  # overlaps the first
-    Bounds((-0.15, -0.12, -math.inf), (-0.05, -0.03, math.inf)),
+    BoxBounds((0.05, 0.03, 0.0), (0.15, 0.12, 0.2)),
+    BoxBounds((0.0, 0.06, -0.1), (0.15, 0.12, 0.1)),  # overlaps the first
+    BoxBounds((-0.15, -0.12, -math.inf), (-0.05, -0.03, math.inf)),
 )
-LEFT = (Bounds((-math.inf, -math.inf, 0.0), (math.inf, 0.0, math.inf)),)
+LEFT = (BoxBounds((-math.inf, -math.inf, 0.0), (math.inf, 0.0, math.inf)),)
 PAIR = ("object", "object")
 OWN = {
     "in_corner": Own("in_corner", PAIR, CORNERS, sentence="{0} {is} in a corner of {1}"),
@@ -123,10 +123,10 @@ def _drawn(name: str, arguments: tuple[str, ...], situation: Situation, rng: ran
     quaternion = yaw_quaternion(yaw)
     volume = predicate.volume(situation, arguments, quaternion).meet(ROOM)
     floor = volume.floor()
-    at = None if floor is None else volume.draw(floor, rng.uniform)
+    at = None if floor is None else volume.sample(floor, rng.uniform)
     if at is None:
         return None
-    assert volume.outside(at) <= 1e-12
+    assert volume.miss_distance(at) <= 1e-12
     if predicate.of_gripper:
         low, high = volume.width
         width = rng.uniform(low, high if math.isfinite(high) else 0.2)
@@ -197,7 +197,7 @@ def test_what_satisfies_a_predicate_lies_in_its_volume_up_to_the_margin(seed, sp
             pose = situation.pose(arguments[predicate.subject])
             volume = predicate.volume(situation, arguments, pose.quaternion)
             if not volume.empty:
-                assert volume.outside(pose.position) <= 0.011  # the height within which a body is inside
+                assert volume.miss_distance(pose.position) <= 0.011  # the height within which a body is inside
 
 
 @settings(max_examples=examples(300))
@@ -212,7 +212,7 @@ def test_the_distance_is_never_negative_and_zero_exactly_where_the_check_holds(s
         assert distance == max(0.0, signed)
         for value in (True, False):
             fact = Fact(predicate, ARGUMENTS[name], value)
-            assert fact.satisfied(situation) == (fact.distance(situation) <= 0.0) == (fact.way(situation) <= 0.0)
+            assert fact.is_satisfied(situation) == (fact.distance(situation) <= 0.0) == (fact.way(situation) <= 0.0)
             assert fact.way(situation) >= fact.distance(situation)
 
 

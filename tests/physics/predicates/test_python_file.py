@@ -171,7 +171,11 @@ PREDICATES = {{"odd": Predicate("odd", violations, volume, states("{{0}} {{is}} 
 @pytest.mark.parametrize(
     ("part", "result", "message"),
     [
-        ("impossible", "[3]", r"own\.py:10: why odd is impossible has to be told in strings; got \[3\]; mend the func"),
+        (
+            "impossible",
+            "[3]",
+            r"own\.py:10: the reasons why odd is impossible have to be strings; got \[3\]; mend the func",
+        ),
         ("impossible", "1 / 0", r"own\.py:11: odd: ZeroDivisionError: division by zero; mend the file"),
         (
             "demands",
@@ -179,10 +183,14 @@ PREDICATES = {{"odd": Predicate("odd", violations, volume, states("{{0}} {{is}} 
             r"own\.py:10: the demands of odd have to be pairs of an axis .*; got \[\(0, 'far'\)",
         ),
         ("demands", "[(3, None)]", r"own\.py:10: the demands of odd have to be pairs of an axis \(0 to 2\) and a Gap"),
-        ("excludes", "True", r"own\.py:10: why odd excludes another has to be told in a string, or None; got True"),
+        ("excludes", "True", r"own\.py:10: the reason why odd excludes another has to be a string, or None; got True"),
         ("nowhere", "None", r"own\.py:10: whether odd is so nowhere has to be True or False; got None"),
         ("otherwise", "None", r"own\.py:10: the volume where odd does not hold has to be a Volume, .*; got None"),
-        ("named", "None", r"own\.py:10: the sentence of odd that names its gripper has to be a string; got None"),
+        (
+            "robot_sentence",
+            "None",
+            r"own\.py:10: the sentence of odd that names its gripper has to be a string; got None",
+        ),
     ],
 )
 def test_what_goes_wrong_in_a_function_for_proofs_is_told_with_its_line(

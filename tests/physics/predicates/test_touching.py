@@ -180,7 +180,7 @@ def test_it_is_drawn_all_around_the_other_body_on_its_floor_and_on_top(
         assert floor is not None
         drawn = Counter[int]()
         for _ in range(60):
-            point = Volume.draw(floor, rng.uniform)
+            point = Volume.sample(floor, rng.uniform)
             assert point is not None
             placed = situation.with_pose(subject, Pose(point, quaternion))
             assert abs(gap(placed, (subject, other))) <= TOLERANCE - 1e-4

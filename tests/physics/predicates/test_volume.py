@@ -26,8 +26,8 @@ def test_points_are_drawn_uniformly_from_a_region(seed):
     half = Side(math.cos(angle), math.sin(angle), 0.0)
     volume = Volume((-1.0, -1.0, 0.0), (1.0, 1.0, 0.0), sides=(half,), rings=(Ring(0.0, 0.0, 0.3, 1.0),))
     floor = volume.floor()
-    points = [volume.draw(floor, rng.uniform) for _ in range(400)]
-    assert all(volume.outside(point) <= 1e-9 for point in points)
+    points = [volume.sample(floor, rng.uniform) for _ in range(400)]
+    assert all(volume.miss_distance(point) <= 1e-9 for point in points)
     outer = sum(math.hypot(x, y) > 0.74 for x, y, _ in points)  # halves the area of the ring
     assert 120 < outer < 280
     left = sum(-half.b * x + half.a * y > 0.0 for x, y, _ in points)
@@ -40,7 +40,7 @@ def test_what_lies_in_two_volumes_of_a_union_is_not_drawn_twice_as_often(chance)
     volume = flat((0.0, 5.0), (0.0, 1.0), (left, right, apart))
     floor = volume.floor()
     draws = chance.examples(4000)
-    cells = Counter(int(volume.draw(floor, rng.uniform)[0]) for _ in range(draws))
+    cells = Counter(int(volume.sample(floor, rng.uniform)[0]) for _ in range(draws))
     assert set(cells) == {0, 1, 2, 4}
     assert all(0.22 < number / draws < 0.28 for number in cells.values())
 
@@ -53,10 +53,10 @@ def test_a_union_within_a_union_and_two_unions_meet_as_sets_do(chance):
     assert len(volume.parts()) == 4
     floor = volume.floor()
     for _ in range(chance.examples(200)):
-        x, y, z = volume.draw(floor, rng.uniform)
-        assert volume.outside((x, y, z)) == 0.0
+        x, y, z = volume.sample(floor, rng.uniform)
+        assert volume.miss_distance((x, y, z)) == 0.0
         assert not 1.0 < x < 2.0 and not 1.0 < y < 2.0
-    assert volume.outside((1.25, 0.5, 0.0)) == pytest.approx(0.25)
+    assert volume.miss_distance((1.25, 0.5, 0.0)) == pytest.approx(0.25)
     assert Volume(unions=((tall, wide),)).parts() == (*tall.parts(), *wide.parts())
 
 
@@ -74,7 +74,7 @@ def test_a_ring_around_a_rectangle_has_round_corners(chance):
     ring = Ring(0.0, 0.0, 0.0, 1.0, half_x=1.0, half_y=2.0)
     volume = Volume((-2.0, -3.0, 0.0), (2.0, 3.0, 0.0), rings=(ring,))
     floor = volume.floor()
-    points = [volume.draw(floor, rng.uniform) for _ in range(chance.examples(4000))]
+    points = [volume.sample(floor, rng.uniform) for _ in range(chance.examples(4000))]
     beyond = [point for point in points if abs(point[0]) > 1.0 and abs(point[1]) > 2.0]
     assert all(math.hypot(abs(x) - 1.0, abs(y) - 2.0) <= 1.0 for x, y, _ in beyond)
     share = math.pi / (8.0 + 12.0 + math.pi)  # the corners make up a disc

@@ -15,7 +15,7 @@ from prag_asp.dataset.scenes import scene_of
 from prag_asp.domain.load import Domain, with_learned
 from prag_asp.errors import DomainError
 from prag_asp.physics import check_witness, validate_tasks
-from prag_asp.physics.proofs.learned_exclusions import proved, unproved
+from prag_asp.physics.proofs.learned_exclusions import prove_exclusions, unproved_exclusions
 from prag_asp.physics.proofs.schemas import rules, text_of
 from prag_asp.program.sources import Source
 from prag_asp.task import Task
@@ -42,7 +42,7 @@ impossible(on_top(X,shelf_2), reachable(Z,X)) :- fluent(on_top(X,shelf_2)), flue
 
 
 def learned_text(domain: Domain) -> str:
-    return text_of(rules(proved(domain.facts, scene_of(domain)), domain.facts), domain.name)
+    return text_of(rules(prove_exclusions(domain.facts, scene_of(domain)), domain.facts), domain.name)
 
 
 def learned(domain: Domain) -> Domain:
@@ -75,7 +75,7 @@ def test_rules_state_the_proofs_and_nothing_else(before: Domain, after: Domain) 
     expected |= {(f"inside({item},tray_1)",) for item in ("crate_1", "crate_2", "rod_1")}
     items = ("cube_1", "cube_2", "crate_1", "crate_2", "rod_1")
     expected |= {(f"on_top({item},shelf_2)", f"reachable(panda,{item})") for item in items}
-    found = proved(before.facts, scene_of(before))
+    found = prove_exclusions(before.facts, scene_of(before))
     assert {tuple(map(str, fluents)) for fluents, reason in found.items() if reason is not None} == expected
     # A crate that is never in the tray may be in a rule, but each pair is stated once.
     assert {tuple(sorted({*map(str, pair)})) for pair in after.learned} == expected
@@ -84,15 +84,19 @@ def test_rules_state_the_proofs_and_nothing_else(before: Domain, after: Domain) 
 
 @pytest.mark.parametrize("engine", ["automaton", "clingo", "sat"])
 def test_exactly_the_plans_leave_of_which_a_state_satisfies_a_proof(before: Domain, after: Domain, engine: str) -> None:
-    found = [frozenset(fluents) for fluents, reason in proved(before.facts, scene_of(before)).items() if reason]
+    found = [
+        frozenset(fluents) for fluents, reason in prove_exclusions(before.facts, scene_of(before)).items() if reason
+    ]
     for length in range(4):
-        plans = TaskSpace(before, length).words("plan")
-        tasks = list(TaskSpace(before, length).narrate(plans))
+        plans = TaskSpace(before, length).enumerate("plan")
+        tasks = list(TaskSpace(before, length).tasks_of_plans(plans))
         kept = [task for task in tasks if not any(satisfies(task, fluents) for fluents in found)]
         space = TaskSpace(after, length, engine=engine)
         assert space.count("plan") == len(kept) < (len(tasks) if length else 2)
         if engine == "automaton":
-            assert list(space.narrate(space.words("plan"))) == kept  # what is known of their states is as before
+            assert (
+                list(space.tasks_of_plans(space.enumerate("plan"))) == kept
+            )  # what is known of their states is as before
 
 
 def test_no_task_with_a_witness_leaves_and_the_pass_rate_rises(before: Domain, after: Domain, chance: Chance) -> None:
@@ -106,7 +110,7 @@ def test_no_task_with_a_witness_leaves_and_the_pass_rate_rises(before: Domain, a
             assert (task not in spaces[1]) == (verdict.status == "infeasible")
             if verdict.feasible:
                 assert verdict.witness is not None
-                [told] = spaces[1].narrate(iter([tuple(map(str, task.actions))]))
+                [told] = spaces[1].tasks_of_plans(iter([tuple(map(str, task.actions))]))
                 assert replace(task, log_probability=None) == told
     assert passed[0] < 30 and passed[1] >= 57
 
@@ -128,20 +132,20 @@ def test_witnesses_of_tabletop_stand_with_everything_that_can_be_learned(chance:
 def test_what_is_impossible_excludes_what_is_known_and_tells_nothing(toy: Toy) -> None:
     plain = TaskSpace(domain_of(replace(toy, impossible=()).text(), "at_most"), 3)
     forbidden = [frozenset(Atom(f"f{f}") for f in pair) for pair in toy.impossible]
-    tasks = list(plain.narrate(plain.words("plan")))
+    tasks = list(plain.tasks_of_plans(plain.enumerate("plan")))
     kept = [task for task in tasks if not any(satisfies(task, fluents) for fluents in forbidden)]
     space = TaskSpace(domain_of(toy.text(), "at_most"), 3)
-    assert list(space.narrate(space.words("plan"))) == kept
+    assert list(space.tasks_of_plans(space.enumerate("plan"))) == kept
     assert {tuple(map(str, task.actions)) for task in kept} == {
         tuple(term(toy, i) for i in plan) for plan in toy.plans(3)
     }
 
 
 def test_what_was_learned_for_another_scene_is_told(before: Domain, after: Domain) -> None:
-    assert list(unproved(after, scene_of(before))) == []
+    assert list(unproved_exclusions(after, scene_of(before))) == []
     scene = scene_of(before)
     nearer = replace(scene, fixed={**scene.fixed, "shelf_2": (0.6, 0.0, 0.0)})
-    assert {tuple(map(str, fluents)) for fluents in unproved(after, nearer)} == {
+    assert {tuple(map(str, fluents)) for fluents in unproved_exclusions(after, nearer)} == {
         (f"on_top({item},shelf_2)", f"reachable(panda,{item})")
         for item in ("cube_1", "cube_2", "crate_1", "crate_2", "rod_1")
     }

@@ -13,7 +13,7 @@ from prag_asp.domain.load import load_domain
 from prag_asp.physics import Budget, check_demonstration, check_witness, open_validator
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.checks.states import tool_in
-from prag_asp.physics.robot.kinematics import adjusted, inverse, tool_pose
+from prag_asp.physics.robot.kinematics import adjust_joints, inverse, tool_pose
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.scene.geometry import Pose, compose, multiply, turn_between, yaw_quaternion
 from prag_asp.scene.robots import ROBOTS, Joints, Robot
@@ -106,7 +106,7 @@ def test_a_pose_next_to_another_is_found_next_to_its_joints(name):
     robot = ROBOTS[name]
     start = next(inverse(robot, _from_above(0.5, 0.2, 0.1, 0.7)))
     wanted = compose(tool_pose(robot, start), Pose((0.004, -0.003, 0.002), yaw_quaternion(0.05)))
-    found = adjusted(robot, wanted, start)
+    found = adjust_joints(robot, wanted, start)
     assert found is not None and _near(tool_pose(robot, found), wanted, 2e-5)
     assert max(abs(a - b) for a, b in zip(found, start, strict=True)) < 0.2
 

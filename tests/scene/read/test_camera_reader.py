@@ -67,7 +67,7 @@ def test_every_shipped_scene_has_a_camera_in_front_and_one_at_each_wrist(name):
     [
         ({"front": 3}, "scene.cameras.front: needs a table like { at = [1.2, 0.6, 0.8]"),
         ({"Front": FRONT}, "scene.cameras.Front: is no name of a camera; begin with a small letter"),
-        ({"front": {"look_at": [0, 0, 0]}}, "scene.cameras.front.at: missing: write x, y and z in metres"),
+        ({"front": {"look_at": [0, 0, 0]}}, "scene.cameras.front.at: missing; write x, y and z in metres"),
         ({"front": {**FRONT, "at": [1, 2]}}, "scene.cameras.front.at: needs x, y and z in metres, within 10 m"),
         ({"front": {**FRONT, "at": [1, 2, float("nan")]}}, "scene.cameras.front.at: needs x, y and z"),
         ({"front": {**FRONT, "at": [1e300, 0, 0]}}, "scene.cameras.front.at: needs x, y and z"),
@@ -81,7 +81,7 @@ def test_every_shipped_scene_has_a_camera_in_front_and_one_at_each_wrist(name):
             "size: needs width and height in pixels, from 16 to 2048; got [0, 128]",
         ),
         ({"front": {**FRONT, "size": 128}}, "front.size: needs width and height in pixels"),
-        ({"front": {**FRONT, "near": 2, "far": 1}}, "front.far: is not farther than near, 2 m; got 1"),
+        ({"front": {**FRONT, "near": 2, "far": 1}}, "front.far: is 1 m, not farther than near, 2 m"),
         ({"front": {**FRONT, "near": 0}}, "front.near: needs a number from 0.005 to 100 (metres); got 0"),
     ],
 )

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from prag_asp.errors import SceneError
-from prag_asp.physics.world.meshes import mesh_file
+from prag_asp.physics.world.primitives import mesh_file
 from prag_asp.scene.read.mesh import mesh_parts, mesh_points
 from prag_asp.scene.scene import Solid
 

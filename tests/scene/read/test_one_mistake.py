@@ -41,7 +41,7 @@ CASES = [
     ("domains/kitchen", "size = [0.26, 0.24, 0.10]", "size = [0.26, 0.24, 0.01]", "needs one size of at least 0.12"),
     ("domains/prag", "quarter_turn = 90", "quarter_turn = 1e300", "scene.rotations.quarter_turn: needs a yaw"),
     ("domains/two_arms", "base =", "bse =", "scene.robots.left.bse: unknown key; did you mean base?"),
-    ("examples/own_predicates", CORNER, "{ x = 3 }", "scene.own.in_corner.boxes.1.x: needs a low and a high end"),
+    ("examples/own_predicates", CORNER, "{ x = 3 }", "scene.own.in_corner.boxes[0].x: needs a low and a high end"),
     ("examples/own_predicates", 'inside = "centre"', "inside = 3", "scene.own.in_corner.inside: needs one of"),
     ("examples/own_predicates", "sentence =", "sentnce =", "unknown key; did you mean sentence?"),
 ]

@@ -8,9 +8,10 @@ import pytest
 
 from prag_asp.atom import Atom, parse_atom
 from prag_asp.errors import SceneError
-from prag_asp.scene.read.report import ancestors
+from prag_asp.scene.read.scene_values import ancestors
 from prag_asp.scene.scene import Shape
 from prag_asp.scene.scene_loader import parse_scene, scene_problems
+from prag_asp.tables.report import path_text
 from tests.physics.random_tasks import Rules, shipped_scene
 
 CLASSES = {"robot": (), "movable": (), "cube": ("movable",), "ball": ("movable",), "tray": ()}
@@ -62,22 +63,22 @@ def test_degrees_become_radians_and_fluents_get_their_meaning():
             "scene.shapes.cube.size: needs",
         ),
         ({"shapes": {"cube": {"kind": "box", "size": ["a", 1, 1]}}}, "scene.shapes.cube.size: needs"),
-        ({"shapes": {"cube": {"kind": "box"}}}, "scene.shapes.cube.size: needs three positive lengths"),
+        ({"shapes": {"cube": {"kind": "box"}}}, "scene.shapes.cube.size: missing; write three positive lengths"),
         (
             {"shapes": {"cube": {"kind": "box", "size": [0.05, 0.05, 1e-9]}}},
             "scene.shapes.cube.size: needs three positive lengths in metres (at least 0.003, at most 2); got [0.05",
         ),
         (
             {"shapes": {"cube": {"kind": "box", "size": {"low": [0.0029, 0.05, 0.05], "high": [0.05, 0.05, 0.05]}}}},
-            "scene.shapes.cube.size: needs three positive lengths in metres (at least 0.003",
+            "scene.shapes.cube.size.low: needs three positive lengths in metres (at least 0.003",
         ),
         (
             {"shapes": {"cube": {"kind": "cylinder", "radius": 0.001, "height": 0.1}}},
-            "scene.shapes.cube.radius: needs a positive length in metres (at least 0.0015, at most 2); got 0.001",
+            "scene.shapes.cube.radius: needs a number from 0.0015 to 2 (metres); got 0.001",
         ),
         (
             {"shapes": {"cube": {"kind": "cylinder", "radius": 0.03, "height": 0.002}}},
-            "scene.shapes.cube.height: needs a positive length in metres (at least 0.003, at most 2); got 0.002",
+            "scene.shapes.cube.height: needs a number from 0.003 to 2 (metres); got 0.002",
         ),
         (
             {"shapes": {"cube": {"kind": "sphere", "radius": [1e-9, 0.02]}}},
@@ -96,7 +97,7 @@ def test_degrees_become_radians_and_fluents_get_their_meaning():
         ),
         (
             {"shapes": {"ball": {"kind": "sphere", "radius": 0}}},
-            "scene.shapes.ball.radius: needs a positive length",
+            "scene.shapes.ball.radius: needs a number from 0.0015 to 2",
         ),
         (
             {"shapes": {"tray": {"kind": "container", "size": [0.1, 0.1, 0.1], "wall": 0.05}}},
@@ -119,7 +120,7 @@ def test_degrees_become_radians_and_fluents_get_their_meaning():
         ({**FINE, "fixed": {"cube_9": [0.5, 0]}}, "scene.fixed.cube_9: unknown entity; did you mean cube_1?"),
         (
             {**FINE, "fixed": {"panda": [0.5, 0]}},
-            "scene.fixed.panda: needs an entity with the shape of an object",
+            "scene.fixed.panda: is the place of a robot, which has none; fix an entity",
         ),
         (
             {**FINE, "predicates": {"on": "ontop"}},
@@ -145,7 +146,7 @@ def test_the_linter_gets_every_problem_at_once():
         parse_atom("rotated(ball_1,up)"),
         parse_atom("holding(ball_1)"),
     ]
-    keys = [problem.key for problem in scene_problems(table, CLASSES, ENTITIES, fluents)]
+    keys = [path_text(problem.keys) for problem in scene_problems(table, CLASSES, ENTITIES, fluents)]
     assert keys == [
         "scene.shapes.cube.kind",
         "scene.frame",

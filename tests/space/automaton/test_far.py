@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 
 import numpy as np
@@ -18,12 +18,11 @@ from prag_asp import TaskSpace
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step.packed import Rows
 from prag_asp.logic.step.relaxation import Relaxation
-from prag_asp.random_bits import SeededBits
 from prag_asp.space.automaton import exploration as exploring
 from prag_asp.space.automaton.exploration import explore
 from prag_asp.space.engines import LEVELS, Draw, Level
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
-from prag_asp.space.sampling.draws import drawn_words, make_drawer
+from prag_asp.space.sampling.streams import make_sampler, sample_batches
 from prag_asp.space.weights.weights import Weights, parse_weights
 from tests.brute_force import Toy, term
 from tests.chance import examples
@@ -53,8 +52,8 @@ def explored_engine(many: int, model: DomainLogic, level: Level, length: int, me
 
 def drawn(many: int, engine: AutomatonEngine, level: Level, length: int, weights: Weights, seed: int) -> list[Draw]:
     with leaving(many):
-        drawer = make_drawer(engine, engine._model.domain.facts, level, length, weights)
-    return list(islice(drawn_words(drawer, engine, SeededBits(seed)), 20))
+        sampler = make_sampler(engine, engine._model.domain.facts, level, length, weights)
+    return list(islice(chain.from_iterable(sample_batches(sampler, engine.letters, seed)), 20))
 
 
 def check_that_nothing_is_lost(
@@ -102,7 +101,7 @@ def test_random_symmetric_domains_with_goals_are_the_same(text: str, level: Leve
 def test_random_conditions_are_the_same(toy: Toy, data: st.DataObject, level: Level, seed: int) -> None:
     domain = domain_of(toy.text() + "#program base.\n" + entities(toy), "at_most")
     asked = data.draw(st.lists(clauses(toy), min_size=1, max_size=2))
-    model = TaskSpace(domain, 0).where(*(clause.words for clause in asked))._shared.model
+    model = TaskSpace(domain, 0).where(*(clause.words for clause in asked)).engines.model
     check_that_nothing_is_lost(model, level, 4, False, Weights(), seed)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from functools import cache
-from itertools import islice
+from itertools import chain, islice
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -12,11 +12,10 @@ from hypothesis import strategies as st
 
 from prag_asp import TaskSpace, load_domain
 from prag_asp.logic.domain_logic import DomainLogic
-from prag_asp.random_bits import SeededBits
 from prag_asp.space.engines import LEVELS, Level
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.engines.reachability import equal_groups
-from prag_asp.space.sampling.draws import drawn_words, make_drawer
+from prag_asp.space.sampling.streams import make_sampler, sample_batches
 from prag_asp.space.weights.weights import Weights, parse_weights
 from tests.chance import Chance, examples
 from tests.domains import domain_of
@@ -60,8 +59,11 @@ def check_that_merging_changes_nothing(
         for weighed in (Weights(), weights):
             if plain.weighed(length, weighed).total(length):
                 facts = model.domain.facts
-                made = [(make_drawer(engine, facts, level, length, weighed), engine) for engine in (plain, merged)]
-                drawn = [list(islice(drawn_words(drawer, engine, SeededBits(seed)), 20)) for drawer, engine in made]
+                made = [(make_sampler(engine, facts, level, length, weighed), engine) for engine in (plain, merged)]
+                drawn = [
+                    list(islice(chain.from_iterable(sample_batches(sampler, engine.letters, seed)), 20))
+                    for sampler, engine in made
+                ]
                 assert drawn[0] == drawn[1]
 
 
@@ -203,7 +205,7 @@ def test_random_domains_with_units_are_the_same_merged_or_not(level: Level, chan
         generator = chance.generator(seed)
         case = draw_units(generator)
         space = TaskSpace(domain_of(case.text()), 0).where(*(clause.words for clause in case.clauses))
-        model = space._shared.model
+        model = space.engines.model
         if model.symmetries(0).joint and not model.obstacles:
             facts = model.domain.facts
             entity = generator.choice(["c", "d", *(map(str, facts.entities) if level == "plan" else [])])

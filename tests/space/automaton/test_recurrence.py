@@ -78,13 +78,13 @@ def test_a_shipped_domain_counts_long_words_as_step_by_step(by: str, monkeypatch
     space = TaskSpace(load_domain("prag"), 2500)
     fast = space.count(by)  # type: ignore[arg-type]
     monkeypatch.setattr("prag_asp.space.engines.automaton_engine.count_by_recurrence", lambda *_: None)
-    assert fast == space._engine(by).count(2500)  # type: ignore[arg-type]
+    assert fast == space.engines.engine(by, space.length).count(2500)  # type: ignore[arg-type]
 
 
 def test_long_words_are_counted_modulo_primes_as_powers_of_the_matrix_say() -> None:
     space = TaskSpace(load_domain("prag"), 200_000, engine="automaton")
     found = space.count("skeleton")
-    automaton = space._engine("skeleton").explored(1).completions.automaton  # type: ignore[attr-defined]
+    automaton = space.engines.engine("skeleton", space.length).explored(1).completions.automaton  # type: ignore[attr-defined]
     for prime in (1_000_003, 998_244_353):
         matrix = np.zeros((automaton.states, automaton.states), dtype=object)
         for source, target in zip(automaton.sources, automaton.targets, strict=True):

@@ -23,9 +23,9 @@ def test_a_condition_that_needs_more_actions_is_answered_without_grounding(
     monkeypatch.setattr(DomainLogic, "ground", property(never))
     for level in ("plan", "task", "skeleton"):
         assert space.count(level) == 0  # type: ignore[arg-type]
-        assert not list(space.words(level))  # type: ignore[arg-type]
+        assert not list(space.enumerate(level))  # type: ignore[arg-type]
     assert ("drop(panda)",) * 3 not in space
-    with pytest.raises(QueryError, match=r"^there is no task of length 3 to draw"):
+    with pytest.raises(QueryError, match=r"^there is no task of length 3 to sample"):
         space.sample(1, seed=1)
     with pytest.raises(IndexError):
         space[0]
@@ -40,10 +40,10 @@ precondition(on,f,false). postcondition(on,f,true). precondition(off,f,true). po
 @pytest.mark.parametrize("engine", ["automaton", "clingo", "sat"])
 def test_a_clock_is_right_up_to_its_length_and_beyond(engine: str) -> None:
     space = TaskSpace(domain_of(SWITCH), 3, engine=engine)
-    everything = set(space.words("plan"))
+    everything = set(space.enumerate("plan"))
     for steps in range(5):
         lit = {word for word in everything if word[:steps].count("on") > word[:steps].count("off") and steps <= 3}
-        assert set(space.where(f"after {steps}: f").words("plan")) == lit
+        assert set(space.where(f"after {steps}: f").enumerate("plan")) == lit
 
 
 def test_an_expression_that_needs_too_many_states_is_told_in_one_line() -> None:

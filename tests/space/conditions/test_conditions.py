@@ -57,8 +57,8 @@ def check_agreement(toy: Toy, data: st.DataObject, asked: list[Clause] | None = 
             assert here.count("skeleton") == len(names)
             if length == LENGTH:
                 assert here.count("task") == len(expected)  # no entities are interchangeable: a task is a plan
-            assert sorted(here.words("plan")) == sorted(expected)
-            assert list(here.words("skeleton")) == sorted(names)
+            assert sorted(here.enumerate("plan")) == sorted(expected)
+            assert list(here.enumerate("skeleton")) == sorted(names)
 
 
 @settings(max_examples=examples(40), suppress_health_check=list(HealthCheck))
@@ -67,7 +67,7 @@ def test_nontrivial_and_loop_free_tasks_are_those_whose_told_states_differ(toy: 
     domain = domain_of(toy.text(), "at_most")
     space = TaskSpace(domain, LENGTH)
     nontrivial, loop_free = set(), set()
-    for task in space.narrate(space.words("plan")):
+    for task in space.tasks_of_plans(space.enumerate("plan")):
         states = [frozenset(state.items()) for state in (task.initial, *task.states)]
         if states[0] != states[-1]:
             nontrivial.add(str(task))
@@ -75,8 +75,8 @@ def test_nontrivial_and_loop_free_tasks_are_those_whose_told_states_differ(toy: 
             loop_free.add(str(task))
     told_apart = space.where("nontrivial")
     for engine in ENGINES:
-        assert {" ".join(word) for word in with_engine(told_apart, engine).words("plan")} == nontrivial
-    assert {" ".join(word) for word in space.where("loop-free").words("plan")} == loop_free
+        assert {" ".join(word) for word in with_engine(told_apart, engine).enumerate("plan")} == nontrivial
+    assert {" ".join(word) for word in space.where("loop-free").enumerate("plan")} == loop_free
 
 
 NEVER = Toy(2, (Action("a", {}, {0: False}),), exclusive=((0, 0),))
@@ -93,7 +93,7 @@ def test_what_is_known_of_states_is_what_all_runs_share_so_nontrivial_and_loop_f
     known = replace(toy, impossible=())  # nothing is told of what is impossible
     nontrivial, loop_free = set(), set()
     numbers = {term(toy, i): i for i in range(len(toy.actions))}
-    for task in space.narrate(space.words("plan")):
+    for task in space.tasks_of_plans(space.enumerate("plan")):
         plan = tuple(numbers[str(action)] for action in task.actions)
         executed = [states for states in runs(known, plan) if agrees(states[-1], toy.goal)]
         shared = [
@@ -105,8 +105,8 @@ def test_what_is_known_of_states_is_what_all_runs_share_so_nontrivial_and_loop_f
             nontrivial.add(tuple(map(str, task.actions)))
         if all(one != other for one, other in itertools.combinations(shared, 2)):
             loop_free.add(tuple(map(str, task.actions)))
-    assert set(space.where("nontrivial").words("plan")) == nontrivial
-    assert set(space.where("loop-free").words("plan")) == loop_free
+    assert set(space.where("nontrivial").enumerate("plan")) == nontrivial
+    assert set(space.where("loop-free").enumerate("plan")) == loop_free
 
 
 @settings(max_examples=examples(100))
@@ -196,7 +196,7 @@ def test_what_is_achieved_is_not_so_from_the_start(engine: str) -> None:
     """
     space = TaskSpace(domain_of(text, "at_most"), 2, engine=engine)
     # After `hide`, f holds if it does at the end, so g does, which was not changed: it held at the start.
-    words = {" ".join(word) for word in space.where("achieves g").words("plan")}
+    words = {" ".join(word) for word in space.where("achieves g").enumerate("plan")}
     assert words == {"hide set", "set hide", "set set", "set wait", "wait set"}
     assert space.where("achieves f and g").count("plan") == space.where("achieves f").count("plan") == 8
     assert space.where("achieves f or not f").count("plan") == space.where("achieves g and not g").count("plan") == 0

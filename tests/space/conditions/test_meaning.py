@@ -79,7 +79,7 @@ postcondition(p(X),f(X),true) :- entity(X,c). postcondition(q(X),f(X),false) :- 
 )
 def test_conditions_that_say_the_same_of_two_entities_leave_them_interchangeable(words: list[str]) -> None:
     space = TaskSpace(domain_of(TWO), 2).where(*words)
-    plans = set(space.words("plan"))
+    plans = set(space.enumerate("plan"))
     swapped = {tuple(a.translate(str.maketrans("ab", "ba")) for a in plan) for plan in plans}
     assert plans == swapped
     orbits = {frozenset({plan, tuple(a.translate(str.maketrans("ab", "ba")) for a in plan)}) for plan in plans}

@@ -21,10 +21,10 @@ LARGE = "fluent(f). initially(f,true). action(a(1..40)). action(b)."
 def test_shares_are_met_by_whole_skeletons(seed: int, shares: dict[str, float | str]) -> None:
     space = TaskSpace(domain_of(SKEWED), 3)
     parts = space.split_skeletons(shares, seed=seed)
-    words = {name: set(part.words("task")) for name, part in parts.items()}
+    words = {name: set(part.enumerate("task")) for name, part in parts.items()}
     assert sum(map(len, words.values())) == space.count()
-    assert set(chain.from_iterable(words.values())) == set(space.words("task"))
-    skeletons = [set(part.words("skeleton")) for part in parts.values()]
+    assert set(chain.from_iterable(words.values())) == set(space.enumerate("task"))
+    skeletons = [set(part.enumerate("skeleton")) for part in parts.values()]
     assert sum(map(len, skeletons)) == len(set(chain.from_iterable(skeletons))) == space.count("skeleton")
     for part, share in zip(parts.values(), (0.8, 0.2) if len(shares) == 2 else (0.5, 0.3, 0.2), strict=True):
         assert abs(part.count() / space.count() - share) <= 0.02
@@ -40,7 +40,8 @@ def test_nine_skeletons_of_a_shipped_domain_meet_their_shares() -> None:
 def test_different_seeds_choose_different_skeletons() -> None:
     space = TaskSpace(domain_of(SKEWED), 3)
     tests = {
-        frozenset(space.split_skeletons({"a": 0.8, "b": 0.2}, seed=seed)["b"].words("skeleton")) for seed in range(5)
+        frozenset(space.split_skeletons({"a": 0.8, "b": 0.2}, seed=seed)["b"].enumerate("skeleton"))
+        for seed in range(5)
     }
     assert len(tests) > 2
 
@@ -59,7 +60,7 @@ def test_the_nearest_that_whole_skeletons_allow_comes_with_a_warning() -> None:
 
 
 def test_classes_are_adjusted_where_there_are_too_many_skeletons_to_list(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("prag_asp.space.task_space.LISTED", 3)
+    monkeypatch.setattr("prag_asp.space.conditions.whole_skeletons.MOST_SKELETONS", 3)
     space = TaskSpace(domain_of(SKEWED), 4)
     for seed in range(3):
         parts = space.split_skeletons({"train": 0.8, "test": 0.2}, seed=seed)

@@ -137,7 +137,7 @@ def answers(space: TaskSpace) -> list[object]:
     return [
         [space.count(by) for by in ("plan", "task", "skeleton")],
         space.count("task", ["grasp"]),
-        list(space.words("task"))[:50],
+        list(space.enumerate("task"))[:50],
         str(space[17]),
         space.index(space[17]),
         [str(task) for task in space.sample(5, seed=1)],

@@ -37,14 +37,14 @@ def test_a_step_that_is_no_function_is_refused_by_the_automaton_and_counted_by_c
     with pytest.raises(EngineError, match=reason):
         TaskSpace(domain, 3, engine="automaton").count("plan")
     auto, clingo = (TaskSpace(domain, 3, engine=engine) for engine in ("auto", "clingo"))
-    assert auto.count("plan") == clingo.count("plan") == len(list(auto.words("plan")))
+    assert auto.count("plan") == clingo.count("plan") == len(list(auto.enumerate("plan")))
     assert auto.count("plan") == plans
     task = next(iter(auto))
     assert task in auto and len(task.states) == 3
 
 
 def test_a_rule_across_three_steps_is_kept() -> None:
-    words = list(TaskSpace(domain_of(TWO + BEYOND[0][0]), 3).words("plan"))
+    words = list(TaskSpace(domain_of(TWO + BEYOND[0][0]), 3).enumerate("plan"))
     assert words == [("a", "a", "b"), ("a", "b", "b"), ("b", "a", "a"), ("b", "b", "a")]
 
 
@@ -88,7 +88,7 @@ def test_a_domain_without_actions_has_the_empty_plan_alone() -> None:
     for engine in ("automaton", "clingo"):
         space = TaskSpace(domain_of("fluent(f)."), 0, engine=engine)
         assert [space.at(n).count(by) for n in (0, 1, 5) for by in ("plan", "task", "skeleton")] == [1, 1, 1] + [0] * 6
-        assert list(space.words("plan")) == [()]
+        assert list(space.enumerate("plan")) == [()]
 
 
 def test_words_are_found_where_other_encodings_let_a_step_have_no_action() -> None:
@@ -96,7 +96,7 @@ def test_words_are_found_where_other_encodings_let_a_step_have_no_action() -> No
     texts = (each.text.replace("1 { occurs(A,t)", "{ occurs(A,t)") for each in domain.program.sources)
     sources = (replace(each, text=text) for each, text in zip(domain.program.sources, texts, strict=True))
     lax = replace(domain, program=Program(tuple(sources)))
-    assert list(TaskSpace(lax, 1, engine="clingo").words("plan")) == [("a",)]
+    assert list(TaskSpace(lax, 1, engine="clingo").enumerate("plan")) == [("a",)]
     assert TaskSpace(lax, 1, engine="clingo").count("plan") == 2
 
 
@@ -107,16 +107,16 @@ def test_clingo_finds_its_first_word_at_once_and_all_by_about_one_search_for_eac
     """Of 250 actions, in order of their names, those up to `first` are never possible."""
     searches = []
 
-    def counted(self: clingo_engine._Unrolled, *given: Any) -> set[int] | None:
+    def counted(self: clingo_engine._UnrolledPlans, *given: Any) -> set[int] | None:
         searches.append(given)
         return searched(self, *given)
 
-    searched = clingo_engine._Unrolled._found
-    monkeypatch.setattr(clingo_engine._Unrolled, "_found", counted)
+    searched = clingo_engine._UnrolledPlans._true_literals
+    monkeypatch.setattr(clingo_engine._UnrolledPlans, "_true_literals", counted)
     names = [f"a{number:03}" for number in range(250)]
     barred = [f"precondition({name},f,true)." for name in names[:first]]
     facts = " ".join([*(f"action({name})." for name in names), *barred])
-    words = TaskSpace(domain_of(f"fluent(f). initially(f,false). {facts}"), 2, engine="clingo").words("plan")
+    words = TaskSpace(domain_of(f"fluent(f). initially(f,false). {facts}"), 2, engine="clingo").enumerate("plan")
     left = names[first:]
     assert next(words) == (left[0],) * 2
     if first == 0:
@@ -144,7 +144,7 @@ def test_an_action_without_arguments_is_told_from_a_name(engine: str) -> None:
     """The action a can never occur; a is also the name of an action that can."""
     domain = domain_of("fluent(f). action(a). action(a(1)). precondition(a,f,true). initially(f,false).")
     space = TaskSpace(domain, 2, engine=engine)
-    assert list(space.words("plan")) == [("a(1)", "a(1)")]
+    assert list(space.enumerate("plan")) == [("a(1)", "a(1)")]
     assert ("a", "a(1)") not in space
     assert space.count("skeleton", ["a"]) == 1
 

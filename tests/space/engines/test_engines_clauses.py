@@ -72,8 +72,8 @@ def test_sat_agrees_with_brute_force_at_every_level(toy: Toy, data: st.DataObjec
         assert [here.count("plan"), here.count("skeleton")] == [len(expected), len(names)]
         if length == 4:
             assert here.count("task") == len(expected)  # no entities are interchangeable: a task is a plan
-        assert list(here.words("plan")) == sorted(expected)
-        assert list(here.words("skeleton")) == sorted(names)
+        assert list(here.enumerate("plan")) == sorted(expected)
+        assert list(here.enumerate("skeleton")) == sorted(names)
         word = tuple(term(toy, data.draw(st.integers(0, len(toy.actions) - 1))) for _ in range(length))
         assert (word in here) == (word in expected)
         if expected:
@@ -120,7 +120,7 @@ def test_a_disjunction_is_refused() -> None:
 def test_what_an_author_carries_along_is_counted(base: str, define: str, test: str) -> None:
     domain = domain_of(TWO + define + test + "\n#program base.\n" + base.replace("parity(0)", "parity(0,0)"))
     sat, clingo = (TaskSpace(domain, 5, engine=engine) for engine in ("sat", "clingo"))
-    assert list(sat.words("plan")) == list(clingo.words("plan"))
+    assert list(sat.enumerate("plan")) == list(clingo.enumerate("plan"))
 
 
 LOOPS = [
@@ -156,7 +156,7 @@ def test_rules_that_go_around_hold_nothing_up(engine: str, rules: str, valid: An
     space = TaskSpace(domain_of(TWO + rules), 3, engine=engine)
     expected = [word for word in itertools.product("ab", repeat=3) if valid(word)]
     assert space.count("plan") == space.count("skeleton") == len(expected)
-    assert list(space.words("plan")) == expected
+    assert list(space.enumerate("plan")) == expected
 
 
 REACH = """
@@ -192,7 +192,7 @@ def test_connectivity_by_rules_that_go_around_is_that_of_the_graph(engine: str) 
     ]
     space = TaskSpace(domain_of(REACH), 2, engine=engine)
     assert space.count("plan") == len(expected) == 16
-    assert sorted(space.words("plan")) == sorted(expected)
+    assert sorted(space.enumerate("plan")) == sorted(expected)
     assert space.at(3).count("plan") == 0
 
 
@@ -200,7 +200,7 @@ def test_actions_without_arguments_are_told_from_names() -> None:
     """The action a is one of two of the name a."""
     domain = domain_of("fluent(f). action(a). action(a(1)). precondition(a,f,true). initially(f,false).")
     space = TaskSpace(domain, 2, engine="sat")
-    assert list(space.words("plan")) == [("a(1)", "a(1)")]
+    assert list(space.enumerate("plan")) == [("a(1)", "a(1)")]
     assert ("a", "a(1)") not in space
     assert space.count("skeleton", ["a"]) == 1
 
@@ -209,26 +209,26 @@ def test_actions_without_arguments_are_told_from_names() -> None:
 def test_the_edges_of_counting_are_the_same(engine: str) -> None:
     empty = TaskSpace(domain_of("fluent(f)."), 0, engine=engine)
     assert [empty.at(n).count(by) for n in (0, 1, 5) for by in LEVELS] == [1, 1, 1] + [0] * 6
-    assert list(empty.words("plan")) == [()]
+    assert list(empty.enumerate("plan")) == [()]
     broken = domain_of(TWO + "#program base. initially(f,true). implies(f,g). fluent(g). initially(g,false).")
     assert [TaskSpace(broken, n, engine=engine).count("plan") for n in (0, 1, 3)] == [0, 0, 0]
     assert TaskSpace(domain_of(TWO), 1, engine=engine).count("plan", ["a", "a"]) == 0
     single = TaskSpace(domain_of("fluent(f). action(a)."), 3, engine=engine)
-    assert single.count("plan") == 1 and list(single.words("plan")) == [("a", "a", "a")]
+    assert single.count("plan") == 1 and list(single.enumerate("plan")) == [("a", "a", "a")]
     with pytest.raises(QueryError, match=r"no plan (or task of this|of) length"):
-        next(TaskSpace(broken, 1, engine=engine).draw_words(seed=0, by="plan"))
+        next(TaskSpace(broken, 1, engine=engine).sampling(by="plan").draws(seed=0))
 
 
 def test_two_lengths_of_one_space_can_be_enumerated_in_turns() -> None:
     space = TaskSpace(domain_of(TWO), 2, engine="sat")
-    pairs = list(zip(space.words("plan"), space.at(3).words("plan"), strict=False))
+    pairs = list(zip(space.enumerate("plan"), space.at(3).enumerate("plan"), strict=False))
     assert [first for first, _ in pairs] == list(itertools.product("ab", repeat=2))
     assert [second for _, second in pairs] == list(islice(itertools.product("ab", repeat=3), 4))
 
 
 def test_sat_draws_by_weight_with_the_probability_that_it_tells(chance: Chance) -> None:
     space = TaskSpace(domain_of(TWO), 2, engine="sat")
-    draws = islice(space.draw_words(seed=chance.seed(3), weights={"a": 3}, by="plan"), 3200)
+    draws = islice(space.sampling(weights={"a": 3}, by="plan").draws(seed=chance.seed(3)), 3200)
     drawn = [draw.word for draw in draws if draw.probability == Fraction(3) ** draw.word.count("a") / 16]
     assert len(drawn) == 3200
     for word in itertools.product("ab", repeat=2):
@@ -268,7 +268,9 @@ def test_an_interrupt_ends_a_count_at_once_and_leaves_no_process(engine: str, tm
 def test_the_same_seed_draws_the_same_words_with_every_engine_that_searches(chance: Chance) -> None:
     domain = load_domain("hanoi")
     spaces = [TaskSpace(domain, 4, engine=engine) for engine in ("clingo", "sat", "sharp")]
-    uniform = [list(islice(space.draw_words(seed=chance.seed(9), weights={}, by="task"), 5)) for space in spaces]
-    weighed = [list(islice(space.draw_words(seed=chance.seed(9), weights={"move": "1/3"}), 5)) for space in spaces[:2]]
+    uniform = [list(islice(space.sampling(weights={}, by="task").draws(seed=chance.seed(9)), 5)) for space in spaces]
+    weighed = [
+        list(islice(space.sampling(weights={"move": "1/3"}).draws(seed=chance.seed(9)), 5)) for space in spaces[:2]
+    ]
     assert uniform[0] == uniform[1] == uniform[2]
     assert weighed[0] == weighed[1]

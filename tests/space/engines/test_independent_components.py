@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from fractions import Fraction
-from itertools import islice
+from itertools import chain, islice
 from math import exp, factorial, prod
 
 import pytest
@@ -19,14 +19,13 @@ from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step import independent
 from prag_asp.logic.step.independent import independent_parts
 from prag_asp.program.entity_names import action_name
-from prag_asp.random_bits import SeededBits
 from prag_asp.space.automaton import exploration as exploring
 from prag_asp.space.automaton.shuffle_product import ShuffledWords
 from prag_asp.space.engines import LEVELS, Level
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.engines.independent_components import count_shuffles
 from prag_asp.space.engines.reachability import Reach, TooManyStates
-from prag_asp.space.sampling.draws import drawn_words, make_drawer
+from prag_asp.space.sampling.streams import make_sampler, sample_batches
 from prag_asp.space.weights.weights import Weights, parse_weights
 from tests.brute_force import Action, Toy
 from tests.chance import examples
@@ -203,10 +202,10 @@ def names_of(model: DomainLogic) -> set[str]:
 def drawn(engine: AutomatonEngine, length: int, weights: Weights, seed: int) -> list[tuple[tuple[str, ...], Fraction]]:
     """Return some draws with their probabilities; none where there is nothing to draw."""
     try:
-        drawer = make_drawer(engine, engine._model.domain.facts, engine._level, length, weights)
+        sampler = make_sampler(engine, engine._model.domain.facts, engine._level, length, weights)
     except QueryError:
         return []
-    draws = islice(drawn_words(drawer, engine, SeededBits(seed)), 20)
+    draws = islice(chain.from_iterable(sample_batches(sampler, engine.letters, seed)), 20)
     return [(draw.word, draw.probability) for draw in draws]
 
 
@@ -235,7 +234,7 @@ def test_plans_of_twelve_rooms_are_drawn_each_with_its_probability(
     shares = {round(exp(task.log_probability) * space.count(), 6) for task in tasks}
     assert (shares == {1}) == (not weights)
     for task in tasks:
-        assert space.word(space.index(task)) == tuple(map(str, task.actions))
+        assert space.plan_at(space.index(task)) == tuple(map(str, task.actions))
 
 
 def test_a_part_that_is_large_itself_is_found_in_the_whole() -> None:
@@ -248,7 +247,7 @@ def test_a_part_that_is_large_itself_is_found_in_the_whole() -> None:
 def test_a_limit_ends_the_finding_of_words_with_a_line() -> None:
     limits = Limits(seconds=1e-9, cached=False)
     with wherever_possible(), pytest.raises(LimitReached, match=r"time limit .* was reached"):
-        list(TaskSpace(domain_of(ROOMS.replace("K", "12")), 30, limits=limits).words("plan"))
+        list(TaskSpace(domain_of(ROOMS.replace("K", "12")), 30, limits=limits).enumerate("plan"))
 
 
 JOINED = {
@@ -305,7 +304,7 @@ def test_both_engines_agree_on_rooms() -> None:
         for level in LEVELS:
             spaces = [TaskSpace(domain, 4, engine=engine) for engine in ("automaton", "clingo", "sat")]
             assert len({space.count(level) for space in spaces}) == 1
-            assert spaces[0].count(level) == len(list(spaces[0].words(level)))
+            assert spaces[0].count(level) == len(list(spaces[0].enumerate(level)))
 
 
 BOOKS = """

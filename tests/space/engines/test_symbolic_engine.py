@@ -65,10 +65,10 @@ def carried(things: int, places: int, steps: int) -> int:
 
 def compare(symbolic: TaskSpace, other: TaskSpace, by: Level) -> list[tuple[str, ...]]:
     """Check that two spaces of one level and length answer alike, and return their words."""
-    words = list(other.words(by))
+    words = list(other.enumerate(by))
     assert symbolic.count(by) == len(words)
-    assert list(symbolic.words(by)) == words
-    engine = symbolic._engine(by)
+    assert list(symbolic.enumerate(by)) == words
+    engine = symbolic.engines.engine(by, symbolic.length)
     length = symbolic.length
     assert [engine.unrank(length, rank) for rank in range(len(words))] == words
     assert [engine.rank(word) for word in words] == list(range(len(words)))
@@ -99,11 +99,11 @@ def test_tasks_and_what_begins_with_a_prefix_are_those_of_clingo(text: str, data
     symbolic = TaskSpace(domain_of(text), 2, engine="symbolic")
     clingo = with_engine(symbolic, "clingo")
     plans, _ = compare(symbolic, clingo, "plan"), compare(symbolic, clingo, "task")
-    letters = symbolic._engine("plan").letters
+    letters = symbolic.engines.engine("plan", symbolic.length).letters
     letters = (*letters, *sorted({letter.partition("(")[0] for letter in letters}))
     prefix = tuple(data.draw(st.lists(st.sampled_from(letters), max_size=2)))
     begun = [word for word in plans if all(p in (a, a.partition("(")[0]) for p, a in zip(prefix, word, strict=False))]
-    assert list(symbolic.words("plan", prefix)) == begun
+    assert list(symbolic.enumerate("plan", prefix)) == begun
     assert symbolic.count("plan", prefix) == len(begun)
 
 
@@ -117,7 +117,7 @@ def test_draws_of_a_seed_are_those_of_the_automaton(weights: dict[str, Any], cha
     asked: dict[str, Any] = {"weights": weights, "by": "plan"}
     drawn, expected = (space.sample(40, seed=chance.seed(1), **asked) for space in (symbolic, automaton))
     assert [(str(task), task.log_probability) for task in drawn] == [(str(t), t.log_probability) for t in expected]
-    assert symbolic.total_weight(**asked) == automaton.total_weight(**asked)
+    assert symbolic.sampling(**asked).total_weight() == automaton.sampling(**asked).total_weight()
     assert symbolic.statistics(**asked) == automaton.statistics(**asked)
 
 
@@ -136,8 +136,8 @@ def test_a_world_of_a_hundred_million_states_is_counted_and_drawn_from() -> None
     assert space.count("plan") == carried(8, 10, 20) == 3_024_000_000
     assert any("180,000,000 states" in line for line in told)
     for rank in (0, 1_234_567_890, 3_023_999_999):
-        word = space._engine("plan").unrank(20, rank)
-        assert space._engine("plan").rank(word) == rank
+        word = space.engines.engine("plan", space.length).unrank(20, rank)
+        assert space.engines.engine("plan", space.length).rank(word) == rank
     for task in space.sample(20, seed=3, by="plan"):
         at = {f"thing({i})": f"place({i})" for i in range(1, 9)}
         for picked, put in zip(task.actions[::2], task.actions[1::2], strict=True):
@@ -286,9 +286,9 @@ def test_auto_goes_over_to_diagrams_where_states_will_not_fit_and_says_why(monke
     space = TaskSpace(domain_of(CARRIED.format(things=4, places=6)), 12, limits=UNCACHED, progress=told.append)
     assert space.count("plan") == carried(4, 6, 12)
     assert sum("engine symbolic, because" in line for line in told) == 1
-    word = next(iter(space.words("plan")))
-    assert space._engine("plan").rank(word) == 0
-    assert space._engine("plan").unrank(12, 0) == word
+    word = next(iter(space.enumerate("plan")))
+    assert space.engines.engine("plan", space.length).rank(word) == 0
+    assert space.engines.engine("plan", space.length).unrank(12, 0) == word
     assert word in space
     assert space.at(4).count("plan") == 0
     drawn = [str(task) for task in space.sample(3, seed=1, by="plan")]

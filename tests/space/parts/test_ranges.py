@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from prag_asp import QueryError, TaskSpace, load_domain
-from prag_asp.space.parts.ranked_tasks import Interval
+from prag_asp.space.parts.ranked_tasks import RankRange
 from prag_asp.space.parts.shuffle import Shuffle
 from tests.chance import Chance
 
@@ -25,7 +25,7 @@ def texts(space: TaskSpace) -> list[str]:
 @given(st.slices(2092), st.slices(100))
 def test_an_interval_is_cut_as_a_list_is(first: slice, second: slice) -> None:
     numbers = list(range(2092))
-    interval = Interval(range(2092)).cut(range(*first.indices(2092)))
+    interval = RankRange(range(2092)).cut(range(*first.indices(2092)))
     assert [interval[place] for place in range(interval.size)] == numbers[first]
     twice = interval.cut(range(*second.indices(interval.size)))
     assert [twice[place] for place in range(twice.size)] == numbers[first][second]
@@ -79,7 +79,7 @@ def test_a_part_is_indexed_sliced_tested_and_drawn(space: TaskSpace, chance: Cha
     assert len({str(each) for each in test.sample(test.count(), seed=chance.seed(2), distinct=True)}) == test.count()
     with pytest.raises(QueryError, match="not one of these"):
         parts["train"].index(task)
-    with pytest.raises(QueryError, match="cannot draw"):
+    with pytest.raises(QueryError, match="cannot sample"):
         test.sample(test.count() + 1, seed=chance.seed(2), distinct=True)
     with pytest.raises(IndexError):
         test[test.count()]
@@ -97,7 +97,7 @@ def test_a_split_works_where_no_list_would_fit() -> None:
 
 def test_a_split_of_skeletons_shares_none(space: TaskSpace, chance: Chance) -> None:
     parts = space.split_skeletons({"train": 0.8, "test": 0.2}, seed=chance.seed(3))
-    skeletons = [set(part.words("skeleton")) for part in parts.values()]
+    skeletons = [set(part.enumerate("skeleton")) for part in parts.values()]
     assert not skeletons[0] & skeletons[1]
     assert sum(map(len, skeletons)) == space.count("skeleton")
     assert sum(part.count() for part in parts.values()) == space.count()
@@ -111,7 +111,7 @@ def test_what_is_held_out_is_in_the_second_part_only(space: TaskSpace, what: str
     train, test = space.hold_out(what)
     assert train.count("plan") + test.count("plan") == space.count("plan")
     assert train.count("plan") and test.count("plan")
-    assert not set(train.words("plan")) & set(test.words("plan"))
+    assert not set(train.enumerate("plan")) & set(test.enumerate("plan"))
 
 
 @pytest.mark.parametrize("what", ["apple_1", "grasp(panda,apple_1)"])

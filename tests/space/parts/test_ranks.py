@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import math
-from collections import Counter
 from typing import get_args
 
 import pytest
 
 from prag_asp import QueryError, Task, TaskSpace, load_domain
 from prag_asp.logic.domain_logic import DomainLogic
-from prag_asp.random_bits import SeededBits
 from prag_asp.space.automaton import automaton
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.engines.engine import Level
-from prag_asp.space.parts.ranked_tasks import distinct_ranks
 from tests.chance import Chance
 
 DOMAIN = load_domain("prag")
@@ -68,18 +64,18 @@ def test_ranks_are_the_same_where_memory_holds_few_rows(monkeypatch: pytest.Monk
     spaces = TaskSpace(DOMAIN, 60), TaskSpace(DOMAIN, 60, engine="automaton")
     rank = spaces[0].count() // 3
     task = spaces[0][rank]
-    drawn = spaces[0].draw_array(300, seed=chance.seed(1))
+    drawn = spaces[0].sampling().array(300, seed=chance.seed(1))
     monkeypatch.setattr(automaton, "KEPT_BYTES", 3000)
-    completions = spaces[1]._engine("task").explored(60).completions  # type: ignore[attr-defined]
+    completions = spaces[1].engines.engine("task", spaces[1].length).explored(60).completions  # type: ignore[attr-defined]
     assert spaces[1][rank] == task and spaces[1].index(task) == rank
-    assert (spaces[1].draw_array(300, seed=chance.seed(1)) == drawn).all()
+    assert (spaces[1].sampling().array(300, seed=chance.seed(1)) == drawn).all()
     assert 1 < len(completions._kept) < 10
 
 
 def test_a_task_with_other_names_has_the_same_rank() -> None:
     space = TaskSpace(DOMAIN, 3)
     one, other = (
-        next(space.narrate(iter([tuple(f"{name}(panda,{apple})" for name in ("approach", "grasp", "drop"))])))
+        next(space.tasks_of_plans(iter([tuple(f"{name}(panda,{apple})" for name in ("approach", "grasp", "drop"))])))
         for apple in ("apple_1", "apple_2")
     )
     assert one != other and space.index(one) == space.index(other)
@@ -104,15 +100,3 @@ def test_distinct_draws_are_distinct_and_may_take_the_whole_space(chance: Chance
     assert tasks != list(space)
     with pytest.raises(QueryError, match="there are 36"):
         space.sample(37, seed=4, weights={}, distinct=True)
-    with pytest.raises(QueryError, match="uniformly"):
-        space.sample(2, seed=4, weights={"grasp": 2}, distinct=True)
-
-
-def test_every_set_of_ranks_is_equally_likely_in_every_order(chance: Chance) -> None:
-    generator = SeededBits(chance.seed(1))
-    seen = Counter(tuple(distinct_ranks(generator, 5, 3)) for _ in range(30_000))
-    assert len(seen) == 60
-    statistic = sum((count - 500) ** 2 / 500 for count in seen.values())
-    assert abs(statistic - 59) < 4.5 * math.sqrt(2 * 59)
-    huge = distinct_ranks(generator, 10**200, 1000)
-    assert len(set(huge)) == 1000 and max(huge) > 10**190

@@ -34,11 +34,11 @@ def test_an_entity_that_only_a_part_does_not_tell_apart_is_apart_in_it(engine: s
     without, having = space.hold_out("cup_1")
     assert (space.count("plan"), without.count("plan"), having.count("plan")) == (19, 7, 12)
     assert space.count() == without.count() + having.count() == 19
-    assert sorted([*without.words(), *having.words()]) == sorted(space.words())
+    assert sorted([*without.enumerate(), *having.enumerate()]) == sorted(space.enumerate())
     assert space.where("uses cup_1").count() == 6
     assert {having.index(having[rank]) for rank in range(having.count())} == {*range(having.count())}
     sent = pickle.loads(pickle.dumps(having))
-    assert list(sent.words()) == list(having.words())
+    assert list(sent.enumerate()) == list(having.enumerate())
     assert having.same_tasks(sent) and not having.same_tasks(space.where("uses cup_1"))
     assert [part.count() for part in having.hold_out("can_1")] == [6, 6]
 
@@ -73,9 +73,9 @@ def test_parts_are_a_partition_of_the_orbits_of_plans_on_random_domains(
                 continue
             for part, wanted in zip(parts, (False, True), strict=True):
                 own = {orbit for orbit in orbits if {*map(has, orbit)} == {wanted}}
-                assert part.count() == len(own) and case.orbits(part.words()) == own, (what, wanted, found)
+                assert part.count() == len(own) and case.orbits(part.enumerate()) == own, (what, wanted, found)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SharesWarning)
             split = space.split_skeletons({"a": "1/2", "b": "1/2"}, seed=seed)
-        words = [word for part in split.values() for word in part.words()]
+        words = [word for part in split.values() for word in part.enumerate()]
         assert len(words) == len(orbits) and case.orbits(words) == orbits, found

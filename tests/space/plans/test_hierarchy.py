@@ -52,8 +52,8 @@ def check_agreement(toy: Toy, longest: int = LENGTH) -> None:
             assert here.count("skeleton") == len(names)
             if length in (0, 3):
                 assert here.count("task") == len(expected)  # no entities are interchangeable: a task is a plan
-                assert sorted(here.words("plan")) == expected
-                assert list(here.words("skeleton")) == names
+                assert sorted(here.enumerate("plan")) == expected
+                assert list(here.enumerate("skeleton")) == names
 
 
 @settings(max_examples=examples(15), suppress_health_check=list(HealthCheck))
@@ -67,7 +67,7 @@ def test_a_few_domains_agree_in_every_run(toy: Toy) -> None:
 def test_the_readings_of_a_plan_are_those_of_brute_force_each_once(toy: Toy) -> None:
     space = TaskSpace(domain_of(toy.text(), "at_most"), 4)
     for plan in toy.plans(4):
-        task = next(space.narrate(iter([tuple(term(toy, i) for i in plan)])))
+        task = next(space.tasks_of_plans(iter([tuple(term(toy, i) for i in plan)])))
         readings = space.readings(task)
         found = [" ".join(map(str, reading)) for reading in readings]
         expected = [" ".join(nested(toy, number) for number in reading) for reading in toy.readings(plan)]
@@ -92,7 +92,7 @@ def test_plans_are_drawn_by_weight_from_those_of_the_hierarchy(toy: Toy, given_w
     assume(total)
     automaton = TaskSpace(domain_of(toy.text(), "at_most"), 3, engine="automaton")
     for space in (automaton, with_engine(automaton, "clingo")):
-        drawn = list(islice(space.draw_words(seed=1, weights=weights, by="plan"), 30))
+        drawn = list(islice(space.sampling(weights=weights, by="plan").draws(seed=1), 30))
         assert all(draw.probability == Fraction(plans[draw.word], total) for draw in drawn)
 
 
@@ -124,8 +124,8 @@ def toys_written(folder: Path, more: str = "") -> Path:
 def test_a_plan_with_several_readings_is_one_plan(tmp_path: Path) -> None:
     space = TaskSpace(load_domain(toys_written(tmp_path)), 6)
     plan = [f"{name}({toy})" for toy in ("ball", "cube") for name in ("lift", "show", "drop")]
-    assert list(space.words("plan", ["lift(ball)", "show", "drop", "lift(cube)"])) == [tuple(plan)]
-    task = next(space.narrate(iter([tuple(plan)])))
+    assert list(space.enumerate("plan", ["lift(ball)", "show", "drop", "lift(cube)"])) == [tuple(plan)]
+    task = next(space.tasks_of_plans(iter([tuple(plan)])))
     first, second = space.readings(task)
     assert " ".join(map(str, first)) == (
         "once(ball)[lift(ball) show(ball) drop(ball)] once(cube)[lift(cube) show(cube) drop(cube)]"

@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 from prag_asp import QueryError, Task, TaskSpace, load_domain
 from prag_asp.random_bits import SeededBits, uniform_below
 from prag_asp.space.automaton.automaton import Automaton, Completions
-from prag_asp.space.sampling import draws, paths, samplers
+from prag_asp.space.sampling import paths, samplers, streams
 from prag_asp.space.sampling.choice_table import exact_choice
-from prag_asp.space.sampling.samplers import ByWeight
+from prag_asp.space.sampling.samplers import WeightSampler
 from prag_asp.space.weights.weights import Number, Weighed
 from tests.chance import Chance
 from tests.domains import domain_of
@@ -83,7 +83,7 @@ def test_a_tie_of_64_bits_is_decided_by_further_bits(
     word: int, further: tuple[int, ...], letter: int, count: int
 ) -> None:
     bits = Given(word, *further)
-    drawn = ByWeight(fork(1, 2), 1).draw(bits, 0, count, tell=False)
+    drawn = WeightSampler(fork(1, 2), 1).sample(bits, 0, count, with_probabilities=False)
     assert drawn.letters.tolist() == [[letter]] * count
     assert bits.asked == count * len(further)
 
@@ -92,11 +92,11 @@ def test_a_tie_of_64_bits_is_decided_by_further_bits(
 def test_edges_that_weigh_far_less_than_one_in_2_to_the_64_are_drawn_where_the_bits_say_so(count: int) -> None:
     tiny = fork(1, 2**200, 0, 1)
     for further, letter in (((0, 0, 0), 0), ((0, 0, 2**64 - 1), 1)):
-        drawn = ByWeight(tiny, 1).draw(Given(0, *further), 0, count, tell=True)
+        drawn = WeightSampler(tiny, 1).sample(Given(0, *further), 0, count, with_probabilities=True)
         assert drawn.letters.tolist() == [[letter]] * count
         assert drawn.probabilities[0] == Fraction((1, 2**200)[letter], 2**200 + 2)
     top = 2**64 - 1
-    last = ByWeight(tiny, 1).draw(Given(top, top, top, top), 0, count, tell=False)
+    last = WeightSampler(tiny, 1).sample(Given(top, top, top, top), 0, count, with_probabilities=False)
     assert last.letters.tolist() == [[3]] * count
 
 
@@ -142,13 +142,13 @@ def test_a_seed_gives_the_same_bytes_in_whatever_portions(
     space = TaskSpace(DOMAIN, 5)
 
     def drawn(count: int, first: int = 0) -> NDArray[np.int32]:
-        return space.draw_array(count, seed=chance.seed(9), weights={"grasp": "1/3"}, over=over, first=first)  # type: ignore[arg-type]
+        return space.sampling(weights={"grasp": "1/3"}, over=over).array(count, seed=chance.seed(9), first=first)  # type: ignore[arg-type]
 
     whole = drawn(700)
     assert whole.shape == (700, 5) and whole.dtype == np.int32
     assert (np.concatenate([drawn(3), drawn(497, 3), drawn(200, 500)]) == whole).all()
-    words = islice(space.draw_words(seed=chance.seed(9), weights={"grasp": "1/3"}, over=over), 700)  # type: ignore[arg-type]
-    letters = space.letters()
+    words = islice(space.sampling(weights={"grasp": "1/3"}, over=over).draws(seed=chance.seed(9)), 700)  # type: ignore[arg-type]
+    letters = space.action_texts()
     assert [draw.word for draw in words] == [tuple(letters[letter] for letter in row) for row in whole.tolist()]
     monkeypatch.setattr(paths, "CHUNK_WORDS", 100)
     monkeypatch.setattr(paths, "KEPT_EDGES", 0)
@@ -157,14 +157,14 @@ def test_a_seed_gives_the_same_bytes_in_whatever_portions(
 
 
 def test_the_bytes_of_a_seed_never_change() -> None:
-    drawn = TaskSpace(DOMAIN, 15).draw_array(2000, seed=1, weights={})
+    drawn = TaskSpace(DOMAIN, 15).sampling(weights={}).array(2000, seed=1)
     assert sha256(drawn.astype("<i4").tobytes()).hexdigest()[:16] == "84e2dbed8d634dbf"
 
 
 @pytest.mark.parametrize("by", ["plan", "task", "skeleton"])
 def test_both_engines_draw_the_same_words_from_a_seed(by: str, chance: Chance) -> None:
     spaces = (with_engine(PAIRS, engine) for engine in ("automaton", "clingo"))
-    one, two = (space.draw_array(3000, seed=chance.seed(4), weights={}, by=by) for space in spaces)  # type: ignore[arg-type]
+    one, two = (space.sampling(weights={}, by=by).array(3000, seed=chance.seed(4)) for space in spaces)  # type: ignore[arg-type]
     assert (one == two).all()
 
 
@@ -218,13 +218,13 @@ def test_sums_of_large_numbers_are_kept_within_a_bound_of_bytes(monkeypatch: pyt
 
     def drawn(bound: int) -> tuple[list[str], list[int]]:
         monkeypatch.setattr(samplers, "KEPT_SUMS", bound)
-        made: list[samplers.OverSkeletons] = []
+        made: list[samplers.SkeletonSampler] = []
 
-        def remembered(*given: Any) -> samplers.OverSkeletons:
-            made.append(samplers.OverSkeletons(*given))
+        def remembered(*given: Any) -> samplers.SkeletonSampler:
+            made.append(samplers.SkeletonSampler(*given))
             return made[-1]
 
-        monkeypatch.setattr(draws, "OverSkeletons", remembered)
+        monkeypatch.setattr(streams, "SkeletonSampler", remembered)
         space = with_engine(TaskSpace(domain, 3), "auto")  # it has no drawer yet
         tasks = space.sample(300, seed=1, weights=weights, over="skeletons")
         return list(map(str, tasks)), [sum(map(bytes_of, each._known.values())) for each in made]
@@ -250,14 +250,14 @@ def test_each_mode_draws_with_the_exact_probabilities_and_five_percent_would_sho
 ) -> None:
     temperature, over = MODES[mode]
     space = with_engine(PAIRS, engine)
-    options = {"seed": chance.seed(21), "weights": WEIGHTS, "temperature": temperature, "over": over}
+    options = {"weights": WEIGHTS, "temperature": temperature, "over": over}
     exact = exact_probabilities(tasks_found(engine), temperature, over)
     assert sum(exact.values()) == 1
-    told = list(islice(space.draw_words(**options), 300))  # type: ignore[arg-type]
+    told = list(islice(space.sampling(**options).draws(seed=chance.seed(21)), 300))  # type: ignore[arg-type]
     assert all(draw.probability == exact[draw.word] for draw in told)
     draws = DRAWS * 2 // 5 if over == "skeletons" else DRAWS  # each of these is drawn in plain Python
-    rows = space.draw_array(draws, **options)  # type: ignore[arg-type]
-    letters = space.letters()
+    rows = space.sampling(**options).array(draws, seed=chance.seed(21))  # type: ignore[arg-type]
+    letters = space.action_texts()
     width = len(letters)
     counted = Counter(dict(zip(*(a.tolist() for a in np.unique(rows @ [width, 1], return_counts=True)), strict=True)))
     numbers = {letter: number for number, letter in enumerate(letters)}
@@ -272,15 +272,15 @@ def test_each_mode_draws_with_the_exact_probabilities_and_five_percent_would_sho
 
 def test_skeletons_come_alike_and_so_do_goals(chance: Chance) -> None:
     space = TaskSpace(DOMAIN, 3)
-    drawn = islice(space.draw(seed=chance.seed(2), over="skeletons", weights=WEIGHTS), 20_000)
+    drawn = islice(space.stream(seed=chance.seed(2), over="skeletons", weights=WEIGHTS), 20_000)
     seen = Counter(task.skeleton for task in drawn)
     names = {"approach", "grasp", "drop", "move", "transform", "follow", "rotate"}
-    wanted = {word for word in space.words("skeleton") if set(word) <= names}
+    wanted = {word for word in space.enumerate("skeleton") if set(word) <= names}
     assert set(seen) == wanted
     shares = np.full(len(seen), 1 / len(seen))
     assert abs(deviation(np.array(list(seen.values()), dtype=np.float64), shares, 20_000)) < BOUND
     goals = Counter(
-        task.states[-1] for task in islice(space.draw(seed=chance.seed(2), over="goals", weights={}), 20_000)
+        task.states[-1] for task in islice(space.stream(seed=chance.seed(2), over="goals", weights={}), 20_000)
     )
     shares = np.full(len(goals), 1 / len({task.states[-1] for task in space}))
     assert abs(deviation(np.array(list(goals.values()), dtype=np.float64), shares, 20_000)) < BOUND
@@ -298,20 +298,20 @@ def test_the_task_without_actions_is_drawn_in_every_mode(engine: str) -> None:
 def test_weights_that_outgrow_machine_words_may_lead_nowhere(engine: str) -> None:
     domain = domain_of("fluent(f). initially(f,false). action(a). goal(f,true).")
     space = TaskSpace(domain, 2, engine=engine)
-    assert space.total_weight(weights={"a": 10**30}) == 0
-    with pytest.raises(QueryError, match=r"there is no task of length 2 to draw$"):
-        space.draw_array(1, seed=0, weights={"a": 10**30})
+    assert space.sampling(weights={"a": 10**30}).total_weight() == 0
+    with pytest.raises(QueryError, match=r"there is no task of length 2 to sample$"):
+        space.sampling(weights={"a": 10**30}).array(1, seed=0)
 
 
 def test_what_cannot_be_drawn_is_refused() -> None:
     space = TaskSpace(DOMAIN, 2)
     with pytest.raises(QueryError, match="all 265 weigh 0"):
-        space.draw_array(1, seed=0, weights={"panda": 0})
+        space.sampling(weights={"panda": 0}).array(1, seed=0)
     with pytest.raises(QueryError, match="there are skeletons, goals"):
         space.sample(1, seed=0, over="stars")  # type: ignore[arg-type]
     with pytest.raises(QueryError, match="tasks and plans alone"):
-        space.draw_array(1, seed=0, weights={}, by="skeleton", over="goals")
+        space.sampling(weights={}, by="skeleton", over="goals").array(1, seed=0)
     with pytest.raises(QueryError, match="skeletons have no weights"):
-        space.draw_array(1, seed=0, weights={"grasp": 2}, by="skeleton")
-    with pytest.raises(QueryError, match="distinct tasks are drawn uniformly"):
+        space.sampling(weights={"grasp": 2}, by="skeleton").array(1, seed=0)
+    with pytest.raises(QueryError, match="leave over='goals' out"):
         space.sample(1, seed=0, weights={}, over="goals", distinct=True)

@@ -41,7 +41,7 @@ def pairs(engine: str) -> TaskSpace:
 
 @cache
 def words_of_pairs(engine: str, by: Level) -> list[tuple[str, ...]]:
-    return list(pairs(engine).words(by))
+    return list(pairs(engine).enumerate(by))
 
 
 def expected_weight(plan: tuple[str, ...], weights: dict[str, Number]) -> Fraction:
@@ -65,7 +65,7 @@ def test_draws_follow_the_weights(kind: str, by: Level, engine: str, chance: Cha
     weights = KINDS[kind]
     plans = words_of_pairs(engine, by)
     total = sum(expected_weight(plan, weights) for plan in plans)
-    draws = list(islice(pairs(engine).draw_words(seed=chance.seed(11), weights=weights, by=by), DRAWS))
+    draws = list(islice(pairs(engine).sampling(weights=weights, by=by).draws(seed=chance.seed(11)), DRAWS))
     seen = Counter(draw.word for draw in draws)
     assert set(seen) <= {plan for plan in plans if expected_weight(plan, weights)}
     statistic, cells = 0.0, 0
@@ -90,7 +90,7 @@ def test_draws_are_exact_where_counts_outgrow_every_machine_word(chance: Chance)
     space = TaskSpace(DOMAIN, 200)
     total = space.count("plan")
     assert total > 10**130
-    draws = islice(space.draw_words(seed=chance.seed(3), weights={}, by="plan"), 2000)
+    draws = islice(space.sampling(weights={}, by="plan").draws(seed=chance.seed(3)), 2000)
     seen = Counter(draw.word[0].partition("(")[0] for draw in draws)
     for name in ("approach", "grasp", "move", "rotate"):
         share = Fraction(space.count("plan", [name]), total)
@@ -99,7 +99,7 @@ def test_draws_are_exact_where_counts_outgrow_every_machine_word(chance: Chance)
 
 def test_both_engines_state_the_same_probability_for_the_same_plan(chance: Chance) -> None:
     spaces = [with_engine(PAIRS, engine) for engine in ("automaton", "clingo")]
-    draws = [islice(s.draw_words(seed=chance.seed(5), weights=KINDS["all kinds"]), 3000) for s in spaces]
+    draws = [islice(s.sampling(weights=KINDS["all kinds"]).draws(seed=chance.seed(5)), 3000) for s in spaces]
     told = [{draw.word: draw.probability for draw in drawn} for drawn in draws]
     common = told[0].keys() & told[1].keys()
     assert len(common) > 100
@@ -133,12 +133,12 @@ def test_a_weight_that_means_nothing_is_refused(weights: dict[str, Number], mess
 def test_where_there_is_nothing_to_draw_the_message_says_so() -> None:
     names = ("approach", "withdraw", "grasp", "drop", "move", "transform", "follow", "rotate")
     for engine in ("automaton", "clingo"):
-        with pytest.raises(QueryError, match="no task of length 1 to draw"):
+        with pytest.raises(QueryError, match="no task of length 1 to sample"):
             TaskSpace(DOMAIN, 1, engine=engine).sample(1, seed=0, weights=dict.fromkeys(names, 0))
 
 
 def test_skeletons_are_not_drawn_and_counts_below_zero_are_refused() -> None:
     with pytest.raises(QueryError, match="choose task or plan"):
-        next(TaskSpace(DOMAIN, 1).draw(seed=0, by="skeleton"))
+        next(TaskSpace(DOMAIN, 1).stream(seed=0, by="skeleton"))
     with pytest.raises(QueryError, match="at least 0"):
         TaskSpace(DOMAIN, 1).sample(-1, seed=0)

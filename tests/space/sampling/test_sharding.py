@@ -7,7 +7,7 @@ from itertools import chain, islice
 
 import pytest
 
-from prag_asp import QueryError, TaskSpaces, load_domain
+from prag_asp import QueryError, TaskSpace, load_domain
 from prag_asp.space.sampling.sharding import Deal
 from prag_asp.space.without_replacement import Division, ordered_parts
 
@@ -33,8 +33,8 @@ def test_other_texts_are_refused_in_one_line(text: str) -> None:
 
 
 @cache
-def kitchen() -> TaskSpaces:
-    return TaskSpaces(load_domain("kitchen"), range(1, 4))
+def kitchen() -> TaskSpace:
+    return TaskSpace(load_domain("kitchen"), range(1, 4))
 
 
 @pytest.mark.parametrize("weights", [{}, {"open": 3}], ids=str)
@@ -42,12 +42,12 @@ def kitchen() -> TaskSpaces:
 def test_what_is_dealt_are_the_draws_of_all_in_their_order(weights: dict[str, int], more: dict[str, str]) -> None:
     space = kitchen()
     division = Division.parse(None, **more)
-    whole = ordered_parts(space, division, seed=5, weights=weights)
+    whole = ordered_parts(space, division, seed=5, weights=space.weights(weights))
     for number in (1, 2, 3):
-        dealt = ordered_parts(space, division, seed=5, weights=weights, deal=Deal(number, 3))
+        dealt = ordered_parts(space, division, seed=5, weights=space.weights(weights), deal=Deal(number, 3))
         for name, part in whole.items():
             right = list(islice(part.draws(), number - 1, None, 3))
             assert list(dealt[name].draws()) == right and dealt[name].size == len(right)
             assert list(dealt[name].draws(1)) == right[1:]
             picked = [own for own in range(len(right)) if own % 2]
-            assert list(dealt[name].picked(picked)) == [right[own] for own in picked]
+            assert list(dealt[name].pick(picked)) == [right[own] for own in picked]

@@ -68,7 +68,7 @@ def test_figures_are_those_of_all_words_for_each_kind_of_weight(kind: str, by: L
     space = pairs(engine)
     weighed = {word: expected_weight(word, KINDS[kind]) for word in words_of_pairs(engine, by)}
     check(space.statistics(weights=KINDS[kind], by=by), weighed)
-    assert space.total_weight(weights=KINDS[kind], by=by) == sum(weighed.values())
+    assert space.sampling(weights=KINDS[kind], by=by).total_weight() == sum(weighed.values())
 
 
 @settings(max_examples=examples(30), suppress_health_check=list(HealthCheck))
@@ -81,18 +81,18 @@ def test_figures_are_exact_on_random_domains(toy: Toy, weights: dict[str, Number
     domain = domain_of(toy.text(), "at_most")
     automaton = TaskSpace(domain, 3, engine="automaton")
     for space in (automaton, with_engine(automaton, "clingo")):
-        assert space.total_weight(weights=weights) == sum(weighed.values())
+        assert space.sampling(weights=weights).total_weight() == sum(weighed.values())
         if sum(weighed.values()):
             check(space.statistics(weights=weights, by="plan"), weighed)
         else:
-            with pytest.raises(QueryError, match="to draw"):
+            with pytest.raises(QueryError, match="to sample"):
                 space.statistics(weights=weights, by="plan")
 
 
 def test_skeletons_have_figures_too() -> None:
     space = TaskSpace(DOMAIN, 4)
     found = space.statistics(weights={}, by="skeleton")
-    words = list(space.words("skeleton"))
+    words = list(space.enumerate("skeleton"))
     check(found, {word: Fraction(1) for word in words})
     assert found.expected_actions == found.contains_entity == {}
 
@@ -126,8 +126,8 @@ def test_draws_have_the_moments_that_the_figures_say(chance: Chance) -> None:
     space = TaskSpace(DOMAIN, 15)
     weights: dict[str, Number] = {"grasp": 3, "rotate>rotate": "1/2", "can": 2}
     found = space.statistics(weights=weights)
-    rows = space.draw_array(200_000, seed=chance.seed(6), weights=weights)
-    letters = space.letters()
+    rows = space.sampling(weights=weights).array(200_000, seed=chance.seed(6))
+    letters = space.action_texts()
     for name, expected in found.expected_names.items():
         mask = [letter.partition("(")[0] == name for letter in letters]
         numbers = sum(((rows == letter).sum(axis=1) for letter, own in enumerate(mask) if own))
@@ -140,13 +140,13 @@ def test_the_weight_without_names_and_pairs_is_that_of_a_brute_force() -> None:
     space = TaskSpace(load_domain("prag"), length=3)
     for what in ((), ("grasp",), ("move>follow", "grasp > drop"), ("rotate", "move>move", "approach>grasp")):
         left = 0
-        for word in space.words():
+        for word in space.enumerate():
             names = [action.split("(")[0] for action in word]
             pairs = {" > ".join(pair) for pair in pairwise(names)} | {">".join(pair) for pair in pairwise(names)}
             left += 2 ** names.count("follow") * ({*names, *pairs}.isdisjoint(what))
-        assert space.weight_without(what, weights={"follow": 2}) == left
+        assert space.sampling(weights={"follow": 2}).weight_without(what) == left
     with pytest.raises(QueryError, match="grsp"):
-        space.weight_without(["grsp>move"])
+        space.sampling().weight_without(["grsp>move"])
 
 
 @settings(max_examples=examples(30), suppress_health_check=list(HealthCheck))
@@ -159,12 +159,12 @@ def test_the_weight_without_names_and_pairs_is_exact_on_random_domains(
     without = data.draw(st.lists(st.sampled_from([*names, *(f"{a}>{b}" for a in names for b in names)]), max_size=3))
     left = Fraction(0)
     space = TaskSpace(domain_of(toy.text(), "at_most"), 3, engine="automaton")
-    for word in space.words():
+    for word in space.enumerate():
         named = [action.partition("(")[0] for action in word]
         if {*named, *(">".join(pair) for pair in pairwise(named))}.isdisjoint(without):
             left += expected_weight(word, weights)
     for each in (space, with_engine(space, "clingo")):
-        assert each.weight_without(without, weights=weights) == left
+        assert each.sampling(weights=weights).weight_without(without) == left
 
 
 def test_names_and_actions_that_never_occur_have_no_share(tmp_path: Path) -> None:
@@ -181,5 +181,5 @@ def test_names_and_actions_that_never_occur_have_no_share(tmp_path: Path) -> Non
     for by in LEVELS:
         found = space.statistics(by=by)
         assert found.contains_name == found.expected_names == {"press": 1}
-        assert space.weight_without(["turn", "twist>press"], by=by) == 1
-        assert space.weight_without(["turn", "press"], by=by) == 0
+        assert space.sampling(by=by).weight_without(["turn", "twist>press"]) == 1
+        assert space.sampling(by=by).weight_without(["turn", "press"]) == 0

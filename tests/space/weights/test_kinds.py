@@ -27,8 +27,8 @@ def test_plans_weigh_what_their_pairs_and_entities_do(many: int | None, monkeypa
         monkeypatch.setattr("prag_asp.space.weights.weights.MANY_KINDS", many)
     weights = {name: number for number, name in enumerate((*PAIRS, *ENTITIES), 2)}
     space = TaskSpace(load_domain("prag"), 3)
-    found = {plan: weigh(plan, weights) for plan in space.words("plan")}
+    found = {plan: weigh(plan, weights) for plan in space.enumerate("plan")}
     assert len({*found.values()}) > 5
-    assert space.total_weight(weights=weights, by="plan") == sum(found.values())
-    for draw in islice(space.draw_words(seed=1, weights=weights, by="plan"), 50):
+    assert space.sampling(weights=weights, by="plan").total_weight() == sum(found.values())
+    for draw in islice(space.sampling(weights=weights, by="plan").draws(seed=1), 50):
         assert draw.probability == Fraction(found[draw.word], sum(found.values()))

@@ -1,0 +1,30 @@
+"""Batches that double in size: the first item comes at once, later ones share the cost of a batch."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from itertools import islice
+from typing import TypeVar
+
+Item = TypeVar("Item")
+
+
+def growing_ranges(most: int) -> Iterator[tuple[int, int]]:
+    """Yield the first number and the size of batches of 1, 2, 4, ... numbers, of at most `most` each, without end."""
+    first, size = 0, 1
+    while True:
+        yield first, size
+        first, size = first + size, min(2 * size, most)
+
+
+def growing_batches(
+    items: Iterable[Item], most: int | Callable[[Item], int], *, first: int = 1
+) -> Iterator[list[Item]]:
+    """Yield items in batches of `first`, then twice as many, and so on, of at most `most` each.
+
+    `most` may depend on the first item of the batch before.
+    """
+    iterator, size = iter(items), first
+    while batch := list(islice(iterator, size)):
+        yield batch
+        size = min(2 * size, most if isinstance(most, int) else most(batch[0]))

@@ -1,0 +1,85 @@
+"""Spacing for objects that are not placed yet: one that is left of a second and right of a third keeps those apart.
+
+Objects are placed one after another. An object between two others by its relations needs room there, whichever of the
+three is placed last.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import NamedTuple
+
+from prag_asp.physics.predicates import Direction, Volume
+from prag_asp.physics.predicates.beside import GAP, MARGIN, SIDES, wedge
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.symbolic_facts import Fact
+from prag_asp.scene.geometry import Quaternion, extents
+
+
+class SpacingChain(NamedTuple):
+    """A placed object, the direction of another from it, and the room for what is between them in metres."""
+
+    end: str
+    side: Direction
+    between: float
+
+
+Links = tuple[tuple[str, str], ...]
+"""Pairs of objects of which the first lies in a given direction from the second."""
+
+
+def spacing_chains(situation: Situation, entity: str, facts: Iterable[Fact]) -> tuple[list[SpacingChain], ...]:
+    """Return the chains of relations from an object through unplaced ones to placed ones.
+
+    There are none if all others are placed; otherwise two lists: with the longest sides of what is between, and with
+    the shortest.
+    """
+    beside = [fact for fact in facts if fact.value and fact.predicate.direction is not None]
+    if all(other in situation.poses or other == entity for fact in beside for other in fact.arguments):
+        return ()
+    links = {side.in_frame(situation.scene.frame): tuple(_links(beside, side)) for side in SIDES.values()}
+    return tuple(_longest(situation, entity, links, wide) for wide in (True, False))
+
+
+def spacing_volume(situation: Situation, entity: str, quaternion: Quaternion, found: Iterable[SpacingChain]) -> Volume:
+    """Return the volume in which an object with its orientation leaves room for what is between it and others."""
+    volume = Volume()
+    half = extents(situation.shape(entity), quaternion)
+    for end, side, between in found:
+        volume = volume.meet(wedge(situation, side, end, half, GAP + MARGIN + between))
+    return volume
+
+
+def _longest(situation: Situation, entity: str, links: Mapping[Direction, Links], wide: bool) -> list[SpacingChain]:
+    """Return the longest chain to each end in each direction."""
+    found: dict[tuple[str, Direction], float] = {}
+    for side, pairs in links.items():
+        for end, between in _follow(situation, entity, pairs, wide, ()):
+            found[end, side] = max(between, found.get((end, side), 0.0))
+    return [SpacingChain(end, side, between) for (end, side), between in found.items()]
+
+
+def _links(beside: Iterable[Fact], side: Direction) -> Iterator[tuple[str, str]]:
+    """Yield pairs of which the first lies in a direction from the second."""
+    for fact in beside:
+        one, two = fact.arguments
+        if fact.predicate.direction == side:
+            yield one, two
+        elif fact.predicate.direction == side.opposite:
+            yield two, one
+
+
+def _follow(
+    situation: Situation, entity: str, links: Links, wide: bool, passed: tuple[str, ...]
+) -> Iterator[tuple[str, float]]:
+    """Yield the ends of the chains from an object, and the room for what is between in metres."""
+    for one, other in links:
+        if one != entity or other in passed:
+            continue
+        if other in situation.poses:
+            if passed:
+                yield other, 0.0
+            continue
+        room = situation.shape(other).breadth(wide) + GAP + 2 * MARGIN
+        for end, between in _follow(situation, other, links, wide, (*passed, entity)):
+            yield end, between + room

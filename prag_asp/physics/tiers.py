@@ -1,0 +1,109 @@
+"""The pipeline of tiers, in order of cost, for the witnesses that the validator finds and for those checked again.
+
+The first tier, kinematics, is what a search for a witness satisfies by construction, and what `check_witness` checks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from typing import NamedTuple
+
+from prag_asp.physics.checks.settling import Settling, open_settling
+from prag_asp.physics.checks.witness_check import witness_problems
+from prag_asp.physics.demonstration.demonstration import Demonstration
+from prag_asp.physics.demonstration.performance import Performer, open_performer
+from prag_asp.physics.filming.episode_options import Staging
+from prag_asp.physics.filming.film import film
+from prag_asp.physics.motion.transit import with_transit
+from prag_asp.physics.search.attempt import NO_PATH, PhysicsFault
+from prag_asp.physics.symbolic_facts import PhysicalTask, physical_task
+from prag_asp.physics.verdict import Budget, Tier
+from prag_asp.physics.witness import Witness
+from prag_asp.physics.world.simulator import Simulator, open_simulator
+from prag_asp.scene.scene import Scene
+from prag_asp.task import Task
+
+
+class TierOutcome(NamedTuple):
+    """How far a witness passed: its first fault (None if it passes all tiers), and the episode of the last tier.
+
+    The `witness` has the transit waypoints that the tier of transit added.
+    """
+
+    witness: Witness
+    fault: PhysicsFault | None = None
+    demonstration: Demonstration | None = None
+
+
+class TierPipeline:
+    """Passes witnesses of one scene through the tiers above kinematics; each opens its world when it is first needed.
+
+    The `simulator` has to hold the bodies in the sizes of the witness (`Simulator.use`). `resources` closes the worlds.
+    """
+
+    def __init__(self, scene: Scene, simulator: Simulator, resources: ExitStack):
+        self._scene, self._simulator, self._resources = scene, simulator, resources
+        self._settling: Settling | None = None
+        self._performer: Performer | None = None
+
+    def run(
+        self, physical: PhysicalTask, witness: Witness, budget: Budget, seeds: Sequence[int], staging: Staging
+    ) -> TierOutcome:
+        """Return how far a witness passes the tiers of a budget; transit waypoints are added if it has none.
+
+        `staging` says how it is demonstrated, `seeds` what varies in that.
+        """
+        if budget.includes(Tier.SETTLING) and (fault := self._settle(physical, witness)) is not None:
+            return TierOutcome(witness, fault)
+        if budget.includes(Tier.TRANSIT) and not witness.has_transit:
+            complete = with_transit(self._simulator, physical, witness)
+            if complete is None:
+                return TierOutcome(witness, PhysicsFault(NO_PATH))
+            witness = complete
+        if not budget.includes(Tier.DEMONSTRATION):
+            return TierOutcome(witness)
+        demonstration = self._perform(physical, witness, seeds, staging)
+        if not demonstration.success:
+            return TierOutcome(witness, PhysicsFault(demonstration.cause, text=demonstration.detail), demonstration)
+        return TierOutcome(
+            witness, None, film(demonstration, self._scene, staging) if staging.cameras else demonstration
+        )
+
+    def _settle(self, physical: PhysicalTask, witness: Witness) -> PhysicsFault | None:
+        if self._settling is None:
+            self._settling = self._resources.enter_context(open_settling(self._scene))
+        return self._settling.fault(physical, witness)
+
+    def _perform(
+        self, physical: PhysicalTask, witness: Witness, seeds: Sequence[int], staging: Staging
+    ) -> Demonstration:
+        if self._performer is None:
+            self._performer = self._resources.enter_context(open_performer(self._scene, self._simulator))
+        variation = staging.sample_variation(self._scene.with_sizes(witness.sizes), physical.objects, seeds)
+        return self._performer.perform(physical, witness, variation)
+
+
+@contextmanager
+def open_tier_check(
+    scene: Scene, budget: Budget, staging: Staging | None = None, seed: int = 0
+) -> Iterator[Callable[..., TierOutcome]]:
+    """Open simulators and yield a function that checks witnesses by the tiers of a budget; close them afterwards.
+
+    The function takes a task, a witness and the index of the task, on which variations depend (0 by default).
+    `staging` says how witnesses are demonstrated. A witness without transit waypoints gets some if the budget includes
+    the tier of transit.
+
+    Raises:
+        SceneError: the scene cannot be built.
+    """
+    with ExitStack() as resources:
+        simulator = resources.enter_context(open_simulator(scene))
+        pipeline = TierPipeline(scene, simulator, resources)
+
+        def check(task: Task, witness: Witness, index: int = 0) -> TierOutcome:
+            for problem in witness_problems(task, witness, simulator, scene)[:1]:
+                return TierOutcome(witness, PhysicsFault(problem))
+            return pipeline.run(physical_task(task, scene), witness, budget, (seed, index, 0), staging or Staging())
+
+        yield check

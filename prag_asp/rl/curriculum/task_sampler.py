@@ -1,0 +1,183 @@
+"""The interfaces of curricula: samplers of tasks and of initial subgoals that learn from the results of episodes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from itertools import islice
+from typing import Any, NamedTuple, Protocol
+
+from prag_asp.atom import Atom
+from prag_asp.program.entity_names import action_name, mentioned_entities, shared_names
+from prag_asp.program.facts import Facts
+from prag_asp.rl.curriculum.task_pool import Proposal, TaskPool, Word
+
+State = dict[str, Any]
+"""The state of a sampler, as values of JSON."""
+
+
+class Attempt(NamedTuple):
+    """A subgoal that was pursued: its action, that before it in the task, and whether it was reached."""
+
+    action: Atom
+    before: Atom | None
+    reached: bool
+
+
+class EpisodeResult(NamedTuple):
+    """The result of an episode: the number of subgoals of its task, the first one, and the attempts."""
+
+    stages: int
+    first: int
+    attempts: Sequence[Attempt]
+    success: bool
+
+
+class TaskSampler(Protocol):
+    """Samples tasks; the distribution may depend on the results of episodes."""
+
+    def seed(self, seed: int) -> None:
+        """Reset: no episode has ended, and all samples from now on depend on the seed and on the results alone."""
+
+    def propose(self) -> Proposal:
+        """Return the next task, which may be infeasible."""
+
+    def note_feasibility(self, word: Word, feasible: bool) -> None:
+        """Learn whether a proposed task is feasible."""
+
+    def update(self, result: EpisodeResult) -> None:
+        """Learn how an episode has ended."""
+
+    def summary(self) -> Mapping[str, int | str]:
+        """Return the progress in a few numbers or words."""
+
+    def state_dict(self) -> State:
+        """Return the state as values of JSON."""
+
+    def load_state_dict(self, state: State) -> None:
+        """Continue from a state of `state_dict`."""
+
+
+class SubgoalSampler(Protocol):
+    """Samples the subgoal with which an episode begins; the distribution may depend on the results of episodes."""
+
+    def seed(self, seed: int) -> None:
+        """Reset the sampler."""
+
+    def stage(self, stages: int) -> tuple[int, Fraction]:
+        """Return the initial subgoal of a task of `stages` subgoals, from 0, and its exact probability."""
+
+    def update(self, result: EpisodeResult) -> None:
+        """Learn how an episode has ended."""
+
+    def summary(self) -> Mapping[str, int | str]:
+        """Return the progress in a few numbers or words."""
+
+    def state_dict(self) -> State:
+        """Return the state as values of JSON."""
+
+    def load_state_dict(self, state: State) -> None:
+        """Continue from a state of `state_dict`."""
+
+
+class TaskCurriculum(Protocol):
+    """The parameters of a curriculum of tasks."""
+
+    def task_sampler(self, pool: TaskPool) -> TaskSampler:
+        """Return a sampler of the tasks of a pool.
+
+        Raises:
+            QueryError: the pool has nothing for it.
+        """
+        ...
+
+
+class StageCurriculum(Protocol):
+    """The parameters of a curriculum of initial subgoals."""
+
+    def subgoal_sampler(self) -> SubgoalSampler:
+        """Return a sampler of initial subgoals."""
+        ...
+
+
+class DomainWeightsSampler:
+    """Samples tasks by the weights of the domain, whatever the results of episodes."""
+
+    def __init__(self, pool: TaskPool):
+        self._pool = pool
+        self.seed(0)
+
+    def seed(self, seed: int) -> None:
+        """Reset the sampler."""
+        self._seed, self._taken = seed, 0
+        self._proposals: Iterator[Proposal] = self._pool.proposals(seed=seed)
+
+    def propose(self) -> Proposal:
+        """Return the next task."""
+        self._taken += 1
+        return next(self._proposals)
+
+    def note_feasibility(self, word: Word, feasible: bool) -> None:
+        """Ignore it."""
+
+    def update(self, result: EpisodeResult) -> None:
+        """Ignore it."""
+
+    def summary(self) -> Mapping[str, int | str]:
+        """Return nothing."""
+        return {}
+
+    def state_dict(self) -> State:
+        """Return the state as values of JSON."""
+        return {"seed": self._seed, "taken": self._taken}
+
+    def load_state_dict(self, state: State) -> None:
+        """Continue from a state of `state_dict`."""
+        self.seed(state["seed"])
+        self._taken = state["taken"]
+        skip(self._proposals, self._taken)
+
+
+def skip(proposals: Iterator[Proposal], count: int) -> None:
+    """Advance an iterator by `count` proposals."""
+    next(islice(proposals, count, count), None)
+
+
+@dataclass(frozen=True)
+class ActionKeys:
+    """The keys of weights that fit the actions of a domain: action names, pairs of names, and classes."""
+
+    facts: Facts
+
+    def of(self, attempt: Attempt) -> Iterator[str]:
+        """Yield the keys of a subgoal."""
+        name, classes = self._known[str(attempt.action)]
+        if name in self.weighable:
+            yield name
+        if attempt.before is not None:
+            yield f"{self._known[str(attempt.before)][0]}>{name}"
+        yield from sorted(classes & self.weighable)
+
+    def names(self, word: Word) -> tuple[str, ...]:
+        """Return the skeleton of a task."""
+        return tuple([self._known[action][0] for action in word])
+
+    @cached_property
+    def weighable(self) -> frozenset[str]:
+        """The names, and the classes of which some action mentions an entity, that have no other meaning."""
+        known = self._known.values()
+        found = {name for name, _ in known} | {each for _, classes in known for each in classes}
+        return frozenset(found.difference(shared_names(self.facts)))
+
+    @cached_property
+    def _known(self) -> dict[str, tuple[str, frozenset[str]]]:
+        """For the text of each action its name, and the classes of the entities that it mentions."""
+        facts = self.facts
+        found = {}
+        for action in facts.actions:
+            entities = set(mentioned_entities(action, facts.entities))
+            classes = frozenset(str(name) for entity, name in facts.memberships if entity in entities)
+            found[str(action)] = action_name(action), classes
+        return found

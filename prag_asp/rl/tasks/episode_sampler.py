@@ -1,0 +1,171 @@
+"""The tasks and initial subgoals of episodes: named in the reset options, or sampled."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, Literal, TypeVar
+
+import numpy as np
+
+from prag_asp.domain.load import Domain
+from prag_asp.errors import QueryError
+from prag_asp.physics import Witness
+from prag_asp.rl.curriculum.task_sampler import Attempt, EpisodeResult
+from prag_asp.rl.environment_options import is_whole
+from prag_asp.rl.goals import Subgoal, subgoals_of
+from prag_asp.rl.observations import Layout, skill
+from prag_asp.rl.tasks.task_origin import TaskOrigin
+from prag_asp.rl.tasks.task_sources import Assignment, SingleTask, TaskSource, WitnessFinder, assign_witness
+from prag_asp.task import Task
+
+CACHED = 512
+"""Checked witnesses and subgoals of tasks that are cached, so that the next episode with them begins quickly."""
+
+Made = TypeVar("Made")
+
+
+@dataclass(frozen=True)
+class EpisodeStart:
+    """The task of an episode with its subgoals, and the `stage`, the number of the initial subgoal.
+
+    `chance` is the probability of the stage where it was sampled; `named` is set where the options name it.
+    """
+
+    assignment: Assignment
+    subgoals: tuple[Subgoal, ...]
+    stage: int
+    chance: Fraction | None
+    named: bool
+
+    def info(self) -> dict[str, Any]:
+        """Return the information that goes with the first observation."""
+        assignment = self.assignment
+        return {
+            "task": str(assignment.task),
+            "rank": assignment.rank,
+            "log_probability": assignment.task.log_probability,
+            "probability": assignment.probability,
+            "stage_probability": self.chance,
+            "rejected": assignment.rejected,
+        }
+
+
+class EpisodeSampler:
+    """Samples tasks and initial subgoals by the curricula, and updates these with the results of episodes.
+
+    Raises:
+        QueryError: a single task has no witness, or that of another task.
+    """
+
+    def __init__(
+        self,
+        origin: TaskOrigin,
+        witness: Witness | None,
+        stage: int | Literal["any"],
+        finder: WitnessFinder,
+        *,
+        domain: Domain,
+        layout: Layout,
+    ):
+        self.finder, self.seeded = finder, False
+        self._stage, self._domain, self._scene, self._layout = stage, domain, finder.scene, layout
+        self._cached: OrderedDict[tuple[int, ...], tuple[tuple[object, ...], Any]] = OrderedDict()
+        alone = origin.task is not None or witness is not None
+        self._source: TaskSource = SingleTask(self._assign(origin.task, witness)) if alone else origin.source(finder)
+        self._subgoals = origin.stages.subgoal_sampler() if origin.stages else None
+
+    def seed(self, rng: np.random.Generator) -> None:
+        """Reset all samplers by seeds from a generator."""
+        self._source.seed(int(rng.integers(2**31)))
+        if self._subgoals is not None:
+            self._subgoals.seed(int(rng.integers(2**31)))
+        self.seeded = True
+
+    def begin(self, options: Mapping[str, Any], rng: np.random.Generator) -> EpisodeStart:
+        """Return the start of an episode; what the options leave out is sampled.
+
+        Raises:
+            QueryError: the options name something that does not exist, or the task has no witness.
+            NotFound: `PATIENCE` samples in a row are not feasible.
+        """
+        task, witness, rank, stage = (options.get(name) for name in ("task", "witness", "rank", "stage"))
+        if task is not None or witness is not None:
+            assignment = self._assign(task, witness)
+        else:
+            assignment = self._source.draw() if rank is None else self._source.ranked(rank)
+        subgoals = self._once(lambda: subgoals_of(assignment.task, self._scene), assignment.task)
+        return EpisodeStart(assignment, subgoals, *self._initial_stage(stage, len(subgoals), rng), stage is not None)
+
+    def update(self, start: EpisodeStart, stage: int, *, success: bool) -> None:
+        """Update the curricula that chose an episode with its result; `stage` is the subgoal at which it ended."""
+        actions = start.assignment.task.actions
+        attempts = [
+            Attempt(actions[i], actions[i - 1] if i else None, i < stage or success)
+            for i in range(start.stage, stage + 1)
+        ]
+        result = EpisodeResult(len(actions), start.stage, attempts, success)
+        if start.assignment.probability is not None:
+            self._source.update(result)
+        if self._subgoals is not None and not start.named:
+            self._subgoals.update(result)
+
+    def summary(self) -> dict[str, Any]:
+        """Return the progress of the curricula."""
+        return {**self._source.summary(), **(self._subgoals.summary() if self._subgoals is not None else {})}
+
+    def state_dict(self) -> dict[str, Any]:
+        """Return the state of the samplers as values of JSON."""
+        return {
+            "source": self._source.state_dict(),
+            "subgoals": None if self._subgoals is None else self._subgoals.state_dict(),
+        }
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Continue from a state of `state_dict`; a malformed one raises an error of Python."""
+        self._source.load_state_dict(state["source"])
+        if self._subgoals is not None:
+            self._subgoals.load_state_dict(state["subgoals"])
+
+    def _assign(self, task: object, witness: object) -> Assignment:
+        """Return a given task with its witness, which is searched for where it is not given.
+
+        Raises:
+            QueryError: it is no task of the domain, or has no witness.
+        """
+        if not isinstance(task, Task) or not isinstance(witness, Witness | None):
+            raise QueryError(f"a task is a Task, a witness that of a task; got {task!r:.80} and {witness!r:.80}")
+        for action in task.actions:
+            if skill(action, self._scene) not in self._layout.skills:
+                raise QueryError(f"{action} is no action of the domain {self._domain.name}; give a task of that domain")
+        if witness is None:
+            return Assignment(task, self.finder.required(task))
+        return self._once(lambda: assign_witness(task, witness, self._scene), task, witness)
+
+    def _once(self, make: Callable[[], Made], *whose: object) -> Made:
+        """Return what `make` returns, cached by the identity of the values that it depends on."""
+        key = tuple(map(id, whose))
+        if key not in self._cached:
+            self._cached[key] = whose, make()
+        self._cached.move_to_end(key)
+        if len(self._cached) > CACHED:
+            self._cached.popitem(last=False)
+        found: Made = self._cached[key][1]
+        return found
+
+    def _initial_stage(
+        self, requested: int | str | None, count: int, rng: np.random.Generator
+    ) -> tuple[int, Fraction | None]:
+        """Return the initial subgoal of `count` subgoals, and its probability where it is sampled."""
+        if count == 0:
+            raise QueryError("a task without actions has no subgoal; give another one")
+        if requested is None and self._subgoals is not None:
+            return self._subgoals.stage(count)
+        stage = self._stage if requested is None else requested
+        if stage == "any":
+            return int(rng.integers(count)), Fraction(1, count)
+        if not is_whole(stage) or not -count <= int(stage) < count:
+            raise QueryError(f"stage {stage!r}: the task has the stages 0 to {count - 1}; any draws one")
+        return int(stage) % count, None

@@ -1,0 +1,117 @@
+"""The options that say where an environment's tasks come from, and the source that they define."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, is_dataclass
+from typing import cast
+
+from prag_asp.dataset.store.dataset import Dataset
+from prag_asp.domain.load import Domain, load_domain
+from prag_asp.errors import QueryError
+from prag_asp.rl.curriculum.task_pool import TaskPool
+from prag_asp.rl.curriculum.task_sampler import DomainWeightsSampler, StageCurriculum, TaskCurriculum
+from prag_asp.rl.tasks.task_sources import DatasetSource, SpaceSource, TaskSource, WitnessFinder
+from prag_asp.space.parts.ranked_tasks import RankedTasks
+from prag_asp.space.task_space import TaskSpace
+from prag_asp.task import Task
+
+Curriculum = TaskCurriculum | StageCurriculum
+Curricula = Curriculum | Sequence[Curriculum] | None
+
+
+@dataclass(frozen=True)
+class TaskOrigin:
+    """The origin of tasks: a space or a part of one, a dataset, or one task; and the curricula.
+
+    Raises:
+        QueryError: there is none of them or more than one, or a curriculum is wrong or has nothing to choose from.
+    """
+
+    space: TaskSpace | None
+    part: RankedTasks | None
+    dataset: Dataset | None
+    task: Task | None
+    curriculum: Curricula
+
+    def __post_init__(self) -> None:
+        if sum(each is not None for each in (self.space, self.dataset, self.task)) != 1:
+            raise QueryError("tasks come from one place: give a space, a dataset, or a task")
+        for value, kinds, example in (
+            (self.space, TaskSpace, 'TaskSpace(load_domain("tabletop"), length=2)'),
+            (self.dataset, Dataset, 'Dataset.open("DIR")'),
+            (self.task, Task, "a Task, such as a space yields"),
+            (self.part, RankedTasks, 'a part of the space, such as space.split({"train": 0.8, "test": 0.2})["train"]'),
+        ):
+            if value is not None and not isinstance(value, kinds):
+                raise QueryError(f"{value!r:.80} is no origin of tasks; give {example}")
+        if self.part is not None and self.space is None:
+            raise QueryError("a part is one of a space; give the space, too")
+        if self.part is not None and isinstance(self.space, TaskSpace) and not self.space.same_tasks(self.part.space):
+            raise QueryError(f"the part is one of {self.part.space!r}, and not of {self.space!r}; give a part of that")
+        for each in self._curricula:
+            if isinstance(each, type) or not (hasattr(each, "task_sampler") or hasattr(each, "subgoal_sampler")):
+                raise QueryError(f"{each!r:.80} is no curriculum; give one of prag_asp.rl, such as Lengths()")
+        if self.space is None and self._curriculum_with("task_sampler"):
+            raise QueryError("a curriculum of tasks needs a space; give that, or Backwards() alone")
+        self._curriculum_with("subgoal_sampler")
+
+    def domain(self, requested: Domain | str | None) -> Domain:
+        """Return the domain of the tasks; that of a single task may be `requested`.
+
+        Raises:
+            QueryError: it is given for others, or is none.
+            DomainError: there is no domain of the name.
+        """
+        if requested is not None and (self.task is None or not isinstance(requested, Domain | str)):
+            raise QueryError(f"domain {requested!r:.80}: give that of a task; a space and a dataset have their own")
+        if self.space is not None:
+            return self.space.domain
+        if self.dataset is not None:
+            return self.dataset.domain
+        assert self.task is not None
+        if isinstance(requested, Domain):
+            return requested
+        return load_domain(requested or self.task.domain, constants=dict(self.task.constants))
+
+    def source(self, finder: WitnessFinder) -> TaskSource:
+        """Return the source of tasks of a space or a dataset."""
+        if self.dataset is not None:
+            return DatasetSource(self.dataset)
+        assert self.space is not None
+        pool = TaskPool(self.space, None if self.part is None else self.part.ranks)
+        curriculum = self._curriculum_with("task_sampler")
+        sampler = cast(TaskCurriculum, curriculum).task_sampler(pool) if curriculum else DomainWeightsSampler(pool)
+        return SpaceSource(pool, sampler, finder)
+
+    @property
+    def title(self) -> str:
+        """A description in one line, the same in every process: it distinguishes the checkpoints of environments."""
+        tasks = self.space or (f"{self.dataset.count()} tasks of data" if self.dataset is not None else self.task)
+        part = "" if self.part is None else f", {self.part!r} of it"
+        led = [repr(each) if is_dataclass(each) else type(each).__name__ for each in self._curricula]
+        return f"{tasks}{part}, {' '.join(led) or 'no curriculum'}"
+
+    @property
+    def stages(self) -> StageCurriculum | None:
+        """The curriculum of subgoals, if there is one."""
+        return cast(StageCurriculum | None, self._curriculum_with("subgoal_sampler"))
+
+    @property
+    def _curricula(self) -> Sequence[Curriculum]:
+        """All curricula."""
+        curricula = self.curriculum
+        if curricula is None:
+            return ()
+        return tuple(curricula) if isinstance(curricula, Sequence) else (curricula,)
+
+    def _curriculum_with(self, method: str) -> Curriculum | None:
+        """Return the one curriculum with a `task_sampler` or a `subgoal_sampler`, if there is one.
+
+        Raises:
+            QueryError: there are several.
+        """
+        found = [each for each in self._curricula if hasattr(each, method)]
+        if len(found) > 1:
+            raise QueryError(f"{len(found)} curricula of one kind: give one of tasks at most, and Backwards()")
+        return found[0] if found else None

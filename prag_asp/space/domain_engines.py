@@ -1,0 +1,115 @@
+"""The engines of a domain, each made lazily, and what task spaces of its lengths share: counts, samplers, tasks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import clingo
+
+from prag_asp.logic.domain_logic import DomainLogic
+from prag_asp.processes.progress_events import Note
+from prag_asp.space.engines import AUTO, Engine, Level, select
+from prag_asp.space.engines.engine import Letters, Progress
+from prag_asp.space.engines.listed_words import NoWords
+from prag_asp.space.limits import Limits
+
+if TYPE_CHECKING:
+    from prag_asp.space.plans.readings import Hierarchy
+    from prag_asp.space.plans.task_builder import TaskBuilder
+    from prag_asp.space.reduced_count import ReducedCounter
+
+ONE_STEP, CLINGO = (AUTO, "automaton", "symbolic"), "clingo"
+"""The engines that ground one step for all steps, and the engine that grounds each step."""
+
+Value = TypeVar("Value")
+
+
+@dataclass
+class DomainEngines:
+    """The engines of a domain under some conditions, by level and length.
+
+    No plan is shorter than `fewest_actions`: questions about shorter ones are answered without an engine.
+    """
+
+    model: DomainLogic
+    name: str
+    progress: Progress | None
+    limits: Limits
+    fewest_actions: int = 0
+    _engines: dict[tuple[Level, str], Engine] = field(default_factory=dict)
+    _counts: dict[tuple[Level, int, Letters], int] = field(default_factory=dict)
+    _latest: dict[str, tuple[Any, Any]] = field(default_factory=dict)
+
+    def engine(self, by: Level, length: int) -> Engine:
+        """Return the engine of a level, for a length."""
+        if length < self.fewest_actions:
+            return NoWords(self.model, by)
+        name = CLINGO if length == 0 and self._needs_a_step else self.name
+        if (by, name) not in self._engines:
+            self._report_all_ground()
+            self._engines[by, name] = select(name, self.model, by, self.progress, self.limits)
+        return self._engines[by, name]
+
+    @cached_property
+    def _needs_a_step(self) -> bool:
+        """Whether the engine would judge a plan without actions as if there had been a step."""
+        if self.name not in ONE_STEP or self.model.obstacles:
+            return False
+        return self.model.ground.after_steps_alone
+
+    def _report_all_ground(self) -> None:
+        """Report the statement for which all entities of a large domain are ground."""
+        domain = self.model.domain
+        if not domain.irreducible or not self.progress:
+            return
+        from prag_asp.reduction.reduction import is_large
+
+        if is_large(domain.facts):
+            self.progress(Note(f"note: all entities are ground, though many are alike: {domain.irreducible}"))
+
+    def count(self, by: Level, length: int, prefix: Letters = ()) -> int:
+        """Return the number of words, which is cached."""
+        key = (by, length, prefix)
+        if key not in self._counts:
+            reduced = self._reduced.count(by, length, prefix) if self._reduced else None
+            self._counts[key] = self.engine(by, length).count(length, prefix) if reduced is None else reduced
+        return self._counts[key]
+
+    @cached_property
+    def _reduced(self) -> ReducedCounter | None:
+        """The counter of the small-model reduction, where a domain has more entities than it needs."""
+        domain = self.model.domain
+        if domain.reduction is None:
+            return None
+        from prag_asp.space.reduced_count import ReducedCounter
+
+        return ReducedCounter(domain, domain.reduction, self.name, self.progress, self.limits)
+
+    def latest(self, kind: str, key: Any, make: Callable[[], Value]) -> Value:
+        """Return the value of a key; only the latest value of each kind is kept, because samplers are large."""
+        if kind not in self._latest or self._latest[kind][0] != key:
+            self._latest[kind] = (key, make())
+        value: Value = self._latest[kind][1]
+        return value
+
+    @cached_property
+    def actions(self) -> dict[str, clingo.Symbol]:
+        """The actions of the domain by their texts."""
+        return {str(action): action for action in self.model.domain.facts.actions}
+
+    @cached_property
+    def hierarchy(self) -> Hierarchy:
+        """The composites of the domain."""
+        from prag_asp.space.plans.readings import hierarchy_of
+
+        return hierarchy_of(self.model.domain.facts)
+
+    @cached_property
+    def task_builder(self) -> TaskBuilder:
+        """Builds tasks from plans."""
+        from prag_asp.space.plans.task_builder import TaskBuilder
+
+        return TaskBuilder(self.model)

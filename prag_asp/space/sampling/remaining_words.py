@@ -1,0 +1,98 @@
+"""Sampling without replacement, exactly: each word by its weight among those that are left.
+
+The weights of the words that were taken are summed for each prefix of choices and subtracted on the way. So no draw is
+rejected, and words end only when no weight is left.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from itertools import accumulate, pairwise
+from math import prod
+
+import numpy as np
+
+from prag_asp.random_bits import Bits
+from prag_asp.space.automaton.automaton import Completions, Word
+from prag_asp.space.automaton.walks import Choice
+from prag_asp.space.sampling.choice_table import exact_choice, weights_behind
+from prag_asp.space.weights.weights import Weighed
+
+
+@dataclass
+class _Prefix:
+    """The weight of the words taken below each edge that was chosen after a prefix, and what follows those edges."""
+
+    taken: dict[int, int] = field(default_factory=dict)
+    after: dict[int, _Prefix] = field(default_factory=dict)
+
+
+class RemainingWords:
+    """The words of one length that are left to sample: what they weigh, and how many were `taken`."""
+
+    def __init__(self, weighed: Weighed, length: int) -> None:
+        self._walks = weighed.ranking or _PathWalks(weighed.completions, length)
+        self._length = length
+        self._root = _Prefix()
+        self.weight, self.taken = self._walks.total, 0
+
+    def take(self, bits: Bits, number: int) -> tuple[Word, int]:
+        """Sample a word that is left with the random words of draw `number`; return it with its weight.
+
+        Some weight has to be left.
+        """
+        random = bits.words(number, 1, max(self._length, 1))[0].tolist()
+        prefix, path = self._root, list[tuple[_Prefix, int, int, int]]()
+
+        def choose(step: int, running: Sequence[int]) -> int:
+            nonlocal prefix
+            weights = [later - sooner for sooner, later in pairwise((0, *running))]
+            left = accumulate(weight - prefix.taken.get(edge, 0) for edge, weight in enumerate(weights))
+            edge = exact_choice(list(left), random[step], partial(bits.further, number, step))
+            path.append((prefix, edge, weights[edge], running[-1]))
+            prefix = prefix.after.setdefault(edge, _Prefix())
+            return edge
+
+        word, weight = self._walks.walk(choose)
+        self._subtract(path)
+        self.weight -= weight
+        self.taken += 1
+        return word, weight
+
+    def _subtract(self, path: Sequence[tuple[_Prefix, int, int, int]]) -> None:
+        """Subtract a word, given by its prefixes, edges, the weight of all words over each edge, and at its source.
+
+        Over an edge go words of its own weight times that of all words from its target on, so the weight of the rest of
+        the word follows from that of a shorter rest.
+        """
+        rest, behind = 1, 1
+        for prefix, edge, over, total in reversed(path):
+            rest, remainder = divmod(over * rest, behind)
+            assert not remainder, "a walk weighs an edge by itself times what follows it"
+            prefix.taken[edge] = prefix.taken.get(edge, 0) + rest
+            behind = total
+
+
+class _PathWalks:
+    """Walks along the paths of an automaton, of which each is one word."""
+
+    def __init__(self, completions: Completions, length: int) -> None:
+        self._completions = completions
+        self._length = length
+        self.total = int(completions.row(length)[0]) if completions.automaton.states else 0
+
+    def walk(self, choose: Choice) -> tuple[Word, int]:
+        """Return a word and its weight; `choose` takes an edge of each step by the running totals of their weights."""
+        automaton, state = self._completions.automaton, 0
+        edges = []
+        for step in range(self._length):
+            first, last = automaton.offsets[state : state + 2].tolist()
+            outgoing = np.arange(first, last)
+            row = self._completions.row(self._length - step - 1)
+            edge = first + choose(step, list(accumulate(weights_behind(automaton, outgoing, row))))
+            edges.append(edge)
+            state = int(automaton.targets[edge])
+        weights = [] if automaton.weights is None else [int(automaton.weights[edge]) for edge in edges]
+        return tuple(int(automaton.letters[edge]) for edge in edges), prod(weights)

@@ -1,0 +1,193 @@
+"""Read values of JSON: msgspec checks their kinds; its messages become problems in plain words, with a path.
+
+A path begins with a name for the outermost value: ``witness.moments[2].arms.panda.joints``.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import sys
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, TypeVar, get_args, get_type_hints
+
+import msgspec
+
+from prag_asp.errors import QueryError
+from prag_asp.tables.report import Keys, TableEntry, TableProblem, shown
+
+Kind = TypeVar("Kind")
+Option = TypeVar("Option", bound=str)
+
+Number = Annotated[float, msgspec.Meta(ge=-sys.float_info.max, le=sys.float_info.max)]
+"""A finite number."""
+
+Whole = Annotated[int, msgspec.Meta(ge=0)]
+"""A whole number from 0."""
+
+WORDS: Mapping[str, str] = {
+    "array": "a list",
+    "object": "an object with fields",
+    "float": "a finite number",
+    "int": "a whole number from 0",
+    "str": "a string",
+    "bool": "true or false",
+    "null": "null",
+}
+"""The kinds of msgspec in words; a number is always finite here, and a whole one never negative."""
+
+
+def decoded(text: str) -> Any:
+    """Return the value that a text of JSON spells.
+
+    Raises:
+        QueryError: it is none, and why; NaN and infinity are no numbers of JSON.
+    """
+    try:
+        return msgspec.json.decode(text)
+    except msgspec.ValidationError:
+        why = "a number is out of range"
+    except msgspec.DecodeError as error:
+        why = _with_column(str(error), text)
+    except RecursionError:
+        raise QueryError("its values are nested too deeply") from None
+    raise QueryError(f"it is not JSON: {why}")
+
+
+def read(data: object, kind: type[Kind], name: str) -> Kind:
+    """Return a value of JSON as one of a kind that msgspec knows; paths begin with its `name`, which may be empty.
+
+    Raises:
+        QueryError: it is of another kind; the message names the field by its path.
+    """
+    try:
+        return msgspec.convert(data, kind)
+    except msgspec.ValidationError as error:
+        problem = _problem(data, kind, str(error))
+        raise QueryError(str(problem._replace(keys=(name, *problem.keys) if name else problem.keys))) from None
+
+
+def read_entry(entry: TableEntry, kind: type[Kind]) -> Kind | None:
+    """Return the value of an entry as one of a kind that msgspec knows, None where it is another; that is reported."""
+    try:
+        return msgspec.convert(entry.value, kind)
+    except msgspec.ValidationError as error:
+        keys, text, _ = _problem(entry.value, kind, str(error))
+        entry.report.add((*entry.keys, *keys), text)
+        return None
+
+
+def _problem(data: object, kind: type[object], message: str) -> TableProblem:
+    """Return what msgspec found wrong with a value as a problem, with the keys from the value on."""
+    what, _, place = message.partition(" - at ")
+    keys = _keys(data, kind, message, re.findall(r"\.(\w+)|\[(\d+|\.\.\.)\]", place))
+    missing = re.fullmatch(r"Object missing required field `(\w+)`", what)
+    if missing:
+        return TableProblem((*keys, missing[1]), "is missing")
+    if what.startswith("Invalid enum value"):
+        return TableProblem(keys, f"needs one of {', '.join(_options(kind, keys))}; got {shown(str(_at(data, keys)))}")
+    return TableProblem(keys, f"needs {_needed(what)}; got {shown(_at(data, keys))}")
+
+
+def require_complete(data: Any, written: object, name: str) -> None:
+    """Check that a value of JSON has all that it is written with: no field is missing, all numbers are finite.
+
+    `written` is the JSON of the value that was read from the data.
+
+    Raises:
+        QueryError: something is missing or not finite; the message begins with its path.
+    """
+    if isinstance(written, Mapping):
+        for key, value in written.items():
+            if key not in data:
+                raise QueryError(f"{name}.{key}: is missing")
+            require_complete(data[key], value, f"{name}.{key}")
+    elif isinstance(written, list):
+        if len(data) != len(written):
+            raise QueryError(f"{name}: needs a list of {len(written)}; got {shown(data)}")
+        for i, value in enumerate(written):
+            require_complete(data[i], value, f"{name}[{i}]")
+    elif isinstance(written, float) and not math.isfinite(written):
+        raise QueryError(f"{name}: needs {WORDS['float']}; got {shown(data)}")
+
+
+def one_of(options: Sequence[Option], value: str, name: str) -> Option:
+    """Return one of some strings.
+
+    Raises:
+        QueryError: the value is none of them; the message begins with its path, which is `name`.
+    """
+    for option in options:
+        if value == option:
+            return option
+    raise QueryError(f"{name}: needs one of {', '.join(options)}; got {shown(value)}")
+
+
+def _with_column(why: str, text: str) -> str:
+    """Return why a text is not JSON, with the column in place of the byte."""
+    found = re.search(r" \(byte (\d+)\)", why)
+    if found is None:
+        return "it ends too early"
+    column = len(text.encode()[: int(found[1])].decode(errors="ignore")) + 1
+    return f"{why[: found.start()].removeprefix('JSON is malformed: ')} at column {column}"
+
+
+def _needed(what: str) -> str:
+    """Return in words what msgspec expected."""
+    found = re.match(r"Expected `([^`]+)`(?: of length (\d+)| >= (\d+)| <= (\d+))?", what)
+    if found is None:
+        return WORDS["float"] if what == "Number out of range" else what
+    kinds, length, least, most = found.groups()
+    if kinds == "int" and (least or most):
+        return f"a whole number from {least}" if least else f"a whole number up to {most}"
+    words = " or ".join(WORDS.get(name, name) for name in kinds.split(" | "))
+    return words if length is None else f"{words} of {length}"
+
+
+def _options(kind: Any, keys: Keys) -> tuple[str, ...]:
+    """Return the strings that a field of nested dataclasses may have: those of its `Literal` or of its enumeration."""
+    for key in keys:
+        kind = get_type_hints(kind)[str(key)]
+    return get_args(kind) or tuple(member.value for member in kind)
+
+
+def _keys(data: Any, kind: type[object], message: str, steps: Sequence[tuple[str, str]]) -> Keys:
+    """Return the keys from a value to the wrong one in it.
+
+    msgspec writes ``[...]`` for the key of a mapping: it is the one with which the mapping is as wrong when alone.
+    """
+    keys: Keys = ()
+    for name, number in steps:
+        if name or number != "...":
+            keys = (*keys, name or int(number))
+            continue
+        inner = _at(data, keys)
+        alone = (key for key in inner if _message(_replaced(data, keys, {key: inner[key]}), kind) == message)
+        keys = (*keys, next(alone, "..."))
+    return keys
+
+
+def _message(data: object, kind: type[object]) -> str:
+    """Return the message of msgspec about a value, an empty one where it is of the kind."""
+    try:
+        msgspec.convert(data, kind)
+    except msgspec.ValidationError as error:
+        return str(error)
+    return ""
+
+
+def _at(data: Any, keys: Keys) -> Any:
+    """Return the value to which keys lead."""
+    for key in keys:
+        data = data[key]
+    return data
+
+
+def _replaced(data: Any, keys: Keys, value: object) -> object:
+    """Return a value in which the one to which keys lead is another."""
+    if not keys:
+        return value
+    inner = _replaced(data[keys[0]], keys[1:], value)
+    if isinstance(data, Mapping):
+        return {**data, keys[0]: inner}
+    return [inner if i == keys[0] else each for i, each in enumerate(data)]

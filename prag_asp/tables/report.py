@@ -1,0 +1,206 @@
+"""Collect the problems of a table, each with the keys that lead to it, what is wrong there and what to do.
+
+A reader walks over a table by its entries. An entry is a value with its keys; where the value is wrong, the entry
+reports that, and the reader goes on, so that one run finds every problem.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from decimal import Decimal
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from prag_asp.errors import PragError, QueryError
+from prag_asp.tables.toml_text import key_line
+from prag_asp.wording import did_you_mean, nearest
+
+Keys = tuple[str | int, ...]
+"""The way to a value: names of keys, and positions in lists from 0."""
+
+LARGEST = 1e9
+"""The largest number in a table: no length in metres, angle in degrees or density comes near it."""
+
+LONGEST = 40
+"""Characters of a wrong value that a message shows."""
+
+CONSTANTS: Mapping[str, bool | None] = {"null": None, "true": True, "false": False}
+"""The words of TOML and JSON for constants that Python spells in another way."""
+
+
+class TableProblem(NamedTuple):
+    """One problem: the keys that lead to it, ``what is wrong; what to do``, and the name of a warning, if it is one."""
+
+    keys: Keys
+    text: str
+    warning: str = ""
+
+    def __str__(self) -> str:
+        return f"{path_text(self.keys)}: {self.text}" if self.keys else self.text
+
+
+@dataclass
+class TableReport:
+    """The problems of a table.
+
+    `doubtful` are names of the author whose entries are wrong, so that nothing else is reported about them. `misspelt`
+    are keys that stand in the table under a similar name: that they are missing is not a second problem.
+    """
+
+    problems: list[TableProblem] = field(default_factory=list)
+    doubtful: set[str] = field(default_factory=set)
+    misspelt: set[Keys] = field(default_factory=set)
+
+    def add(self, keys: Keys, text: str, warning: str = "") -> None:
+        """Report a problem, unless it is that of a misspelt key."""
+        if keys not in self.misspelt:
+            self.problems.append(TableProblem(keys, text, warning))
+
+    def is_sound(self, keys: Keys) -> bool:
+        """Return whether no problem was reported of a value, or of anything in it."""
+        return not any(problem.keys[: len(keys)] == keys for problem in self.problems)
+
+    @contextmanager
+    def errors_at(self, *keys: str | int) -> Iterator[None]:
+        """Report each line of a `QueryError` that the block raises as a problem of a value, and end the block there."""
+        try:
+            yield
+        except QueryError as error:
+            for line in error.lines:
+                self.add(keys, line)
+
+    def raise_problems(self, error: Callable[..., PragError], path: Path, text: str) -> None:
+        """Raise all problems as one error, each with the line of the file in which its key stands.
+
+        Raises:
+            PragError: there are problems; it is of the given type.
+        """
+        if self.problems:
+            raise error(*dict.fromkeys(f"{path}:{key_line(text, each.keys)}: {each}" for each in self.problems))
+
+
+_NONE = object()
+"""Stands for no default: None could be one."""
+
+
+@dataclass(frozen=True)
+class TableEntry:
+    """A value of a table with the keys that lead to it, and the report of its problems."""
+
+    report: TableReport
+    keys: Keys
+    value: Any = None
+    missing: bool = False
+
+    def at(self, key: str | int, default: object = _NONE) -> TableEntry:
+        """Return the entry below this one; where it is missing, its value is the `default`, if there is one."""
+        keys = (*self.keys, key)
+        if isinstance(self.value, Mapping) and key in self.value:
+            return TableEntry(self.report, keys, self.value[key])
+        if isinstance(self.value, list) and isinstance(key, int):
+            return TableEntry(self.report, keys, self.value[key])
+        return (
+            TableEntry(self.report, keys, missing=True) if default is _NONE else TableEntry(self.report, keys, default)
+        )
+
+    def entries(self) -> Iterator[tuple[str, TableEntry]]:
+        """Yield the name and the entry of each key of a table, nothing where the value is no table."""
+        for name in self.value if isinstance(self.value, Mapping) else ():
+            yield name, self.at(name)
+
+    def items(self) -> Iterator[TableEntry]:
+        """Yield the entry of each item of a list, nothing where the value is no list."""
+        for place in range(len(self.value)) if isinstance(self.value, list) else ():
+            yield self.at(place)
+
+    @property
+    def is_sound(self) -> bool:
+        """Whether no problem was reported of the value or of anything in it."""
+        return self.report.is_sound(self.keys)
+
+    def add(self, text: str, warning: str = "") -> None:
+        """Report a problem of this value."""
+        self.report.add(self.keys, text, warning)
+
+    def needs(self, what: str) -> None:
+        """Report that the value is missing, or is another one than it has to be."""
+        self.add(f"missing; write {what}" if self.missing else f"needs {what}; got {shown(self.value)}")
+
+    def is_table(self, example: str, known: Collection[str] | None = None) -> bool:
+        """Return whether the value is a table; report it where it is none, and its keys that are not `known`."""
+        if not isinstance(self.value, Mapping):
+            self.needs(f"a table{f' {example}' if example else ''}")
+            return False
+        if known is not None:
+            self.require_known(known)
+        return True
+
+    def section(self, key: str) -> TableEntry:
+        """Return the table below this one, an empty one where it is missing or something else."""
+        found = self.at(key, {})
+        return found if found.is_table("") else TableEntry(self.report, found.keys, {})
+
+    def require_known(self, known: Collection[str]) -> None:
+        """Report the keys of a table that are not known."""
+        for name, entry in self.entries():
+            if name not in known:
+                entry.add(f"unknown key; {did_you_mean(name, known)}")
+                meant = nearest(name, known)
+                if meant is not None and meant not in self.value:
+                    self.report.misspelt.add((*self.keys, meant))
+
+    def choice(self, options: Sequence[str], meaning: str = "") -> str | None:
+        """Return one of some words, None where the value is another one."""
+        if self.value in options:
+            return str(self.value)
+        self.needs(f"one of {', '.join(options)}{f' ({meaning})' if meaning else ''}")
+        return None
+
+    def number(self, low: float, high: float, unit: str) -> float | None:
+        """Return a number within limits, None where the value is none."""
+        if is_number(self.value) and low <= self.value <= high:
+            return float(self.value)
+        self.needs(f"a number from {low:g} to {high:g} ({unit})")
+        return None
+
+    def numbers(self, count: int, what: str, low: float = -LARGEST, high: float = LARGEST) -> tuple[float, ...] | None:
+        """Return a list of numbers within limits, None where the value is none; messages call it `what`."""
+        value = self.value
+        listed = isinstance(value, list) and len(value) == count
+        if listed and all(is_number(each) and low <= each <= high for each in value):
+            return tuple(map(float, value))
+        self.needs(what)
+        return None
+
+    def matching(self, pattern: str, example: str) -> str | None:
+        """Return a string that a regular expression matches as a whole, None where the value is none."""
+        if isinstance(self.value, str) and re.fullmatch(pattern, self.value):
+            return self.value
+        self.needs(example)
+        return None
+
+
+def is_number(value: object) -> bool:
+    """Return whether a value is a number that can be a length or an angle: finite, and at most `LARGEST`."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= LARGEST
+
+
+def path_text(keys: Keys) -> str:
+    """Return the way to a value as text: ``parts.train.where[2]``; a key that nobody would see is in quotes."""
+    steps = (f"[{key}]" if isinstance(key, int) else f".{key}" if key.strip() else f'."{key}"' for key in keys)
+    return "".join(steps).removeprefix(".")
+
+
+def shown(value: object) -> str:
+    """Return a value as one short line, a list by its length where it is long."""
+    text = next((word for word, each in CONSTANTS.items() if value is each), None)
+    if text is None:
+        text = str(value) if isinstance(value, Decimal) else repr(value)
+    if len(text) <= LONGEST:
+        return text
+    if isinstance(value, list):
+        return f"a list of {len(value)}"
+    return "an object" if isinstance(value, Mapping) else f"{text[:LONGEST]}..."

@@ -1,0 +1,97 @@
+"""Read the text of a TOML file, and find the line in which a key stands."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterator, Sequence
+from decimal import Decimal, InvalidOperation
+from pathlib import Path
+from typing import Any
+
+from prag_asp.errors import DomainError
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+HEADER = r"\s*\[{1,2}(?P<name>[^\[\]]*)\]{1,2}\s*(?:#.*)?$"
+KEY = r"""\s*(?P<name>(?:"[^"]*"|'[^']*'|[\w.\- ])+?)\s*="""
+INNER_KEY = r"""(?<=[{,])\s*([\w.-]+|"[^"]*")\s*="""
+KEY_PART = r""""([^"]*)"|'([^']*)'|([\w-]+)"""
+
+
+def parse_toml(path: Path, text: str) -> dict[str, Any]:
+    """Return the text of a TOML file as a table, its decimal numbers unrounded.
+
+    Raises:
+        DomainError: it is not TOML.
+    """
+    try:
+        table: dict[str, Any] = tomllib.loads(text, parse_float=Decimal)
+    except tomllib.TOMLDecodeError as error:
+        words = str(error)
+        place = re.search(r" \(at (?:line (\d+)|end of document).*\)", words)
+        line = place[1] if place and place[1] else str(len(text.rstrip().split("\n")))
+        raise DomainError(f"{path}:{line}: not TOML: {words.split(' (at ', maxsplit=1)[0]}; mend the line") from None
+    except (ValueError, RecursionError, InvalidOperation) as error:
+        raise DomainError(f"{path}:1: not TOML: {error}; shorten its numbers and nested lists") from None
+    return table
+
+
+def key_line(text: str, keys: Sequence[str | int]) -> int:
+    """Return the first line that sets the key reached through `keys`, or the nearest table above it.
+
+    Positions in lists are passed over: a list stands in the line of its key.
+    """
+    wanted = tuple(without_blanks(key) for key in keys if isinstance(key, str))
+    best, depth = 1, 0
+    for number, here in _keys(text):
+        if here == wanted:
+            return number
+        if len(here) > depth and here == wanted[: len(here)]:
+            best, depth = number, len(here)
+    return best
+
+
+def without_blanks(key: str) -> str:
+    """Return a key without blanks around the arrow of a pair of actions: ``grasp>move``."""
+    return ">".join(part.strip() for part in key.split(">"))
+
+
+def _keys(text: str) -> Iterator[tuple[int, tuple[str, ...]]]:
+    """Yield each key of a TOML text with the number of its line; keys of an inline table are yielded too."""
+    table: tuple[str, ...] = ()
+    until = ""
+    for number, line in enumerate(text.split("\n"), 1):
+        if until:
+            until = "" if until in line else until
+            continue
+        header = re.match(HEADER, line)
+        if header:
+            table = _parts(header["name"])
+            yield number, table
+            continue
+        key = re.match(KEY, line)
+        if key:
+            name = (*table, *_parts(key["name"]))
+            yield number, name
+            for inner in re.finditer(INNER_KEY, line[key.end() :]):
+                yield number, (*name, *_parts(inner[1]))
+        for quotes in ('"""', "'''"):
+            until = quotes if line.count(quotes) % 2 else until
+
+
+def _parts(name: str) -> tuple[str, ...]:
+    """Return the parts of a dotted key, quoted ones as the keys that they spell."""
+    parts = re.findall(KEY_PART, name)
+    return tuple(without_blanks(_unescaped(quoted) + literal + bare) for quoted, literal, bare in parts)
+
+
+def _unescaped(text: str) -> str:
+    """Return what is between the quotes of a key as the key that it spells."""
+    try:
+        return str(tomllib.loads(f'key = "{text}"')["key"]) if "\\" in text else text
+    except tomllib.TOMLDecodeError:
+        return text

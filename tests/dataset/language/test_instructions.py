@@ -1,0 +1,178 @@
+"""An instruction means its task, by the text alone, in every shipped domain and language."""
+
+from __future__ import annotations
+
+import doctest
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import prag_asp.dataset.language
+from prag_asp import QueryError, Task, TaskSpace, load_domain, parse_atom, shipped_domains
+from prag_asp.dataset.language import Instructions, InstructionWriter, context_of, instruction_writer_of
+from prag_asp.grammar.reader import GrammarReader
+from tests.chance import Chance
+from tests.dataset.language.twins import shipped, space_of, task_of, twins, writer
+
+SPOKEN = [*((name, "en") for name in shipped_domains()), ("prag", "de"), ("tabletop", "de")]
+
+
+def tasks_of(name: str, number: int, seed: int) -> list[Task]:
+    return list(space_of(name, 6 if name == "two_arms" else 4).sample(number, seed=seed))
+
+
+def assert_read_back(reader: InstructionWriter, task: Task, words: Instructions) -> None:
+    assert reader.read(task, words.default).actions == task.actions
+    exact = reader.read(task, words.exact)
+    assert exact.actions == task.actions
+    for aims, subgoal in zip(exact.aims, task.subgoals, strict=True):
+        assert aims.items() <= subgoal.items()
+    goal = reader.read(task, words.vague)
+    assert goal.goal == reader.goal(task) and not goal.actions
+    for number, (action, text) in enumerate(zip(task.actions, words.subgoals, strict=True)):
+        assert reader.read(context_of(task, number), text).actions == (action,)
+
+
+@pytest.mark.parametrize(("name", "language"), SPOKEN)
+def test_every_instruction_is_read_back_to_its_task(name: str, language: str, chance: Chance) -> None:
+    other = instruction_writer_of(shipped(name), language)  # the text alone goes from one to the other
+    for number, task in enumerate(tasks_of(name, chance.examples(12), chance.seed(4))):
+        assert_read_back(other, task, writer(name, language).instructions(task, seed=number))
+
+
+def test_what_little_tells_apart_is_read_back_too(tmp_path: Path, chance: Chance) -> None:
+    domain = twins(tmp_path)
+    writer = instruction_writer_of(domain)
+    for number, task in enumerate(TaskSpace(domain, 4).sample(chance.examples(30), seed=chance.seed(5))):
+        assert_read_back(writer, task, writer.instructions(task, seed=number))
+
+
+STACKED = ("pick(panda,can_1,table_1)", "insert(panda,can_1,bin_1)", "pick(panda,cube_1,table_1)")
+
+
+def test_the_levels_say_what_they_are_for() -> None:
+    words = writer("tabletop").instructions(task_of("tabletop", *STACKED), seed=0)
+    assert words == Instructions(
+        vague="See to it that the gripper holds the red cube and that the can is in the bin.",
+        default="Take the can from the table. After that, put it into the bin. Then grab the red cube from the table.",
+        exact="First, pick the can up from the table, so that the gripper holds it. "
+        "Second, insert the can into the bin, so that it is in the bin. "
+        "Third, pick the red cube up from the table, so that the gripper holds it.",
+        subgoals=("Pick the can up from the table.", "Put the can into the bin.", "Take the red cube from the table."),
+    )
+
+
+def test_german_has_its_genders_and_cases() -> None:
+    words = writer("tabletop", "de").instructions(task_of("tabletop", *STACKED), seed=1)
+    assert "die Dose" in words.default and "den roten Würfel" in words.default and "sie in die Kiste" in words.default
+    assert "dass die Dose in der Kiste ist" in words.vague and words.exact.startswith("Erstens: ")
+
+
+def test_a_thing_goes_by_what_tells_it_from_the_others() -> None:
+    words = writer("prag").instructions(task_of("prag", "grasp(panda,apple_1)", "drop(panda,apple_1)"))
+    assert all("the red apple" in text for text in (words.default, words.exact, *words.subgoals))
+    words = writer("prag").instructions(task_of("prag", "grasp(panda,box_1)", "drop(panda,box_1)"))
+    assert all("the box" in text for text in (words.default, words.exact, *words.subgoals))
+
+
+def test_seeds_draw_several_phrasings_and_each_always_the_same() -> None:
+    task, again = task_of("tabletop", *STACKED), instruction_writer_of(shipped("tabletop"))
+    words = [writer("tabletop").instructions(task, seed=seed) for seed in range(12)]
+    assert words == [again.instructions(task, seed=seed) for seed in reversed(range(12))][::-1]
+    assert len({each.default for each in words}) > 6 and len({each.vague for each in words}) > 2
+    assert max(Counter(each.subgoals[0] for each in words).values()) < 10
+
+
+def test_states_need_not_be_those_of_the_space_nor_in_its_order() -> None:
+    task = task_of("tabletop", *STACKED)
+    initial = dict(reversed(task.initial.items()))
+    same = replace(task, initial=initial, states=tuple(map(dict, task.states)), entities=dict(task.entities))
+    assert writer("tabletop").instructions(same, seed=3) == writer("tabletop").instructions(task, seed=3)
+
+
+def test_a_task_without_actions_is_told_in_no_words() -> None:
+    (task,) = space_of("tabletop", 0)
+    assert writer("tabletop").instructions(task) == Instructions("", "", "", ())
+    assert writer("tabletop").read(task, "").actions == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "language", "words"),
+    [
+        ("tabletop", "fr", "tabletop does not speak 'fr'; it speaks de, en"),
+        ("hanoi", "de", "hanoi does not speak 'de'; write its sentences under .language.de.actions., or take en"),
+    ],
+)
+def test_a_language_that_a_domain_does_not_speak_is_told(name: str, language: str, words: str) -> None:
+    with pytest.raises(QueryError, match=words):
+        instruction_writer_of(shipped(name), language)
+
+
+def test_any_domain_speaks_english_by_the_names_that_it_has() -> None:
+    text = """
+    #include "rules/closed_world.lp".
+    class(lamp).   entity((hall; attic), lamp).
+    fluent(lit(L)) :- entity(L,lamp).   fluent(wired(L,M)) :- entity(L,lamp), entity(M,lamp), L < M.   fluent(dark).
+    action(switch_on(L)) :- entity(L,lamp).   action(wire(L,M)) :- fluent(wired(L,M)).   action(wait).
+    postcondition(switch_on(L), lit(L), true) :- action(switch_on(L)).
+    postcondition(wire(L,M), wired(L,M), true) :- action(wire(L,M)).
+    postcondition(wait, dark, true).
+    """
+    domain = load_domain(text=text)
+    writer = instruction_writer_of(domain)
+    for task in TaskSpace(domain, 2):
+        assert_read_back(writer, task, writer.instructions(task))
+    space = TaskSpace(domain, 3)
+    task = space[space.index(["switch_on(attic)", "wire(attic,hall)", "wait"])]
+    words = writer.instructions(task)
+    assert words.subgoals == ("Switch on lamp attic.", "Wire.", "Wait.")
+    assert "that wired holds of lamp attic and lamp hall" in words.vague and words.named == ("attic", "hall")
+
+
+def test_what_an_action_brings_about_leads_from_and_to_in_the_sentences_that_any_domain_has() -> None:
+    said = {}
+    for name in ("hanoi", "blocks", "tabletop", "two_arms"):
+        domain = shipped(name)
+        for (action, _), template in GrammarReader(domain.settings, domain.facts, "en").plain().items():
+            said[name, action] = template.fill([f"<{slot.argument}>" for slot in template.slots])
+    assert said["hanoi", "move"] == "move <0> from <1> to <2>" and said["blocks", "unstack"] == "unstack <0> from <1>"
+    assert said["tabletop", "pick"] == "pick <1> from <2>" and said["tabletop", "insert"] == "insert <1> to <2>"
+    assert said["two_arms", "give"] == "give <0>, <1> and <2>"
+
+
+def test_where_there_is_one_robot_nobody_says_which(tmp_path: Path) -> None:
+    space = space_of("kitchen", 7)
+    fetch = "open(panda,drawer_1) approach(panda,apple_1,drawer_1) grasp(panda,apple_1) move(panda,apple_1,table_1)"
+    task = space[
+        space.index([*fetch.split(), "drop(panda,apple_1)", "withdraw(panda,apple_1)", "close(panda,drawer_1)"])
+    ]
+    for seed in range(6):
+        assert "the robot" not in writer("kitchen").instructions(task, seed=seed).exact
+    space = space_of("two_arms", 6)
+    assert all("arm" in text for text in writer("two_arms").instructions(space[0]).subgoals)
+
+
+def test_pictures_have_captions_in_the_same_words() -> None:
+    captions = writer("tabletop").captions(task_of("tabletop", *STACKED))
+    assert captions == [
+        ("start", "the can is on the table, the red cube is on the table"),
+        ("1. pick the can up from the table", "the gripper holds the can"),
+        ("2. put the can into the bin", "the can is in the bin"),
+        ("3. pick the red cube up from the table", "the gripper holds the red cube"),
+    ]
+
+
+def test_the_example_of_the_room_is_right() -> None:
+    assert doctest.testmod(prag_asp.dataset.language) == (0, 4)
+
+
+def test_a_task_of_another_domain_is_told_in_one_line() -> None:
+    task = task_of("tabletop", *STACKED)
+    with pytest.raises(QueryError, match=r"^prag has no entity .*; did you mean .*\?$"):
+        writer("prag").instructions(task)
+    other = replace(task, actions=(parse_atom("fly(panda,can_1)"), *task.actions[1:]))
+    with pytest.raises(QueryError, match=r"^fly\(panda,can_1\) is no action of tabletop; give tasks of that domain$"):
+        writer("tabletop").instructions(other)
+    assert writer("tabletop").captions(other)[1][0] == "1. fly panda can 1"

@@ -1,0 +1,157 @@
+"""Distinct tasks: one order in Python, on the command line and in datasets; by weight, each among those left."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from fractions import Fraction
+from itertools import islice, pairwise, permutations
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import pytest
+
+from prag_asp import QueryError, TaskSpace, load_domain
+from prag_asp.random_bits import SeededBits
+from prag_asp.space import distinct_sampling
+from prag_asp.space.sampling.remaining_words import RemainingWords
+from prag_asp.space.without_replacement import Division, ordered_parts, with_tasks
+from tests.chance import Chance
+from tests.commands import run
+from tests.domains import domain_of
+from tests.spaces import with_engine
+
+THREE = "fluent(f). initially(f,true). action(a). action(b). action(c)."
+WEIGHTS = {"a": 3, "b": "1/2", "c": 0, "d": 7}
+
+
+def random_text(random: Random) -> str:
+    """Return a domain of two to four actions over three fluents, in which most plans go on."""
+    lines = ["fluent(f(0..2)). initially(f(0), true). initially(f(1), false). initially(f(2), false)."]
+    for name in "abcd"[: random.randint(2, 4)]:
+        lines.append(f"action({name}).")
+        if random.random() < 0.5:
+            lines.append(f"precondition({name}, f({random.randrange(3)}), {random.choice(('true', 'false'))}).")
+        lines.append(f"postcondition({name}, f({random.randrange(3)}), {random.choice(('true', 'false'))}).")
+    return "\n".join(lines)
+
+
+@pytest.mark.parametrize("number", range(50))
+def test_python_the_command_line_and_datasets_sample_the_same_distinct_tasks(
+    number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(distinct_sampling, "MISSES", 20)
+    random = Random(number)
+    file = tmp_path / "toy.lp"
+    file.write_text(random_text(random), encoding="utf-8")
+    domain = load_domain(str(file))
+    names = {str(action) for action in domain.facts.actions}
+    weights: dict[str, Any] = {key: weight for key, weight in WEIGHTS.items() if key in names and random.random() < 0.7}
+    temperature, seed = random.choice(("1", "2", "inf")), random.randrange(1000)
+    space = TaskSpace(domain, random.choice(("2", "3", "1..3", "2..3")))
+    if not space.sampling(weights=weights, temperature=temperature).total_weight():
+        with pytest.raises(QueryError, match="to sample"):
+            space.stream(seed=seed, weights=weights, temperature=temperature, distinct=True)
+        return
+    tasks = list(space.stream(seed=seed, weights=weights, temperature=temperature, distinct=True))
+    weighed = space.weights(weights, temperature)
+    (part,) = ordered_parts(space, Division.parse(None), seed=seed, weights=weighed).values()
+    assert [task for _, task in with_tasks(space, part.draws())] == tasks
+    assert len({task.actions for task in tasks}) == len(tasks)
+    allowed = [task for task in space if weights.get("c", 1) or "c" not in task.skeleton]
+    assert {task.actions for task in tasks} == {task.actions for task in allowed}
+    for count in (1, len(tasks) // 2, len(tasks)):
+        assert tasks[:count] == space.sample(count, seed=seed, weights=weights, temperature=temperature, distinct=True)
+    options = [part for key, weight in weights.items() for part in ("--weight", f"{key}={weight}")]
+    lengths = "..".join(map(str, sorted({space.lengths[0], space.lengths[-1]})))
+    done = run(
+        "sample", str(file), "-n", lengths, "--count", str(len(tasks)), "--seed", str(seed), "--uniform", *options,
+        "--temperature", temperature, "--distinct", "--no-physics",
+    )  # fmt: skip
+    assert (done.returncode, done.stdout.splitlines()) == (0, list(map(str, tasks)))
+
+
+def test_parts_of_a_split_sample_distinct_tasks_as_prefixes() -> None:
+    part = TaskSpace(load_domain("prag"), 3).split({"train": "0.8", "test": "0.2"})["test"]
+    many = part.sample(50, seed=3, distinct=True)
+    assert len({task.actions for task in many}) == 50 and part.sample(7, seed=3, distinct=True) == many[:7]
+
+
+def test_weight_zero_stays_zero_at_every_temperature() -> None:
+    space = TaskSpace(domain_of(THREE), 1)
+    for temperature in ("1/2", 1, 3, "inf"):
+        tasks = space.stream(seed=0, weights={"a": 0}, temperature=temperature, distinct=True)
+        assert sorted(map(str, tasks)) == ["b", "c"]
+
+
+@pytest.mark.parametrize("engine", ["automaton", "clingo", "symbolic"])
+@pytest.mark.parametrize("length", ["1", "1..2"])
+def test_tasks_end_only_where_no_weight_is_left(engine: str, length: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(distinct_sampling, "MISSES", 100)
+    space = TaskSpace(domain_of(THREE), length, engine=engine)
+    tasks = list(space.stream(seed=0, weights={"a": 10**60, "b": "1/7"}, distinct=True))
+    assert sorted(map(str, tasks)) == sorted(map(str, space))
+
+
+def test_more_distinct_tasks_than_there_are_is_an_error() -> None:
+    space = TaskSpace(domain_of(THREE), 1)
+    with pytest.raises(QueryError, match="cannot sample 4 distinct tasks: there are 3"):
+        space.sample(4, seed=0, distinct=True)
+    with pytest.raises(QueryError, match="cannot sample 3 distinct tasks: only 2 weigh more than 0"):
+        space.sample(3, seed=0, weights={"a": 0}, distinct=True)
+
+
+@pytest.mark.parametrize("misses", [1, 10**9])
+@pytest.mark.parametrize("lengths", ["1", "0..1"])
+def test_orders_have_the_probabilities_of_successive_sampling(
+    misses: int, lengths: str, chance: Chance, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(distinct_sampling, "MISSES", misses)
+    space = TaskSpace(domain_of(THREE), lengths)
+    weights = {(): Fraction(1), ("a",): Fraction(5), ("b",): Fraction(1, 2), ("c",): Fraction(2)}
+    words = [word for word in weights if len(word) in space.lengths]
+    times = chance.examples(1500)
+    seen: Counter[tuple[Any, ...]] = Counter()
+    for seed in map(chance.seed, range(times)):
+        tasks = space.stream(seed=seed, weights={"a": 5, "b": "1/2", "c": 2}, distinct=True)
+        seen[tuple(tuple(map(str, task.actions)) for task in tasks)] += 1
+    statistic = 0.0
+    for order in permutations(words):
+        left, probability = sum(weights[word] for word in words), Fraction(1)
+        for word in order:
+            probability *= weights[word] / left
+            left -= weights[word]
+        statistic += float((seen[order] - times * probability) ** 2 / (times * probability))
+    freedom = math.factorial(len(words)) - 1
+    assert sum(seen.values()) == times and statistic < freedom + 6 * math.sqrt(2 * freedom)
+
+
+@pytest.mark.parametrize("engine", ["automaton", "clingo", "symbolic"])
+@pytest.mark.parametrize("by", ["plan", "task"])
+def test_what_is_left_weighs_exactly_what_was_not_taken(engine: str, by: Any) -> None:
+    space = with_engine(TaskSpace(load_domain("prag"), 2), engine)
+    engine_of, letters = space.engines.engine(by, 2), space.action_texts(by)
+    weighed = engine_of.weighed(2, space.weights({"grasp": 3, "approach>grasp": "1/2", "apple": 2}))
+    exact = {
+        draw.word: draw.probability * weighed.total(2)
+        for draw in islice(
+            space.sampling(weights={"grasp": 3, "approach>grasp": "1/2", "apple": 2}, by=by).draws(seed=1), 8000
+        )
+    }
+    left, taken = RemainingWords(weighed, 2), []
+    while left.weight:
+        before = left.weight
+        word, weight = left.take(SeededBits(3), len(taken))
+        taken.append(tuple(letters[letter] for letter in word))
+        assert before - left.weight == weight == exact.get(taken[-1], weight)
+    assert len(set(taken)) == len(taken) == space.count(by) and left.taken == len(taken)
+
+
+def test_a_held_out_part_without_weight_ends_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(distinct_sampling, "MISSES", 100)
+    space = TaskSpace(load_domain("prag"), 12)  # far more tasks than anyone lists
+    parts = ordered_parts(space, Division.parse(None, hold_out="rotate"), seed=0, weights=space.weights({"rotate": 0}))
+    assert not list(parts["test"].draws())
+    words = [draw.word for draw in islice(parts["train"].draws(), 300)]
+    assert len(set(words)) == 300 and all(one != two for one, two in pairwise(words))
