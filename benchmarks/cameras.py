@@ -39,8 +39,8 @@ def main() -> None:
     moments = [moment_of(shown, int(k)) for k in np.linspace(0, len(shown.times) - 1, PICTURES)]
     ways: dict[tuple[str, str], Callable[[], None]] = {}
     with ExitStack() as resources:
-        studio = resources.enter_context(open_studio(shown.sized(scene), shown.objects))
-        whole = resources.enter_context(open_simulator(shown.sized(scene), visual=True))
+        studio = resources.enter_context(open_studio(shown.sized_scene(scene), shown.objects))
+        whole = resources.enter_context(open_simulator(shown.sized_scene(scene), visual=True))
 
         def ours(camera: Camera) -> None:
             for moment in moments:

@@ -73,8 +73,8 @@ def draw(strip: Strip) -> Image.Image:
     drawn = space.stream(seed=strip.seed, weights=strip.weights)
     checked = ((task, validate_task(task, scene, seed=strip.seed).witness) for task in drawn)
     task, witness = next((task, witness) for task, witness in checked if witness is not None)
-    told = instruction_writer_of(domain).captions(task)
-    picture = film_strip(task, witness, scene, size=strip.frame, columns=strip.columns, told=told)
+    captions = instruction_writer_of(domain).captions(task)
+    picture = film_strip(task, witness, scene, size=strip.frame, columns=strip.columns, captions=captions)
     if not strip.start:
         subgoals = picture.crop((picture.width // (strip.length + 1), 0, picture.width, picture.height))
         bottom = ImageOps.invert(subgoals.convert("L")).getbbox()[3]

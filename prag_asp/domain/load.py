@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING
 
 import clingo
 
+from prag_asp.checking import check
 from prag_asp.domain.domain_source import find_domain
 from prag_asp.domain.rules import rule_sources
 from prag_asp.errors import DomainError, SceneError
-from prag_asp.lint import check, check_learned
+from prag_asp.lint import check_learned
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.constants import Constant, parse_constants, set_constants
 from prag_asp.program.facts import Facts, flattened
@@ -183,7 +184,7 @@ def with_learned(domain: Domain, sources: tuple[Source, ...]) -> Domain:
     return replace(
         domain,
         program=program,
-        facts=replace(domain.facts, impossible=impossible, steady=()),
+        facts=replace(domain.facts, impossible=impossible, static=()),
         reduction=None,
         learned=tuple(added.values()),
     )

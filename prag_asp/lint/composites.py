@@ -8,28 +8,28 @@ from typing import NamedTuple
 import clingo
 
 from prag_asp.lint.effects import Findings
-from prag_asp.lint.rule_origin import Origins, Place
+from prag_asp.lint.rule_origin import Origins, RulePlace
 from prag_asp.program.composition import composite_sizes, find_cycle, inner_composites
 from prag_asp.program.facts import Facts
 from prag_asp.program.problem import Problem
 
 MOST_ACTIONS = 100
-"""The actions of the longest composite: what is ahead of a reading is a term as deep as it has actions."""
+"""Actions of the longest composite: the encodings nest them in one term, as deep as there are actions."""
 
 Symbol = clingo.Symbol
 
 
 class Complaint(NamedTuple):
-    """What is wrong with one composite: a place, the words that follow its name, and what to do."""
+    """A problem of one composite: the place, the words that follow its name, and the remedy."""
 
     composite: Symbol
-    place: Place
+    place: RulePlace
     words: str
     advice: str
 
 
 def composite_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield what is wrong with the composites, the stages and the free actions; each stage needs the ones before."""
+    """Yield the problems of composites, stages and free actions; each check needs the ones before to pass."""
     undeclared = list(_undeclared(facts, origins))
     yield from undeclared
     yield from _needless(facts, origins)
@@ -56,8 +56,8 @@ def composite_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
 
 
 def grouped(complaints: Iterable[Complaint], name: str = "") -> Iterator[Problem]:
-    """Yield one problem for all composites of one name that one rule makes wrong; with a `name`, a warning of it."""
-    alike: dict[tuple[str, Place], list[Complaint]] = {}
+    """Yield one problem for all composites of one name and one place; with a `name`, a warning of that name."""
+    alike: dict[tuple[str, RulePlace], list[Complaint]] = {}
     for complaint in complaints:
         alike.setdefault((complaint.composite.name, complaint.place), []).append(complaint)
     for (_, place), found in alike.items():
@@ -83,18 +83,18 @@ def _undeclared(facts: Facts, origins: Origins) -> Iterator[Problem]:
 
 
 def _needless(facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield what is said to be free though it is so anyway."""
+    """Yield the ``free`` atoms that change nothing."""
     if facts.free and not facts.composites:
-        text = "without a composite, every action is free; declare a composite, or remove free(...)"
+        text = "without composites, every action is free; declare a composite, or remove free(...)"
         yield Problem(*origins.place("free", facts.free[0]), text, "no-effect")
-    words = "is a composite, which may occur anyway"
+    words = "is a composite, which is free anyway"
     both = (each for each in facts.composites if each in facts.free)
     complaints = (Complaint(each, origins.place("free", each), words, f"remove free({each})") for each in both)
     yield from grouped(complaints, "no-effect")
 
 
 def _misplaced(facts: Facts, origins: Origins) -> Iterator[Complaint]:
-    """Yield the composites without stages, with gaps in them, or with two parts at one."""
+    """Yield the composites without stages, with gaps between them, or with two parts at one."""
     actions = set(facts.actions)
     for composite in facts.composites:
         stages = facts.stages.get(composite, ())
@@ -113,7 +113,7 @@ def _misplaced(facts: Facts, origins: Origins) -> Iterator[Complaint]:
 def _out_of_order(
     composite: Symbol, stages: Sequence[tuple[Symbol, Symbol]], expected: int, origins: Origins
 ) -> Complaint:
-    """Return what is wrong with the first stage that does not have the number expected."""
+    """Return the complaint about the first stage without the expected number."""
     number, part = stages[expected - 1]
     place = origins.place("stage", composite, number, part)
     if expected > 1 and stages[expected - 2][0] == number:

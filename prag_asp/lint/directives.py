@@ -1,4 +1,4 @@
-"""Statements that a domain may not hold, and rules that stand in the wrong program part."""
+"""Statements that a domain may not have, and rules that stand in the wrong program part."""
 
 from __future__ import annotations
 
@@ -6,20 +6,21 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from clingo.ast import ASTType
 
+from prag_asp.program.predicates import HOLDS, OCCURS
 from prag_asp.program.problem import Problem
-from prag_asp.program.syntax import TIMED_PARTS, Statement, below, names, runs_no_code, spelled
+from prag_asp.program.syntax import TIMED_PARTS, Signature, Statement, below, names, runs_no_code, spelled
 from prag_asp.wording import nearest
 
 REFUSED: Mapping[ASTType, str] = {
-    ASTType.Script: "#script is refused: a domain is data and runs no code; remove it",
-    ASTType.External: "#external is refused: nothing would set it; state a fact, or use a fluent",
+    ASTType.Script: "#script is refused: a domain runs no code; remove it",
+    ASTType.External: "#external is refused: nothing would set its atoms; state a fact, or use a fluent",
     ASTType.Minimize: "optimization is refused: it would leave plans out of the count; write a constraint",
     ASTType.ProjectAtom: "#project is refused: it would change the count; remove it",
     ASTType.ProjectSignature: "#project is refused: it would change the count; remove it",
-    ASTType.Heuristic: "#heuristic is refused: engines do not follow it; remove it",
+    ASTType.Heuristic: "#heuristic is refused: the engines ignore it; remove it",
     ASTType.Edge: "#edge is refused: it would leave plans out of the count; write a constraint",
-    ASTType.TheoryDefinition: "#theory is refused: engines do not know the theory; write plain rules",
-    ASTType.TheoryAtom: "theory atoms are refused: engines do not know the theory; write plain rules",
+    ASTType.TheoryDefinition: "#theory is refused: the engines have no theory solver; write plain rules",
+    ASTType.TheoryAtom: "theory atoms are refused: the engines have no theory solver; write plain rules",
 }
 STATED = frozenset(
     [
@@ -28,14 +29,14 @@ STATED = frozenset(
         ("composite", 1), ("stage", 3), ("free", 1), ("at_most", 2), ("ever", 1),
     ]
 )  # fmt: skip
-"""The predicates that hold before any step, whatever happens."""
+"""The predicates of the base part, which hold at every step."""
 
 CHOICES = (ASTType.Aggregate, ASTType.Disjunction, ASTType.HeadAggregate)
-TIMED = frozenset([("occurs", 2), ("holds", 3)])
+TIMED: frozenset[Signature] = frozenset([OCCURS, HOLDS])
 
 
 def directive_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the statements that a domain may not hold and the program parts that nothing would ground."""
+    """Yield the statements that a domain may not have, and the program parts that are never grounded."""
     for statement in statements:
         if statement.own:
             yield from _refused(statement)
@@ -49,13 +50,13 @@ def directive_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
 
 
 def _reserved(statements: Sequence[Statement]) -> set[str]:
-    """Return the names that the encodings speak of."""
+    """Return the names in the arguments of the encodings' atoms."""
     encodings = [each for each in statements if not each.own]
     return names(argument for each in encodings for atom in (*each.heads, *each.body) for argument in atom.arguments)
 
 
 def placement_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the own rules that stand in a part where they do not mean what they say."""
+    """Yield the author's rules that stand in the wrong program part."""
     for statement in statements:
         if statement.own and statement.is_rule:
             yield from _timed_problems(statement) if statement.timed else _base_problems(statement)
@@ -78,7 +79,7 @@ def _part_problems(statement: Statement) -> Iterator[Problem]:
     written = f"#program {name}({','.join(statement.parameters)})" if count else f"#program {name}"
     known = {"base": "base", **{part: f"{part}(t)" for part in TIMED_PARTS}}
     near = known.get(name) or known.get(nearest(name, known) or "")
-    hint = f"did you mean {near}?" if near else "there are base, step(t) and check(t)"
+    hint = f"did you mean {near}?" if near else "the program parts are base, step(t) and check(t)"
     yield statement.problem(f"{written}. is never grounded; {hint}")
 
 
@@ -92,17 +93,16 @@ def _timed_problems(statement: Statement) -> Iterator[Problem]:
             )
         elif not atom.arguments or atom.arguments[-1] != time:
             yield statement.problem(
-                f"the head {atom} of a rule in #program {statement.part}({time}) does not carry its time; "
+                f"the head {atom} of a rule in #program {statement.part}({time}) has no time argument; "
                 f"make {time} its last argument"
             )
 
 
 def _base_problems(statement: Statement) -> Iterator[Problem]:
     for atom in (*statement.heads, *statement.body):
-        if atom.signature in TIMED and (atom.name == "occurs" or atom.arguments[-1] == "t"):
+        if atom.signature in TIMED and (atom.signature == OCCURS or atom.arguments[-1] == "t"):
             yield statement.problem(
-                f"{atom} speaks of a step, but stands in the base part; "
-                "begin the rules of a step with #program step(t)."
+                f"{atom} is about a step, but stands in the base part; put the rules of a step below #program step(t)."
             )
             return
     for atom in statement.heads:

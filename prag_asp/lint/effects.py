@@ -1,4 +1,4 @@
-"""What is stated about actions, the start, the invariants and the goal, checked against what is declared."""
+"""Statements about actions, the initial state, invariants and the goal, checked against the declarations."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 import clingo
 from clingo.ast import ASTType
 
-from prag_asp.lint.reaching.ever import EVER
-from prag_asp.lint.rule_origin import Origins, Place
+from prag_asp.lint.rule_origin import Origins, RulePlace
 from prag_asp.program.facts import Assignment, Facts, rows, unsorted_rows
+from prag_asp.program.predicates import EVER
 from prag_asp.program.problem import Problem
 from prag_asp.program.syntax import Statement
 from prag_asp.wording import did_you_mean
@@ -27,23 +27,23 @@ VALUES = {"postcondition": (*BOOLEAN, "unknown")}
 
 
 def effect_problems(control: clingo.Control, facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield what speaks of undeclared fluents or actions, has a wrong value, or has two values at once."""
+    """Yield atoms with undeclared fluents or actions, with wrong values, or with two values at once."""
     findings = Findings(origins, facts)
     for predicate in _doubtful(facts):
         rows = unsorted_rows(control, predicate, ARITIES[predicate])
         (findings.named if predicate in INVARIANTS else findings.assigned)(predicate, rows)
     if not findings.any:
-        findings.named(EVER[0], unsorted_rows(control, *EVER))
+        findings.named(EVER.name, unsorted_rows(control, *EVER))
     yield from findings.problems()
     yield from _doubled(facts, origins)
 
 
 def action_problems(facts: Facts, statements: Iterable[Statement], origins: Origins) -> Iterator[Problem]:
-    """Yield that there is no action: an error where no rule states one, a warning where none of the rules fires."""
+    """Yield the problem of a domain without actions: an error if no rule states one, a warning if none fires."""
     if facts.actions:
         return
     if any(ACTION in (atom.signature for atom in each.heads) or _defines(each, ACTION) for each in _own(statements)):
-        told = "no rule states an action, so no plan has a step; mend the bodies of action(...)"
+        told = "no rule states an action, so no plan has a step; change the bodies of its rules"
         yield Problem(*origins.place(ACTION[0]), told, "no-plan")
     else:
         yield Problem(*origins.place(ACTION[0]), "the domain has no action; state one with action(...)")
@@ -54,13 +54,13 @@ def _own(statements: Iterable[Statement]) -> Iterator[Statement]:
 
 
 def _defines(statement: Statement, signature: tuple[str, int]) -> bool:
-    """Tell whether a statement says that a predicate may have no rule."""
+    """Return whether a statement is ``#defined`` for a predicate."""
     node = statement.node
     return statement.kind == ASTType.Defined and (node.name, node.arity) == signature
 
 
 def _doubtful(facts: Facts) -> Iterator[str]:
-    """Yield the predicates that speak of something undeclared, or give a value that is none."""
+    """Yield the predicates with undeclared terms or wrong values."""
     fluents, actions = set(facts.fluents), set(facts.declared_actions)
     for predicate, table in (("precondition", facts.preconditions), ("postcondition", facts.postconditions)):
         if not actions.issuperset(table) or not all(_right(predicate, each, fluents) for each in table.values()):
@@ -80,15 +80,15 @@ def _right(predicate: str, values: Assignment, fluents: Collection[Symbol]) -> b
 
 @dataclass
 class _Culprit:
-    """Something undeclared, the first place that speaks of it, and how it is spelled there."""
+    """An undeclared term or a wrong value: the message, the remedy, and the places that have it."""
 
     text: str
     hint: str
-    places: dict[Place, None] = field(default_factory=dict)
+    places: dict[RulePlace, None] = field(default_factory=dict)
 
 
 class Findings:
-    """Collects what is undeclared, so that one mistake is reported once however many atoms follow from it."""
+    """Collects undeclared terms, so that one mistake is reported once even if many atoms follow from it."""
 
     def __init__(self, origins: Origins, facts: Facts) -> None:
         self._origins = origins
@@ -98,7 +98,7 @@ class Findings:
         self._culprits: dict[tuple[str, str], _Culprit] = {}
 
     def assigned(self, predicate: str, rows: Iterable[list[Symbol]]) -> None:
-        """Find the actions and fluents that are not declared, and the values that are none."""
+        """Find undeclared actions and fluents, and wrong values."""
         fluents, actions, allowed = self._fluents, self._actions, VALUES.get(predicate, BOOLEAN)
         wrong = (
             row
@@ -119,11 +119,11 @@ class Findings:
 
     @property
     def any(self) -> bool:
-        """Whether anything is found."""
+        """Whether any problem was found."""
         return bool(self._culprits)
 
     def named(self, predicate: str, rows: Iterable[list[Symbol]]) -> None:
-        """Find the fluents that are not declared of a predicate that has nothing but fluents."""
+        """Find the undeclared fluents of a predicate whose arguments are all fluents."""
         for row in sorted(row for row in rows if not self._fluents.issuperset(row)):
             for fluent in row:
                 if fluent not in self._fluents:
@@ -133,7 +133,7 @@ class Findings:
         """Report a term that is not among the `known` ones of its kind."""
         same = next((each for each in known if _name(each) == _name(term)), None)
         if same is not None:
-            hint = f"declared are such as {same}; mend its arguments, or declare {kind}({term})"
+            hint = f"declared terms look like {same}; fix its arguments, or declare {kind}({term})"
         else:
             hint = did_you_mean(_name(term), map(_name, known), f"declare it with {kind}({term})")
         self._add((kind, _name(term)), f"{predicate} speaks of the undeclared {kind} {term}", hint, predicate, row)
@@ -143,7 +143,7 @@ class Findings:
         culprit.places.setdefault(self._origins.place(predicate, *row))
 
     def problems(self) -> Iterator[Problem]:
-        """Yield one problem for each culprit, at the first place that speaks of it."""
+        """Yield one problem for each culprit, at the first place that has it."""
         for culprit in self._culprits.values():
             place, *others = culprit.places
             also = f" (also line {', '.join(str(each.line) for each in others)})" if others else ""
@@ -176,7 +176,7 @@ LIMIT = ("at_most", 2)
 def limit_problems(
     control: clingo.Control, facts: Facts, statements: Sequence[Statement], origins: Origins
 ) -> Iterator[Problem]:
-    """Yield the limits of unknown actions, those that are no number, and those that no rule reads."""
+    """Yield limits of unknown actions, limits that are not numbers, and limits that no rule reads."""
     limits = rows(control, *LIMIT)
     names = {action.name for action in facts.actions} if limits else set[str]()
     for name, most in limits:
@@ -191,5 +191,5 @@ def limit_problems(
     if limits and not any(atom.signature == LIMIT for each in statements for atom in each.body):
         yield Problem(
             *origins.place("at_most", *limits[0]),
-            'at_most has no effect, for no rule reads it; add #include "rules/at_most.lp".',
+            'at_most has no effect, because no rule reads it; add #include "rules/at_most.lp".',
         )

@@ -1,4 +1,4 @@
-"""Classes and entities that do not fit together."""
+"""Classes and entities that do not fit together, and terms that cannot be names."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from collections.abc import Iterator, Mapping, Sequence
 import clingo
 
 from prag_asp.lint.directives import CHOICES, STATED
-from prag_asp.lint.reaching.ever import EVER
-from prag_asp.lint.rule_origin import Origins, Place
+from prag_asp.lint.rule_origin import Origins, RulePlace
 from prag_asp.program.composition import find_cycle
 from prag_asp.program.entity_names import ambiguity, shared_names
 from prag_asp.program.facts import Facts, rows
+from prag_asp.program.predicates import EVER
 from prag_asp.program.problem import Problem
 from prag_asp.program.sources import EVER_AT_START, EVER_BY_ACTIONS
 from prag_asp.program.syntax import Statement
@@ -22,7 +22,7 @@ Symbol = clingo.Symbol
 
 
 def hierarchy_problems(control: clingo.Control, origins: Origins) -> Iterator[Problem]:
-    """Yield what is wrong with the classes and entities of a grounded base part."""
+    """Yield the problems of the classes and entities of a grounded base part."""
     tops = {name for (name,) in rows(control, "class", 1)}
     pairs = [(child, parent) for child, parent in rows(control, "class", 2)]
     declared = tops | {child for child, _ in pairs}
@@ -46,7 +46,7 @@ def _entity_problems(
     entities: Sequence[tuple[Symbol, Symbol]], declared: set[Symbol], origins: Origins
 ) -> Iterator[Problem]:
     first: dict[Symbol, Symbol] = {}
-    homeless: dict[tuple[Place, Symbol], list[Symbol]] = {}
+    homeless: dict[tuple[RulePlace, Symbol], list[Symbol]] = {}
     for entity, name in entities:
         if name not in declared:
             homeless.setdefault((origins.place("entity", entity, name), name), []).append(entity)
@@ -70,7 +70,7 @@ def _empty_classes(
     entities: Sequence[tuple[Symbol, Symbol]],
     origins: Origins,
 ) -> Iterator[Problem]:
-    """Yield the classes that nothing belongs to and that have no class below: no rule can ever use them."""
+    """Yield the classes without entities and without classes below: no rule can ever use them."""
     inhabited = {name for _, name in entities}
     above = {parent for each in parents.values() for parent in each}
     for name in sorted(declared - above - inhabited):
@@ -87,13 +87,13 @@ ENTITY = re.compile(r"[^\"#]*")
 
 
 def term_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield the entities, fluents, actions and composites that have no name of their own."""
+    """Yield the entities, fluents, actions and composites that are not written as names with arguments."""
     for predicate, terms in (("fluent", facts.fluents), ("action", facts.actions), ("composite", facts.composites)):
         nameless = [term for term in terms if not NAMED.fullmatch(str(term))]
         for term in nameless[:1]:
             yield Problem(
                 *origins.place(predicate, term),
-                f"{predicate}({term}) has no name of its own; write a name with arguments, without strings",
+                f"{predicate}({term}) is not a name with arguments; write one such as on(a,b), without strings",
             )
     for entity, name in facts.entities.items():
         if not ENTITY.fullmatch(str(entity)):
@@ -104,7 +104,7 @@ def term_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
 
 
 def shared_name_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield the names that a class, an entity and an action have in common, where the last of them is declared."""
+    """Yield the names that classes, entities and actions share, at the last declaration."""
     entities = {str(entity): (entity, name) for entity, name in facts.entities.items()}
     for text in shared_names(facts):
         places = [origins.place("entity", *entities[text])] if text in entities else []
@@ -116,9 +116,9 @@ def shared_name_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
 
 
 def choice_problems(control: clingo.Control, statements: Sequence[Statement], origins: Origins) -> Iterator[Problem]:
-    """Yield the first declaration of each predicate that some answer sets of the base part lack.
+    """Yield the first uncertain atom of each predicate: one that some answer sets of the base part lack.
 
-    Where nothing is chosen, but what may ever be true depends on its opposite by way of the actions, that is all.
+    Where `ever` depends on its own negation through the actions, and nothing is chosen, only that is reported.
     """
     ever = [each.symbol for each in control.symbolic_atoms.by_signature(*EVER) if not each.is_fact]
     if ever and not any(each.node.head.ast_type in CHOICES for each in statements if each.own and each.is_rule):
@@ -132,5 +132,5 @@ def choice_problems(control: clingo.Control, statements: Sequence[Statement], or
             atom = min(uncertain)
             yield Problem(
                 *origins.place(name, *atom.arguments),
-                f"{atom} depends on a choice, but is the same in all plans; let it follow from facts",
+                f"{atom} depends on a choice, but must be the same in all plans; derive it from facts",
             )

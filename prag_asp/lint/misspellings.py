@@ -1,4 +1,4 @@
-"""Predicates that are misspelt, for clingo says nothing about them."""
+"""Misspelt predicates, about which clingo says nothing, and names that are reserved."""
 
 from __future__ import annotations
 
@@ -6,42 +6,20 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from clingo.ast import ASTType
 
-from prag_asp.lint.reaching.relaxed import PREFIX
+from prag_asp.program.predicates import RESERVED
 from prag_asp.program.problem import Problem
-from prag_asp.program.sources import HIERARCHY
 from prag_asp.program.syntax import AtomNode, Signature, Statement, spelled
 from prag_asp.wording import did_you_mean, is_misspelt, nearest
-
-LINTER = "the linter, which asks what may ever occur"
-
-BY_LIBRARY = {
-    **dict.fromkeys([("asked", 1), ("condition", 2), ("tested", 2), ("mentioned", 2)], "conditions and tasks"),
-    **dict.fromkeys([("introduces_late", 2), ("successor", 2)], "conditions and tasks"),
-    **dict.fromkeys([("joint_unit", 2), ("next_unit", 2), ("unit_named", 2), ("names_unit_late", 2)], "tasks"),
-    ("left_out", 1): "the library, which leaves out what can never occur",
-    **dict.fromkeys([("may_occur", 1), ("may_hold", 2), ("may_stand", 2)], LINTER),
-}
-"""What the library and its encodings for ``rules`` and ``conditions`` derive where they are asked for."""
-
-OWNERS = {
-    HIERARCHY: "the hierarchy of actions",
-    "invariants.lp": "the invariants",
-    "impossible.lp": "what is impossible",
-}
-"""Whose the predicates are that an encoding defines."""
-
-SHARED = frozenset([("is_a", 2), ("holds", 3), ("known", 3), ("changed", 2)])
-"""What the encodings define and a domain may add to."""
 
 SHOWN = (ASTType.ShowSignature, ASTType.Defined)
 
 
 def vocabulary_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the heads that nothing reads, and the atoms that nothing defines."""
+    """Yield the heads that no rule reads, the atoms that no rule defines, and reserved names."""
     contract = contract_signatures(statements)
     unread = _unread_heads(statements, contract)
     undefined = _undefined_atoms(statements, contract)
-    known = {name for name, _ in contract} | {name for name, _ in undefined}
+    known = {name for name, _ in (*contract, *undefined) if not is_reserved(name)}
     for signature, (statement, atom) in unread.items():
         near = nearest(signature[0], known)
         for missing in [each for each in undefined if each[0] == near]:
@@ -52,11 +30,11 @@ def vocabulary_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
         text = f"{what} {spelled(signature)}; {hint}"
         yield statement.problem(text, atom.line, "" if slip else "unused")
     yield from _undefined_problems(statements, contract, undefined)
-    yield from _taken_problems(statements)
+    yield from _reserved_problems(statements)
 
 
 def contract_signatures(statements: Iterable[Statement]) -> set[Signature]:
-    """Return the predicates that a domain may state: those of the contract, and what the encodings define."""
+    """Return the predicates that the encodings declare or define."""
     signatures: set[Signature] = set()
     for statement in statements:
         if not statement.own:
@@ -66,26 +44,24 @@ def contract_signatures(statements: Iterable[Statement]) -> set[Signature]:
     return signatures
 
 
-def _taken_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the own heads of predicates that only the library may derive."""
-    shipped = [each for each in statements if not each.own]
-    free = {(each.node.name, each.node.arity) for each in shipped if each.kind == ASTType.Defined} | SHARED
-    taken = dict(BY_LIBRARY)
-    for each in shipped:
-        owner = OWNERS.get(each.path.name, f"the encodings ({each.path.name})")
-        taken |= {atom.signature: owner for atom in each.heads if atom.signature not in free}
+def _reserved_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
+    """Yield the author's heads whose names only the library may use."""
     for statement in statements:
         for atom in statement.heads if statement.own else ():
-            whose = LINTER if atom.name.startswith(PREFIX) else taken.get(atom.signature)
-            if whose:
-                text = f"{spelled(atom.signature)} belongs to {whose}; choose another name"
-                yield statement.problem(text, atom.line)
+            if is_reserved(atom.name):
+                text = f"names that begin with {RESERVED} are reserved for the library"
+                yield statement.problem(f"{text}; rename {spelled(atom.signature)}", atom.line)
+
+
+def is_reserved(name: str) -> bool:
+    """Return whether a predicate, strongly negated or not, has a name that only the library may use."""
+    return name.removeprefix("-").startswith(RESERVED)
 
 
 def _unread_heads(
     statements: Iterable[Statement], contract: set[Signature]
 ) -> dict[Signature, tuple[Statement, AtomNode]]:
-    """Return the own heads outside of the contract that no body reads, where they first stand."""
+    """Return the author's heads outside of the contract that no body reads, each at its first place."""
     found: dict[Signature, tuple[Statement, AtomNode]] = {}
     for statement in statements:
         if statement.own:
@@ -103,7 +79,7 @@ def _unread_heads(
 
 
 def _takes(name: str, defined: Iterable[Signature]) -> str:
-    """Return how many arguments a predicate takes, as text; nothing where there is none of that name."""
+    """Return the numbers of arguments of the predicates of a name, as text; empty if there is none."""
     return " or ".join(str(arity) for other, arity in sorted(defined) if other == name)
 
 
@@ -115,7 +91,7 @@ def _hint(name: str, defined: Iterable[Signature], known: Iterable[str], otherwi
 def _undefined_atoms(
     statements: Iterable[Statement], contract: set[Signature]
 ) -> dict[Signature, tuple[Statement, AtomNode]]:
-    """Return the atoms of own bodies that are in no head and not in the contract, where they first stand."""
+    """Return the atoms of the author's bodies that are in no head and not in the contract, each at its first place."""
     defined = set(contract)
     for statement in statements:
         defined |= {atom.signature for atom in statement.heads}
@@ -137,7 +113,7 @@ def _undefined_problems(
 ) -> Iterator[Problem]:
     defined = contract | {atom.signature for statement in statements for atom in statement.heads}
     for signature, (statement, atom) in undefined.items():
-        name, known = signature[0], {other for other, _ in defined}
+        name, known = signature[0], {other for other, _ in defined if not is_reserved(other)}
         slip = _takes(name, defined) or is_misspelt(name, known)
         hint = _hint(name, defined, known, "define it in a fact or a rule, or remove it")
         yield statement.problem(f"no rule defines {spelled(signature)}; {hint}", atom.line, "" if slip else "undefined")

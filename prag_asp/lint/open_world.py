@@ -12,16 +12,17 @@ from clingo.ast import ASTType
 
 from prag_asp.program.facts import Facts
 from prag_asp.program.grounding import Grounder
+from prag_asp.program.predicates import HOLDS, KNOWN, OCCURS, PRUNED
 from prag_asp.program.problem import Problem
 from prag_asp.program.syntax import AtomNode, Signature, Statement, atoms, names, variables
 
-READS = frozenset([("holds", 3), ("known", 3)])
+READS: frozenset[Signature] = frozenset([HOLDS, KNOWN])
 READ, UNSURE, POOLED = "_read", "_unsure", "_Pooled"
 ANONYMOUS = re.compile(r"(?<![\w'])_(?![\w'])")
 
 
 def open_world_problems(grounder: Grounder, facts: Facts, statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the own rules of a step that read a fluent which may be unknown when they do."""
+    """Yield the author's rules of a step that read a fluent whose value may be unknown."""
     readings = [
         (each, atom)
         for each in statements
@@ -34,8 +35,7 @@ def open_world_problems(grounder: Grounder, facts: Facts, statements: Sequence[S
     unsure = _unsure(grounder.control, facts)
     if not unsure:
         return
-    grounder.control.add("left_out", [], " ".join(f"left_out({term})." for term in facts.left_out))
-    grounder.ground([("left_out", [])])
+    grounder.state(PRUNED(term) for term in facts.pruned)
     timed = {atom.signature for each in statements if each.timed for atom in each.heads}
     seen: set[tuple[Path, int]] = set()
     for number, (statement, atom) in enumerate(readings):
@@ -48,8 +48,8 @@ def open_world_problems(grounder: Grounder, facts: Facts, statements: Sequence[S
 
 
 def _unsure(control: clingo.Control, facts: Facts) -> dict[clingo.Symbol, str]:
-    """Return the fluents that may be unknown, each with why and what to do."""
-    known = {atom.symbol.arguments[0] for atom in control.symbolic_atoms.by_signature("holds", 3)}
+    """Return the fluents that may be unknown, each with the reason and the remedy."""
+    known = {atom.symbol.arguments[0] for atom in control.symbolic_atoms.by_signature(*HOLDS)}
     unsure = {
         fluent: f"which is unknown at the start; state initially({fluent}, ...), or include rules/closed_world.lp"
         for fluent in facts.fluents
@@ -65,7 +65,7 @@ def _unsure(control: clingo.Control, facts: Facts) -> dict[clingo.Symbol, str]:
 def _read_fluent(
     control: clingo.Control, part: str, atom: AtomNode, conditions: Sequence[str], unsure: Iterable[clingo.Symbol]
 ) -> clingo.Symbol | None:
-    """Return the first fluent of `unsure` that a rule reads at an atom, None where it reads none of them."""
+    """Return the first fluent of `unsure` that a rule may read by an atom, or None."""
     numbers = itertools.count()
     fluent = ANONYMOUS.sub(lambda _: f"_V{next(numbers)}", atom.arguments[0])
     facts = " ".join(f"{UNSURE}({each})." for each in unsure)
@@ -84,7 +84,7 @@ def _read_fluent(
 
 
 def _conditions(statement: Statement, timed: set[Signature]) -> Iterator[str]:
-    """Yield the conditions of a rule that do not depend on the step: they restrict what it reads."""
+    """Yield the conditions of a rule that do not depend on the step, and so restrict the fluents that it reads."""
     bound: set[str] = set()
     comparisons: list[str] = []
     for node, text in statement.literals:
@@ -104,9 +104,9 @@ def _conditions(statement: Statement, timed: set[Signature]) -> Iterator[str]:
 
 
 def _timeless(atom: AtomNode, statement: Statement, timed: set[Signature]) -> str | None:
-    """Return an atom as a condition on the base part: what occurs is an action."""
-    if atom.signature == ("occurs", 2):
-        return f"action({atom.arguments[0]}); not left_out({atom.arguments[0]})"
+    """Return an atom as a condition on the base part, or None; an occurrence becomes an action that is not pruned."""
+    if atom.signature == OCCURS:
+        return f"action({atom.arguments[0]}); not {PRUNED.name}({atom.arguments[0]})"
     if atom.signature in timed or atom.signature in READS or names(atom.arguments) & set(statement.parameters):
         return None
     return str(atom)

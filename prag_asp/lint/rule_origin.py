@@ -1,4 +1,4 @@
-"""Find the rule that states a ground atom, for clingo's ground program does not tell."""
+"""The rules that state ground atoms, which clingo's ground program does not record."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ TRACE = "_stated"
 VIOLATED = "_violated"
 
 
-class Place(NamedTuple):
+class RulePlace(NamedTuple):
     """A file and a line in it."""
 
     path: Path
@@ -24,7 +24,7 @@ class Place(NamedTuple):
 
 
 class Origins:
-    """Where the base part states its atoms; it is grounded once more when the first one is asked for."""
+    """The places where the base part states its atoms; it is grounded once more on first use."""
 
     def __init__(self, statements: Sequence[Statement]) -> None:
         self._statements = statements
@@ -33,14 +33,14 @@ class Origins:
     def _traces(self) -> dict[tuple[str, tuple[clingo.Symbol, ...]], list[Statement]]:
         return _trace([each for each in self._statements if each.part == "base" and each.kind != ASTType.Program])
 
-    def place(self, predicate: str, *arguments: clingo.Symbol) -> Place:
+    def place(self, predicate: str, *arguments: clingo.Symbol) -> RulePlace:
         """Return the first rule that states the atom, or else the first that states the predicate."""
         traced = self._traces.get((predicate, arguments))
         if traced:
-            return Place(traced[0].path, traced[0].line)
+            return RulePlace(traced[0].path, traced[0].line)
         own = [each for each in self._statements if each.own] or list(self._statements)
         stating = [each for each in own if any(atom.name == predicate for atom in each.heads)]
-        return Place(stating[0].path, stating[0].line) if stating else Place(own[0].path, 1)
+        return RulePlace(stating[0].path, stating[0].line) if stating else RulePlace(own[0].path, 1)
 
     def violated(self) -> list[Statement]:
         """Return the own constraints of the base part that what it states violates."""

@@ -1,6 +1,6 @@
-"""What is more than any machine holds, told before it is made: large facts, and rules of a step that never end.
+"""Facts too large for any machine, and rules of a step that ground without end.
 
-Rules of the base part that make ever larger terms are found while it is ground.
+Rules of the base part that derive larger and larger terms are found while it is grounded.
 """
 
 from __future__ import annotations
@@ -18,21 +18,21 @@ from prag_asp.program.problem import Problem
 from prag_asp.program.syntax import Statement
 
 MOST = 10**8
-"""Atoms that one fact may stand for; each takes a hundred bytes or more."""
+"""Atoms that one fact may stand for: each takes at least 100 bytes, so these take 10 GB."""
 
 INTERVAL = re.compile(r"\((-?\d+|_*[a-z]\w*)\.\.(-?\d+|_*[a-z]\w*)\)")
 """An interval between two numbers or constants, as clingo writes it."""
 
 
 def size_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the own facts whose intervals stand for too many atoms; what a rule makes depends on its body."""
+    """Yield the author's facts whose intervals stand for too many atoms."""
     constants = {each.node.name: str(each.node.value) for each in statements if each.kind == ASTType.Definition}
     for statement in statements:
         if statement.own and statement.is_rule and not statement.node.body:
             atoms = prod(_sizes(STRING.sub("", str(statement.node.head)), constants))
             if atoms > MOST:
                 yield statement.problem(
-                    f"this fact stands for {atoms:,} atoms, and no more than {MOST:,} can be made; choose smaller ones"
+                    f"this fact stands for {atoms:,} atoms, more than the limit of {MOST:,}; make its intervals smaller"
                 )
 
 
@@ -44,9 +44,9 @@ def _sizes(head: str, constants: Mapping[str, str]) -> Iterator[int]:
 
 
 def recursion_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the own rules of a step that certainly make ever larger terms of the same step, once they are used.
+    """Yield the author's rules of a step that certainly derive larger and larger terms of the same step.
 
-    Where nothing else derives what they start from, they are never used.
+    A rule that never fires, because nothing else derives its head, is left alone.
     """
     endless = [each for each in endless_rules(statements) if each.certain and each.rule.timed]
     rules = {each.rule for each in endless}

@@ -1,75 +1,73 @@
-"""The stages of the linter, in the order in which one makes sense of the next."""
+"""The stages of the linter; each relies on the ones before."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import clingo
 from clingo.ast import ASTType
 
 from prag_asp.errors import DomainError
+from prag_asp.lint.allowed_warnings import Allowed, allowance_problems, allowed_names, not_allowed
 from prag_asp.lint.composites import composite_problems
 from prag_asp.lint.directives import directive_problems, placement_problems
 from prag_asp.lint.effects import action_problems, effect_problems, limit_problems
-from prag_asp.lint.execution import execution_problems, find_execution
+from prag_asp.lint.ever import ever_problems, needless_problems
 from prag_asp.lint.hierarchy import choice_problems, hierarchy_problems, shared_name_problems, term_problems
 from prag_asp.lint.misspellings import vocabulary_problems
-from prag_asp.lint.occurrence import find_occurrence, goal_problems, occurrence_problems, state_problems
-from prag_asp.lint.open_world import open_world_problems
-from prag_asp.lint.reaching.ever import EVER, ever_problems, needless_problems
-from prag_asp.lint.reaching.reachability import (
-    LEFT_OUT,
-    find_reached,
-    find_unreached,
-    relaxed_sources,
-    steady_values,
-    unreached_problems,
+from prag_asp.lint.occurrence import (
+    action_rejections,
+    composite_rejections,
+    goal_problems,
+    state_problems,
+    unreachable_problems,
 )
+from prag_asp.lint.open_world import open_world_problems
 from prag_asp.lint.rule_origin import Origins
 from prag_asp.lint.settings_checks import name_problems, table_problems
 from prag_asp.lint.size_checks import recursion_problems, size_problems
 from prag_asp.lint.unsatisfiable_atoms import demand_problems
 from prag_asp.processes.progress_events import stage
-from prag_asp.program.entity_names import MENTIONS, NAME, mention_facts, name_fact
-from prag_asp.program.facts import Facts, read_facts, rows, without
+from prag_asp.program.entity_names import mention_facts, name_fact
+from prag_asp.program.facts import Facts, read_facts, rows
 from prag_asp.program.grounding import Grounder
-from prag_asp.program.lint_comments import Allowed, allowance_problems, allowed_names, not_allowed
 from prag_asp.program.parse import parse_sources
+from prag_asp.program.predicates import EVER, IMPOSSIBLE, MENTIONS, NAME
 from prag_asp.program.problem import Problem, raise_problems
 from prag_asp.program.settings import Settings, settings_of
 from prag_asp.program.sources import ADDED, HIERARCHY, Program, Source, added_encodings, encodings_folder, owned
 from prag_asp.program.syntax import Statement
+from prag_asp.pruning import Pruning
+from prag_asp.pruning.reachability import relaxed_sources
 from prag_asp.tables.toml_text import parse_toml
 
 STEP_PART = re.compile(r"(#program\s+)(step|check)\b")
 
-LEARNED_INVARIANT = ("impossible", 2)
-"""What a file of learned invariants may state."""
-
 
 @dataclass(frozen=True)
 class Checked:
-    """A domain that means something: what it states of what can occur, its settings, and what is strange about it."""
+    """A domain without errors: the facts of what can occur, its settings and its warnings."""
 
     facts: Facts
     settings: Settings
     warnings: tuple[Problem, ...]
 
 
-class _Judge:
+class _WarningCollector:
     """Raises errors as they are found, and keeps the warnings that no comment allows."""
 
     def __init__(self, allowed: Allowed) -> None:
         self._allowed = allowed
         self.warnings: dict[Problem, None] = {}
 
-    def take(self, problems: Iterable[Problem]) -> None:
-        """Take what a stage has found.
+    def add(self, problems: Iterable[Problem]) -> None:
+        """Add the problems of a stage.
 
         Raises:
-            DomainError: some of it are errors.
+            DomainError: some of them are errors.
         """
         stage("checking the domain")
         found = list(problems)
@@ -77,52 +75,89 @@ class _Judge:
         self.warnings |= dict.fromkeys(not_allowed(found, self._allowed))
 
 
-def check(program: Program, given: Source, like: Mapping[clingo.Symbol, clingo.Symbol] | None = None) -> Checked:
-    """Return what a domain states, its settings, those `given` as a file, and its warnings.
+@dataclass(frozen=True)
+class StatedDomain:
+    """A domain whose statements and base part have no errors, before anything of it is pruned.
 
-    `like` are entities that are not ground, each with a ground one that is like it: settings may name them.
+    `step` is the program of a step without user rules; `grounder` holds the ground base part, and the relaxed steps of
+    the folder of `encodings`, which is None where it has none. `settings_source` is the file of the `settings`.
+    """
+
+    statements: Sequence[Statement]
+    added: frozenset[Path]
+    step: Program
+    grounder: Grounder
+    encodings: Path | None
+    facts: Facts
+    settings: Settings
+    settings_source: Source
+    origins: Origins
+    warnings: _WarningCollector
+
+    @property
+    def user_statements(self) -> list[Statement]:
+        """The statements, with those that a user has added to a copy of the encodings as user rules."""
+        return [replace(each, own=True) if each.path in self.added else each for each in self.statements]
+
+
+def check_stated(program: Program, settings_source: Source) -> StatedDomain:
+    """Return a domain whose statements and base part have been checked.
 
     Raises:
         DomainError: something is wrong; the message has one line for each problem.
     """
     sources = owned(program)
     statements, problems = parse_sources(sources)
-    table = parse_toml(given.path, given.text)
-    settings = settings_of(table, given)
+    table = parse_toml(settings_source.path, settings_source.text)
+    settings = settings_of(table, settings_source)
     allowed = allowed_names((source for source, own in sources if own), settings)
-    judge = _Judge(allowed)
-    judge.take([*problems, *table_problems(table, settings), *allowance_problems(allowed)])
-    judge.take([*directive_problems(statements), *size_problems(statements)])
-    judge.take([*vocabulary_problems(statements), *placement_problems(statements), *recursion_problems(statements)])
-    plain = _described(_one_free_step(program, sources), statements)
+    warnings = _WarningCollector(allowed)
+    warnings.add([*problems, *table_problems(table, settings), *allowance_problems(allowed)])
+    warnings.add([*directive_problems(statements), *size_problems(statements)])
+    warnings.add([*vocabulary_problems(statements), *placement_problems(statements), *recursion_problems(statements)])
+    step = _described(_one_free_step(program, sources), statements)
     encodings = encodings_folder(program)
     relaxed = relaxed_sources(encodings) if encodings else ()
-    grounder = Grounder(Program((*plain.sources, *relaxed)))
+    grounder = Grounder(Program((*step.sources, *relaxed)))
     grounder.ground([("base", [])])
-    judge.take(demand_problems(grounder.control, statements))
+    warnings.add(demand_problems(grounder.control, statements))
     origins = Origins([each for each in statements if each.own or each.path.name != HIERARCHY])
     facts = _facts(grounder, statements, origins)
-    _check_facts(judge, grounder, facts, statements, origins)
-    added = added_encodings(program)
-    told = [replace(each, own=True) if each.path in added else each for each in statements]
-    left = _check_steps(judge, plain, grounder, facts, told, origins)
-    judge.take(open_world_problems(grounder, left, statements))
-    judge.take([*shared_name_problems(facts, origins), *name_problems(settings, with_entities(facts, like or {}))])
-    if encodings and relaxed and _can_leave_out(statements):
-        reached = find_reached(grounder, left, told, encodings)
-        judge.take(ever_problems(grounder, left, statements, reached))
-        judge.take(needless_problems(grounder, left, statements))
-        if reached is not None:
-            unreached = find_unreached(reached, left)
-            left = replace(left, unreached=unreached.actions, steady=steady_values(reached, left))
-            if not any(each.name == "no-plan" for each in judge.warnings):
-                judge.take(unreached_problems(unreached, origins))
-    ordered = sorted(judge.warnings, key=lambda each: (each.path != given.path, str(each.path), each.line))
-    return Checked(left, settings, tuple(ordered))
+    _check_facts(warnings, grounder, facts, statements, origins)
+    return StatedDomain(
+        statements, added_encodings(program), step, grounder, encodings if relaxed else None, facts, settings,
+        settings_source, origins, warnings,
+    )  # fmt: skip
+
+
+def check_pruned(
+    stated: StatedDomain, pruning: Pruning, like: Mapping[clingo.Symbol, clingo.Symbol] | None = None
+) -> Checked:
+    """Return a domain after all checks, its facts those that `pruning` leaves.
+
+    `like` maps entities that are not ground to ground ones that are like them: settings may name both.
+
+    Raises:
+        DomainError: something is wrong; the message has one line for each problem.
+    """
+    facts, origins, warnings, settings = stated.facts, stated.origins, stated.warnings, stated.settings
+    warnings.add(action_rejections(pruning.actions, facts, origins))
+    warnings.add(goal_problems(pruning.actions, facts, origins))
+    if pruning.composites:
+        warnings.add(composite_rejections(pruning.composites, facts, origins))
+    warnings.add(open_world_problems(stated.grounder, pruning.facts, stated.statements))
+    warnings.add([*shared_name_problems(facts, origins), *name_problems(settings, with_entities(facts, like or {}))])
+    warnings.add(ever_problems(stated.grounder, pruning.facts, stated.statements, pruning.reach))
+    warnings.add(needless_problems(stated.grounder, pruning.facts, stated.statements))
+    if not any(each.name == "no-plan" for each in warnings.warnings):
+        warnings.add(unreachable_problems(pruning.unreachable, origins))
+    settings_path = stated.settings_source.path
+    ordered = sorted(warnings.warnings, key=lambda each: (each.path != settings_path, str(each.path), each.line))
+    return Checked(pruning.facts, settings, tuple(ordered))
 
 
 def with_entities(facts: Facts, like: Mapping[clingo.Symbol, clingo.Symbol]) -> Facts:
-    """Return facts with entities that are like some of them."""
+    """Return facts with more entities, each mapped to a declared one that it is like."""
     if not like:
         return facts
     above: dict[clingo.Symbol, list[clingo.Symbol]] = {}
@@ -134,7 +169,7 @@ def with_entities(facts: Facts, like: Mapping[clingo.Symbol, clingo.Symbol]) -> 
 
 
 def check_learned(program: Program, learned: Sequence[Source]) -> Facts:
-    """Return what a domain that has passed every check states together with `learned`, which `program` includes.
+    """Return the facts of a domain that has passed every check together with `learned`, which `program` includes.
 
     Raises:
         DomainError: the learned sources state something other than invariants of declared fluents.
@@ -144,7 +179,7 @@ def check_learned(program: Program, learned: Sequence[Source]) -> Facts:
     raise_problems(problems)
     paths = {source.path for source in learned}
     raise_problems(
-        each.problem("only impossible(F,G) may be stated here; write other rules into domain.lp")
+        each.problem("only impossible(F,G) may be stated in this file; move other rules to domain.lp")
         for each in statements
         if each.path in paths and not _states_invariant(each)
     )
@@ -159,12 +194,12 @@ def check_learned(program: Program, learned: Sequence[Source]) -> Facts:
 
 
 def _states_invariant(statement: Statement) -> bool:
-    """Tell whether a statement is a rule for an invariant; in a part that may not be begun, what follows passes."""
+    """Return whether a statement states an invariant, or belongs to a program part that is refused as a whole."""
     if statement.kind == ASTType.Program:
         return statement.part == "base"
     heads = [atom.signature for atom in statement.heads]
     plain = statement.is_rule and statement.node.head.ast_type == ASTType.Literal
-    return statement.part != "base" or (plain and heads == [LEARNED_INVARIANT])
+    return statement.part != "base" or (plain and heads == [IMPOSSIBLE])
 
 
 def _facts(grounder: Grounder, statements: Sequence[Statement], origins: Origins) -> Facts:
@@ -177,41 +212,21 @@ def _facts(grounder: Grounder, statements: Sequence[Statement], origins: Origins
 
 
 def _check_facts(
-    judge: _Judge, grounder: Grounder, facts: Facts, statements: Sequence[Statement], origins: Origins
+    warnings: _WarningCollector, grounder: Grounder, facts: Facts, statements: Sequence[Statement], origins: Origins
 ) -> None:
-    """Check what the base part states."""
-    judge.take(term_problems(facts, origins))
-    judge.take(hierarchy_problems(grounder.control, origins))
-    judge.take([*action_problems(facts, statements, origins), *effect_problems(grounder.control, facts, origins)])
-    judge.take(composite_problems(facts, origins))
-    judge.take(limit_problems(grounder.control, facts, statements, origins))
-    judge.take(state_problems(facts, origins))
+    """Check the facts of the base part."""
+    warnings.add(term_problems(facts, origins))
+    warnings.add(hierarchy_problems(grounder.control, origins))
+    warnings.add([*action_problems(facts, statements, origins), *effect_problems(grounder.control, facts, origins)])
+    warnings.add(composite_problems(facts, origins))
+    warnings.add(limit_problems(grounder.control, facts, statements, origins))
+    warnings.add(state_problems(facts, origins))
     if grounder.control.is_conflicting:
-        judge.take(_violations(origins))
-
-
-def _check_steps(
-    judge: _Judge, plain: Program, grounder: Grounder, facts: Facts, statements: Sequence[Statement], origins: Origins
-) -> Facts:
-    """Check what can occur, and return what the domain states of that."""
-    occurrence = find_occurrence(plain, grounder.control, facts, statements)
-    judge.take(occurrence_problems(occurrence, facts, origins))
-    left_out = set(occurrence.rejected)
-    judge.take(goal_problems(occurrence, facts, origins))
-    if facts.composites:
-        execution = find_execution(plain, facts, occurrence, statements)
-        judge.take(execution_problems(execution, facts, origins))
-        left_out |= execution.never
-    return without(facts, left_out) if _can_leave_out(statements) else facts
-
-
-def _can_leave_out(statements: Sequence[Statement]) -> bool:
-    """Return whether the encodings in use read what is left out: copies of older ones do not."""
-    return any(atom.signature == LEFT_OUT for each in statements if not each.own for atom in each.body)
+        warnings.add(_violations(origins))
 
 
 def _one_free_step(program: Program, owned: Sequence[tuple[Source, bool]]) -> Program:
-    """Return the program without the hierarchy, and with the step rules of the domain in parts of their own.
+    """Return the program without the hierarchy, and with the author's step rules in parts that are not grounded.
 
     Each line stays where it was.
     """
@@ -225,9 +240,9 @@ def _one_free_step(program: Program, owned: Sequence[tuple[Source, bool]]) -> Pr
 
 
 def _described(program: Program, statements: Sequence[Statement]) -> Program:
-    """Return a program with what the library states of its actions, where own rules read that before any step."""
+    """Return a program with the names and entities of its actions as facts, where the author's base part reads them."""
     read = {atom.name for each in statements if each.own and not each.timed for atom in each.body}
-    if not any(map(NAME.fullmatch, read)) and not any(map(MENTIONS.fullmatch, read)):
+    if read.isdisjoint([NAME.name, MENTIONS.name]):
         return program
     grounder = Grounder(program)
     grounder.ground([("base", [])])
@@ -240,5 +255,5 @@ def _described(program: Program, statements: Sequence[Statement]) -> Program:
 def _violations(origins: Origins) -> Iterator[Problem]:
     for statement in origins.violated():
         yield statement.problem(
-            "what the base part states violates this constraint, so there is no plan; mend one of them"
+            "the facts of the base part violate this constraint, so there is no plan; change one of them"
         )

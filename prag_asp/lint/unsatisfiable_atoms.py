@@ -17,13 +17,14 @@ from typing import NamedTuple
 import clingo
 from clingo.ast import ASTType
 
+from prag_asp.program.predicates import CHANGED, HOLDS, KNOWN, OCCURS
 from prag_asp.program.problem import Problem
 from prag_asp.program.syntax import AtomNode, Signature, Statement, atoms, names, plain_atom, split_arguments
 from prag_asp.wording import did_you_mean, is_misspelt
 
 FUNCTION = re.compile(r"(?P<name>_*[a-z][\w']*)?(?:\((?P<arguments>.*)\))?", re.S)
 ACTION, FLUENT = ("action", 1), ("fluent", 1)
-DECLARING = {("occurs", 2): ACTION, **dict.fromkeys([("holds", 3), ("known", 3), ("changed", 2)], FLUENT)}
+DECLARING: dict[Signature, Signature] = {OCCURS: ACTION, **dict.fromkeys([HOLDS, KNOWN, CHANGED], FLUENT)}
 """What the base part declares the first argument of some predicates of steps with."""
 
 CLASS, CLASS_BELOW, BELONGING = ("class", 1), ("class", 2), ("entity", 2)
@@ -36,7 +37,7 @@ Step = tuple[str, int, int]
 """One step down in a term: the name of the function there, its number of arguments, and which of them."""
 
 
-class Place(NamedTuple):
+class ArgumentPlace(NamedTuple):
     """Where in the atoms of a predicate a name stands: in which argument, and how far down in it."""
 
     predicate: Signature
@@ -44,11 +45,11 @@ class Place(NamedTuple):
     below: tuple[Step, ...] = ()
 
 
-class Term(NamedTuple):
+class TermPattern(NamedTuple):
     """A function or constant as it is written; an argument that is a variable, a number or computed is None."""
 
     name: str
-    arguments: tuple[Term | None, ...]
+    arguments: tuple[TermPattern | None, ...]
 
     @property
     def signature(self) -> Signature:
@@ -56,7 +57,7 @@ class Term(NamedTuple):
         return self.name, len(self.arguments)
 
 
-class Demand(NamedTuple):
+class NameDemand(NamedTuple):
     """A name that an atom of a rule demands; without a place, it may stand anywhere.
 
     Where the atom is `necessary`, the rule never fires without the name.
@@ -64,7 +65,7 @@ class Demand(NamedTuple):
 
     rule: Statement
     atom: AtomNode
-    place: Place | None
+    place: ArgumentPlace | None
     name: Signature
     necessary: bool
 
@@ -80,7 +81,7 @@ def demand_problems(control: clingo.Control, statements: Sequence[Statement]) ->
     missing = _missing(control, demands)
     if not missing and not anywhere:
         return
-    makers = _Makers(statements)
+    makers = _NameMakers(statements)
     unmade = anywhere - makers.names(set())
     unmet = [each for each in demands if (each.name[0] in unmade if each.place is None else _is_unmet(each, missing))]
     made = makers.names({each.rule for each in unmet if each.necessary}) if unmet else set()
@@ -89,7 +90,7 @@ def demand_problems(control: clingo.Control, statements: Sequence[Statement]) ->
         yield _problem(each, control, made)
 
 
-def _problem(demand: Demand, control: clingo.Control, made: set[str]) -> Problem:
+def _problem(demand: NameDemand, control: clingo.Control, made: set[str]) -> Problem:
     """Return what is told of a name that nothing has where it is demanded; `made` are the names that there are."""
     name, arity = demand.name
     rule, line = demand.rule, demand.atom.line
@@ -98,7 +99,7 @@ def _problem(demand: Demand, control: clingo.Control, made: set[str]) -> Problem
     if taken:
         counts = " or ".join(map(str, taken))
         text = f"{demand.atom} never holds: {name} takes {counts} arguments there, not {arity}"
-        return rule.problem(f"{text}; mend its arguments, or remove the rule", line)
+        return rule.problem(f"{text}; fix its arguments, or remove the rule", line)
     if name in made:
         return rule.problem(f"{demand.atom} never holds; state it, or remove the rule", line, "never-holds")
     around = {other for other, _ in there}
@@ -114,7 +115,7 @@ def _is_contract(statement: Statement) -> bool:
 
 def _demands(
     rules: Iterable[Statement], stated: Collection[Signature], defined: Collection[Signature]
-) -> Iterator[Demand]:
+) -> Iterator[NameDemand]:
     """Yield what the bodies of own rules demand of the predicates that are `stated` before any step, and of others.
 
     What nothing defines is told as such, or is said to be allowed to have no atom.
@@ -126,7 +127,7 @@ def _demands(
                     continue
                 for place, name in _names_in(atom, stated):
                     if name[1] or name[0] not in rule.parameters:
-                        yield Demand(rule, atom, place, name, necessary)
+                        yield NameDemand(rule, atom, place, name, necessary)
 
 
 def _read_by(rule: Statement) -> Iterator[tuple[AtomNode, bool]]:
@@ -140,26 +141,26 @@ def _read_by(rule: Statement) -> Iterator[tuple[AtomNode, bool]]:
     yield from ((atom, False) for atom in rule.conditions)
 
 
-def _names_in(atom: AtomNode, stated: Collection[Signature]) -> Iterator[tuple[Place | None, Signature]]:
+def _names_in(atom: AtomNode, stated: Collection[Signature]) -> Iterator[tuple[ArgumentPlace | None, Signature]]:
     """Yield the names in an atom with the places that they have in what is stated before any step."""
     declaring = DECLARING.get(atom.signature)
     predicate = declaring or atom.signature
     for number, text in enumerate(atom.arguments):
         term = read_term(text)
         if term is not None and predicate in stated and (declaring is None or number == 0):
-            yield from _below(Place(predicate, number), term)
+            yield from _below(ArgumentPlace(predicate, number), term)
         else:
             yield from ((None, (name, 0)) for name in sorted(names([text])))
 
 
-def _below(place: Place, term: Term) -> Iterator[tuple[Place, Signature]]:
+def _below(place: ArgumentPlace, term: TermPattern) -> Iterator[tuple[ArgumentPlace, Signature]]:
     yield place, term.signature
     for number, argument in enumerate(term.arguments):
         if argument is not None:
             yield from _below(place._replace(below=(*place.below, (*term.signature, number))), argument)
 
 
-def read_term(text: str) -> Term | None:
+def read_term(text: str) -> TermPattern | None:
     """Return a function or a constant from its text; None of a variable, a number, and what is computed."""
     match = FUNCTION.fullmatch(text)
     if not match or not text or '"' in text or ";" in text:
@@ -168,15 +169,15 @@ def read_term(text: str) -> Term | None:
     arguments = split_arguments(inside) if inside else []
     if arguments is None or (not name and len(arguments) == 1):
         return None
-    return Term(name, tuple(map(read_term, arguments if name or arguments[-1:] != [""] else arguments[:-1])))
+    return TermPattern(name, tuple(map(read_term, arguments if name or arguments[-1:] != [""] else arguments[:-1])))
 
 
-Missing = Collection[tuple[Place, Signature]]
+Missing = Collection[tuple[ArgumentPlace, Signature]]
 """Names with places at which no ground atom has them."""
 
 
-def _missing(control: clingo.Control, demands: Iterable[Demand]) -> Missing:
-    wanted: dict[Signature, dict[Place, set[Signature]]] = {}
+def _missing(control: clingo.Control, demands: Iterable[NameDemand]) -> Missing:
+    wanted: dict[Signature, dict[ArgumentPlace, set[Signature]]] = {}
     for each in demands:
         if each.place is not None:
             wanted.setdefault(each.place.predicate, {}).setdefault(each.place, set()).add(each.name)
@@ -191,7 +192,7 @@ def _missing(control: clingo.Control, demands: Iterable[Demand]) -> Missing:
     return {(place, name) for places in wanted.values() for place, open_ in places.items() for name in open_}
 
 
-def _is_unmet(demand: Demand, missing: Missing) -> bool:
+def _is_unmet(demand: NameDemand, missing: Missing) -> bool:
     """Return whether the name of a demand is missing at its place, and none that it stands in."""
     place = demand.place
     if place is None or (place, demand.name) not in missing:
@@ -202,13 +203,13 @@ def _is_unmet(demand: Demand, missing: Missing) -> bool:
     return not any(each in missing for each in above)
 
 
-def _names_at(control: clingo.Control, place: Place) -> set[Signature]:
+def _names_at(control: clingo.Control, place: ArgumentPlace) -> set[Signature]:
     """Return the names that ground atoms have at a place."""
     atoms = control.symbolic_atoms.by_signature(*place.predicate)
     return {_name_at(atom.symbol, place) for atom in atoms} - {NO_NAME}
 
 
-def _name_at(atom: clingo.Symbol, place: Place) -> Signature:
+def _name_at(atom: clingo.Symbol, place: ArgumentPlace) -> Signature:
     term = atom.arguments[place.argument]
     for name, arity, number in place.below:
         if _signature(term) != (name, arity):
@@ -221,7 +222,7 @@ def _signature(term: clingo.Symbol) -> Signature:
     return (term.name, len(term.arguments)) if term.type == clingo.SymbolType.Function else NO_NAME
 
 
-class _Makers:
+class _NameMakers:
     """Which rules can make which names, and where."""
 
     def __init__(self, statements: Iterable[Statement]) -> None:
@@ -230,7 +231,7 @@ class _Makers:
         self._constants = names(text for node in definitions for text in (node.name, str(node.value)))
         self._heads: dict[Signature, list[tuple[Statement, AtomNode]]] = {}
         self._of_name: dict[str, set[Statement]] = {}
-        self._at_place: dict[Place, dict[Signature | None, set[Statement]]] = {}
+        self._at_place: dict[ArgumentPlace, dict[Signature | None, set[Statement]]] = {}
         for rule in statements:
             computed = (text for node, text in rule.literals if rule.own and plain_atom(node, text) is None)
             for head in rule.heads:
@@ -238,7 +239,7 @@ class _Makers:
             for name in names([*(text for head in rule.heads for text in head.arguments), *computed]):
                 self._of_name.setdefault(name, set()).add(rule)
 
-    def roots(self, unmet: Sequence[Demand]) -> Iterator[Demand]:
+    def roots(self, unmet: Sequence[NameDemand]) -> Iterator[NameDemand]:
         """Yield the demands that no rule can meet, without those that follow from them.
 
         A rule can meet them whose own demands are met. Where only rules without a chance would meet a demand, it
@@ -261,7 +262,7 @@ class _Makers:
         """Return every name that a ground atom can hold: of a head, or computed in a body, but for some rules."""
         return {name for name, rules in self._of_name.items() if not rules.issubset(dead)} | self._constants
 
-    def _can_make(self, demand: Demand, dead: set[Statement]) -> bool:
+    def _can_make(self, demand: NameDemand, dead: set[Statement]) -> bool:
         """Return whether a rule other than some may make a name where it is demanded."""
         name = demand.name[0]
         anywhere = name in self._constants or not self._of_name.get(name, set()) <= dead
@@ -270,21 +271,21 @@ class _Makers:
         there = self._rules_at(demand.place)
         return not there.get(demand.name, set()) <= dead or (anywhere and not there.get(None, set()) <= dead)
 
-    def _rules_at(self, place: Place) -> dict[Signature | None, set[Statement]]:
+    def _rules_at(self, place: ArgumentPlace) -> dict[Signature | None, set[Statement]]:
         """Return the rules that make each name at a place, and under None those that may make any."""
         found = self._at_place.get(place)
         if found is None:
             found = self._at_place[place] = {}
             places = [place]
             if place.predicate == BELONGING and place.argument == 1:  # a class may come to have entities
-                places += [Place(CLASS, 0), Place(CLASS_BELOW, 0)]
+                places += [ArgumentPlace(CLASS, 0), ArgumentPlace(CLASS_BELOW, 0)]
             for each in places:
                 for rule, head in self._heads.get(each.predicate, ()):
                     found.setdefault(_written_at(head, each), set()).add(rule)
         return found
 
 
-def _written_at(head: AtomNode, place: Place) -> Signature | None:
+def _written_at(head: AtomNode, place: ArgumentPlace) -> Signature | None:
     """Return the name that a head has at a place, None where it may have any."""
     term = read_term(head.arguments[place.argument])
     for name, arity, number in place.below:

@@ -56,9 +56,9 @@ class DomainLogic:
     def whole(self) -> DomainLogic:
         """The logic without pruning: its steps try every action from every state."""
         facts = self.domain.facts
-        if not (facts.unreached or facts.steady):
+        if not (facts.unreachable or facts.static):
             return self
-        domain = replace(self.domain, facts=replace(facts, unreached=(), steady=()))
+        domain = replace(self.domain, facts=replace(facts, unreachable=(), static=()))
         return replace(self, domain=domain, bare=self.bare and self.bare.whole)
 
     @cached_property

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from prag_asp.pddl.conditions import BASE, END, NEVER, STEP, Bodies, Rules, Vocabulary, applied
-from prag_asp.pddl.definitions import OBJECT, DomainFile, Effect, ProblemFile, Schema
+from prag_asp.pddl.conflicting_effects import ConflictingEffects, differences, is_overruled, is_plain
+from prag_asp.pddl.definitions import OBJECT, DomainFile, ProblemFile, Schema, SchemaEffect
 from prag_asp.pddl.formulas import Formula, Junction, Literal, Quantified, Variable, conjuncts, demanded, negated
-from prag_asp.pddl.line_map import Line, Place
+from prag_asp.pddl.line_map import FileLine, PlacedLine
 from prag_asp.pddl.program_text import statement
-from prag_asp.pddl.rivals import Rivals, differences, is_overruled, is_plain
 from prag_asp.pddl.size import large_actions
 
 TRUTH = {True: "true", False: "false"}
@@ -23,13 +23,13 @@ class Behaviour:
     ) -> None:
         self._domain = domain
         self._goal = problem.goal
-        self._rivals = Rivals(domain, problem)
+        self._conflicting = ConflictingEffects(domain, problem)
         self._large = large_actions(domain, problem)
         self._words = words
         self._actions = actions
         self._rules = rules
         self._bodies = Bodies(words, rules)
-        self._in_steps: dict[bool, Place] = {}
+        self._in_steps: dict[bool, FileLine] = {}
         """Whether rules of a step add, and whether they delete: where the first comes from that does."""
 
     @property
@@ -115,29 +115,29 @@ class Behaviour:
         rest: list[str] = []
         for effect in action.effects:
             self._rules.comes_from("domain", effect.literal.line)
-            rivals = [] if effect.literal.positive else self._rivals.of(effect, added)
-            if effect in moving or not moving.isdisjoint(rivals):
+            conflicting = [] if effect.literal.positive else self._conflicting.of(effect, added)
+            if effect in moving or not moving.isdisjoint(conflicting):
                 self._step_effect(term, effect)
                 if self.looks_ahead and effect.literal.positive:
                     rest += self._rules.placed(self._ever_made(term, effect))
                 continue
-            if is_overruled(effect, rivals):
+            if is_overruled(effect, conflicting):
                 continue
-            if is_plain(effect) and not rivals:
+            if is_plain(effect) and not conflicting:
                 plain[effect.literal.positive].append(self._words.atom(effect.literal))
                 continue
             atom, value = self._words.atom(effect.literal), TRUTH[effect.literal.positive]
             body = [f"action({term})", *map(self._words.belongs, effect.variables)]
-            body += [*self._bodies.body(effect.condition, BASE), *differences(self._words, effect, rivals)]
-            if not all(map(is_plain, rivals)):
+            body += [*self._bodies.body(effect.condition, BASE), *differences(self._words, effect, conflicting)]
+            if not all(map(is_plain, conflicting)):
                 body.append(f"not postcondition({term},{atom},true)")
             if NEVER not in body:
-                rest.append(Line(statement(f"postcondition({term}, {atom}, {value})", body), self._rules.at))
+                rest.append(PlacedLine(statement(f"postcondition({term}, {atom}, {value})", body), self._rules.at))
         self._rules.comes_from("domain", min((each.literal.line for each in action.effects), default=action.line))
         yield from self._valued("postcondition", term, plain)
         yield from dict.fromkeys(rest)
 
-    def _ever_made(self, term: str, effect: Effect) -> Iterator[str]:
+    def _ever_made(self, term: str, effect: SchemaEffect) -> Iterator[str]:
         """Yield that an effect which depends on the state may ever come true."""
         body = [f"action({term})", *map(self._words.belongs, effect.variables)]
         for part in conjuncts(effect.condition):
@@ -145,7 +145,7 @@ class Behaviour:
         if NEVER not in body:
             yield statement(f"ever({self._words.atom(effect.literal)})", [*body, *self._ever(effect.condition)])
 
-    def _step_effect(self, term: str, effect: Effect) -> None:
+    def _step_effect(self, term: str, effect: SchemaEffect) -> None:
         head = f"{'adds' if effect.literal.positive else 'deletes'}({self._words.atom(effect.literal)},t)"
         body = [f"occurs({term},t)", *map(self._words.belongs, effect.variables)]
         body += self._bodies.body(effect.condition, STEP)
@@ -198,12 +198,12 @@ class Behaviour:
         for part, found in parts:
             self._rules.comes_from("problem", part.line)
             if isinstance(part, Literal) and part in certain:
-                facts.append(Line(f"goal({self._words.atom(part)}, {TRUTH[part.positive]}).", self._rules.at))
+                facts.append(PlacedLine(f"goal({self._words.atom(part)}, {TRUTH[part.positive]}).", self._rules.at))
             elif found and part not in opposite and (found[2].predicate, not found[2].positive) not in signs:
                 variables, guard, literal = found
                 body = [*map(self._words.belongs, variables), *self._bodies.body(guard, BASE)]
                 fact = statement(f"goal({self._words.atom(literal)}, {TRUTH[literal.positive]})", body)
-                facts.append(Line(fact, self._rules.at))
+                facts.append(PlacedLine(fact, self._rules.at))
             else:
                 for body in self._bodies.bodies(negated(part), END):
                     self._rules.add(END, "", body)

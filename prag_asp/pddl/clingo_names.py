@@ -1,8 +1,8 @@
-"""Names of PDDL as names of clingo: readable, and each the name of one thing.
+"""Names of PDDL as names of clingo: readable and unique.
 
-A hyphen becomes an underscore; what is then taken, or means something else to clingo or to the contract, begins with a
-word for what it is (``the_``, ``do_``, ``some_``, ``is_``), and with a number at its end if that is taken, too. Which
-name comes from which is kept, so that plans can be told in PDDL's names.
+A hyphen becomes an underscore. A name that is then taken or reserved gets a prefix for its kind (``the_``, ``do_``,
+``some_``, ``is_``), and a number at its end if that is taken, too. The mapping is returned, so that plans can be
+translated back to PDDL's names.
 """
 
 from __future__ import annotations
@@ -13,18 +13,12 @@ from collections.abc import Collection, Iterable, Mapping
 RESERVED = frozenset([
     "not", "true", "false", "unknown", "inf", "sup", "class", "entity", "is_a", "fluent", "action", "precondition",
     "postcondition", "initially", "exclusive", "implies", "impossible", "goal", "composite", "stage", "free", "at_most",
-    "occurs", "holds", "name", "mentions", "left_out", "successor", "asked", "condition", "tested", "opposite", "known",
-    "changed", "propagates", "entails", "never", "bound", "sought", "reached", "state", "ruled_out", "impossible_with",
-    "named", "adds", "deletes", "mentioned", "introduces_late", "times", "requires", "reverts", "differs", "undoes",
-    "barred", "hierarchical", "ahead", "last_stage", "worded_before", "wording", "unit", "unit_end", "splits",
-    "concatenation", "covers", "expected", "goes_on", "spared", "other", "forces", "supposed",
-    "may_hold", "_may_set", "may_stand", "may_occur", "never_without", "some_impossible", "never_possible",
-    "impossible_matters", "t", "joint_unit", "next_unit", "unit_named", "names_unit_late", "ever",
+    "ever", "occurs", "holds", "changed", "name", "mentions", "adds", "deletes", "t",
 ])  # fmt: skip
-"""What means something to clingo or to the encodings, whatever the number of arguments."""
+"""Names with a meaning in clingo, in the contract or in the translation of effects, with any number of arguments."""
 
 TERMS = frozenset(["not", "true", "false", "unknown", "t"])
-"""What cannot name a fluent, which is a term and no predicate of its own; t is the number of a step."""
+"""Names that no fluent may have: fluents are terms, not predicates; t is the number of a step."""
 
 CLINGO = re.compile(r"[a-z][a-z0-9_]*")
 
@@ -32,7 +26,7 @@ CLINGO = re.compile(r"[a-z][a-z0-9_]*")
 def clingo_names(
     names: Iterable[str], word: str, taken: Collection[str] = (), reserved: Collection[str] = RESERVED
 ) -> Mapping[str, str]:
-    """Return clingo's name for each name of PDDL; names of one kind, and those `taken` by others, stay apart.
+    """Return clingo's name for each name of PDDL, unique among themselves and among those `taken` by other kinds.
 
     Names that need no change keep theirs, however others are called.
     """

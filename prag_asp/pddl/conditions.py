@@ -1,7 +1,7 @@
 """Formulas as bodies of rules.
 
-A conjunction is a body. What no body can say (a disjunction within a conjunction, something that holds for all values)
-gets an atom of its own, with a rule for each case; that of a universal is the exception to it, and is negated.
+A conjunction is a body. A disjunction within a conjunction and a universal formula get an auxiliary atom, with a rule
+for each case; the atom of a universal formula stands for its exceptions, and is negated.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ from prag_asp.pddl.formulas import (
     negated,
     variables,
 )
-from prag_asp.pddl.line_map import File, Line, Place
+from prag_asp.pddl.line_map import File, FileLine, PlacedLine
 
 BASE, STEP, END = "base", "step(t)", "check(t)"
-"""The parts of a program: what never changes, a step and the state before it, and the last state."""
+"""The parts of a program: the static part, a step with the state before it, and the last state."""
 
 TIMES = {STEP: "t-1", END: "t"}
 """The time of the state that a part reads."""
@@ -39,27 +39,27 @@ class Rules:
     """The rules of each part of a program, in the order in which they are found; `at` is where new ones come from."""
 
     parts: dict[str, dict[str, None]] = field(default_factory=lambda: {BASE: {}, STEP: {}, END: {}})
-    at: Place = field(default_factory=lambda: Place("domain", 1))
+    at: FileLine = field(default_factory=lambda: FileLine("domain", 1))
 
     def add(self, part: str, head: str, body: Iterable[str] = ()) -> bool:
-        """Add a rule, unless its body never holds; return whether it may."""
+        """Add a rule unless its body never holds; return whether it was added."""
         conditions = list(dict.fromkeys(body))
         if NEVER in conditions:
             return False
         if not head and not conditions:
             conditions = ["#true"]
         line = f"{head} :- {', '.join(conditions)}." if conditions else f"{head}."
-        self.parts[part].setdefault(Line(line.removeprefix(" "), self.at))
+        self.parts[part].setdefault(PlacedLine(line.removeprefix(" "), self.at))
         return True
 
     def comes_from(self, file: File, line: int) -> None:
-        """Say where what follows comes from."""
-        self.at = Place(file, line)
+        """Set the place of the rules that follow."""
+        self.at = FileLine(file, line)
 
     def placed(self, lines: Iterable[str]) -> Iterator[str]:
-        """Yield lines with their places: those that know none come from where the translation is as they are made."""
+        """Yield lines with their places; a line without one gets the current place."""
         for each in lines:
-            yield each if isinstance(each, Line) or not each else Line(each, self.at)
+            yield each if isinstance(each, PlacedLine) or not each else PlacedLine(each, self.at)
 
 
 @dataclass

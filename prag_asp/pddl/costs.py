@@ -31,7 +31,7 @@ def factor_of(text: str) -> Fraction:
         QueryError: it states none that is above 0 and at most 1, or with too many digits.
     """
     if len(text) > LONGEST or re.search(r"e[+-]?\d{4}", text.replace("_", ""), re.IGNORECASE):
-        raise QueryError(f"factor {text}: it has too many digits; write a short one, such as 1/2 or 0.8")
+        raise QueryError(f"factor {text}: it has too many digits; write a shorter one, such as 1/2 or 0.8")
     try:
         factor = Fraction(text)
     except (ValueError, ZeroDivisionError):
@@ -70,17 +70,17 @@ def weight_of_cost(factor: Fraction, cost: Decimal) -> Decimal:
         QueryError: the cost is no whole number or above `MOST_COST`, or the weight has too many digits.
     """
     if cost != cost.to_integral_value():
-        raise QueryError(f"cost {cost}: only whole costs become weights; multiply all by the same number")
+        raise QueryError(f"cost {cost}: only integer costs become weights; multiply all costs by the same number")
     if cost > MOST_COST:
-        raise QueryError(f"cost {cost:.6g}: costs up to {MOST_COST} become weights; divide all by the same number")
+        raise QueryError(f"cost {cost:.6g}: costs above {MOST_COST} become no weights; divide all by one number")
     exact = Context(prec=DIGITS)
     base = exact.divide(Decimal(factor.numerator), Decimal(factor.denominator))
     if Fraction(base) != factor:
-        raise QueryError(f"factor {factor}: to the power of {cost} it has no end as a decimal; take one such as 1/2")
+        raise QueryError(f"factor {factor}: its power {cost} has no finite decimal expansion; use one such as 1/2")
     digits = -min(int(base.as_tuple().exponent), 0) * int(cost)
     if digits > DIGITS:
-        told = f"to the power of {cost} it has {digits:,} digits, and no more than {DIGITS:,} are kept"
-        raise QueryError(f"factor {factor}: {told}; take one such as 1/2 or 0.9, or divide all costs by a number")
+        told = f"its power {cost} has {digits:,} digits, more than the limit of {DIGITS:,}"
+        raise QueryError(f"factor {factor}: {told}; use one such as 1/2 or 0.9, or divide all costs by a number")
     weight = factor ** int(cost)
     return exact.divide(Decimal(weight.numerator), Decimal(weight.denominator))
 

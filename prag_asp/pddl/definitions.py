@@ -1,4 +1,4 @@
-"""What a domain and a problem of PDDL state, as plain values: names in small letters, lines kept."""
+"""A domain and a problem of PDDL as plain values: names in lower case, with their lines."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ OBJECT = "object"
 
 
 @dataclass(frozen=True)
-class Effect:
-    """What an action adds (a positive literal) or deletes, for all values of variables where a condition holds."""
+class SchemaEffect:
+    """A literal that an action adds (positive) or deletes, for all values of variables where the condition holds."""
 
     variables: tuple[Variable, ...]
     condition: Formula
@@ -22,7 +22,7 @@ class Effect:
 
 @dataclass(frozen=True)
 class Cost:
-    """What an action adds to ``total-cost``: a number, or a function of its parameters."""
+    """The cost that an action adds to ``total-cost``: a number, or a function of its parameters."""
 
     value: str | tuple[str, tuple[Variable | str, ...]]
     line: int
@@ -35,14 +35,14 @@ class Schema:
     name: str
     parameters: tuple[Variable, ...]
     precondition: Formula
-    effects: tuple[Effect, ...]
+    effects: tuple[SchemaEffect, ...]
     costs: tuple[Cost, ...]
     line: int
 
 
 @dataclass(frozen=True)
 class Derived:
-    """A rule: the predicate holds of the variables where the formula does."""
+    """A derived predicate: it holds of the parameters where the formula does."""
 
     predicate: str
     parameters: tuple[Variable, ...]
@@ -51,7 +51,7 @@ class Derived:
 
 
 @dataclass(frozen=True)
-class Signature:
+class Declaration:
     """A declared predicate or function: the types of each argument."""
 
     types: tuple[tuple[str, ...], ...]
@@ -60,13 +60,13 @@ class Signature:
 
 @dataclass(frozen=True)
 class DomainFile:
-    """A domain: types with those right above them, constants with their types, predicates, rules and actions."""
+    """A domain: types with those right above them, typed constants, predicates, derived predicates and actions."""
 
     name: str
     types: Mapping[str, tuple[str, ...]]
     constants: Mapping[str, str]
-    predicates: Mapping[str, Signature]
-    functions: Mapping[str, Signature]
+    predicates: Mapping[str, Declaration]
+    functions: Mapping[str, Declaration]
     derived: tuple[Derived, ...]
     actions: tuple[Schema, ...]
     type_lines: Mapping[str, int]
@@ -84,9 +84,9 @@ class DomainFile:
 
 @dataclass(frozen=True)
 class ProblemFile:
-    """A problem of a domain: all objects with their types, constants among them, what is true at first, the goal.
+    """A problem of a domain: all objects and constants with their types, the initial literals and the goal.
 
-    `costs` are the values of functions of objects, as they are written; `object_lines` has no constants.
+    `costs` are the values of functions of objects, as text; `object_lines` has no constants.
     """
 
     name: str

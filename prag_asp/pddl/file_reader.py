@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import NoReturn
 
 from prag_asp.errors import DomainError
-from prag_asp.pddl.definitions import OBJECT, Cost, Derived, DomainFile, Effect, ProblemFile, Schema, Signature
+from prag_asp.pddl.definitions import OBJECT, Cost, Declaration, Derived, DomainFile, ProblemFile, Schema, SchemaEffect
 from prag_asp.pddl.formulas import Formula, Literal, Variable, literals, universals
 from prag_asp.pddl.scopes import Scope
-from prag_asp.pddl.syntax.nodes import Node, Word
+from prag_asp.pddl.syntax.nodes import LocatedWord, Node
 from prag_asp.pddl.syntax.parsing import parse
 from prag_asp.program.finite.components import components
 from prag_asp.wording import did_you_mean, plural
@@ -23,7 +23,7 @@ def read_files(domain: Path, problem: Path) -> tuple[DomainFile, ProblemFile]:
     """Read a domain and its problem.
 
     Raises:
-        DomainError: a file is no PDDL, or speaks of what is not declared or not supported.
+        DomainError: a file is not PDDL, or uses something undeclared or unsupported.
     """
     first, second = parse(domain, "domain"), parse(problem, "problem")
     read = _DomainReader(domain)
@@ -31,30 +31,30 @@ def read_files(domain: Path, problem: Path) -> tuple[DomainFile, ProblemFile]:
     return found, _ProblemReader(problem, found).problem(second)
 
 
-class _Reader:
-    """What both files have in common: words with lines, lists with types, and where mistakes are told."""
+class _FileReader:
+    """The parts that both readers share: numbers, typed lists, and errors with lines."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
 
     def refuse(self, line: int, told: str) -> NoReturn:
-        """Raise a mistake at a line."""
+        """Raise a DomainError at a line."""
         raise DomainError(f"{self._path}:{line}: {told}")
 
-    def check_new(self, kind: str, name: Word, known: Mapping[str, object]) -> None:
-        """Refuse what is declared twice."""
+    def check_new(self, kind: str, name: LocatedWord, known: Mapping[str, object]) -> None:
+        """Refuse a second declaration of a name."""
         if str(name) in known:
             self.refuse(name.line, f"the {kind} {name} is declared twice; remove one, or rename it")
 
-    def number(self, given: Word) -> str:
-        """Return a number as it is written; the grammar takes ones with several points, too."""
+    def number(self, given: LocatedWord) -> str:
+        """Return a number as text; the grammar also accepts numbers with several points."""
         if given.count(".") > 1:
             self.refuse(given.line, f"{given} is no number; write one such as 2 or 0.5")
         return str(given)
 
-    def typed_names(self, tree: Node) -> Iterator[tuple[Word, Word | None]]:
+    def typed_names(self, tree: Node) -> Iterator[tuple[LocatedWord, LocatedWord | None]]:
         """Yield the names of a list, each with its type if it has one."""
-        waiting: list[Word] = []
+        waiting: list[LocatedWord] = []
         given = iter(tree.words)
         for each in given:
             if each == "-":
@@ -79,7 +79,7 @@ class _Reader:
         return lines
 
 
-class _DomainReader(_Reader):
+class _DomainReader(_FileReader):
     """Reads a domain."""
 
     def __init__(self, path: Path) -> None:
@@ -88,8 +88,8 @@ class _DomainReader(_Reader):
         self._type_lines: dict[str, int] = {}
         self._constants: dict[str, str] = {}
         self._constant_lines: dict[str, int] = {}
-        self._predicates: dict[str, Signature] = {}
-        self._functions: dict[str, Signature] = {}
+        self._predicates: dict[str, Declaration] = {}
+        self._functions: dict[str, Declaration] = {}
 
     def domain(self, tree: Node) -> DomainFile:
         """Return what a tree states."""
@@ -131,7 +131,7 @@ class _DomainReader(_Reader):
         circular = {name for group in groups for name in group if len(group) > 1 or name in self._types[name]}
         for kind_name in filter(circular.__contains__, lines):
             around = " - ".join(self._circle(kind_name))
-            self.refuse(lines[kind_name], f"types go around in a circle, {around}; leave one of these out")
+            self.refuse(lines[kind_name], f"types form a cycle, {around}; remove one of them")
 
     def _circle(self, name: str) -> list[str]:
         """Return a way from a type back to itself, nothing where there is none."""
@@ -149,12 +149,12 @@ class _DomainReader(_Reader):
     def _scope(self) -> Scope:
         return Scope(self.refuse, self._types, self._constants, self._predicates)
 
-    def _read_signatures(self, kind: str, tree: Node, known: dict[str, Signature]) -> None:
+    def _read_signatures(self, kind: str, tree: Node, known: dict[str, Declaration]) -> None:
         for each in tree.nodes:
             name = each.words[0]
             self.check_new(kind, name, known)
             types = tuple(variable.types for variable in self._scope().declare(each.nodes[0], named=False))
-            known[str(name)] = Signature(types, name.line)
+            known[str(name)] = Declaration(types, name.line)
 
     def _derived(self, tree: Node) -> Derived:
         head, condition = tree.nodes
@@ -177,7 +177,7 @@ class _DomainReader(_Reader):
         body = {each.kind: each for each in tree.nodes[1].nodes}
         true = scope.truth(name.line)
         given = body["emptyor_pregd"].nodes if "emptyor_pregd" in body else ()
-        effects: list[Effect] = []
+        effects: list[SchemaEffect] = []
         costs: list[Cost] = []
         for each in body["emptyor_effect"].nodes if "emptyor_effect" in body else ():
             self._effects(each, scope, (), true, effects, costs)
@@ -185,7 +185,7 @@ class _DomainReader(_Reader):
         return Schema(str(name), parameters, precondition, tuple(effects), tuple(costs), name.line)
 
     def _effects(
-        self, tree: Node, scope: Scope, given: tuple[Variable, ...], condition: Formula, effects: list[Effect],
+        self, tree: Node, scope: Scope, given: tuple[Variable, ...], condition: Formula, effects: list[SchemaEffect],
         costs: list[Cost],
     ) -> None:  # fmt: skip
         """Add what a tree says that changes."""
@@ -193,11 +193,11 @@ class _DomainReader(_Reader):
         if tree.kind == "num_effect":
             self._cost(tree, scope, bool(given) or condition != scope.truth(condition.line), costs)
         elif tree.kind == "atomic_formula_term":
-            effects.append(Effect(given, condition, self._change(tree, scope, positive=True)))
+            effects.append(SchemaEffect(given, condition, self._change(tree, scope, positive=True)))
         elif first == "not":
-            effects.append(Effect(given, condition, self._change(parts[0], scope, positive=False)))
+            effects.append(SchemaEffect(given, condition, self._change(parts[0], scope, positive=False)))
         elif first is not None and first == "oneof":
-            self.refuse(first.line, "oneof: effects by chance cannot be imported; leave them out")
+            self.refuse(first.line, "oneof: probabilistic effects cannot be imported; remove them")
         elif first == "forall":
             inner = scope.within()
             more = inner.declare(parts[0])
@@ -211,19 +211,21 @@ class _DomainReader(_Reader):
     def _change(self, tree: Node, scope: Scope, *, positive: bool) -> Literal:
         found = scope.atom(tree, positive=positive)
         if not isinstance(found, Literal):
-            self.refuse(found.line, "an effect cannot make two terms equal; leave it out")
+            self.refuse(found.line, "an effect cannot make two terms equal; remove it")
         return found
 
     def _cost(self, tree: Node, scope: Scope, conditional: bool, costs: list[Cost]) -> None:
         operation, (head, value) = tree.words[0], tree.nodes
         line, name = operation.line, head.words[0]
         if operation != "increase" or name != TOTAL:
-            self.refuse(line, f"({operation} ({name} ...)): functions that change cannot be imported; leave them out")
+            self.refuse(
+                line, f"({operation} ({name} ...)): numeric fluents other than costs cannot be imported; remove them"
+            )
         if conditional:
-            self.refuse(line, "a cost that depends on a condition cannot be imported; write it for the whole action")
+            self.refuse(line, "a conditional cost cannot be imported; move it out of the 'when'")
         inner = value.nodes[0]
         if len(value.nodes) > 1 or inner.kind == "f_exp":
-            self.refuse(line, "a cost that is computed cannot be imported; write a number or one function")
+            self.refuse(line, "a computed cost cannot be imported; write a number or one function")
         if inner.kind == "num_literal":
             costs.append(Cost(self.number(inner.words[0]), line))
             return
@@ -233,7 +235,7 @@ class _DomainReader(_Reader):
             self.refuse(line, f"unknown function {function}; {hint}")
         arity = len(self._functions[str(function)].types)
         if len(terms) != arity:
-            self.refuse(line, f"{function} takes {plural(arity, 'argument')}, not {len(terms)}; mend them")
+            self.refuse(line, f"{function} takes {plural(arity, 'argument')}, not {len(terms)}; fix them")
         costs.append(Cost((str(function), terms), line))
 
     def _check_layers(self, derived: Iterable[Derived]) -> None:
@@ -245,19 +247,19 @@ class _DomainReader(_Reader):
             name = rule.predicate
             for literal in literals(rule.formula):
                 if not literal.positive and name in _reached(literal.predicate, read):
-                    told = f"{name} is derived from that {literal.predicate} is false, which depends on {name}"
-                    self.refuse(literal.line, f"{told}; leave the negation out")
+                    told = f"{name} depends on the negation of {literal.predicate}, which depends on {name}"
+                    self.refuse(literal.line, f"{told}; remove the negation")
             for literal in chain.from_iterable(map(literals, universals(rule.formula))):
                 if name in _reached(literal.predicate, read):
-                    told = f"{name} is derived from that {literal.predicate} holds for all, which depends on {name}"
-                    self.refuse(literal.line, f"{told}; leave the 'forall' out")
+                    told = f"{name} depends on {literal.predicate} below a 'forall', which depends on {name}"
+                    self.refuse(literal.line, f"{told}; remove the 'forall'")
 
     def _check_not_changed(self, derived: set[str], actions: Mapping[str, Schema]) -> None:
         """Refuse effects on predicates that rules derive."""
         for action in actions.values():
             for effect in action.effects:
                 if effect.literal.predicate in derived:
-                    told = f"{effect.literal.predicate} is derived, and no effect may set it"
+                    told = f"{effect.literal.predicate} is a derived predicate, which no effect may set"
                     self.refuse(effect.literal.line, f"{told}; remove its rule, or the effect")
 
 
@@ -271,7 +273,7 @@ def _reached(predicate: str, read: Mapping[str, list[Literal]]) -> set[str]:
     return found
 
 
-class _ProblemReader(_Reader):
+class _ProblemReader(_FileReader):
     """Reads a problem of a domain."""
 
     def __init__(self, path: Path, domain: DomainFile) -> None:
@@ -285,7 +287,7 @@ class _ProblemReader(_Reader):
         parts = {part.kind: part for part in tree.nodes}
         named = parts["problem_domain"].words[-1]
         if named != self._domain.name:
-            hint = "give the domain that it belongs to, or mend the name"
+            hint = "give the domain that it belongs to, or fix the name"
             self.refuse(named.line, f"this is a problem of {named}, not of {self._domain.name}; {hint}")
         lines: dict[str, int] = {}
         if "objects" in parts:
@@ -316,7 +318,10 @@ class _ProblemReader(_Reader):
         name, *terms = first.nodes[0].words
         scope.signature(name, len(terms))
         if str(name) in self._derived:
-            self.refuse(name.line, f"{name} is derived, and is not stated at the start; remove it here, or its rule")
+            self.refuse(
+                name.line,
+                f"{name} is a derived predicate, which :init may not state; remove it there, or remove its rule",
+            )
         for term in terms:
             scope.known_object(term)
         initial.append(Literal(str(name), tuple(map(str, terms)), "not" not in first.words, name.line))

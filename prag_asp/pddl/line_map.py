@@ -1,4 +1,4 @@
-"""Where PDDL says what a line of a program says, and programs whose lines stand where they come from."""
+"""The PDDL line that each line of a program comes from, and programs laid out by these lines."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ File = Literal["domain", "problem"]
 PART = "#program "
 
 
-class Place(NamedTuple):
+class FileLine(NamedTuple):
     """A line of one of the two files."""
 
     file: File
     line: int
 
 
-class Line(str):
-    """A line of a program, or a part of a statement that goes on; `place` is where it comes from."""
+class PlacedLine(str):
+    """A line of a program, or a part of a statement; `place` is the PDDL line that it comes from."""
 
-    place: Place
+    place: FileLine
 
-    def __new__(cls, text: str, place: Place) -> Line:
+    def __new__(cls, text: str, place: FileLine) -> PlacedLine:
         """Return a line."""
         line = super().__new__(cls, text)
         line.place = place
@@ -33,14 +33,14 @@ class Line(str):
 
 
 def sources_of(lines: Iterable[str], paths: Mapping[File, Path]) -> Iterator[Source]:
-    """Yield a program as files that are called as those of PDDL, each statement in the line that it comes from.
+    """Yield a program as sources with the paths of the PDDL files, each statement in the line that it comes from.
 
-    A file has one part of a program, so there may be several with one name. Lines without a place are left out.
+    Each source has one part of the program, so several may share a path. Lines without a place are omitted.
     """
     header = ""
     found: dict[tuple[str, File], dict[int, list[str]]] = {}
     for each in lines:
-        if isinstance(each, Line):
+        if isinstance(each, PlacedLine):
             found.setdefault((header, each.place.file), {}).setdefault(each.place.line, []).append(each.strip())
         elif each.startswith(PART):
             header = each

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import NoReturn
 
 from prag_asp.pddl.clingo_names import variable_name
-from prag_asp.pddl.definitions import OBJECT, Signature
+from prag_asp.pddl.definitions import OBJECT, Declaration
 from prag_asp.pddl.formulas import Equality, Formula, Junction, Literal, Quantified, Variable
-from prag_asp.pddl.syntax.nodes import Node, Word
+from prag_asp.pddl.syntax.nodes import LocatedWord, Node
 from prag_asp.wording import did_you_mean, plural
 
 
@@ -20,7 +20,7 @@ class Scope:
         refuse: Callable[[int, str], NoReturn],
         types: Mapping[str, object],
         objects: Mapping[str, str],
-        predicates: Mapping[str, Signature],
+        predicates: Mapping[str, Declaration],
     ) -> None:
         self._refuse = refuse
         self._types = types
@@ -45,7 +45,7 @@ class Scope:
     def declare(self, tree: Node, *, named: bool = True) -> tuple[Variable, ...]:
         """Declare the variables of a list with types, and return them; where they are `named`, they differ."""
         found: list[Variable] = []
-        waiting: list[Word] = []
+        waiting: list[LocatedWord] = []
         seen: set[str] = set()
 
         def settle(types: tuple[str, ...]) -> None:
@@ -72,7 +72,7 @@ class Scope:
         settle((OBJECT,))
         return tuple(found)
 
-    def signature(self, name: Word, arity: int) -> Signature:
+    def signature(self, name: LocatedWord, arity: int) -> Declaration:
         """Return how a predicate is declared that is used with so many arguments."""
         line = name.line
         if str(name) not in self._predicates:
@@ -80,17 +80,17 @@ class Scope:
             self._refuse(line, f"unknown predicate {name}; {hint}")
         declared = self._predicates[str(name)]
         if len(declared.types) != arity:
-            self._refuse(line, f"{name} takes {plural(len(declared.types), 'argument')}, not {arity}; mend them")
+            self._refuse(line, f"{name} takes {plural(len(declared.types), 'argument')}, not {arity}; fix them")
         return declared
 
-    def known_object(self, name: Word) -> str:
+    def known_object(self, name: LocatedWord) -> str:
         """Return the name of an object."""
         if str(name) not in self._objects:
             hint = did_you_mean(name, self._objects, "declare it in :objects or :constants")
             self._refuse(name.line, f"unknown object {name}; {hint}")
         return str(name)
 
-    def term(self, given: Node | Word) -> Variable | str:
+    def term(self, given: Node | LocatedWord) -> Variable | str:
         """Return a variable, or the name of an object."""
         if isinstance(given, Node):
             return self.known_object(given.all_words[0])
@@ -133,4 +133,4 @@ class Scope:
             return Quantified(
                 (word == "forall") == positive, variables, inner.formula(parts[1], positive=positive), line
             )
-        return self._refuse(line, f"({word} ...): numbers cannot be compared in a task space; leave the comparison out")
+        return self._refuse(line, f"({word} ...): numeric comparisons cannot be imported; remove it")

@@ -9,7 +9,7 @@ from prag_asp.pddl.clingo_names import TERMS, clingo_names
 from prag_asp.pddl.conditions import BASE, END, STEP, Rules, Vocabulary, applied
 from prag_asp.pddl.definitions import OBJECT, DomainFile, ProblemFile
 from prag_asp.pddl.formulas import Formula, Junction, Literal, Quantified, Variable, literals
-from prag_asp.pddl.line_map import Line, Place
+from prag_asp.pddl.line_map import FileLine, PlacedLine
 from prag_asp.pddl.program_text import filled, heading, statement, wrapped
 from prag_asp.program.sources import EVER_AT_START, EVER_BY_ACTIONS
 
@@ -61,7 +61,7 @@ class Translation:
         goal = self._behaviour.goal()
         self._behaviour.derive(END)
         lines = [f"% {title}", *self._changed_names(), "", *self.general, "", *start[:-1]]
-        lines += heading("Actions") + (shown or ["", Line("#defined action/1.", Place("domain", 1))])
+        lines += heading("Actions") + (shown or ["", PlacedLine("#defined action/1.", FileLine("domain", 1))])
         if self._rules.parts[BASE]:
             lines += [*heading("What actions ask of what never changes"), "", *self._rules.parts[BASE]]
         if goal:
@@ -143,11 +143,11 @@ class Translation:
 
     def _entities(self) -> Iterator[str]:
         kinds: dict[str, list[str]] = {}
-        places: dict[str, Place] = {}
+        places: dict[str, FileLine] = {}
         for name, kind in self._problem.objects.items():
             kinds.setdefault(kind, []).append(self.words.objects[name])
             line = self._problem.object_lines.get(name)
-            found = Place("problem", line) if line else Place("domain", self._domain.constant_lines[name])
+            found = FileLine("problem", line) if line else FileLine("domain", self._domain.constant_lines[name])
             places[kind] = min(found, places.get(kind, found), key=lambda place: place.file == "domain")
         for kind, names in kinds.items():
             self._rules.at = places[kind]

@@ -19,6 +19,7 @@ from prag_asp.logic.step.packed import unpack
 from prag_asp.logic.step.strata import Stratum
 from prag_asp.logic.step.transition import Transition
 from prag_asp.planners.ground_action import CARRIED, NOT_TRUE, Proposition
+from prag_asp.program.predicates import HOLDS
 
 Read = Callable[[int], Node]
 After = Mapping[int, Node]
@@ -169,12 +170,12 @@ class StepFunctions:
 
 def holds(fluent: clingo.Symbol, value: str) -> clingo.Symbol:
     """Return how a variable of a state is called that says what is known of a fluent."""
-    return clingo.Function("holds", [fluent, clingo.Function(value)])
+    return HOLDS.timeless(fluent, clingo.Function(value))
 
 
 def _proposition(symbol: clingo.Symbol, unknown: Collection[clingo.Symbol]) -> tuple[Proposition, bool]:
     """Return the proposition that a variable of a state is, with the value that it has where the variable is true."""
-    if (symbol.name, len(symbol.arguments)) != ("holds", 2):
+    if not symbol.match(*HOLDS.without_time):
         return Proposition(symbol, CARRIED), True
     fluent, value = symbol.arguments
     if fluent in unknown:

@@ -1,7 +1,7 @@
-"""The ground atoms of a predicate, many at once: a domain may have a hundred thousand.
+"""Fast iteration over the ground atoms of a predicate: a domain may have 100,000.
 
-For each atom, clingo's package makes a dozen calls that do nothing but pass results and errors on. Here the same
-functions of its C interface are called directly, where the package has them as it has today.
+clingo's package makes a dozen wrapper calls for each atom. Here the same functions of its C interface are called
+directly, as far as the installed version of the package has them.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ except ImportError:
 
 OF_ATOMS = ("begin", "is_valid", "next", "symbol", "literal", "is_fact")
 NEEDED = ("clingo_signature_create", "clingo_symbol_arguments", *(f"clingo_symbolic_atoms_{each}" for each in OF_ATOMS))
-"""What is called of the C interface."""
+"""The functions of the C interface that are called."""
 
 GroundAtom = tuple[list[clingo.Symbol], int, bool]
 """The arguments of an atom, its literal, and whether it is a fact."""
 
 
 def ground_atoms(control: clingo.Control, name: str, arity: int) -> Iterator[GroundAtom]:
-    """Yield the ground atoms of a predicate, in no order."""
+    """Yield the ground atoms of a predicate, unsorted."""
     found = control.symbolic_atoms
     library, ffi = (getattr(internal, each, None) for each in ("_lib", "_ffi"))
     address = getattr(found, "_rep", None)
@@ -36,7 +36,7 @@ def ground_atoms(control: clingo.Control, name: str, arity: int) -> Iterator[Gro
 
 
 def _read(library: Any, ffi: Any, atoms: Any, name: str, arity: int) -> Iterator[GroundAtom]:
-    """Yield the same: `atoms` is where clingo has them. What can fail has failed before, in the package's own calls."""
+    """Yield the atoms at the address `atoms`. Errors have been raised before, by the package's own calls."""
     signature, place = ffi.new("clingo_signature_t*"), ffi.new("clingo_symbolic_atom_iterator_t*")
     symbol, literal, size = ffi.new("clingo_symbol_t*"), ffi.new("clingo_literal_t*"), ffi.new("size_t*")
     arguments, flag = ffi.new("clingo_symbol_t**"), ffi.new("bool*")

@@ -1,4 +1,4 @@
-"""What composites stand for: their actions; and cycles among declarations that may have none."""
+"""The actions of composites, and cycles among declarations."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Actions = tuple[clingo.Symbol, ...]
 
 
 def composite_actions(facts: Facts) -> Mapping[clingo.Symbol, Actions]:
-    """Return the atomic actions of each composite, in their order; the composites have to form no cycle.
+    """Return the atomic actions of each composite in order; composites may not form a cycle.
 
     A composite comes after the ones that it contains.
     """
@@ -25,7 +25,7 @@ def composite_actions(facts: Facts) -> Mapping[clingo.Symbol, Actions]:
 
 
 def composite_sizes(facts: Facts) -> Mapping[clingo.Symbol, int]:
-    """Return the number of actions of each composite, however large; the composites have to form no cycle."""
+    """Return the number of atomic actions of each composite; composites may not form a cycle."""
     sizes: dict[clingo.Symbol, int] = {}
     for composite in _innermost_first(facts):
         sizes[composite] = sum(sizes.get(part, 1) for _, part in facts.stages[composite])
@@ -42,9 +42,9 @@ def _innermost_first(facts: Facts) -> Iterable[clingo.Symbol]:
 
 
 def find_cycle(successors: Mapping[clingo.Symbol, Iterable[clingo.Symbol]]) -> list[clingo.Symbol]:
-    """Return a term, the successor of each, and the term again; nothing where no term comes after itself.
+    """Return a cycle as a list that begins and ends with the same term, or an empty list.
 
-    The least term of the cycle comes first. Which one of several cycles it is depends on the terms alone.
+    The least term of the cycle comes first. The choice among several cycles depends on the terms alone.
     """
     sorter: TopologicalSorter[clingo.Symbol] = TopologicalSorter()
     for term, others in sorted(successors.items()):

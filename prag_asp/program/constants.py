@@ -77,7 +77,7 @@ def _term(name: str, value: Constant) -> str:
     except RuntimeError:
         pass
     shown = text if len(text) <= 40 else f"{text[:40]}..."
-    raise DomainError(f"constant {name}: {shown!r} is no term; write a number such as 8, or a term such as f(a)")
+    raise DomainError(f"constant {name}: {shown!r} is not a term; write a number such as 8, or a term such as f(a)")
 
 
 def _definitions(changed: Iterable[Statement], source: Source, constants: Mapping[str, str]) -> dict[Statement, str]:

@@ -1,8 +1,7 @@
-"""What a name stands for that a user gives: a class, an entity or an action; one that stands for several is refused."""
+"""Names that users give: of a class, an entity or an action. An ambiguous name is refused."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from itertools import combinations
 
@@ -10,14 +9,12 @@ import clingo
 
 from prag_asp.errors import QueryError
 from prag_asp.program.facts import Facts
+from prag_asp.program.predicates import MENTIONS, NAME
 from prag_asp.wording import unknown
-
-NAME, MENTIONS = re.compile(r"\bname\b"), re.compile(r"\bmentions\b")
-"""What finds what the library states of actions: their names, and the entities that they name."""
 
 
 def named(facts: Facts) -> Mapping[str, set[str]]:
-    """Return the names of classes, of entities and of actions; an action is named by itself, too."""
+    """Return the names of classes, entities and actions; a whole action is a name, too."""
     return {
         "class": set(map(str, facts.classes)),
         "entity": set(facts.entity_names),
@@ -26,7 +23,7 @@ def named(facts: Facts) -> Mapping[str, set[str]]:
 
 
 def shared_names(facts: Facts) -> list[str]:
-    """Return the names that stand for more than one of class, entity and action."""
+    """Return the ambiguous names: those of more than one of class, entity and action."""
     others = {*facts.classes, *facts.entities}
     texts = {str(action) for action in facts.declared_actions if action in others}  # others are spelled as none of them
     kinds = (set(map(str, facts.classes)), set(facts.entity_names), texts | facts.action_names)
@@ -34,7 +31,7 @@ def shared_names(facts: Facts) -> list[str]:
 
 
 def ambiguity(name: str, facts: Facts) -> str | None:
-    """Return what a name could stand for and what to do, None where it does not stand for several."""
+    """Return the message for an ambiguous name, or None."""
     kinds = [f"the {kind}" for kind, names in named(facts).items() if name in names]
     if len(kinds) < 2:
         return None
@@ -42,25 +39,25 @@ def ambiguity(name: str, facts: Facts) -> str | None:
 
 
 def no_action(name: str, known: Iterable[str], facts: Facts) -> str:
-    """Return the message for what is not among the `known` actions or names of actions."""
+    """Return the message for a name that is not among the `known` actions or names of actions."""
     if name in named(facts)["action"]:
-        return f"{name} can never occur, so it is left out; prag-asp check says why"
+        return f"{name} can never occur, so it is pruned; prag-asp check says why"
     return unknown(name, known, "action")
 
 
 def refuse_ambiguous(name: str, facts: Facts) -> None:
-    """Refuse a name that stands for more than one of class, entity and action.
+    """Raise for an ambiguous name.
 
     Raises:
-        QueryError: it does.
+        QueryError: it stands for more than one of class, entity and action.
     """
-    told = ambiguity(name, facts)
-    if told:
-        raise QueryError(told)
+    message = ambiguity(name, facts)
+    if message:
+        raise QueryError(message)
 
 
 def mentioned_entities(action: clingo.Symbol, entities: Iterable[clingo.Symbol]) -> Iterator[clingo.Symbol]:
-    """Yield the entities that a term names, from the left, as often as it names them."""
+    """Yield the entities in a term from the left, with repetitions."""
     if action in entities:
         yield action
     elif action.type == clingo.SymbolType.Function:
@@ -74,12 +71,12 @@ def action_name(action: clingo.Symbol) -> str:
 
 
 def name_fact(action: clingo.Symbol) -> str:
-    """Return the fact that tells programs what an action is called."""
-    return f"name({action},{action_name(action)})."
+    """Return the ``name`` fact of an action."""
+    return NAME.fact(action, action_name(action))
 
 
 def mention_facts(actions: Iterable[clingo.Symbol], entities: Collection[clingo.Symbol]) -> Iterator[str]:
-    """Yield the facts that tell programs which entities actions name."""
+    """Yield the ``mentions`` facts of actions."""
     for action in actions:
         for position, entity in enumerate(mentioned_entities(action, entities), 1):
-            yield f"mentions({action},{position},{entity})."
+            yield MENTIONS.fact(action, position, entity)

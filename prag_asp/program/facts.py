@@ -1,4 +1,4 @@
-"""What a domain states before any step: the facts of its base program."""
+"""The facts of the base part of a domain."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ copyreg.pickle(clingo.Symbol, lambda symbol: (symbol_of, (str(symbol),)))
 VALUES = ("true", "false", "unknown")
 
 LATER = "_later"
-"""What grounds facts that are not ground yet."""
+"""The attribute with the function that grounds facts on first use."""
 
 Assignment = tuple[tuple[clingo.Symbol, str], ...]
 """Fluents with their values; ``unknown`` is one of postconditions only."""
@@ -34,11 +34,11 @@ class Facts:
     """The contract's predicates as they hold in the grounded base program.
 
     Terms are clingo symbols, in clingo's order of terms. `parents` maps a class to the classes right above
-    it, `entities` an entity to the class that it is declared with; `memberships` is the derived ``is_a``. `left_out`
-    are the actions and composites that are declared, but can never occur; nothing else of such an action is kept.
-    `unreached` are those of the actions that never occur because nothing ever makes what they need: no step tries them,
-    and all that they state is kept. `steady` are fluents that have the same value in every state, with it: no action
-    that is tried sets one of them. Not all such fluents need be known.
+    it, `entities` an entity to the class that it is declared with; `memberships` is the derived ``is_a``. `pruned`
+    are the declared actions and composites that every state rejects; nothing else of such an action is kept.
+    `unreachable` are the actions that never occur because nothing ever makes what they need: no step tries them, but
+    what they state is kept. `static` are fluents that have the same value in every state, with it: no action that is
+    tried sets one of them. It need not have all such fluents.
     """
 
     parents: Mapping[clingo.Symbol, tuple[clingo.Symbol, ...]]
@@ -56,12 +56,12 @@ class Facts:
     composites: tuple[clingo.Symbol, ...]
     stages: Mapping[clingo.Symbol, tuple[tuple[clingo.Symbol, clingo.Symbol], ...]]
     free: tuple[clingo.Symbol, ...]
-    left_out: tuple[clingo.Symbol, ...] = field(default_factory=tuple)
-    unreached: tuple[clingo.Symbol, ...] = field(default_factory=tuple)
-    steady: Assignment = field(default_factory=tuple)
+    pruned: tuple[clingo.Symbol, ...] = field(default_factory=tuple)
+    unreachable: tuple[clingo.Symbol, ...] = field(default_factory=tuple)
+    static: Assignment = field(default_factory=tuple)
 
     def __getattr__(self, name: str) -> Any:
-        """Ground what is stated where that was put off until somebody asks for it (see `ground_later`)."""
+        """Ground the facts on first use (see `ground_later`)."""
         ground = self.__dict__.pop(LATER, None)
         if ground is None:
             raise AttributeError(name)
@@ -69,7 +69,7 @@ class Facts:
         return getattr(self, name)
 
     def __getstate__(self) -> dict[str, Any]:
-        """Send no facts elsewhere that are not ground."""
+        """Ground the facts before they are pickled."""
         _ = self.fluents
         return self.__dict__
 
@@ -80,8 +80,8 @@ class Facts:
 
     @cached_property
     def tried(self) -> tuple[clingo.Symbol, ...]:
-        """The actions that a step may be."""
-        never = set(self.unreached)
+        """The actions that a step tries."""
+        never = set(self.unreachable)
         return tuple(action for action in self.actions if action not in never)
 
     @cached_property
@@ -96,13 +96,13 @@ class Facts:
 
     @cached_property
     def declared_actions(self) -> tuple[clingo.Symbol, ...]:
-        """The actions with those that are left out."""
+        """The actions with those that are pruned."""
         composites = set(self.composites)
-        return (*self.actions, *(term for term in self.left_out if term not in composites))
+        return (*self.actions, *(term for term in self.pruned if term not in composites))
 
     @cached_property
     def action_names(self) -> frozenset[str]:
-        """The names of the actions, with those that are left out."""
+        """The names of the actions, with those that are pruned."""
         return frozenset(action.name for action in self.declared_actions)
 
     @property
@@ -112,14 +112,14 @@ class Facts:
 
 
 def ground_later(ground: Callable[[], Facts]) -> Facts:
-    """Return facts that are ground when somebody first asks for one of them."""
+    """Return facts that are grounded on first use."""
     facts = object.__new__(Facts)
     facts.__dict__[LATER] = ground
     return facts
 
 
 def ground_facts(program: Program) -> Facts:
-    """Ground the base part of a program and return what it states.
+    """Ground the base part of a program and return its facts.
 
     Raises:
         DomainError: clingo rejects the program, or a predicate of the contract depends on a choice.
@@ -130,7 +130,7 @@ def ground_facts(program: Program) -> Facts:
 
 
 def read_facts(control: clingo.Control) -> Facts:
-    """Return what a grounded base part states.
+    """Return the facts of a grounded base part.
 
     Raises:
         DomainError: a predicate of the contract depends on a choice.
@@ -161,12 +161,12 @@ def read_facts(control: clingo.Control) -> Facts:
     )
 
 
-def without(facts: Facts, left_out: Iterable[clingo.Symbol]) -> Facts:
-    """Return what a domain states, without actions and composites that can never occur.
+def without(facts: Facts, pruned: Iterable[clingo.Symbol]) -> Facts:
+    """Return facts without the actions and composites that can never occur.
 
-    A composite stays what it is: only where there is none, all actions are free.
+    Composites stay in `composites`, because all actions are free where there are none.
     """
-    gone = set(left_out)
+    gone = set(pruned)
     if not gone:
         return facts
     return replace(
@@ -175,15 +175,15 @@ def without(facts: Facts, left_out: Iterable[clingo.Symbol]) -> Facts:
         preconditions={action: values for action, values in facts.preconditions.items() if action not in gone},
         postconditions={action: values for action, values in facts.postconditions.items() if action not in gone},
         free=tuple(action for action in facts.free if action not in gone),
-        left_out=tuple(term for term in (*facts.actions, *facts.composites) if term in gone),
+        pruned=tuple(term for term in (*facts.actions, *facts.composites) if term in gone),
     )
 
 
 def flattened(facts: Facts) -> Facts:
-    """Return what a domain states where composites mean nothing, and any sequence of actions may be a plan."""
+    """Return facts without composites, so that any sequence of actions may be a plan."""
     composites = set(facts.composites)
-    left_out = tuple(term for term in facts.left_out if term not in composites)
-    return replace(facts, composites=(), stages={}, free=(), left_out=left_out)
+    pruned = tuple(term for term in facts.pruned if term not in composites)
+    return replace(facts, composites=(), stages={}, free=(), pruned=pruned)
 
 
 def rows(control: clingo.Control, predicate: str, arity: int) -> list[list[clingo.Symbol]]:
@@ -196,7 +196,7 @@ def rows(control: clingo.Control, predicate: str, arity: int) -> list[list[cling
 
 
 def unsorted_rows(control: clingo.Control, predicate: str, arity: int) -> Iterator[list[clingo.Symbol]]:
-    """Yield the arguments of every ground atom of a predicate, in no order: clingo's terms are slow to compare.
+    """Yield the arguments of every ground atom of a predicate, unsorted, because clingo's terms are slow to compare.
 
     Raises:
         DomainError: one of them depends on a choice.
@@ -213,8 +213,8 @@ def _by_action(
 ) -> dict[clingo.Symbol, Assignment]:
     """Return the fluents and values of a predicate by action, sorted.
 
-    There can be thousands: `actions` and `fluents` are sorted, and each term is looked up once, for clingo's terms are
-    slow to compare.
+    `actions` and `fluents` are sorted, and each term is looked up once, because there can be thousands and clingo's
+    terms are slow to compare.
     """
     ranks = {fluent: (rank, fluent) for rank, fluent in enumerate(fluents)}
     spelled = {clingo.Function(value): value for value in VALUES}

@@ -1,4 +1,4 @@
-"""What follows from values of fluents by the invariants, and which of them cannot hold together."""
+"""The consequences of values of fluents by the invariants, and their conflicts."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ FluentValue = tuple[clingo.Symbol, bool]
 
 Graph = Mapping[FluentValue, tuple[FluentValue, ...]]
 Reasons = Mapping[FluentValue, FluentValue]
-"""Which value each one was found to follow from."""
+"""The value that each value was derived from."""
 
 
 def invariant_graph(facts: Facts, *, impossible: bool = False) -> Graph:
-    """Return what each value entails by one invariant, or, if asked for, by what is `impossible` as well."""
+    """Return the values that each value entails by one invariant, or, with `impossible`, by an impossible pair."""
     graph: dict[FluentValue, list[FluentValue]] = {}
     for first, second in (*facts.exclusive, *(facts.impossible if impossible else ())):
         graph.setdefault((first, True), []).append((second, False))
@@ -29,7 +29,7 @@ def invariant_graph(facts: Facts, *, impossible: bool = False) -> Graph:
 
 
 def entailed(known: Iterable[FluentValue], graph: Graph) -> dict[FluentValue, FluentValue]:
-    """Return what is known and all that follows from it, each with what it follows from."""
+    """Return the known values and their consequences, each with the known value that it follows from."""
     reasons: dict[FluentValue, FluentValue] = {}
     for start in known:
         stack = [start]
@@ -42,9 +42,9 @@ def entailed(known: Iterable[FluentValue], graph: Graph) -> dict[FluentValue, Fl
 
 
 def conflict(reasons: Reasons, given: Reasons | None = None) -> tuple[FluentValue, FluentValue] | None:
-    """Return two values whose consequences contradict each other: the same one twice, where its own do.
+    """Return two values with contradicting consequences, one value twice if it contradicts itself, or None.
 
-    With `given`, the first of them is one of its reasons.
+    With `given`, the first value is one of its reasons.
     """
     against = reasons if given is None else given
     if not against:

@@ -18,10 +18,10 @@ MESSAGE = r"<string>:(?P<line>\d+):(?P<column>\d+)[-\d:]*: error: (?P<words>(?s:
 TOKEN = r"#?[\w']+|:-|\S"
 EXPECTED = r"expecting (.*)"
 DEEPEST = 300
-"""How deep parentheses may be nested."""
+"""The deepest nesting of parentheses: deeper terms exhaust the stack of clingo or of readers of its terms."""
 
 IN_CALLBACK = "error in callback"
-"""What clingo says where a function of ours that it calls has failed."""
+"""clingo's message after a Python function that it calls has failed."""
 
 STAND_IN = "$"
 """A character that clingo reads in strings and comments only."""
@@ -56,7 +56,7 @@ def _depth_problem(source: Source) -> Problem | None:
         for character in line:
             depth = max(depth + (character == "(") - (character == ")"), 0)
             if depth > DEEPEST:
-                told = f"parentheses are nested more than {DEEPEST} deep; make the term flatter"
+                told = f"parentheses are nested more than {DEEPEST} deep; flatten the term"
                 return Problem(source.path, number, told)
     return None
 
@@ -114,10 +114,10 @@ def _parse(source: Source, own: bool, statements: list[Statement]) -> Problem | 
 
 
 def require_memory(error: RuntimeError) -> None:
-    """Check that clingo has failed for what it reads: those of our functions that tell it no error lack memory alone.
+    """Raise a MemoryError if clingo failed in a Python function: nothing else makes those fail.
 
     Raises:
-        MemoryError: one of them has failed.
+        MemoryError: a function has failed.
     """
     if IN_CALLBACK in str(error):
         raise MemoryError(IN_CALLBACK) from None
@@ -129,7 +129,7 @@ def _syntax_problem(source: Source, messages: list[str]) -> Problem:
         return Problem(
             source.path,
             1,
-            f"clingo cannot read this file: {' '.join(messages) or 'no reason given'}; mend it",
+            f"clingo cannot read this file: {' '.join(messages) or 'no reason given'}; fix it",
         )
     line, words = int(said["line"]), " ".join(said["words"].split())
     if "EOF" in words:
@@ -144,7 +144,7 @@ def _syntax_problem(source: Source, messages: list[str]) -> Problem:
         todo = "end the statement before it with a period"
     else:
         expected = re.search(EXPECTED, words)
-        todo = f"clingo expects {expected[1]} here" if expected else "mend the statement before it"
+        todo = f"clingo expects {expected[1]} here" if expected else "fix the statement before it"
     return Problem(source.path, line, f"{problem}; {todo}")
 
 
@@ -153,6 +153,6 @@ def _unfinished(source: Source) -> Problem:
     comment = open_comment(source.text)
     if comment is not None:
         line = source.text.count("\n", 0, comment) + 1
-        return Problem(source.path, line, "this comment never ends; close it with *%")
+        return Problem(source.path, line, "this comment is never closed; close it with *%")
     line = blanked(source.text).rstrip().count("\n") + 1
     return Problem(source.path, line, "the file ends within a statement; end the statement with a period")

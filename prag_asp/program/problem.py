@@ -1,4 +1,4 @@
-"""What the linter reports: a place, what is wrong there, and what to do; an error, or a warning with a name."""
+"""The problems that the linter reports: errors, and warnings with a name."""
 
 from __future__ import annotations
 
@@ -11,32 +11,32 @@ from prag_asp.errors import DomainError, one_line
 from prag_asp.wording import plural
 
 WARNINGS: Mapping[str, str] = {
-    "asks-more": "an action that asks by `ever` for what it does not need: plans without it are missing",
+    "asks-more": "an action whose rule asks by `ever` for what the action does not need: plans may be missing",
     "empty-class": "a class that no entity belongs to",
     "never-holds": "an atom of a rule that nothing stated can be",
-    "never-occurs": "an action or a composite that can never occur: it is left out",
+    "never-occurs": "an action or a composite that can never occur: it is pruned",
     "no-effect": "a statement, a key or a comment that changes nothing",
-    "no-plan": "a goal that is never reached, or a start from which nothing can occur: every count is 0",
-    "no-words": "what a language of instructions lacks words for",
-    "out-of-reach": "a place that actions speak of, but that no gripper gets to",
+    "no-plan": "an unreachable goal, or an initial state in which nothing can occur: every count is 0",
+    "no-words": "a missing word of a language of instructions",
+    "out-of-reach": "a place of actions that no gripper reaches",
     "same-name": "a name that a class, an entity and an action have in common",
-    "sounds-alike": "sentences of instructions that do not tell actions apart",
+    "sounds-alike": "sentences of instructions that do not distinguish actions",
     "too-heavy": "a body that no gripper lifts, by its weight or its friction",
-    "too-low": "a body that no gripper gets hold of above what it stands on",
+    "too-low": "a body too low for any gripper to grasp",
     "too-wide": "a body that no gripper closes around",
-    "undefined": "a predicate that is read, but that no rule defines",
+    "undefined": "a predicate that rules read, but none defines",
     "unused": "a predicate that no rule reads",
 }
-"""The warnings by their names: what is strange, but well defined."""
+"""The warnings by name: suspicious, but well defined."""
 
 SHOWN = 5
-"""Warnings of one name that are shown at once."""
+"""Warnings of one name that are shown: more of them rarely say anything new."""
 
 
 class Problem(NamedTuple):
     """One line of the report; `text` reads ``what is wrong; what to do``.
 
-    Without a name it is an error: the domain means nothing, or a count could be wrong. With the `name` of one of the
+    Without a name it is an error: the domain has no meaning, or a count could be wrong. With the `name` of one of the
     `WARNINGS` it is a warning, which the comment ``% lint: allow NAME`` on its line quiets.
     """
 
@@ -47,11 +47,11 @@ class Problem(NamedTuple):
 
     @property
     def is_warning(self) -> bool:
-        """Whether the domain is well defined all the same."""
+        """Whether the domain is well defined nevertheless."""
         return bool(self.name)
 
     def as_error(self) -> Problem:
-        """Return the same, not to be passed over."""
+        """Return the problem as an error."""
         return Problem(self.path, self.line, f"{self.text} [{self.name}]") if self.name else self
 
     def __str__(self) -> str:
@@ -60,7 +60,7 @@ class Problem(NamedTuple):
 
 
 def raise_problems(problems: Iterable[Problem]) -> None:
-    """Raise all problems as one error, each once, in the order they were found in.
+    """Raise all problems as one error, each once, in their order.
 
     Raises:
         DomainError: there is a problem.
@@ -71,7 +71,7 @@ def raise_problems(problems: Iterable[Problem]) -> None:
 
 
 def first_of_each(warnings: Iterable[Problem]) -> Iterator[Problem]:
-    """Yield the first warnings of each name, and after the last of them how many more there are."""
+    """Yield the first warnings of each name; the last of them says how many more there are."""
     warnings = list(warnings)
     total = Counter(each.name for each in warnings)
     told: Counter[str] = Counter()

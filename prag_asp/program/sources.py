@@ -17,27 +17,27 @@ from prag_asp.safe_reading import LARGEST_TEXT, STANDARD_INPUT, is_inside, read_
 
 KEYWORD = re.compile(r"#include\b")
 CONTRACT = "contract.lp"
-"""The encoding that every folder of encodings has."""
+"""The encoding that every folder of encodings contains."""
 
 HIERARCHY = "hierarchy.lp"
-"""The encoding that only domains with composites need."""
+"""The encoding that only domains with composites include."""
 
 ONE_VALUE = "one_value.lp"
-"""The encoding that only domains need whose own rules set fluents."""
+"""The encoding that only domains whose rules set fluents include."""
 
 REACHABLE = "reachable.lp"
-"""The encoding that the linter alone reads: it tells of actions, and of no plan."""
+"""The encoding of relaxed reachability, which only pruning reads."""
 
 EVER_AT_START, EVER_BY_ACTIONS = "ever(F) :- initially(F,true).", "ever(F) :- postcondition(_,F,true)."
-"""What ``rules/ever.lp`` says of a closed world where no action leaves anything unknown, without a `not`."""
+"""``rules/ever.lp`` without `not`, for a closed world in which no action leaves a value unknown."""
 
 ADDED = Path("<added by the library>")
-"""Where the facts would be that the library adds to a program; there is no such file."""
+"""The path of facts that the library adds to a program; there is no such file."""
 
 END = re.compile(r"(?<!\.)\.(?!\.)")
 """The period that ends a statement."""
 
-SETS = re.compile(r"\b(?:holds|known)\b")
+SETS = re.compile(r"\b(?:holds|_known)\b")
 INCLUDE = re.compile(r'#include\s*"(?P<file>[^"\\\n]*)"\s*\.')
 
 
@@ -131,7 +131,7 @@ def read_text(path: Path, within: Path | None = None) -> str:
         content = read_bytes(path, within=within)
     except OSError as error:
         told = f"{path}:1: cannot be read: {error.strerror}"
-        raise DomainError(f"{told}; check the path, and that a file lies there") from None
+        raise DomainError(f"{told}; check that the path is a readable file") from None
     return decoded(content, path)
 
 
@@ -160,7 +160,7 @@ def text_source(name: str, text: str) -> Source:
         text.encode()
     except UnicodeEncodeError as error:
         line = text.count("\n", 0, error.start) + 1
-        raise DomainError(f"{path}:{line}: half of a surrogate pair is no text; remove it") from None
+        raise DomainError(f"{path}:{line}: half of a surrogate pair is not a character; remove it") from None
     return Source(path, text)
 
 
@@ -174,7 +174,7 @@ def standard_input() -> Source:
         raise DomainError(f"{STANDARD_INPUT}: standard input is closed; write `cat FILE | prag-asp ...`")
     path, content = Path("<stdin>"), sys.stdin.buffer.read(LARGEST_TEXT + 1)
     if len(content) > LARGEST_TEXT:
-        raise DomainError(f"{path}:1: it is larger than {LARGEST_TEXT / 10**6:,.0f} MB; write it shorter")
+        raise DomainError(f"{path}:1: it is larger than {LARGEST_TEXT / 10**6:,.0f} MB; shorten it")
     return Source(path, decoded(content, path))
 
 
@@ -185,13 +185,13 @@ def core_sources(encodings: Path) -> tuple[Source, ...]:
         DomainError: the folder holds no encodings.
     """
     if not (encodings / CONTRACT).is_file():
-        raise DomainError(f"{encodings}: no encodings here, for it has no {CONTRACT}; copy the shipped ones")
+        raise DomainError(f"{encodings}: this folder of encodings has no {CONTRACT}; copy the shipped encodings")
     paths = sorted(path for path in encodings.glob("*.lp") if path.name not in (HIERARCHY, ONE_VALUE, REACHABLE))
     return each_once(source for path in paths for source in read_sources(path, encodings))
 
 
 def each_once(sources: Iterable[Source]) -> tuple[Source, ...]:
-    """Return sources without those that are there before: one file may stand in several, with other texts."""
+    """Return sources without repetitions of the same file with the same text."""
     found: dict[tuple[Path, str], Source] = {}
     for source in sources:
         found.setdefault((source.path.resolve(), source.text), source)
@@ -199,14 +199,14 @@ def each_once(sources: Iterable[Source]) -> tuple[Source, ...]:
 
 
 def asked_sources(own: Sequence[Source], encodings: Path) -> tuple[Source, ...]:
-    """Return the encodings that only some domains use: of composites, and of rules that set fluents."""
+    """Return the encodings that only some domains use: for composites, and for rules that set fluents."""
     hierarchy = read_sources(encodings / HIERARCHY, encodings) if any("composite" in each.text for each in own) else ()
     one_value = read_sources(encodings / ONE_VALUE, encodings) if any(map(_sets_fluents, own)) else ()
     return (*hierarchy, *one_value)
 
 
 def _sets_fluents(source: Source) -> bool:
-    """Return whether a head may derive `holds` or `known`; a mention in the condition of a head counts as well."""
+    """Return whether a head may derive `holds` or `_known`; a mention in the condition of a head counts as well."""
     if not SETS.search(source.text):
         return False
     return any(SETS.search(each.partition(":-")[0]) for each in END.split(blanked(source.text)))

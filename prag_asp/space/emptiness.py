@@ -82,7 +82,7 @@ def fewest_changes(
 def _program(space: TaskSpace, clauses: Sequence[Clause]) -> Program:
     """Return the program of a space's domain under some conditions, none of its actions left out beforehand."""
     domain = conditioned(space.domain, Condition(tuple(clauses)))
-    return whole_program(replace(domain, facts=replace(domain.facts, left_out=(), unreached=(), steady=())))
+    return whole_program(replace(domain, facts=replace(domain.facts, pruned=(), unreachable=(), static=())))
 
 
 def _occurring(space: TaskSpace, action: str | Atom | None, step: int | None) -> Occurring | None:

@@ -93,7 +93,9 @@ def test_a_value_is_any_term(value: Constant, written: str) -> None:
     "value", ["X", "1..3", "f(", "", "a b", "a;b", "é", "a\0b", "1/0", "@f(1)", "4.", "(" * 9999, True]
 )
 def test_a_value_that_is_no_term_is_refused(value: Constant) -> None:
-    with pytest.raises(DomainError, match=r"(?s)^constant discs: .* is no term; write a number such as 8, or a term"):
+    with pytest.raises(
+        DomainError, match=r"(?s)^constant discs: .* is not a term; write a number such as 8, or a term"
+    ):
         load_domain("hanoi", constants={"discs": value})
 
 

@@ -37,16 +37,20 @@ def test_a_rule_that_does_not_fit_is_told_in_one_line(tmp_path: Path, rule: str,
 def test_a_limit_of_the_domain_is_read_by_the_rule_that_is_asked_for(tmp_path: Path) -> None:
     limited = domain(tmp_path, SWITCH + "at_most(press,1).\n")
     assert load_domain(limited, rules=("at_most",)).facts.actions
-    with pytest.raises(DomainError, match=r"domain\.lp:11: at_most has no effect, for no rule reads it; add #include"):
+    with pytest.raises(
+        DomainError, match=r"domain\.lp:11: at_most has no effect, because no rule reads it; add #include"
+    ):
         load_domain(limited)
 
 
 def test_a_folder_without_a_contract_holds_no_encodings(tmp_path: Path) -> None:
     for folder in (tmp_path, tmp_path / "missing"):
-        with pytest.raises(DomainError, match=r"no encodings here, for it has no contract\.lp; copy the shipped ones"):
+        with pytest.raises(
+            DomainError, match=r"this folder of encodings has no contract\.lp; copy the shipped encodings"
+        ):
             load_domain("hanoi", encodings=folder)
     (tmp_path / "other.lp").write_text("a.", encoding="utf-8")
-    with pytest.raises(DomainError, match=r"no encodings here, for it has no contract\.lp; copy the shipped ones"):
+    with pytest.raises(DomainError, match=r"this folder of encodings has no contract\.lp; copy the shipped encodings"):
         load_domain("hanoi", encodings=tmp_path)
 
 

@@ -35,7 +35,7 @@ def test_what_is_missing_in_a_text_is_not_found() -> None:
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("put {2}", r"has braces that name no argument; use \{0\}, \{1\}"),
+        ("put {2}", r"has braces without the number of an argument; use \{0\}, \{1\}"),
         ("put {what}", "has braces that name no argument"),
         ("put {0", "has braces that do not match"),
         ("put {0!r}", "has braces that do not match"),

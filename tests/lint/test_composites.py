@@ -75,8 +75,8 @@ def test_own_rules_that_change_the_state_are_not_second_guessed(tmp_path: Path) 
 
 
 def test_a_step_rule_may_read_what_is_ahead(tmp_path: Path) -> None:
-    rule = "#program step(t).\n:- occurs(press(lamp_1),t), ahead((),t-1).\n"
-    assert "ahead" in load_domain(domain(tmp_path, SWITCH + TWICE + rule)).program.text
+    rule = "#program step(t).\n:- occurs(press(lamp_1),t), _ahead((),t-1).\n"
+    assert "_ahead" in load_domain(domain(tmp_path, SWITCH + TWICE + rule)).program.text
 
 
 def test_without_composites_the_program_is_that_of_a_domain_that_knows_none(tmp_path: Path) -> None:

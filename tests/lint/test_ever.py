@@ -33,9 +33,8 @@ def problems(rules: str, ever: str = '#include "rules/ever.lp".') -> list[str]:
     [
         "holds(lit(L),true,t) :- occurs(touch(L),t). changed(lit(L),t) :- occurs(touch(L),t).",
         "holds(F,true,t) :- sets(F,t). changed(F,t) :- sets(F,t). sets(lit(L),t) :- occurs(touch(L),t).",
-        "holds(lit(L),V,t) :- occurs(touch(L),t), opposite(V,_). changed(lit(L),t) :- occurs(touch(L),t).",
+        "holds(lit(L),V,t) :- occurs(touch(L),t), _opposite(V,_). changed(lit(L),t) :- occurs(touch(L),t).",
         "changed(lit(L),t) :- occurs(touch(L),t).",
-        "known(lit(L),true,t) :- occurs(touch(L),t).",
         "{ spark(L,t) : is_a(L,lamp) } :- occurs(touch(_),t). holds(lit(L),true,t) :- spark(L,t). "
         "changed(lit(L),t) :- spark(L,t).",
         "held(N+1,t) :- held(N,t-1), N < 3. held(0,t) :- occurs(touch(_),t). "

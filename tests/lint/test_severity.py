@@ -45,7 +45,7 @@ WARNED = {
     "heavy(cube_1).": "no rule reads heavy/1; read it in the body of a rule, or remove it [unused]",
     "action_cost(pick(R,O), 3) :- action(pick(R,O)).": "unknown predicate action_cost/2; did you mean action? [unused]",
     ":- wet(table).": "no rule defines wet/1; define it in a fact or a rule, or remove it [undefined]",
-    "free(A) :- action(A).": "without a composite, every action is free; declare a composite, or remove free(...) "
+    "free(A) :- action(A).": "without composites, every action is free; declare a composite, or remove free(...) "
     "[no-effect]",
     "entity(cube, cube).": "cube could be the class or the entity of that name; rename one in the domain [same-name]",
     "class(drop). entity(drop, drop).": "drop could be the class, the entity or the action of that name; "
@@ -58,7 +58,7 @@ WARNED = {
     "[never-holds]",
     "precondition(pick_2(R,O), empty(R), false) :- action(pick_2(R,O)).": "no entity, fluent or action has the name "
     "pick_2; did you mean pick? [never-holds]",
-    "x. % lint: allow unusd, unused": "no warning is called unusd; did you mean unused? [no-effect]",
+    "x. % lint: allow unusd, unused": "unknown warning unusd; did you mean unused? [no-effect]",
     "x. % lint: allow": "this comment allows nothing; name a warning, such as asks-more [no-effect]",
 }
 
@@ -83,7 +83,7 @@ REFUSED = {
     "implies(holding(panda,cube_2), hold(panda)) :- postcondition(drop(R,O), holdng(R,O), false).": "no entity, fluent "
     "or action has the name holdng; did you mean holding?",
     "precondition(pick(O), empty(panda), true) :- action(pick(O)).": "action(pick(O)) never holds: pick takes 2 "
-    "arguments there, not 1; mend its arguments, or remove the rule",
+    "arguments there, not 1; fix its arguments, or remove the rule",
     "postconditon(drop(R,O), empty(R), true) :- action(drop(R,O)).": "unknown predicate postconditon/3; "
     "did you mean postcondition?",
     "#program step(t).\n:- occurs(pik(R,O),t).": "no entity, fluent or action has the name pik; did you mean pick?",

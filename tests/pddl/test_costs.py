@@ -20,10 +20,10 @@ def test_weights_are_powers_of_the_factor() -> None:
 @pytest.mark.parametrize(
     ("factor", "cost", "told"),
     [
-        (Fraction(1, 2), Decimal("0.5"), "cost 0.5: only whole costs become weights"),
-        (Fraction(1, 2), Decimal(9999), "factor 1/2: to the power of 9999 it has 9,999 digits, and no more than 2,000"),
-        (Fraction(1, 3), Decimal(2), "factor 1/3: to the power of 2 it has no end as a decimal"),
-        (Fraction(1, 2), Decimal(10**20), "cost 1.00000e.20: costs up to 10000 become weights; divide all by the same"),
+        (Fraction(1, 2), Decimal("0.5"), "cost 0.5: only integer costs become weights"),
+        (Fraction(1, 2), Decimal(9999), "factor 1/2: its power 9999 has 9,999 digits, more than the limit of 2,000"),
+        (Fraction(1, 3), Decimal(2), "factor 1/3: its power 2 has no finite decimal expansion"),
+        (Fraction(1, 2), Decimal(10**20), "cost 1.00000e.20: costs above 10000 become no weights; divide all by one"),
     ],
 )
 def test_costs_that_are_no_exact_weights_are_refused(factor: Fraction, cost: Decimal, told: str) -> None:
@@ -33,7 +33,7 @@ def test_costs_that_are_no_exact_weights_are_refused(factor: Fraction, cost: Dec
 
 @pytest.mark.parametrize("factor", ["1e-9999999", "1e-9_999_999", "1/" + "3" * 10**6, "0." + "1" * 10**6])
 def test_a_factor_that_has_millions_of_digits_is_refused_before_it_is_computed(factor: str) -> None:
-    with pytest.raises(QueryError, match=r"it has too many digits; write a short one, such as 1/2 or 0.8"):
+    with pytest.raises(QueryError, match=r"it has too many digits; write a shorter one, such as 1/2 or 0.8"):
         factor_of(factor)
 
 

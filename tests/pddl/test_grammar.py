@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from prag_asp.pddl.syntax import grammar as tables
+from prag_asp.pddl.syntax import lark_grammar as tables
 from prag_asp.pddl.syntax.nodes import Node
 from prag_asp.pddl.syntax.parsing import parse
 from tests.pddl.tasks import TASKS

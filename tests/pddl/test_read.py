@@ -121,7 +121,7 @@ NOTHING = "(define (domain d) (:constants k) (:predicates (p ?x) (q ?x)) (:actio
         (
             NOTHING.format(":precondition (p ?x)"),
             "(p k)",
-            "it needs p(k) = true, and nothing that can occur makes",
+            "it needs p(k) = true, and no action that can occur makes",
         ),
         (NOTHING.format(":precondition (q ?x)"), "(and)", "no rule states an action, so no plan has a step"),
         (NOTHING.format(":precondition (q ?x)"), "(p o)", "no rule states an action, so no plan has a step"),

@@ -226,7 +226,7 @@ def test_options_that_mean_nothing_are_refused_and_the_episode_goes_on(env: Task
 
 
 @pytest.mark.parametrize(
-    "commanded_openings",
+    "arguments",
     [
         {"space": "tabletop"}, {"space": None, "dataset": "data"}, {"space": None, "task": "pick(panda,can_1,table_1)"},
         {"steps": True}, {"steps": 1.5}, {"discount": "x"}, {"witness": "x"},
@@ -236,9 +236,9 @@ def test_options_that_mean_nothing_are_refused_and_the_episode_goes_on(env: Task
         {"steps": np.int64(0)}, {"discount": np.float64(1.5)},
     ],
 )  # fmt: skip
-def test_environments_that_mean_nothing_are_refused(space: TaskSpace, asked: dict[str, Any]) -> None:
+def test_environments_that_mean_nothing_are_refused(space: TaskSpace, arguments: dict[str, Any]) -> None:
     with pytest.raises(QueryError):
-        TaskEnv(**{"space": space, **asked})
+        TaskEnv(**{"space": space, **arguments})
 
 
 def test_numbers_of_numpy_are_numbers(space: TaskSpace) -> None:
@@ -363,7 +363,7 @@ def test_what_is_no_action_and_steps_outside_an_episode_are_refused(given: Mappi
     env = TaskEnv(task=task, witness=witness)
     with pytest.raises(QueryError, match="no episode has begun"):
         env.step(STILL)
-    for of_an_episode in ("asked", "last", "action"):
+    for of_an_episode in ("commanded_openings", "last", "action"):
         with pytest.raises(QueryError, match="no episode has begun"):
             getattr(env, of_an_episode)
     env.reset()

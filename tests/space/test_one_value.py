@@ -81,7 +81,7 @@ def test_only_rules_that_set_fluents_bring_the_constraint() -> None:
     """What is merely read, or said in a comment, leaves the program as it is."""
     reading = "#program step(t).\n:- occurs(a,t), holds(f,true,t-1).  % holds(f,true,t) :- occurs(a,t)."
     assert not _constrained(BASE + reading)
-    assert all(map(_constrained, (OPPOSED, BASE + "#program step(t). known(g,true,t):-occurs(a,t),holds(f,true,t-1).")))
+    assert all(map(_constrained, (OPPOSED, BASE + "#program step(t). holds(g,true,t):-occurs(a,t),holds(f,true,t-1).")))
 
 
 def _constrained(text: str) -> bool:

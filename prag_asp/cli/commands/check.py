@@ -113,11 +113,11 @@ def _of_scene(domain: Domain) -> Iterable[Problem]:
         return ()
     if domain.reduction:
         domain = replace(domain, facts=domain.reduction.facts_with_all_entities)
+    from prag_asp.checking import shown_warnings
     from prag_asp.dataset.scenes import scene_of
     from prag_asp.physics.proofs.grips import never_gripped
     from prag_asp.physics.proofs.reaching import out_of_reach
-    from prag_asp.program.lint_comments import allowed_names, not_allowed
 
     scene = scene_of(domain)
     warnings = (*never_gripped(domain, scene), *out_of_reach(domain, scene))
-    return not_allowed(warnings, allowed_names((), domain.settings))
+    return shown_warnings(warnings, domain.settings)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from prag_asp.logic.step.packed import Rows, unpack
 from prag_asp.logic.step.transition import Transition
+from prag_asp.program.predicates import HOLDS
 
 WALKERS, STEPS = 256, 24
 """The number of random walks, and their length in steps."""
@@ -85,7 +86,7 @@ def _items(variables: Sequence[clingo.Symbol]) -> list[list[int]]:
     """Return the places of variables, grouped by fluent (true before false), others one by one."""
     found: dict[object, list[int]] = {}
     for place, symbol in reversed(list(enumerate(variables))):
-        fluent = symbol.arguments[0] if (symbol.name, len(symbol.arguments)) == ("holds", 2) else symbol
+        fluent = symbol.arguments[0] if symbol.match(*HOLDS.without_time) else symbol
         found.setdefault(("holds", fluent) if fluent is not symbol else symbol, []).append(place)
     return list(reversed(found.values()))
 

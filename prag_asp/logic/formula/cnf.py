@@ -12,19 +12,17 @@ from prag_asp.logic.formula.clark_completion import complete
 from prag_asp.logic.formula.clause_builder import TRUE, Literal
 from prag_asp.logic.ground.unroll import unroll
 from prag_asp.processes.progress_events import stage
+from prag_asp.program.predicates import OCCURS, EncodingPredicate
 from prag_asp.program.sources import Program
-
-OCCURS = "occurs"
-"""The predicate whose atoms define a plan."""
 
 
 @dataclass(frozen=True)
 class Cnf:
     """A formula with exactly one model for each answer set of a program of some steps.
 
-    `literals` has the literal of every atom; the first variable is true, and is the literal of all facts.
-    `shown` are the variables of the atoms ``occurs(A,t)`` or ``named(N,t)``, sorted: their values are a word.
-    `plans` is the formula of the same plans with another projection, if this one is derived from it.
+    `literals` has the literal of every atom; the first variable is true, and stands for what holds in all of them.
+    `shown` are the variables of the atoms ``occurs(A,t)`` or ``_step_name(N,t)``, sorted: they distinguish words.
+    `plans` is the formula that this one shows in another way, if it does.
     """
 
     variables: int
@@ -42,7 +40,7 @@ _in_use: WeakValueDictionary[tuple[Program, int], Cnf] = WeakValueDictionary()
 """The formulas in use, by program and length, which levels and engines share; they are never modified."""
 
 
-def plan_cnf(program: Program, length: int, shown: str = OCCURS) -> Cnf:
+def plan_cnf(program: Program, length: int, shown: EncodingPredicate = OCCURS) -> Cnf:
     """Return the formula of the answer sets with a number of steps, projected on the atoms of a predicate.
 
     Raises:
@@ -64,9 +62,9 @@ def _plans(program: Program, length: int) -> Cnf:
     return Cnf(clauses.variables, tuple(clauses.clauses), literals, _variables(literals, OCCURS))
 
 
-def _variables(literals: Mapping[clingo.Symbol, Literal], shown: str) -> tuple[int, ...]:
-    """Return the variables of the atoms of a predicate; facts are skipped first, because matching terms is slow."""
-    return tuple(sorted(v for symbol, v in literals.items() if abs(v) != TRUE and symbol.match(shown, 2)))
+def _variables(literals: Mapping[clingo.Symbol, Literal], shown: EncodingPredicate) -> tuple[int, ...]:
+    """Return the variables of the atoms of a predicate; clingo is slow to tell which these are, and most are facts."""
+    return tuple(sorted(v for symbol, v in literals.items() if abs(v) != TRUE and symbol.match(*shown)))
 
 
 def dimacs(cnf: Cnf, comments: Sequence[str] = ()) -> Iterator[str]:

@@ -15,6 +15,7 @@ from prag_asp.logic.ground.ground_step import unrolled
 from prag_asp.processes.progress_events import stage
 from prag_asp.processes.workers import uninterrupted
 from prag_asp.program.grounding import Grounder
+from prag_asp.program.predicates import OCCURS
 from prag_asp.program.sources import Program
 
 Occurring = Sequence[tuple[clingo.Symbol, int]]
@@ -145,4 +146,4 @@ class LiftableLines:
 
 
 def _occurs(action: clingo.Symbol, step: int) -> clingo.Symbol:
-    return clingo.Function("occurs", [action, clingo.Number(step)])
+    return OCCURS(action, clingo.Number(step))

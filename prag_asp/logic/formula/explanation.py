@@ -14,6 +14,7 @@ from prag_asp.logic.formula.cnf import Cnf, plan_cnf
 from prag_asp.logic.formula.solver import Solver, smallest_conflict
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.facts import Assignment
+from prag_asp.program.predicates import BARRED, FINAL, HOLDS, KNOWN, OCCURS, RULED_OUT, EncodingPredicate
 
 OPPOSITE = {"true": "false", "false": "true"}
 EXPLAINED = ("step.lp", "invariants.lp", "goal.lp", "impossible.lp")
@@ -62,7 +63,7 @@ class _ReasonSearch:
     ) -> None:
         self._model, self._plan, self._rules, self._cnf, self._solver = model, plan, program.rules, cnf, solver
         self._broken = broken_atoms(cnf.literals)
-        self.actions = [self._atom("occurs", action, k) for k, action in enumerate(plan, 1)]
+        self.actions = [self._atom(OCCURS, action, k) for k, action in enumerate(plan, 1)]
 
     def lawful(self, end: int) -> list[Literal]:
         """Return the literals of "no constraint is broken up to a time"."""
@@ -109,7 +110,7 @@ class _ReasonSearch:
 
     def _contradictions(self, step: int, state: _State) -> Iterator[str]:
         for fluent in self._model.domain.facts.fluents:
-            for predicate in ("known", "holds", "reached"):
+            for predicate in (KNOWN, HOLDS, FINAL):
                 time = min(step, len(self._plan))
                 if all(state.true(self._atom(predicate, fluent, time, value)) for value in OPPOSITE):
                     yield f"{fluent} would have to be both true and false"
@@ -118,13 +119,13 @@ class _ReasonSearch:
                 yield f"{fluent} would have to be true, which is impossible together with what else is true then"
 
     def _impossible(self, fluent: clingo.Symbol, time: int, state: _State) -> bool:
-        true = {each: state.true(self._atom(each, fluent, time, "true")) for each in ("known", "holds", "reached")}
-        ruled_out, barred = (state.true(self._atom(each, fluent, time)) for each in ("ruled_out", "barred"))
-        return (barred and true["known"]) or (ruled_out and (true["holds"] or true["reached"]))
+        true = {each: state.true(self._atom(each, fluent, time, "true")) for each in (KNOWN, HOLDS, FINAL)}
+        ruled_out, barred = (state.true(self._atom(each, fluent, time)) for each in (RULED_OUT, BARRED))
+        return (barred and true[KNOWN]) or (ruled_out and (true[HOLDS] or true[FINAL]))
 
-    def _atom(self, predicate: str, term: clingo.Symbol, time: int, value: str = "") -> Literal:
+    def _atom(self, predicate: EncodingPredicate, term: clingo.Symbol, time: int, value: str = "") -> Literal:
         middle = [clingo.Function(value)] if value else []
-        return self._cnf.literal(clingo.Function(predicate, [term, *middle, clingo.Number(time)]))
+        return self._cnf.literal(predicate(term, *middle, clingo.Number(time)))
 
 
 class _State:
@@ -147,6 +148,4 @@ class _State:
         return f"since step {since}, {self._plan[since - 1]}" if since else "from the start"
 
     def _holds(self, fluent: clingo.Symbol, value: str, step: int) -> bool:
-        return self.true(
-            self._cnf.literal(clingo.Function("holds", [fluent, clingo.Function(value), clingo.Number(step)]))
-        )
+        return self.true(self._cnf.literal(HOLDS(fluent, clingo.Function(value), clingo.Number(step))))

@@ -19,6 +19,7 @@ from prag_asp.program.facts import Facts
 from prag_asp.program.finite.checks import BoundReached, measure
 from prag_asp.program.finite.guards import guard_program
 from prag_asp.program.grounding import Grounder, Part
+from prag_asp.program.predicates import FINAL, HOLDS, OCCURS, STATE
 from prag_asp.program.sources import Program
 from prag_asp.program.syntax import Signature
 
@@ -40,7 +41,7 @@ MOST_GROWING, FEW_AT_ONCE = 20_000, 2
 PART = re.compile(r"(#program\s+)(base|step)\b")
 """Finds the program parts that an extension has."""
 
-CONTRACT = {("holds", 3), ("occurs", 2)}
+CONTRACT = {HOLDS, OCCURS}
 
 NOW, BEFORE, START = clingo.Number(STEP), clingo.Number(STEP - 1), clingo.Number(0)
 OPEN_VALUES = (clingo.Function("true"), clingo.Function("false"))
@@ -220,18 +221,18 @@ def _signature(symbol: clingo.Symbol) -> Signature:
 def _seeds(facts: Facts, reads: StepReads) -> Seeds:
     """Return the atoms of the contract that step t-1 may have; static fluents have the value of the start."""
     seeds: Seeds = {}
-    if ("holds", 3) in reads.previous:
-        seeds |= dict.fromkeys(clingo.Function("holds", each) for each in _open_values(facts))
-    if ("occurs", 2) in reads.previous:
-        seeds |= dict.fromkeys(clingo.Function("occurs", [action]) for action in facts.tried)
+    if HOLDS in reads.previous:
+        seeds |= dict.fromkeys(HOLDS.timeless(*each) for each in _open_values(facts))
+    if OCCURS in reads.previous:
+        seeds |= dict.fromkeys(OCCURS.timeless(action) for action in facts.tried)
     return seeds
 
 
 def _open_values(facts: Facts) -> Iterator[list[clingo.Symbol]]:
     """Yield each fluent with each value that it may have in a state."""
-    steady = {fluent: clingo.Function(value) for fluent, value in facts.steady}
+    static = {fluent: clingo.Function(value) for fluent, value in facts.static}
     for fluent in facts.fluents:
-        for value in (steady[fluent],) if fluent in steady else OPEN_VALUES:
+        for value in (static[fluent],) if fluent in static else OPEN_VALUES:
             yield [fluent, value]
 
 
@@ -266,7 +267,7 @@ def _ground_once(started: Grounding, program: Program, seeds: Seeds, facts: Fact
     # clingo defines the projection that `not p(_,t)` reads as soon as atoms p(X,t) exist.
     recorder.part = "step"
     # Later steps may add to what is known of this state: it is open, so that no goal makes it a fact here.
-    open_states = [clingo.Function("state", [*each, NOW]) for each in _open_values(facts)]
+    open_states = [STATE(*each, NOW) for each in _open_values(facts)]
     _declare(grounder, seeds, open_states)
     _ground_parts(grounder, recorder, ("step", "hindsight"))
     if grounder.control.is_conflicting:
@@ -370,7 +371,7 @@ def _recorded(grounder: Grounder, recorder: GroundRecorder, reads: StepReads) ->
     found: dict[clingo.Symbol, dict[clingo.Symbol, int]] = {NOW: {}, BEFORE: {}}
     initial: set[clingo.Symbol] = set()
     always: list[clingo.Symbol] = []
-    for name, arity in sorted(reads.timed | reads.previous | {("state", 3), ("reached", 3)}):
+    for name, arity in sorted(reads.timed | reads.previous | {STATE, FINAL}):
         for arguments, literal, is_fact in ground_atoms(grounder.control, name, arity):
             symbol, (*others, time) = clingo.Function(name, arguments), arguments
             if not (literal or is_fact):  # only `not` reads it

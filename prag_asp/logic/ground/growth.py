@@ -6,11 +6,12 @@ from collections.abc import Collection, Iterable, Iterator
 
 from clingo.ast import AST, ASTType, Sign, parse_string
 
+from prag_asp.program.predicates import HOLDS, OCCURS
 from prag_asp.program.sources import Program
 from prag_asp.program.syntax import VARIABLE, AtomNode, Signature, atoms, children_of, head_atoms, variables
 
-FINITE = {("occurs", 2), ("holds", 3)}
-"""Timed predicates whose values are all declared by the domain."""
+FINITE = {OCCURS, HOLDS}
+"""Timed predicates that take no values but those that the domain declares."""
 
 MADE = (ASTType.BinaryOperation, ASTType.UnaryOperation, ASTType.Function)
 """Terms that make new values."""

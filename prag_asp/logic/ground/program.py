@@ -9,19 +9,31 @@ from itertools import chain, pairwise
 import clingo
 
 from prag_asp.domain.load import Domain
-from prag_asp.program.entity_names import MENTIONS, NAME, mention_facts, name_fact
+from prag_asp.program.entity_names import mention_facts, name_fact
 from prag_asp.program.facts import Facts
+from prag_asp.program.predicates import (
+    INTRODUCED,
+    JOINT_UNIT,
+    MENTIONS,
+    NAME,
+    NEXT_UNIT,
+    PRUNED,
+    SUCCESSOR,
+    UNIT_INTRODUCED,
+    EncodingPredicate,
+    speaks_of,
+)
 from prag_asp.program.sources import ADDED, CONTRACT, Program, Source, owned, read_sources
 from prag_asp.program.tokens import blanked
 
 DEPENDING = re.compile(
-    r"\b(propagates|impossible_with|ruled_out|barred|sought|forces|never_without|some_impossible|never_possible"
+    r"\b_(propagates|impossible_with|ruled_out|barred|goal_fluent|forces|never_without|some_impossible|never_possible"
     r"|impossible_matters)\b"
 )
 """Finds predicates that depend on how invariants are stated, and those of `closed_invariants.lp` alone."""
 
-CANONICAL = re.compile(r"\b(successor|joint_unit|next_unit|mentioned|unit_named)\b")
-"""Finds the predicates that the programs of tasks add."""
+CANONICAL = (SUCCESSOR, JOINT_UNIT, NEXT_UNIT, INTRODUCED, UNIT_INTRODUCED)
+"""The predicates that the programs of tasks add."""
 
 Groups = Sequence[Sequence[clingo.Symbol]]
 Joint = Sequence[Sequence[Sequence[clingo.Symbol]]]
@@ -32,7 +44,7 @@ DESCRIBING = (CONTRACT, "skeleton.lp")
 
 
 def whole_program(domain: Domain) -> Program:
-    """Return the program of a domain with `left_out` for pruned actions, and with `name` and `mentions` if read."""
+    """Return the program of a domain with its pruned actions, and with `name` and `mentions` if read."""
     return with_facts(domain.program, _added_facts(domain.facts, domain.program))
 
 
@@ -70,17 +82,17 @@ def canonical_extension(
 
     None if a file of the domain reads an added predicate, because its rules have to be ground with the added facts.
     """
-    if _read(domain.program, CANONICAL):
+    if any(_read(domain.program, predicate) for predicate in CANONICAL):
         return None
     rules = _canonical_rules(domain, joint)
     known = set(_added_facts(domain.facts, domain.program))
     facts = _added_facts(domain.facts, Program((*domain.program.sources, *rules)))
     added = [*(each for each in facts if each not in known), *_order_facts(groups, joint)]
-    carried = [clingo.Function("mentioned", [entity]) for group in groups for entity in group[:-1]]
+    carried = [INTRODUCED.timeless(entity) for group in groups for entity in group[:-1]]
     for number, units in enumerate(joint):
         for place in range(len(units) - 1):
             unit = clingo.Function("", [clingo.Number(number), clingo.Number(place)])
-            carried.append(clingo.Function("unit_named", [unit]))
+            carried.append(UNIT_INTRODUCED.timeless(unit))
     return with_facts(Program(rules), added), carried
 
 
@@ -90,16 +102,16 @@ def _canonical_rules(domain: Domain, joint: Joint) -> tuple[Source, ...]:
 
 def _order_facts(groups: Groups, joint: Joint) -> list[str]:
     """Return the facts that order the entities of groups and the units of joint groups."""
-    pairs = (f"successor({d},{e})." for group in groups for d, e in pairwise(group))
+    pairs = (SUCCESSOR.fact(d, e) for group in groups for d, e in pairwise(group))
     return [*pairs, *chain.from_iterable(_unit_facts(number, units) for number, units in enumerate(joint))]
 
 
 def _unit_facts(number: int, units: Sequence[Sequence[clingo.Symbol]]) -> Iterator[str]:
     """Yield the facts for the entities of the units of a joint group, and for the order of the units."""
     for place, unit in enumerate(units):
-        yield from (f"joint_unit({entity},({number},{place}))." for entity in unit)
+        yield from (JOINT_UNIT.fact(entity, f"({number},{place})") for entity in unit)
         if place:
-            yield f"next_unit(({number},{place - 1}),({number},{place}))."
+            yield NEXT_UNIT.fact(f"({number},{place - 1})", f"({number},{place})")
 
 
 def _rules(domain: Domain, name: str) -> tuple[Source, ...]:
@@ -116,18 +128,18 @@ def _added_facts(facts: Facts, program: Program) -> list[str]:
     """
     own = [source.text for source, own in owned(program) if own]
     named = facts.actions if _read(program, NAME) else facts.tried
-    named = facts.declared_actions if any(map(NAME.search, own)) else named
-    added = [f"left_out({term})." for term in (*facts.left_out, *facts.unreached)]
+    named = facts.declared_actions if any(speaks_of(text, NAME) for text in own) else named
+    added = [PRUNED.fact(term) for term in (*facts.pruned, *facts.unreachable)]
     added += map(name_fact, named)
-    if any(map(MENTIONS.search, own)):
+    if any(speaks_of(text, MENTIONS) for text in own):
         return [*added, *mention_facts(facts.declared_actions, facts.entities)]
     return [*added, *mention_facts(facts.actions, facts.entities)] if _read(program, MENTIONS) else added
 
 
-def _read(program: Program, predicate: re.Pattern[str]) -> bool:
+def _read(program: Program, predicate: EncodingPredicate) -> bool:
     """Return whether a file other than those of `DESCRIBING` mentions a predicate."""
     files = (each.text for each, own in owned(program) if own or each.path.name not in DESCRIBING)
-    return any(map(predicate.search, files))
+    return any(speaks_of(text, predicate) for text in files)
 
 
 def with_facts(program: Program, facts: Sequence[str]) -> Program:

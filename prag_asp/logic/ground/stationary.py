@@ -18,6 +18,7 @@ from prag_asp.atom import STRING
 from prag_asp.errors import EngineError
 from prag_asp.logic.ground.growth import growing_heads
 from prag_asp.program.parse import parse_sources
+from prag_asp.program.predicates import HOLDS, OCCURS
 from prag_asp.program.sources import Program, owned
 from prag_asp.program.syntax import AtomNode, Signature, Statement, atoms, children_of, plain_atom, spelled
 
@@ -140,7 +141,7 @@ def read_step(program: Program) -> StepReads:
         if statement.is_rule:
             times = _times(statement.parameters[0] if statement.parameters else "t")
             rules.setdefault(statement.part, []).append(_TimedRule(statement, times))
-    timed = {("occurs", 2), ("holds", 3)}
+    timed: set[Signature] = {OCCURS, HOLDS}
     for rule in rules["step"]:
         timed |= {atom.signature for atom in rule.heads if _time_of(atom) == rule.times.now}
     obstacles = [*_numbered(rules, timed)]

@@ -14,6 +14,7 @@ from prag_asp.logic.ground.ground_step import timeless, unrolled
 from prag_asp.logic.step.normal import NormalStep, RuleBody
 from prag_asp.logic.step.strata import Column, Stratum, evaluate, stratify
 from prag_asp.program.grounding import Grounder, Part
+from prag_asp.program.predicates import OCCURS, STATE
 from prag_asp.program.sources import Program
 
 Plan = tuple[clingo.Symbol, ...]
@@ -32,7 +33,7 @@ class Hindsight:
     """The rules of a step and of ``hindsight.lp`` as functions on columns, one column for each plan.
 
     A *state* is what a step reads of the step before, shape (variables, plans); *seen* is what hindsight reads of a
-    step, shape (atoms, plans); *known* is the truth of each ``state(F, V, t)``, shape (atoms, plans). All are boolean.
+    step, shape (atoms, plans); *known* is the truth of each ``_state(F, V, t)``, shape (atoms, plans). All are boolean.
     `fluents` are numbered in their order.
     """
 
@@ -52,10 +53,10 @@ class Hindsight:
 
     @cached_property
     def _rows(self) -> list[tuple[int, int, int, int]]:
-        """For each ``state(F, V, t)``: its atom, that of step t-1 (or 0), the row of F, and the number for V."""
+        """For each ``_state(F, V, t)``: its atom, that of step t-1 (or 0), the row of F, and the number for V."""
         rows = {fluent: row for row, fluent in enumerate(self.fluents)}
         before = self.step.ground.before
-        states = ((symbol, atom) for symbol, atom in self.step.ground.now.items() if symbol.name == "state")
+        states = ((symbol, atom) for symbol, atom in self.step.ground.now.items() if symbol.match(*STATE.without_time))
         return [
             (atom, before.get(symbol, 0), rows[symbol.arguments[0]], _number(symbol.arguments[1]))
             for symbol, atom in states
@@ -167,14 +168,14 @@ def solved_states(program: Program, plan: Plan, fluents: Sequence[clingo.Symbol]
     hindsight: list[Part] = [("hindsight", [clingo.Number(k)]) for k in range(1, length + 1)]
     grounder.ground([*unrolled(length), ("ending", [clingo.Number(length)]), *hindsight])
     atoms = grounder.control.symbolic_atoms
-    occurring = [atoms[clingo.Function("occurs", [a, clingo.Number(k)])] for k, a in enumerate(plan, 1)]
+    occurring = [atoms[OCCURS(a, clingo.Number(k))] for k, a in enumerate(plan, 1)]
     known = np.full((len(fluents), length + 1), UNKNOWN, dtype=np.int8)
     rows = {fluent: row for row, fluent in enumerate(fluents)}
     with grounder.control.solve(assumptions=[a.literal for a in occurring if a], yield_=True) as handle:
         model = handle.model()
         assert model is not None, "the states of an invalid plan were asked for"
         for symbol in model.symbols(atoms=True):
-            if symbol.match("state", 3) and symbol.arguments[0] in rows:
+            if symbol.match(*STATE) and symbol.arguments[0] in rows:
                 fluent, value, time = symbol.arguments
                 known[rows[fluent], time.number] = _number(value)
     return known

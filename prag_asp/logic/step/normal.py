@@ -14,6 +14,7 @@ import clingo
 from prag_asp.errors import EngineError
 from prag_asp.logic.ground.ground_step import GroundStep
 from prag_asp.logic.ground.rules import Rule
+from prag_asp.program.predicates import OCCURS
 
 
 @dataclass(frozen=True)
@@ -51,9 +52,7 @@ def normal_step(ground: GroundStep) -> NormalStep:
         raise ground.obstacles[0].error()
     rules = (rule for part in ("step", "check") for rule in ground.rules.get(part, ()))
     choosable = {atom for rule in rules if rule.choice for atom in rule.heads}
-    timed = (
-        (symbol, atom) for symbol, atom in ground.now.items() if (symbol.name, len(symbol.arguments)) == ("occurs", 1)
-    )
+    timed = ((symbol, atom) for symbol, atom in ground.now.items() if symbol.match(*OCCURS.without_time))
     occurs = {symbol.arguments[0]: atom for symbol, atom in sorted(timed)}
     others = choosable - set(occurs.values())
     if others:

@@ -24,6 +24,7 @@ from prag_asp.logic.ground.rules import Rule
 from prag_asp.logic.symmetry.fact_propagation import propagate_facts
 from prag_asp.logic.symmetry.renaming import Shaped, Shapes
 from prag_asp.program.finite.components import components
+from prag_asp.program.predicates import FINDING
 
 SpelledLiteral = tuple[int, int, int]
 """An atom by its number, whether it is negated (1) or not (0), and its weight."""
@@ -40,9 +41,6 @@ INSIDE = 0
 
 START, COMPONENT = 2**32, 2**33
 """The bound of rules that state initial values, and that of placeholders for atoms of a component."""
-
-CONDITIONS = ("tested", 2)
-"""The atoms by which conditions test a step: their names may contain numbers that distinguish equal tests."""
 
 
 class SpelledRule(NamedTuple):
@@ -71,7 +69,7 @@ class Atoms:
         self._of_atom = {
             atom: self._named(shapes.of(symbol))
             for atom, symbol in ground.names.items()
-            if not symbol.match(*CONDITIONS)
+            if not symbol.match(*FINDING)  # a condition may number in it what is alike
         }
         step, facts = propagate_facts(ground.rules.get("step", ()))
         check, _ = propagate_facts(ground.rules.get("check", ()), facts)

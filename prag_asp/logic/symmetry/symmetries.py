@@ -15,6 +15,8 @@ from math import factorial, prod
 
 import clingo
 
+from prag_asp.program.predicates import INTRODUCED, UNIT_INTRODUCED
+
 Unit = tuple[clingo.Symbol, ...]
 
 
@@ -65,11 +67,11 @@ class Symmetries:
         """The atoms of a task step that record a named entity or unit, each with its unit."""
         atoms: dict[clingo.Symbol, Unit] = {}
         for entity in (entity for group in self.groups for entity in group):
-            atoms[clingo.Function("mentioned", [entity])] = (entity,)
+            atoms[INTRODUCED.timeless(entity)] = (entity,)
         for number, units in enumerate(self.joint):
             for place, unit in enumerate(units):
                 name = clingo.Function("", [clingo.Number(number), clingo.Number(place)])
-                atoms[clingo.Function("unit_named", [name])] = unit
+                atoms[UNIT_INTRODUCED.timeless(name)] = unit
         return atoms
 
     def is_settled(self, entity: clingo.Symbol, named: set[clingo.Symbol]) -> bool:

@@ -1,16 +1,16 @@
-"""A syntax tree without parentheses, whose words know their lines."""
+"""A syntax tree without parentheses, whose words have lines."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 
-class Word(str):
-    """A word of a file; `line` is where it stands."""
+class LocatedWord(str):
+    """A word of a file, with its line."""
 
     line: int
 
-    def __new__(cls, text: str, line: int) -> Word:
+    def __new__(cls, text: str, line: int) -> LocatedWord:
         """Return a word."""
         word = super().__new__(cls, text)
         word.line = line
@@ -19,25 +19,25 @@ class Word(str):
 
 @dataclass(frozen=True)
 class Node:
-    """A piece of a file: the rule of the grammar that it follows, and its words and pieces in order."""
+    """A node of a file: its grammar rule, and its words and inner nodes in order."""
 
     kind: str
-    children: tuple[Node | Word, ...]
+    children: tuple[Node | LocatedWord, ...]
 
     @property
     def nodes(self) -> tuple[Node, ...]:
-        """The pieces of this one."""
+        """The inner nodes."""
         return tuple(each for each in self.children if isinstance(each, Node))
 
     @property
-    def words(self) -> tuple[Word, ...]:
-        """The words right in this piece."""
-        return tuple(each for each in self.children if isinstance(each, Word))
+    def words(self) -> tuple[LocatedWord, ...]:
+        """The words directly in this node."""
+        return tuple(each for each in self.children if isinstance(each, LocatedWord))
 
     @property
-    def all_words(self) -> list[Word]:
-        """All words, those of the pieces in it among them."""
-        found: list[Word] = []
+    def all_words(self) -> list[LocatedWord]:
+        """All words, with those of inner nodes."""
+        found: list[LocatedWord] = []
         for each in self.children:
-            found += [each] if isinstance(each, Word) else each.all_words
+            found += [each] if isinstance(each, LocatedWord) else each.all_words
         return found

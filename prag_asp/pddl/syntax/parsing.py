@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 from prag_asp.errors import DomainError
 from prag_asp.pddl.syntax.lark_grammar import KINDS, grammar
-from prag_asp.pddl.syntax.nodes import Node, Word
+from prag_asp.pddl.syntax.nodes import LocatedWord, Node
 from prag_asp.pddl.syntax.sections import ORDER, arranged
 from prag_asp.program.sources import read_text
 from prag_asp.wording import plural
@@ -77,12 +77,12 @@ def _node(tree: Tree[Token], line: Callable[[int], int]) -> Node:
     """Return a tree of the grammar without its parentheses; `line` tells in which line a character is."""
     from lark import Tree
 
-    found: list[Node | Word] = []
+    found: list[Node | LocatedWord] = []
     for each in tree.children:
         if isinstance(each, Tree):
             found.append(_node(each, line))
         elif each is not None and each not in ("(", ")"):
-            found.append(Word(str(each), line(each.start_pos or 0)))
+            found.append(LocatedWord(str(each), line(each.start_pos or 0)))
     return Node(str(tree.data), tuple(found))
 
 
@@ -92,7 +92,7 @@ def _told(text: str, at: int, kind: str) -> str:  # noqa: PLR0911 - one for each
     words = begin.groups() if begin else ("", "")
     for word in (*words, *(around.groups() if around else ())):
         if word in UNSUPPORTED:
-            return f"{word}: {UNSUPPORTED[word]} cannot be imported; leave them out"
+            return f"{word}: {UNSUPPORTED[word]} cannot be imported; remove them"
     nested = NESTED.search(text, 0, at + len(words[0]))
     if nested:
         return (
@@ -101,20 +101,20 @@ def _told(text: str, at: int, kind: str) -> str:  # noqa: PLR0911 - one for each
     if words[0] == ")" and text[:at].rstrip().endswith("("):
         return "() cannot stand here; write (and) for what always holds, or changes nothing"
     if words[0] == ")":
-        return f"')' comes too early, for the {kind} lacks what belongs here; write it, or look for a ')' too many"
+        return f"')' comes too early: the {kind} is incomplete; complete it, or remove a ')'"
     if not words[0]:
-        return f"the {kind} ends before it is whole; write all that it needs"
+        return f"the {kind} is incomplete; write its missing parts"
     if words[0] in SECTIONS:
-        return f"{words[0]} is not expected here; close what stands before it, and write it as a section of its own"
+        return f"{words[0]} is not expected here; close the section before it"
     if text.rfind("(:requirements", 0, at) > text.rfind(")", 0, at):
-        return f"{words[0]}: no requirement of this name is known; correct it, or leave it out"
+        return f"{words[0]}: unknown requirement; correct it, or remove it"
     if re.match(r"-\d", words[0]):
-        return f"{words[0]}: a number below 0 cannot be imported; costs are 0 or more"
+        return f"{words[0]}: negative numbers cannot be imported; make costs 0 or more"
     if words[0] == "(" and text[:at].rstrip().endswith("-"):
-        return "a type above another, or of an object, is one name; declare c - a c - b for (either a b)"
+        return "either is not supported here; declare c - a c - b for (either a b)"
     if re.match(r"[\d_]|[^\W\d_a-z]", words[0]):
-        return f"{words[0]!r} is no name here; begin it with a letter of a to z, then letters, digits, '-' and '_'"
-    return f"{words[0]!r} is not expected here; look for a misspelt word, or a parenthesis that is missing before it"
+        return f"{words[0]!r} is not a name; write a letter from a to z first, then letters, digits, '-' and '_'"
+    return f"{words[0]!r} is not expected here; look for a misspelt word or a missing parenthesis before it"
 
 
 def _check_kind(path: Path, text: str, kind: str) -> None:
@@ -125,10 +125,10 @@ def _check_kind(path: Path, text: str, kind: str) -> None:
     """
     begin = BEGIN.match(text)
     if begin is None:
-        raise DomainError(f"{path}:1: no {kind} of PDDL; begin it with (define ({kind} NAME) ...")
+        raise DomainError(f"{path}:1: not a PDDL {kind}; begin it with (define ({kind} NAME) ...")
     if begin[1] != kind and begin[1] in KINDS:
         hint = "give the domain first, then its problem: DOMAIN.pddl PROBLEM.pddl"
-        raise DomainError(f"{path}:1: this is a {begin[1]}, and a {kind} is needed here; {hint}")
+        raise DomainError(f"{path}:1: this is a {begin[1]}, but a {kind} is needed; {hint}")
 
 
 def _check_parentheses(path: Path, text: str) -> None:
@@ -144,7 +144,7 @@ def _check_parentheses(path: Path, text: str) -> None:
         if depth < 0:
             raise DomainError(f"{path}:{line}: this ')' closes nothing; remove it, or look for a '(' that is missing")
         if depth > DEEPEST:
-            raise DomainError(f"{path}:{line}: parentheses are nested more than {DEEPEST} deep; write it flatter")
+            raise DomainError(f"{path}:{line}: parentheses are nested more than {DEEPEST} deep; flatten the expression")
     if depth:
         line, open_ones = text.rstrip().count("\n") + 1, plural(depth, "'('", "'('")
-        raise DomainError(f"{path}:{line}: the file ends, and {open_ones} is open; close each with a ')'")
+        raise DomainError(f"{path}:{line}: the file ends while {open_ones} is open; close each with a ')'")

@@ -80,7 +80,7 @@ def arranged(text: str, kind: str, refuse: Refuse) -> Arranged:
         if head not in ORDER[kind]:
             others.append((head, span))
         elif found.setdefault(head, span) != span:
-            refuse(span[0], f"a second {head}; write all of it into one")
+            refuse(span[0], f"a second {head}; merge them into one")
     for head in NEEDED[kind]:
         if head not in found:
             refuse(end - 1, f"the {kind} has no ({head} ...); add it")
@@ -113,7 +113,7 @@ def _arrange_action(result: Arranged, text: str, span: Span, parts: list[Span], 
     given = dict(zip(words, zip(parts[2::2], parts[3::2], strict=True), strict=True))
     if len(given) < len(words):
         again = next(number for number, word in enumerate(words) if word in words[:number])
-        refuse(parts[2 + 2 * again][0], f"a second {words[again]} of this action; write all of it into one")
+        refuse(parts[2 + 2 * again][0], f"a second {words[again]} of this action; merge them into one")
     result.take(span[0], parts[1][1])
     for word in ACTION:
         if word in given:

@@ -8,6 +8,7 @@ from dataclasses import replace
 from prag_asp.domain.load import Domain
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.facts import Assignment, Facts
+from prag_asp.program.predicates import REQUEST
 from prag_asp.program.sources import ADDED, Program, Source, each_once, read_sources
 from prag_asp.space.conditions.clause_kinds import Achieves, After, Clause, Ends, asked_end, asked_start
 from prag_asp.space.conditions.condition import Condition
@@ -33,16 +34,16 @@ def conditioned(domain: Domain, condition: Condition) -> Domain:
     achieved = [clause for clause in clauses if isinstance(clause, Achieves)]
     if achieved:
         files.append(Achieves.file)
-        asked += [f"asked({term})." for term in asked_start(_first_state(achieved, clauses, facts))]
+        asked += [REQUEST.fact(term) for term in asked_start(_first_state(achieved, clauses, facts))]
     if achieved and conjunctions is None:
         conjunctions = [{}]
     if conjunctions is not None:
         files.append(Ends.file)
-        asked += [f"asked({term})." for term in asked_end(0, conjunctions)]
+        asked += [REQUEST.fact(term) for term in asked_end(0, conjunctions)]
     for number, clause in enumerate(clauses):
         if not isinstance(clause, Ends):
             files.append(clause.file)
-            asked += [f"asked({term})." for term in clause.asked(number, facts)]
+            asked += [REQUEST.fact(term) for term in clause.asked(number, facts)]
     facts = replace(facts, goal=tuple(dict.fromkeys((*facts.goal, *goal))))
     folder = domain.encodings / "conditions"
     read = (source for file in dict.fromkeys(files) for source in read_sources(folder / f"{file}.lp", domain.encodings))

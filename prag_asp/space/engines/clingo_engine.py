@@ -14,6 +14,7 @@ from prag_asp.logic.ground.ground_step import unrolled
 from prag_asp.processes.progress_events import stage
 from prag_asp.processes.workers import uninterrupted
 from prag_asp.program.grounding import Grounder
+from prag_asp.program.predicates import OCCURS, STEP_NAME, EncodingPredicate
 from prag_asp.program.sources import Program
 from prag_asp.space.engines.engine import Letters, Level, Progress, all_letters, name_in_prefix
 from prag_asp.space.engines.listed_words import weigh_words
@@ -121,7 +122,7 @@ class ClingoEngine:
     def _plans(self, length: int) -> _UnrolledPlans:
         if self._unrolled is None or self._unrolled[0] != length:
             program = self._model.program if self._level == "plan" else self._model.task_program(length)
-            shown = "named" if self._level == "skeleton" else "occurs"
+            shown = STEP_NAME if self._level == "skeleton" else OCCURS
             found = _in_use.get((id(program), length, shown))
             if found is None:
                 found = _in_use[id(program), length, shown] = _UnrolledPlans(program, length, shown, self._symbols)
@@ -132,11 +133,13 @@ class ClingoEngine:
 class _UnrolledPlans:
     """The ground program of all plans of one length; between two questions it is as it was before."""
 
-    def __init__(self, program: Program, length: int, shown: str, letters: Mapping[str, clingo.Symbol]) -> None:
+    def __init__(
+        self, program: Program, length: int, shown: EncodingPredicate, letters: Mapping[str, clingo.Symbol]
+    ) -> None:
         self._program = program  # as long as this is in use, no other program has its identity
         self._shown = shown
         self._letters = letters
-        projected = f"{self._shown}(X,t) : {self._shown}(X,t)"
+        projected = f"{shown.name}(X,t) : {shown.name}(X,t)"
         grounder = Grounder(program, "0", "--project=project")
         self._control = grounder.control
         self._control.add("step", ["t"], f"#project {projected}.")
@@ -152,7 +155,7 @@ class _UnrolledPlans:
         for step, letter in enumerate(letters, 1):
             name = name_in_prefix(letter, self._letters)
             term = self._letters[letter] if name is None else clingo.Function(name)
-            symbol = clingo.Function(self._shown if name is None else "named", [term, clingo.Number(step)])
+            symbol = (self._shown if name is None else STEP_NAME)(term, clingo.Number(step))
             atom = self._control.symbolic_atoms[symbol]
             if atom is None:
                 return None
@@ -180,7 +183,7 @@ class _UnrolledPlans:
             return
         time = clingo.Number(len(word) + 1)
         atoms = self._control.symbolic_atoms
-        at_step = ((name, atoms[clingo.Function(self._shown, [term, time])]) for name, term in self._letters.items())
+        at_step = ((name, atoms[self._shown(term, time)]) for name, term in self._letters.items())
         literals = {letter: atom.literal for letter, atom in at_step if atom is not None}
         found: set[int] = set()
         searches, complete = 1, False
@@ -251,6 +254,6 @@ class _UnrolledPlans:
         solving.models = str(models)
 
 
-_in_use: WeakValueDictionary[tuple[int, int, str], _UnrolledPlans] = WeakValueDictionary()
+_in_use: WeakValueDictionary[tuple[int, int, EncodingPredicate], _UnrolledPlans] = WeakValueDictionary()
 """The ground programs of engines of one domain, by program, length and shown predicate; without interchangeable
 entities, the levels plan and task share one."""

@@ -82,9 +82,9 @@ def automaton_slot(folder: Path, model: DomainLogic, level: str, merge: bool | N
         values = [domain.program.text, *(path.read_text(encoding="utf-8") for path in rules)]
     except OSError:
         return None
-    values += map(str, domain.facts.unreached)
+    values += map(str, domain.facts.unreachable)
     for other in (model.bare, *_wholes(model)):
-        values += [other.domain.program.text, *map(str, other.domain.facts.unreached)] if other else [""]
+        values += [other.domain.program.text, *map(str, other.domain.facts.unreachable)] if other else [""]
     values += [level, str(merge), clingo.__version__, np.__version__, sys.version]
     return AutomatonSlot(folder, digest(values))
 

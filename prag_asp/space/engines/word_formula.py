@@ -12,9 +12,10 @@ from prag_asp.errors import EngineError
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.formula.clause_builder import TRUE, Literal
 from prag_asp.logic.formula.cnf import Cnf, plan_cnf
+from prag_asp.program.predicates import OCCURS, STEP_NAME
 from prag_asp.space.engines.engine import Letters, Level, all_letters, name_in_prefix
 
-SHOWN = {"plan": "occurs", "task": "occurs", "skeleton": "named"}
+SHOWN = {"plan": OCCURS, "task": OCCURS, "skeleton": STEP_NAME}
 """The predicate whose atoms distinguish the words of a level."""
 
 
@@ -55,10 +56,10 @@ class WordFormula:
 
     @cached_property
     def _shown(self) -> list[tuple[Literal, int, str]]:
-        name = SHOWN[self.level]
+        shown = SHOWN[self.level]
         may_be = {TRUE, *self.cnf.shown}
         found = ((literal, each) for each, literal in self.cnf.literals.items() if literal in may_be)
-        timed = ((literal, each.arguments) for literal, each in found if each.name == name and each.match(name, 2))
+        timed = ((literal, each.arguments) for literal, each in found if each.match(*shown))
         return [(literal, step.number, str(what)) for literal, (what, step) in timed if step.number > 0]
 
     @cached_property
@@ -79,8 +80,8 @@ class WordFormula:
     def _literal(self, step: int, letter: str) -> Literal:
         name = name_in_prefix(letter, self.letters)
         term = self.letters[letter] if name is None else clingo.Function(name)
-        shown = SHOWN[self.level] if name is None else "named"
-        found = self._known[step, letter] = self.cnf.literal(clingo.Function(shown, [term, clingo.Number(step)]))
+        shown = SHOWN[self.level] if name is None else STEP_NAME
+        found = self._known[step, letter] = self.cnf.literal(shown(term, clingo.Number(step)))
         return found
 
 

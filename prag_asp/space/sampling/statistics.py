@@ -117,7 +117,7 @@ def weight_of_words_without(
     name_of = letters if by == "skeleton" else tuple(_names(facts, letters))
     numbers = {name: number for number, name in enumerate(sorted(set(name_of)))}
     asked = [tuple(part.strip() for part in each.split(">")) for each in what]
-    known = numbers.keys() | {action_name(action) for action in (*facts.actions, *facts.left_out)}
+    known = numbers.keys() | {action_name(action) for action in (*facts.actions, *facts.pruned)}
     for name in (name for each in asked for name in each):
         if name not in known:
             raise QueryError(unknown(name, sorted(known), "action"))

@@ -24,6 +24,7 @@ from prag_asp.integers import shortened
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.program.entity_names import action_name, mentioned_entities, refuse_ambiguous, shared_names
 from prag_asp.program.facts import Facts
+from prag_asp.program.predicates import FINDING, REQUEST
 from prag_asp.program.settings import MAX_EXPONENT
 from prag_asp.space.automaton.automaton import Automaton, Completions, Word
 from prag_asp.space.automaton.walks import Choice
@@ -194,7 +195,7 @@ def weighing_facts(weights: Weights) -> tuple[list[str], list[clingo.Symbol]]:
     entities = [clingo.Function("weighed", [entity]) for entity in sorted(weights.entities)]
     found = [clingo.Function("follows", pair.arguments) for pair in pairs]
     found += [clingo.Function("first_use", entity.arguments) for entity in entities]
-    return [f"asked({each})." for each in (*pairs, *entities)], [clingo.Function("tested", [each]) for each in found]
+    return [REQUEST.fact(each) for each in (*pairs, *entities)], [FINDING.timeless(each) for each in found]
 
 
 class Walks(Protocol):

@@ -20,6 +20,7 @@ from prag_asp.logic.formula.solver import Solver
 from prag_asp.logic.ground.program import whole_program
 from prag_asp.logic.ground.rules import Rule
 from prag_asp.program.finite.components import components
+from prag_asp.program.predicates import STEP_NAME
 from tests.chance import examples
 from tests.domains import domain_of
 
@@ -196,7 +197,7 @@ def test_dimacs_says_how_many_plans_there_are_and_what_they_are(name: str, lengt
 def test_a_formula_in_use_is_made_once_and_goes_with_its_last_user() -> None:
     domain = domain_of(LINES)
     plans = plan_cnf(whole_program(domain), 2)
-    skeletons = plan_cnf(whole_program(domain), 2, "named")
+    skeletons = plan_cnf(whole_program(domain), 2, STEP_NAME)
     assert plan_cnf(whole_program(domain), 2) is plans
     assert skeletons.clauses is plans.clauses
     assert skeletons.shown != plans.shown

@@ -71,7 +71,7 @@ def test_a_rule_is_told_with_its_file_and_line() -> None:
     found = why("prag", "approach(panda,apple_1)", "withdraw(panda,apple_1)", rules=("no_undo",))
     assert found is not None and (found.step, found.conflict) == (2, (1, 2))
     (reason,) = found.reasons
-    assert reason.endswith("no_undo.lp:19 forbids it: :- occurs(A,t-1), occurs(B,t), undoes(B,A).")
+    assert reason.endswith("no_undo.lp:19 forbids it: :- occurs(A,t-1), occurs(B,t), _undoes(B,A).")
 
 
 def test_steps_in_between_do_not_hide_the_two_that_conflict() -> None:

@@ -81,7 +81,7 @@ NAMED = """class(cup). entity((a; b; c), cup). fluent(full(X)) :- is_a(X,cup). a
 precondition(fill(X),full(X),false) :- action(fill(X)). postcondition(fill(X),full(X),true) :- action(fill(X)).
 initially(F,false) :- fluent(F).
 """
-READING = "first(D) :- successor(D,E), not second(D). second(E) :- successor(D,E). #defined first/1."
+READING = '#include "rules/canonical_names.lp".'
 """Rules over what the library adds for tasks: they have to be ground together with it."""
 
 

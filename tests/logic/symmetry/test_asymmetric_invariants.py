@@ -85,7 +85,7 @@ def test_invariants_are_uneven_where_more_is_said_of_some(invariants: str, *, un
 
 
 def test_what_a_rule_of_the_author_reads_is_not_stated_more_often() -> None:
-    reading = "#program step(t). :- occurs(a(X),t), propagates(q(X),true,q(x2),false)."
+    reading = "#program step(t). :- occurs(a(X),t), _propagates(q(X),true,q(x2),false)."
     assert closed_program(domain_of(THINGS + ONE_AT_A_TIME)) is not None
     assert closed_program(domain_of(THINGS + ONE_AT_A_TIME + "% propagates\n")) is not None
     assert closed_program(domain_of(THINGS + ONE_AT_A_TIME + reading)) is None

@@ -35,13 +35,13 @@ def test_headings_can_be_given(witness, tabletop):
 
 
 def test_all_words_can_be_given(witness, tabletop):
-    told = [("before", "all is there"), ("one", ""), ("two", "done")]
-    assert make_captions(stacking(), tabletop, range(3), None, told)[1:] == told[1:]
+    captions = [("before", "all is there"), ("one", ""), ("two", "done")]
+    assert make_captions(stacking(), tabletop, range(3), None, captions)[1:] == captions[1:]
     plain = film_strip(stacking(), witness, tabletop, frames=2, size=(60, 50))
-    other = film_strip(stacking(), witness, tabletop, frames=2, size=(60, 50), told=told)
+    other = film_strip(stacking(), witness, tabletop, frames=2, size=(60, 50), captions=captions)
     assert np.asarray(plain).tobytes() != np.asarray(other).tobytes()
     with pytest.raises(QueryError, match="2 captions for 3 states; give one for each"):
-        film_strip(stacking(), witness, tabletop, told=told[1:])
+        film_strip(stacking(), witness, tabletop, captions=captions[1:])
 
 
 def test_one_frame_is_no_film(witness, tabletop):
@@ -58,9 +58,9 @@ def test_without_pillow_the_extra_is_named(witness, tabletop, monkeypatch):
 def test_the_start_tells_of_what_is_handled_and_whose_sides_are_meant(tabletop):
     known = state("on_top(can_1,table_1)", "on_top(cube_1,table_1)", "on_top(brick_1,table_1)")
     step = ("place(panda,cube_1,left_of,brick_1)", state("left_of(cube_1,brick_1)"))
-    for frame, told in (("robot", " (sides are as the robot sees them)"), ("viewer", "")):
+    for frame, note in (("robot", " (sides are as the robot sees them)"), ("viewer", "")):
         scene = replace(tabletop, frame=frame)
         captions = make_captions(task(known, step), scene, range(2), None)
-        assert captions[0] == ("start", f"cube 1 is on table 1, brick 1 is on table 1{told}")
+        assert captions[0] == ("start", f"cube 1 is on table 1, brick 1 is on table 1{note}")
         assert captions[1] == ("1. place cube 1 left of brick 1", "cube 1 is to the left of brick 1")
         assert make_captions(task(known, step), scene, range(2), ["put it there"])[1][0] == "1. put it there"

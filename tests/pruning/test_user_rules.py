@@ -158,7 +158,7 @@ def test_actions_that_own_rules_make_possible_are_kept(case: str) -> None:
 
 def test_of_cells_that_lie_side_by_side_those_that_stay_dry_are_not_reached() -> None:
     domain = load_domain(text=CASES["cells that lie side by side"][0])
-    assert [str(action) for action in domain.facts.unreached] == ["sit(1)"]
+    assert [str(action) for action in domain.facts.unreachable] == ["sit(1)"]
 
 
 def test_a_pool_of_fluents_is_read_one_by_one() -> None:

@@ -37,10 +37,10 @@ def loaded(text: str, **options: object) -> Iterator[Domain | None]:
         yield domain
 
 
-def unreached(text: str) -> list[str]:
+def unreachable(text: str) -> list[str]:
     with loaded(text) as domain:
         assert domain is not None
-        return [str(action) for action in domain.facts.unreached]
+        return [str(action) for action in domain.facts.unreachable]
 
 
 @st.composite
@@ -66,7 +66,7 @@ def test_random_chains_count_as_the_definition_says(toy: Toy) -> None:
     with loaded(toy.text()) as domain:
         if domain is None:
             return
-        never = set(map(str, domain.facts.unreached))
+        never = set(map(str, domain.facts.unreachable))
         plans = [[tuple(term(toy, i) for i in plan) for plan in toy.plans(n)] for n in range(4)]
         assert not any(never.intersection(plan) for found in plans for plan in found)
         names = {tuple(action.partition("(")[0] for action in plan) for plan in plans[3]}
@@ -80,9 +80,9 @@ def test_random_chains_count_as_the_definition_says(toy: Toy) -> None:
 @given(schemas())
 def test_what_is_never_reached_tells_entities_apart_as_before(schema: Schema) -> None:
     with loaded(schema.text()) as domain:
-        if domain is None or not (domain.facts.unreached or domain.facts.steady):
+        if domain is None or not (domain.facts.unreachable or domain.facts.static):
             return
-        groups = DomainLogic(replace(domain, facts=replace(domain.facts, unreached=(), steady=()))).groups(3)
+        groups = DomainLogic(replace(domain, facts=replace(domain.facts, unreachable=(), static=()))).groups(3)
         assert DomainLogic(domain).groups(3) == groups
         plans = schema.plans(3)
         tasks = {orbit(plan, [tuple(map(str, group)) for group in groups]) for plan in plans}
@@ -104,14 +104,14 @@ postcondition(take(K),has(K),true) :- room(K).
 def test_behind_a_door_whose_key_lies_behind_it_nothing_is_reached() -> None:
     never = {"enter(2,3)", "enter(3,2)", "enter(3,4)", "enter(4,3)", "enter(4,5)", "enter(5,4)"}
     locks = {"take(3)", "take(4)", "take(5)", "unlock(3)", "unlock(4)", "unlock(5)"}
-    assert set(unreached(KEYS)) == never | locks
+    assert set(unreachable(KEYS)) == never | locks
 
 
 def test_what_is_unknown_may_be_learned_either_way() -> None:
     text = KEYS.replace('#include "rules/closed_world.lp".', "")
-    assert unreached(text) == []
+    assert unreachable(text) == []
     shut = "".join(f"initially(open({room}),false). initially(has({room}),false). " for room in (3, 4, 5))
-    assert unreached(text + shut + "initially(in(3..5),false).") == unreached(KEYS)
+    assert unreachable(text + shut + "initially(in(3..5),false).") == unreachable(KEYS)
 
 
 def test_a_negative_condition_is_reached_where_something_makes_it_false() -> None:
@@ -122,8 +122,8 @@ def test_a_negative_condition_is_reached_where_something_makes_it_false() -> Non
     precondition(sing,inside,true). postcondition(sing,guarded,false).
     precondition(steal,asleep,false). postcondition(steal,rich,true).
     """
-    assert unreached(text) == ["enter", "sing"]
-    assert unreached(text + "action(lure). precondition(lure,rich,true). postcondition(lure,guarded,unknown).") == []
+    assert unreachable(text) == ["enter", "sing"]
+    assert unreachable(text + "action(lure). precondition(lure,rich,true). postcondition(lure,guarded,unknown).") == []
 
 
 def test_a_value_that_invariants_forbid_together_with_all_that_may_be_is_not_reached() -> None:
@@ -132,8 +132,8 @@ def test_a_value_that_invariants_forbid_together_with_all_that_may_be_is_not_rea
     action(light; bask; burn; wait). postcondition(light,lit,true). precondition(bask,lit,true).
     precondition(burn,warm,true). postcondition(burn,shut,false; burn,warm,true).
     """
-    assert unreached(text) == ["bask", "burn"]
-    assert unreached(text + "postcondition(wait,shut,unknown).") == ["burn"]
+    assert unreachable(text) == ["bask", "burn"]
+    assert unreachable(text + "postcondition(wait,shut,unknown).") == ["burn"]
 
 
 BEYOND = "enter(3,4) enter(4,3) enter(4,5) enter(5,4) take(4) take(5) unlock(4) unlock(5)"
@@ -143,7 +143,7 @@ BEYOND = "enter(3,4) enter(4,3) enter(4,5) enter(5,4) take(4) take(5) unlock(4) 
     ("rules", "never"),
     [
         ("holds(open(3),true,t) :- occurs(enter(1,2),t). changed(open(3),t) :- occurs(enter(1,2),t).", BEYOND),
-        ("known(has(3),true,t) :- occurs(take(2),t), not holds(has(3),true,t-1). changed(has(3),t) :- #false.", BEYOND),
+        ("holds(has(3),true,t) :- occurs(take(2),t), not holds(has(3),true,t-1). changed(has(3),t) :- #false.", BEYOND),
         ("gift(K,t) :- occurs(take(2),t), K = 3. holds(F,true,t) :- found(F,t). found(has(3),t) :- gift(3,t).", BEYOND),
         ("changed(open(R),t) :- occurs(take(2),t), room(R).", ""),
         ("holds(open(R),V,t) :- occurs(take(2),t), room(R), set(V).", ""),
@@ -152,10 +152,10 @@ BEYOND = "enter(3,4) enter(4,3) enter(4,5) enter(5,4) take(4) take(5) unlock(4) 
 )
 def test_what_rules_over_time_make_is_reached(rules: str, never: str) -> None:
     text = f"{KEYS} set(true;false).\n#program step(t).\n{rules}"
-    assert sorted(unreached(text)) == never.split()
+    assert sorted(unreachable(text)) == never.split()
     with loaded(text) as domain:
         assert domain is not None
-        whole = replace(domain, facts=replace(domain.facts, unreached=(), steady=()))
+        whole = replace(domain, facts=replace(domain.facts, unreachable=(), static=()))
         for length in range(4):
             spaces = [
                 space.at(length) for each in (domain, whole) for space in with_engines(each, "automaton", "clingo")
@@ -163,14 +163,14 @@ def test_what_rules_over_time_make_is_reached(rules: str, never: str) -> None:
             assert len({space.count("plan") for space in spaces}) == 1
 
 
-MADE = ("holds({F},{V},t)", "known({F},{V},t)", "changed({F},t)", "sets({F},{V},t)", "now({F},t)")
+MADE = ("holds({F},{V},t)", "changed({F},t)", "sets({F},{V},t)", "now({F},t)")
 READ = (
     "occurs({A},t)", "occurs({A},t-1)", "occurs(_,t)", "holds({F},{V},t-1)", "not holds({F},{V},t-1)",
-    "known({F},{V},t)", "now({F},t-1)", "not now({F},t-1)", "sets({F},{V},t-1)", "changed({F},t-1)",
+    "_known({F},{V},t)", "now({F},t-1)", "not now({F},t-1)", "sets({F},{V},t-1)", "changed({F},t-1)",
 )  # fmt: skip
 SETS = """
 #defined sets/3. #defined now/2.
-holds(F,V,t) :- sets(F,V,t), opposite(V,_).
+holds(F,V,t) :- sets(F,V,t), _opposite(V,_).
 changed(F,t) :- sets(F,_,t).
 """
 
@@ -195,9 +195,9 @@ def rules_over_time(draw: st.DrawFn, toy: Toy) -> str:
 @given(st.one_of(chains(closed=False), chains(closed=True)), st.data())
 def test_what_random_rules_over_time_make_is_reached(toy: Toy, data: st.DataObject) -> None:
     with loaded(toy.text() + data.draw(rules_over_time(toy))) as domain:
-        if domain is None or not (domain.facts.unreached or domain.facts.steady):
+        if domain is None or not (domain.facts.unreachable or domain.facts.static):
             return
-        whole = replace(domain, facts=replace(domain.facts, unreached=(), steady=()))
+        whole = replace(domain, facts=replace(domain.facts, unreachable=(), static=()))
         for length in range(4):
             spaces = [
                 space.at(length) for each in (domain, whole) for space in with_engines(each, "automaton", "clingo")
@@ -206,17 +206,17 @@ def test_what_random_rules_over_time_make_is_reached(toy: Toy, data: st.DataObje
 
 
 def test_states_that_are_made_at_a_step_by_its_number_keep_all_actions() -> None:
-    assert unreached(f"{KEYS} holds(open(3),true,2).") == []
-    assert unreached(f"{KEYS}\n#program check(t).\nholds(open(3),true,t) :- occurs(take(1),t).") == []
+    assert unreachable(f"{KEYS} holds(open(3),true,2).") == []
+    assert unreachable(f"{KEYS}\n#program check(t).\nholds(open(3),true,t) :- occurs(take(1),t).") == []
 
 
 @settings(max_examples=examples(20), suppress_health_check=list(HealthCheck))
 @given(chains(closed=True).map(lambda toy: replace(toy, exclusive=(), implies=())))
 def test_fluents_that_no_action_sets_are_ground_with_one_value_alone(toy: Toy) -> None:
     with loaded(toy.text()) as domain:
-        if domain is None or not domain.facts.steady:
+        if domain is None or not domain.facts.static:
             return
-        whole = replace(domain, facts=replace(domain.facts, unreached=(), steady=()))
+        whole = replace(domain, facts=replace(domain.facts, unreachable=(), static=()))
         for length in range(4):
             plans = {tuple(term(toy, i) for i in plan) for plan in toy.plans(length)}
             assert {space.at(length).count("plan") for space in with_engines(domain, *ENGINES)} == {len(plans)}
@@ -229,9 +229,9 @@ def test_fluents_that_no_action_sets_are_ground_with_one_value_alone(toy: Toy) -
 def test_a_state_has_no_value_that_nothing_makes() -> None:
     with loaded(KEYS) as domain:
         assert domain is not None
-        steady = {str(fluent): value for fluent, value in domain.facts.steady}
+        static = {str(fluent): value for fluent, value in domain.facts.static}
         closed = {f"{name}({number})": "false" for name in ("open", "has", "in") for number in (3, 4, 5)}
-        assert steady == {**closed, "has(1)": "true"}
+        assert static == {**closed, "has(1)": "true"}
         before = set(map(str, DomainLogic(domain).ground.before))
         assert "holds(open(2),true)" in before and "holds(open(4),false)" in before
         assert "holds(open(4),true)" not in before
@@ -239,29 +239,29 @@ def test_a_state_has_no_value_that_nothing_makes() -> None:
     with loaded(f"{KEYS}\n#program step(t).\n{rule}") as domain:
         assert domain is not None
         still = {f"{name}({number})" for name in ("open", "has", "in") for number in (4, 5)} | {"has(1)"}
-        assert {str(fluent) for fluent, _ in domain.facts.steady} == still
+        assert {str(fluent) for fluent, _ in domain.facts.static} == still
     with loaded(f"{KEYS} holds(open(3),true,2).") as domain:
-        assert domain is not None and not domain.facts.steady
+        assert domain is not None and not domain.facts.static
     with loaded(f"{KEYS} exclusive(has(4),has(5)).") as domain:
-        assert domain is not None and not domain.facts.steady
+        assert domain is not None and not domain.facts.static
 
 
 @pytest.mark.parametrize("level", ["plan", "task"])
 def test_rules_may_count_the_actions_that_are_never_reached(level: Level) -> None:
     rule = "few :- #count{A : name(A,unlock)} < 5. some(A) :- mentions(A,1,_). #program step(t). :- few, occurs(_,t)."
     text = KEYS.replace("room(1..5).", "room(1..5). class(room). entity(R,room) :- room(R).") + rule
-    assert unreached(text) == unreached(KEYS)
-    with loaded(text + ":- left_out(unlock(4)), occurs(_,t).") as domain, loaded(text) as other:
-        assert domain is not None and other is not None and domain.facts.unreached == ()
+    assert unreachable(text) == unreachable(KEYS)
+    with loaded(text + ":- _pruned(unlock(4)), occurs(_,t).") as domain, loaded(text) as other:
+        assert domain is not None and other is not None and domain.facts.unreachable == ()
         assert TaskSpace(domain, 3).count(level) == TaskSpace(other, 3).count(level) > 0
 
 
 def test_a_rule_over_time_that_only_reads_leaves_out_as_much_and_counts_the_same() -> None:
     text = KEYS + "#program step(t).\ntired(t) :- occurs(enter(_,_),t-1).\n:- occurs(enter(_,_),t), tired(t)."
-    assert unreached(text) == unreached(KEYS)
+    assert unreachable(text) == unreachable(KEYS)
     with loaded(text) as domain:
         assert domain is not None
-        whole = replace(domain, facts=replace(domain.facts, unreached=(), steady=()))
+        whole = replace(domain, facts=replace(domain.facts, unreachable=(), static=()))
         spaces = [space for each in (domain, whole) for space in with_engines(each, *ENGINES)]
         for length, level in product((2, 4), LEVELS):
             counts = {space.at(length).count(level) for space in spaces}
@@ -308,7 +308,7 @@ def forward(domain: Domain, length: int) -> int:
 def test_of_a_card_game_only_what_can_be_played_is_tried() -> None:
     with loaded(FREECELL) as domain:
         assert domain is not None
-        assert len(domain.facts.unreached) > len(domain.facts.tried) > 20
+        assert len(domain.facts.unreachable) > len(domain.facts.tried) > 20
         automaton, clingo = with_engines(domain, "automaton", "clingo")
         for length in (1, 3, 5):
             assert automaton.at(length).count("plan") == forward(domain, length) > 0
@@ -327,7 +327,7 @@ def test_entities_that_only_unreached_actions_tell_apart_stay_apart() -> None:
     """
     with loaded(text) as domain:
         assert domain is not None
-        assert [str(action) for action in domain.facts.unreached] == ["find", "paint(red)"]
+        assert [str(action) for action in domain.facts.unreachable] == ["find", "paint(red)"]
         assert [[str(each) for each in group] for group in DomainLogic(domain).groups(2)] == [["blue", "green"]]
         spaces = with_engines(domain, *ENGINES)
         assert {space.at(1).count("task") for space in spaces} == {2}
@@ -353,12 +353,12 @@ def test_a_domain_in_which_nothing_is_reached_has_no_plan_and_no_refusal() -> No
     fluent(chicken; egg). initially((chicken;egg),false). action(lay; hatch).
     precondition(lay,chicken,true; hatch,egg,true). postcondition(lay,egg,true; hatch,chicken,true).
     """
-    assert unreached(text) == []
+    assert unreachable(text) == []
     with loaded(text) as domain:
         assert domain is not None
         assert [TaskSpace(domain, n, engine=engine).count() for n in (0, 1) for engine in ENGINES] == [1] * 3 + [0] * 3
         assert [(each.line, each.name) for each in domain.warnings] == [(2, "no-plan")]
-        assert "hatch and all others wait for what only actions make so" in domain.warnings[0].text
+        assert "hatch and all others wait for each other" in domain.warnings[0].text
 
 
 def test_encodings_without_the_relaxed_program_try_all(tmp_path: Path) -> None:
@@ -368,7 +368,7 @@ def test_encodings_without_the_relaxed_program_try_all(tmp_path: Path) -> None:
         if source.name != "reachable.lp":
             copy.write_bytes(source.read_bytes())
     with loaded(KEYS, encodings=tmp_path) as domain:
-        assert domain is not None and domain.facts.unreached == ()
+        assert domain is not None and domain.facts.unreachable == ()
         with loaded(KEYS) as other:
             assert other is not None
             assert TaskSpace(domain, 4).count() == TaskSpace(other, 4).count() > 0
@@ -382,8 +382,8 @@ def test_two_thousand_actions_that_are_reached_one_after_the_other_are_all_kept(
         f"action(go({b})). precondition(go({b}),at({a}),true). postcondition(go({b}),at({b}),true)."
         for a, b in pairwise(range(steps + 1))
     ]
-    assert unreached("\n".join(lines)) == []
-    assert len(unreached("\n".join(lines).replace("(go(2),at(1),", f"(go(2),at({steps}),"))) == steps - 1
+    assert unreachable("\n".join(lines)) == []
+    assert len(unreachable("\n".join(lines).replace("(go(2),at(1),", f"(go(2),at({steps}),"))) == steps - 1
 
 
 def test_the_lines_that_keep_an_action_from_being_reached_are_named() -> None:
@@ -393,6 +393,6 @@ def test_the_lines_that_keep_an_action_from_being_reached_are_named() -> None:
     postcondition(lay,egg,true). postcondition(hatch,chicken,true).
     """
     with loaded(text) as domain:
-        assert domain is not None and [str(each) for each in domain.facts.unreached] == ["hatch", "lay"]
+        assert domain is not None and [str(each) for each in domain.facts.unreachable] == ["hatch", "lay"]
         changes = fewest_changes(TaskSpace(domain, 1), action="lay")
         assert [line.line for (line,) in changes] == [2, 3]

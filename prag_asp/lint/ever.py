@@ -1,9 +1,9 @@
-"""What may ever be true, as a domain says it with ``ever``: where it says too little, actions that ask are missing.
+"""The statements of ``ever``: where they lack a fluent that may be true, actions that read it are missing.
 
-So are those that ask for what they do not need.
+So are actions whose rules read a fluent that the action does not need.
 
-What may be true by relaxed reachability is stated, if it is asked for: then no step comes first at which an action
-occurs that is not made, for the steps before it are those of actions that are.
+Every fluent that is reachable and read has to be stated. By induction over the steps, an action that is not made then
+never occurs, because all steps before it are actions that are made.
 """
 
 from __future__ import annotations
@@ -14,29 +14,30 @@ from itertools import chain
 import clingo
 from clingo.ast import ASTType
 
-from prag_asp.lint.occurrence import CHANGED, STATE_PREDICATES
-from prag_asp.lint.reaching.reachability import Reached
-from prag_asp.lint.reaching.relaxed import PREFIX, Maker
 from prag_asp.program.facts import Facts, unsorted_rows
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.invariants import entailed, invariant_graph
+from prag_asp.program.predicates import CHANGED, EVER
 from prag_asp.program.problem import Problem
 from prag_asp.program.syntax import AtomNode, Statement, plain_atom
+from prag_asp.pruning.reachability import RelaxedReach
+from prag_asp.pruning.rejected_actions import STATE_PREDICATES
+from prag_asp.pruning.relaxed_rules import FluentSetter
 
-EVER, ACTION, PRECONDITION = ("ever", 1), ("action", 1), ("precondition", 3)
+ACTION, PRECONDITION = ("action", 1), ("precondition", 3)
 
-ASKS = f"{PREFIX}be_asked"
-"""A predicate of N, A and F: by the N-th rule that asks, action A is made only where fluent F may be true."""
+ASKS = "_asks_ever"
+"""The predicate of N, A and F: the N-th rule that reads `ever` makes action A only where fluent F may be true."""
 
 MISSING = "actions that ask for it would be missing"
 
 
 def ever_problems(
-    grounder: Grounder, facts: Facts, statements: Sequence[Statement], reached: Reached | None
+    grounder: Grounder, facts: Facts, statements: Sequence[Statement], reach: RelaxedReach | None
 ) -> Iterator[Problem]:
-    """Yield the first fluent of each name that may be true at some time, is asked for by ``ever``, and is not stated.
+    """Yield the first fluent of each name that may be true at some time and is read by ``ever``, but not stated.
 
-    Where it is not known what may be `reached`, that is what the start and actions say, and all that own rules set.
+    Without a `reach`, a fluent may be true by the initial state, by an action, or by a user rule that sets it.
     """
     fluents = {fluent.name for fluent in facts.fluents}
     readers: dict[str, Statement] = {}
@@ -47,21 +48,21 @@ def ever_problems(
     if not readers:
         return
     if not any(map(_states, statements)):
-        told = 'ever is read, but nothing states it; add #include "rules/ever.lp".'
+        told = 'ever is read, but no rule states it; add #include "rules/ever.lp".'
         yield next(iter(readers.values())).problem(told)
         return
     ever = {fluent for (fluent,) in unsorted_rows(grounder.control, *EVER)}
-    may_be_true = _unknown(facts, statements) if reached is None else lambda each: (each, "true") in reached.values
+    may_be_true = _unknown(facts, statements) if reach is None else lambda each: (each, "true") in reach.values
     told_of: set[str] = set()
     for fluent in facts.fluents:
         reader = readers.get(fluent.name) or readers.get("")
         if reader and may_be_true(fluent) and fluent not in ever and fluent.name not in told_of:
             told_of.add(fluent.name)
-            yield _problem(fluent, facts, reader, reached.setters if reached else {})
+            yield _problem(fluent, facts, reader, reach.setters if reach else {})
 
 
 def _unknown(facts: Facts, statements: Sequence[Statement]) -> Callable[[clingo.Symbol], bool]:
-    """Return whether a fluent may be true, as the start, actions and the names that own rules set tell of it."""
+    """Return the test of whether a fluent may be true by the initial state, the actions and the user rules."""
     false = {fluent for fluent, value in facts.initially if value == "false"}
     made = {fluent for values in facts.postconditions.values() for fluent, value in values if value != "false"}
     heads = [atom for each in statements if each.own for atom in each.heads if atom.signature in STATE_PREDICATES]
@@ -71,7 +72,7 @@ def _unknown(facts: Facts, statements: Sequence[Statement]) -> Callable[[clingo.
 
 
 def needless_problems(grounder: Grounder, facts: Facts, statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield a warning for each rule for actions that asks by ``ever`` for what an action does not need to be true."""
+    """Yield a warning for each rule that requires by ``ever`` a fluent that its action does not need."""
     asking = [each for each in statements if each.own and _makes_action(each) and any(_asked(each))]
     stated = set(chain.from_iterable(map(_demanded, statements))) if asking else set()
     rules = [
@@ -102,7 +103,7 @@ def _makes_action(rule: Statement) -> bool:
 
 
 def _asked(rule: Statement) -> Iterator[str]:
-    """Yield what a rule asks for by ``ever``."""
+    """Yield the fluents that a rule reads by ``ever``."""
     for node, text in rule.literals:
         atom = plain_atom(node, text)
         if atom and not atom.negated and atom.signature == EVER:
@@ -110,7 +111,7 @@ def _asked(rule: Statement) -> Iterator[str]:
 
 
 def _demanded(rule: Statement) -> Iterator[tuple[str, str]]:
-    """Yield an action with each fluent, as it is written, that a rule demands to be true of all its instances."""
+    """Yield an action with each fluent, as text, that a rule requires to be true of all its instances."""
     for head in rule.heads if rule.own else ():
         action, body = head.arguments[:1], [text for _, text in rule.literals]
         if head.signature == PRECONDITION and head.arguments[2] == "true" and body == [f"action({action[0]})"]:
@@ -119,22 +120,22 @@ def _demanded(rule: Statement) -> Iterator[tuple[str, str]]:
 
 
 def _name(atom: AtomNode, fluents: Collection[str]) -> str:
-    """Return which name of the `fluents` an atom asks for; nothing where it may be any, as of a constant."""
+    """Return the name of the fluents that an atom reads; empty where it may be any, such as a constant."""
     name = atom.arguments[0].partition("(")[0]
     return name if name in fluents else ""
 
 
 def _states(statement: Statement) -> bool:
-    """Return whether a statement says what may ever be true, or that nothing may."""
+    """Return whether a statement derives or declares ``ever``."""
     if statement.own and statement.kind == ASTType.Defined:
         return (statement.node.name, statement.node.arity) == EVER
     return any(atom.signature == EVER for atom in statement.heads)
 
 
 def _problem(
-    fluent: clingo.Symbol, facts: Facts, reader: Statement, setters: Mapping[tuple[clingo.Symbol, str], Maker]
+    fluent: clingo.Symbol, facts: Facts, reader: Statement, setters: Mapping[tuple[clingo.Symbol, str], FluentSetter]
 ) -> Problem:
-    """Return what is told of a fluent that is not stated: by the own rule that makes it so, or by who asks for it."""
+    """Return the problem of a fluent that is not stated, at the user rule that sets it or at the rule that reads it."""
     made_by = setters.get((fluent, "true"))
     if made_by is not None:
         made = f"leaves open whether {fluent} is" if made_by.head.signature == CHANGED else f"may make {fluent}"

@@ -1,29 +1,29 @@
-"""Effects of one action that may speak of the same fluent: what is both added and deleted is added."""
+"""Effects of one action that may set the same fluent: one that is both added and deleted is added."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
 from prag_asp.pddl.conditions import Vocabulary
-from prag_asp.pddl.definitions import DomainFile, Effect, ProblemFile
+from prag_asp.pddl.definitions import DomainFile, ProblemFile, SchemaEffect
 from prag_asp.pddl.formulas import Variable, conjuncts
 
 
-def is_plain(effect: Effect) -> bool:
-    """Tell whether an effect depends on nothing, and has no variables of its own."""
+def is_plain(effect: SchemaEffect) -> bool:
+    """Return whether an effect has neither a condition nor quantified variables."""
     return not effect.variables and next(conjuncts(effect.condition), None) is None
 
 
-class Rivals:
-    """Finds effects that may speak of the same fluent, by the types of their terms."""
+class ConflictingEffects:
+    """Finds effects that may set the same fluent, by the types of their terms."""
 
     def __init__(self, domain: DomainFile, problem: ProblemFile) -> None:
         self._objects = problem.objects
         self._above = [domain.above(name) for name in domain.types]
         self._known: dict[tuple[tuple[str, ...], tuple[str, ...]], bool] = {}
 
-    def of(self, effect: Effect, others: Iterable[Effect]) -> list[Effect]:
-        """Return which of some other effects may speak of the fluent of an effect."""
+    def of(self, effect: SchemaEffect, others: Iterable[SchemaEffect]) -> list[SchemaEffect]:
+        """Return the effects among others that may set the fluent of an effect."""
         found = effect.literal
         return [
             each
@@ -46,15 +46,15 @@ class Rivals:
         return term.types if isinstance(term, Variable) else (self._objects[term],)
 
 
-def is_overruled(effect: Effect, rivals: Iterable[Effect]) -> bool:
-    """Tell whether what an effect deletes is always added at once."""
-    return any(is_plain(each) and each.literal.terms == effect.literal.terms for each in rivals)
+def is_overruled(effect: SchemaEffect, conflicting: Iterable[SchemaEffect]) -> bool:
+    """Return whether the fluent that an effect deletes is always added at the same time."""
+    return any(is_plain(each) and each.literal.terms == effect.literal.terms for each in conflicting)
 
 
-def differences(words: Vocabulary, effect: Effect, rivals: Iterable[Effect]) -> Iterator[str]:
-    """Yield how the terms of a deletion differ from those of each plain effect that adds at once."""
-    for rival in filter(is_plain, rivals):
-        pairs = zip(effect.literal.terms, rival.literal.terms, strict=True)
+def differences(words: Vocabulary, effect: SchemaEffect, conflicting: Iterable[SchemaEffect]) -> Iterator[str]:
+    """Yield the comparisons by which a deletion differs from each plain effect that adds at the same time."""
+    for other in filter(is_plain, conflicting):
+        pairs = zip(effect.literal.terms, other.literal.terms, strict=True)
         unlike = [(words.term(left), words.term(right)) for left, right in pairs if left != right]
         left, right = (",".join(side) for side in zip(*unlike, strict=True))
         yield f"{left} != {right}" if len(unlike) == 1 else f"({left}) != ({right})"

@@ -61,11 +61,11 @@ def test_the_rest_is_the_domain_without_them_for_every_engine_and_level(schema: 
     with loaded(f"{schema.text()}\n{more}") as domain:
         assume(domain is not None and all(each.name != "no-plan" for each in domain.warnings))
         assert domain is not None
-        left_out = set(map(str, domain.facts.left_out))
-        assert never <= left_out
-        rest = pruned(schema, left_out)
+        never_occurring = set(map(str, domain.facts.pruned))
+        assert never <= never_occurring
+        rest = pruned(schema, never_occurring)
         without = domain_of(f"{rest.text()}\n{FLAG}")
-        assert replace(domain.facts, left_out=(), unreached=(), steady=()) == replace(without.facts, steady=())
+        assert replace(domain.facts, pruned=(), unreachable=(), static=()) == replace(without.facts, static=())
         groups = DomainLogic(without).groups(3)
         assert DomainLogic(domain).groups(3) == groups
         spaces = with_engines(domain, *ENGINES)
@@ -88,7 +88,7 @@ def test_the_rest_is_the_domain_without_them_for_every_engine_and_level(schema: 
 @given(st.one_of(toys(closed=False), toys(closed=True)))
 def test_random_domains_count_as_the_definition_says(toy: Toy) -> None:
     with loaded(toy.text(), "at_most") as domain:
-        assume(domain is not None and domain.facts.left_out)
+        assume(domain is not None and domain.facts.pruned)
         assert domain is not None
         spaces = with_engines(domain, *ENGINES)
         for length in range(4):
@@ -102,7 +102,7 @@ def test_random_domains_count_as_the_definition_says(toy: Toy) -> None:
 @given(st.one_of(hierarchies(closed=False), hierarchies(closed=True)))
 def test_random_hierarchies_count_as_the_definition_says(toy: Toy) -> None:
     with loaded(toy.text(), "at_most") as domain:
-        assume(domain is not None and domain.facts.left_out)
+        assume(domain is not None and domain.facts.pruned)
         assert domain is not None
         spaces = with_engines(domain, *ENGINES)
         for length in (0, 2, 4):
@@ -126,13 +126,13 @@ def test_composites_with_left_out_actions_are_left_out_and_keep_the_hierarchy(tm
     """
     (tmp_path / "domain.lp").write_text(text, encoding="utf-8")
     domain = load_domain(tmp_path)
-    assert [str(each) for each in domain.facts.left_out] == ["break", "fail"]
+    assert [str(each) for each in domain.facts.pruned] == ["break", "fail"]
     assert [warning.text.partition(":")[0] for warning in domain.warnings] == ["break can never occur"]
     for engine in ENGINES:
         assert set(TaskSpace(domain, 2, engine=engine).enumerate("plan")) == {("press", "release")}
         assert TaskSpace(domain, 3, engine=engine).count() == 1
     flat = load_domain(tmp_path, flat=True).facts
-    assert ([str(each) for each in flat.left_out], len(flat.declared_actions)) == (["break"], 3)
+    assert ([str(each) for each in flat.pruned], len(flat.declared_actions)) == (["break"], 3)
     (task,) = TaskSpace(domain, 2)
     (reading,) = TaskSpace(domain, 2).readings(task)
     assert isinstance(reading[0], Composite)
@@ -151,7 +151,7 @@ def test_what_is_left_out_may_be_weighed_and_is_told_where_it_is_asked_for(tmp_p
     space = TaskSpace(load_domain(tmp_path), 1)
     assert [str(task) for task in space.sample(1, seed=1)] == ["press"]
     for ask in (lambda: space.count(prefix=["spin(left)"]), lambda: space.where("has spin").count()):
-        with pytest.raises(QueryError, match=r"^spin(\(left\))? can never occur, so it is left out; prag-asp check"):
+        with pytest.raises(QueryError, match=r"^spin(\(left\))? can never occur, so it is pruned; prag-asp check"):
             ask()
 
 
@@ -161,11 +161,11 @@ def test_own_rules_that_unset_a_fluent_keep_what_they_make_possible(tmp_path: Pa
     action(lower). precondition(lower, held, true). postcondition(lower, down, true).
     """
     (tmp_path / "domain.lp").write_text(text + "action(wait).\n", encoding="utf-8")
-    assert [str(each) for each in load_domain(tmp_path).facts.left_out] == ["lower"]
+    assert [str(each) for each in load_domain(tmp_path).facts.pruned] == ["lower"]
     own = "#program step(t).\nchanged(held,t) :- occurs(lower,t).\n"
     (tmp_path / "domain.lp").write_text(text + "action(wait).\n" + own, encoding="utf-8")
     domain = load_domain(tmp_path)
-    assert domain.warnings == () and domain.facts.left_out == ()
+    assert domain.warnings == () and domain.facts.pruned == ()
     assert {TaskSpace(domain, 1, engine=engine).count() for engine in ENGINES} == {2}
 
 
@@ -173,13 +173,13 @@ def test_encodings_that_do_not_know_what_is_left_out_keep_it(tmp_path: Path) -> 
     encodings = tmp_path / "encodings"
     for source in data_folder("encodings").glob("*.lp"):
         encodings.mkdir(exist_ok=True)
-        text = source.read_text(encoding="utf-8").replace(", not left_out(A)", "").replace("not left_out(C), ", "")
+        text = source.read_text(encoding="utf-8").replace(", not _pruned(A)", "").replace("not _pruned(C), ", "")
         (encodings / source.name).write_text(text, encoding="utf-8")
     (tmp_path / "domain.lp").write_text(
         "fluent(on). initially(on,false). action(go). action(no). precondition(no,on,true)."
     )
     domain = load_domain(tmp_path, encodings=encodings)
-    assert len(domain.warnings) == 1 and domain.facts.left_out == () and len(domain.facts.actions) == 2
+    assert len(domain.warnings) == 1 and domain.facts.pruned == () and len(domain.facts.actions) == 2
     assert TaskSpace(domain, 3).count() == 1
 
 
@@ -202,5 +202,5 @@ def test_hundreds_of_actions_of_which_half_never_occur_are_left_out(tmp_path: Pa
         (tmp_path / folder / "domain.lp").write_text("\n".join(lines), encoding="utf-8")
         assert sum(line.startswith("action(") for line in lines) == moves
     domain = load_domain(tmp_path / "all")
-    assert len(domain.facts.left_out) == len(domain.warnings) == len(far) > 200
-    assert replace(domain.facts, left_out=()) == load_domain(tmp_path / "able").facts
+    assert len(domain.facts.pruned) == len(domain.warnings) == len(far) > 200
+    assert replace(domain.facts, pruned=()) == load_domain(tmp_path / "able").facts

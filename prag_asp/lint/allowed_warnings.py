@@ -1,4 +1,4 @@
-"""Comments that quiet warnings: ``% lint: allow unused, empty-class`` on the line that a warning is about."""
+"""Comments that suppress warnings: ``% lint: allow unused, empty-class`` on the line of the warning."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from prag_asp.program.tokens import comments
 from prag_asp.wording import did_you_mean
 
 ALLOW = re.compile(r"\blint:\s*allow\b(?P<names>[^*#%\n]*)")
-"""What such a comment says, in a logic program (after %, or in %* *%) and in domain.toml (after #)."""
+"""The text of such a comment, in a logic program (after %, or in %* *%) and in domain.toml (after #)."""
 
 TOML_COMMENT = re.compile(r"#(?P<words>[^#]*\blint:.*)$")
 
 Allowed = Mapping[tuple[Path, int], tuple[str, ...]]
-"""The names that each line allows, known or not."""
+"""The names that each line allows, whether or not there are such warnings."""
 
 
 def allowed_names(sources: Iterable[Source], settings: Settings) -> Allowed:
-    """Return what the comments of sources and of a domain.toml allow."""
+    """Return the names that the comments of sources and of a domain.toml allow."""
     found: dict[tuple[Path, int], tuple[str, ...]] = {}
     for source in sources:
         if "lint:" in source.text:
@@ -40,19 +40,19 @@ def _names(spoken: Iterable[tuple[int, str]]) -> Iterator[tuple[int, tuple[str, 
 
 
 def not_allowed(problems: Iterable[Problem], allowed: Allowed) -> Iterator[Problem]:
-    """Yield the problems that no comment on their line quiets; no comment quiets an error."""
+    """Yield the problems that no comment on their line suppresses; errors cannot be suppressed."""
     for each in problems:
         if not each.is_warning or each.name not in allowed.get((each.path, each.line), ()):
             yield each
 
 
 def allowance_problems(allowed: Allowed) -> Iterator[Problem]:
-    """Yield the names that are allowed, but that no warning has."""
+    """Yield comments with unknown names, or without names."""
     for (path, line), names in allowed.items():
         for name in names:
             if name not in WARNINGS:
-                hint = did_you_mean(name, WARNINGS, f"there are {', '.join(WARNINGS)}")
-                yield Problem(path, line, f"no warning is called {name}; {hint}", "no-effect")
+                hint = did_you_mean(name, WARNINGS, f"warnings are {', '.join(WARNINGS)}")
+                yield Problem(path, line, f"unknown warning {name}; {hint}", "no-effect")
         if not names:
             text = f"this comment allows nothing; name a warning, such as {min(WARNINGS)}"
             yield Problem(path, line, text, "no-effect")

@@ -1,0 +1,72 @@
+"""The predicates of the encodings that Python reads or writes.
+
+Those of the contract have plain names (see ``encodings/contract.lp``). All others begin with `RESERVED`, which no name
+of a predicate in a domain may begin with.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+import clingo
+
+RESERVED = "_"
+"""The prefix of the library's own predicates: authors have all other names but those of the contract to themselves."""
+
+
+class EncodingPredicate(NamedTuple):
+    """The name and the number of arguments of a predicate, which makes its atoms."""
+
+    name: str
+    arity: int
+
+    def __call__(self, *arguments: clingo.Symbol) -> clingo.Symbol:
+        """Return the atom of some arguments."""
+        return clingo.Function(self.name, arguments)
+
+    def fact(self, *arguments: object) -> str:
+        """Return a fact as text."""
+        return f"{self.name}({','.join(map(str, arguments))})."
+
+    def timeless(self, *arguments: clingo.Symbol) -> clingo.Symbol:
+        """Return the atom of some arguments, its last one, the step, left out."""
+        return clingo.Function(self.name, arguments)
+
+    @property
+    def without_time(self) -> tuple[str, int]:
+        """The signature of its atoms without their last argument, the step."""
+        return self.name, self.arity - 1
+
+
+OCCURS, HOLDS, CHANGED = EncodingPredicate("occurs", 2), EncodingPredicate("holds", 3), EncodingPredicate("changed", 2)
+NAME, MENTIONS, IS_A = EncodingPredicate("name", 2), EncodingPredicate("mentions", 3), EncodingPredicate("is_a", 2)
+EVER, IMPOSSIBLE = EncodingPredicate("ever", 1), EncodingPredicate("impossible", 2)
+"""Predicates of the contract."""
+
+KNOWN, STEP_NAME = EncodingPredicate("_known", 3), EncodingPredicate("_step_name", 2)
+FINAL, STATE = EncodingPredicate("_final", 3), EncodingPredicate("_state", 3)
+RULED_OUT, BARRED = EncodingPredicate("_ruled_out", 2), EncodingPredicate("_barred", 2)
+"""What is known of states: by a step, at the end, and with hindsight."""
+
+PRUNED = EncodingPredicate("_pruned", 1)
+MAY_OCCUR, MAY_HOLD = EncodingPredicate("_may_occur", 1), EncodingPredicate("_may_hold", 2)
+MAY_STAND, MAY_SET = EncodingPredicate("_may_stand", 2), EncodingPredicate("_may_set", 3)
+"""What can never occur, and what may ever be so."""
+
+SUCCESSOR, INTRODUCED = EncodingPredicate("_successor", 2), EncodingPredicate("_introduced", 2)
+JOINT_UNIT, NEXT_UNIT = EncodingPredicate("_joint_unit", 2), EncodingPredicate("_next_unit", 2)
+UNIT_INTRODUCED = EncodingPredicate("_unit_introduced", 2)
+"""The order in which tasks introduce interchangeable entities."""
+
+REQUEST, MEMORY, FINDING = (
+    EncodingPredicate("_request", 1),
+    EncodingPredicate("_memory", 2),
+    EncodingPredicate("_finding", 2),
+)
+"""What conditions and weights request, remember after a step, and find at a step."""
+
+
+def speaks_of(text: str, predicate: EncodingPredicate) -> bool:
+    """Return whether a program text has the name of a predicate somewhere."""
+    return re.search(rf"\b{predicate.name}\b", text) is not None

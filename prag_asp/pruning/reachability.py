@@ -1,0 +1,135 @@
+"""Relaxed reachability: actions that never occur because nothing ever makes what they need.
+
+In the relaxed problem, nothing that was true is ever lost (Bonet and Geffner 2001; planners ground by it, Helmert
+2009). ``encodings/reachable.lp`` states it of the facts of the base part.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import clingo
+
+from prag_asp.errors import DomainError
+from prag_asp.program.atom_arrays import ground_atoms
+from prag_asp.program.facts import Assignment, Facts
+from prag_asp.program.grounding import Grounder
+from prag_asp.program.predicates import HOLDS, MAY_HOLD, MAY_OCCUR, MAY_SET, MAY_STAND, OCCURS, PRUNED
+from prag_asp.program.sources import REACHABLE, Source, read_sources
+from prag_asp.program.syntax import Statement
+from prag_asp.pruning.rejected_actions import STATE_PREDICATES
+from prag_asp.pruning.relaxed_rules import STRAY, FluentSetter, RelaxedRules, fluent_setters
+
+DYNAMIC = STATE_PREDICATES | {OCCURS}
+"""The predicates that describe states and actions."""
+
+OPPOSITE = {"true": "false", "false": "true"}
+
+ValuedFluent = tuple[clingo.Symbol, str]
+"""A fluent with one of its values."""
+
+CONFLICTS = "10000"
+"""Conflicts that clingo may spend on the rest of the base part; the relaxed steps need none."""
+
+
+def relaxed_sources(encodings: Path) -> tuple[Source, ...]:
+    """Return the program of relaxed steps in a folder of encodings, nothing where it has none."""
+    path = encodings / REACHABLE
+    return read_sources(path, encodings) if path.is_file() else ()
+
+
+class RelaxedReach(NamedTuple):
+    """What is reachable: the actions that may occur and the values that fluents may have.
+
+    Values are `standing` where all that invariants infer from them is reachable as well. `setters` are the values that
+    user rules of a step may set, each with the first rule that does.
+    """
+
+    actions: frozenset[clingo.Symbol]
+    values: frozenset[ValuedFluent]
+    standing: frozenset[ValuedFluent]
+    setters: Mapping[ValuedFluent, FluentSetter]
+
+
+class Unreachable(NamedTuple):
+    """The unreachable actions and values of the goal; where no action is reachable, one of them instead of all."""
+
+    actions: tuple[clingo.Symbol, ...] = ()
+    goal: tuple[ValuedFluent, ...] = ()
+    instead_of_all: clingo.Symbol | None = None
+
+
+def find_relaxed_reach(
+    grounder: Grounder, facts: Facts, statements: Sequence[Statement], encodings: Path
+) -> RelaxedReach | None:
+    """Return what is reachable of the fluents and actions of `facts`, or None where that is not known.
+
+    `grounder` holds the base part with the relaxed steps. It is not known where rules other than the `encodings` read
+    which actions are pruned, make actions occur, derive states outside of a step, or may give a value to what is no
+    fluent; nor where the initial state depends on choices.
+    """
+    others = [each for each in statements if each.own or each.path.parent != encodings]
+    reads = any(atom.signature == PRUNED for each in others for atom in each.body)
+    steps = [each for each in others if each.is_rule and each.part == "step"]
+    elsewhere = any(_derives_elsewhere(each) for each in others if each.part != "step")
+    control = grounder.control
+    if reads or elsewhere or any(atom.signature == OCCURS for each in steps for atom in each.heads):
+        return None
+    open_start = any(not is_fact for _, _, is_fact in ground_atoms(control, *HOLDS))
+    if control.is_conflicting or open_start:
+        return None
+    setters = fluent_setters(steps)
+    grounder.state(PRUNED(term) for term in facts.pruned)
+    if setters:
+        grounder.add("reachable", RelaxedRules(control, statements, steps).rules(setters))
+    try:
+        grounder.ground([("reachable", [])])
+    except DomainError:  # an operation that only the relaxed rules run on these values is undefined
+        return None
+    solving = control.configuration.solve
+    assert isinstance(solving, clingo.Configuration)
+    solving.solve_limit = CONFLICTS
+    with control.solve(yield_=True) as handle:
+        model = handle.model()
+        if model is None:
+            return None
+        occurring, holding, standing, setting, stray = (
+            [
+                arguments
+                for arguments, literal, is_fact in ground_atoms(control, *each)
+                if is_fact or model.is_true(literal)
+            ]
+            for each in (MAY_OCCUR, MAY_HOLD, MAY_STAND, MAY_SET, (STRAY, 0))
+        )
+    if stray:
+        return None
+    set_by: dict[ValuedFluent, FluentSetter] = {}
+    for number, fluent, value in sorted(setting, reverse=True):
+        set_by[fluent, str(value)] = setters[number.number]
+    values, stood = (frozenset((fluent, str(value)) for fluent, value in each) for each in (holding, standing))
+    return RelaxedReach(frozenset(action for (action,) in occurring), values, stood, set_by)
+
+
+def _derives_elsewhere(statement: Statement) -> bool:
+    """Return whether a rule outside of a step derives an action or a state other than the initial one."""
+    heads = [atom for atom in statement.heads if atom.signature in DYNAMIC]
+    return any(statement.timed or atom.signature != HOLDS or atom.arguments[-1] != "0" for atom in heads)
+
+
+def find_unreachable(reach: RelaxedReach, facts: Facts) -> Unreachable:
+    """Return the unreachable actions, none of them where that would be all, and the unreachable values of the goal."""
+    never = tuple(action for action in facts.actions if action not in reach.actions)
+    goal = tuple(each for each in facts.goal if each not in reach.standing)
+    return Unreachable(never, goal) if reach.actions else Unreachable((), goal, next(iter(facts.tried), None))
+
+
+def static_values(reach: RelaxedReach, facts: Facts) -> Assignment:
+    """Return fluents that have the same value in every state, with it: nothing ever gives them the other one.
+
+    None is found where invariants restrict fluents as well.
+    """
+    if facts.exclusive or facts.implies or facts.impossible:
+        return ()
+    return tuple(each for each in facts.initially if (each[0], OPPOSITE[each[1]]) not in reach.values)

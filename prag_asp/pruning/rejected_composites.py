@@ -1,0 +1,131 @@
+"""Composites that every state rejects, and whether any composite or free action can begin in the initial state.
+
+A sequence of actions that is rejected from a state where nothing is known but what never changes is rejected from every
+state. The invariants find the suspects and the reasons; the encodings confirm them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from itertools import groupby
+from typing import NamedTuple
+
+import clingo
+
+from prag_asp.program.composition import Actions, composite_actions
+from prag_asp.program.facts import Assignment, Facts
+from prag_asp.program.grounding import Grounder
+from prag_asp.program.invariants import FluentValue, Graph, conflict, entailed, invariant_graph, spell
+from prag_asp.program.predicates import OCCURS
+from prag_asp.program.sources import Program
+from prag_asp.program.syntax import Statement
+from prag_asp.pruning.rejected_actions import STEP, RejectedActions, fluent_values, holding, state_predicates_of
+
+KnownValues = frozenset[FluentValue]
+
+
+class StageFailure(NamedTuple):
+    """Why a sequence of actions is rejected: the place of the action to blame, from 0, and the reason in words."""
+
+    place: int
+    reason: str
+
+
+class RejectedComposites(NamedTuple):
+    """The composites that can never occur, and the reasons of those whose single actions all may occur.
+
+    `none_can_begin` says that no composite and no free action can begin in the initial state.
+    """
+
+    composites: frozenset[clingo.Symbol]
+    failures: Mapping[clingo.Symbol, StageFailure]
+    none_can_begin: bool
+
+
+def find_rejected_composites(
+    program: Program, facts: Facts, actions: RejectedActions, statements: Sequence[Statement]
+) -> RejectedComposites:
+    """Return the composites that every state rejects.
+
+    Where user rules of a step derive states, only the rejected `actions` reject composites.
+    """
+    sequences = composite_actions(facts)
+    rejected = actions.rejections.keys()
+    broken = {composite for composite, sequence in sequences.items() if not rejected.isdisjoint(sequence)}
+    if any(map(any, map(state_predicates_of, statements))):
+        return RejectedComposites(frozenset(broken), {}, none_can_begin=False)
+    runner = _SequenceRunner(facts)
+    whole = {composite: sequence for composite, sequence in sequences.items() if composite not in broken}
+    failures = runner.failures(whole, frozenset(actions.static))
+    confirmed = _confirmed(program, {composite: sequences[composite] for composite in failures}, actions.static)
+    failures = {composite: failures[composite] for composite in confirmed}
+    initial = fluent_values(facts.initially)
+    free = set(facts.free).difference(sequences, rejected)
+    units = {**whole, **{action: (action,) for action in free}}
+    stuck = len(runner.failures(units, frozenset(initial))) == len(units) == len(_confirmed(program, units, initial))
+    return RejectedComposites(frozenset({*broken, *failures}), failures, stuck)
+
+
+class _SequenceRunner:
+    """Runs sequences of actions through known values, as the encodings do; equal beginnings run once."""
+
+    def __init__(self, facts: Facts) -> None:
+        self._graph: Graph = invariant_graph(facts)
+        self._needed = {a: frozenset(entailed(_of(facts.preconditions, a), self._graph)) for a in facts.actions}
+        self._made = {a: _of(facts.postconditions, a) for a in facts.actions}
+        self._changed = {a: {fluent for fluent, _ in facts.postconditions.get(a, ())} for a in facts.actions}
+
+    def failures(
+        self, sequences: Mapping[clingo.Symbol, Actions], known: KnownValues
+    ) -> dict[clingo.Symbol, StageFailure]:
+        """Return the sequences that are rejected from a state where just `known` is known, each with the reason."""
+        results: dict[Actions, KnownValues | StageFailure] = {(): frozenset(entailed(known, self._graph))}
+        found: dict[clingo.Symbol, StageFailure] = {}
+        for key, sequence in sequences.items():
+            for index, action in enumerate(sequence):
+                before = results[sequence[:index]]
+                if sequence[: index + 1] not in results:
+                    results[sequence[: index + 1]] = (
+                        before if isinstance(before, StageFailure) else self._after(index, action, before)
+                    )
+            last = results[sequence]
+            if isinstance(last, StageFailure):
+                found[key] = last
+        return found
+
+    def _after(self, index: int, action: clingo.Symbol, known: KnownValues) -> KnownValues | StageFailure:
+        needed = self._needed[action]
+        for fluent, value in sorted(needed):
+            if (fluent, not value) in known or (fluent, not value) in needed:
+                return StageFailure(index, f"needs {spell((fluent, value))}, but by then {spell((fluent, not value))}")
+        kept = {literal for literal in known | needed if literal[0] not in self._changed[action]}
+        after = entailed([*kept, *self._made[action]], self._graph)
+        pair = conflict(after)
+        if pair:
+            return StageFailure(index, f"leads to {spell(pair[0])} and {spell(pair[1])}, which the invariants forbid")
+        return frozenset(after)
+
+
+def _of(table: Mapping[clingo.Symbol, Assignment], action: clingo.Symbol) -> list[FluentValue]:
+    return fluent_values(table.get(action, ()))
+
+
+def _confirmed(
+    program: Program, sequences: Mapping[clingo.Symbol, Actions], known: Collection[FluentValue]
+) -> list[clingo.Symbol]:
+    """Return the keys of the sequences that the encodings reject where just `known` is known."""
+    found = []
+    by_length = sorted(sequences, key=lambda key: len(sequences[key]))
+    for length, keys in groupby(by_length, key=lambda key: len(sequences[key])):
+        grounder = Grounder(program)
+        steps = [clingo.Number(STEP + index) for index in range(length)]
+        grounder.ground([("base", [])])
+        grounder.state(holding(known, STEP - 1))
+        grounder.ground([("step", [step]) for step in steps])
+        atoms = grounder.control.symbolic_atoms
+        for key in keys:
+            occurring = [atoms[OCCURS(action, step)] for action, step in zip(sequences[key], steps, strict=True)]
+            assumed = [atom.literal for atom in occurring if atom is not None]
+            if len(assumed) < length or grounder.control.solve(assumptions=assumed).unsatisfiable:
+                found.append(key)
+    return found
