@@ -31,9 +31,10 @@ BOUND = "bound it by a condition such as N < 10"
 class BoundReached(DomainError):
     """Grounding made a number that is out of range, or exceeded a bound, at the place of `problem`."""
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: Problem | BoundReached) -> None:
         super().__init__(str(problem))
-        self.problem = problem
+        # clingo raises the error of a callback anew, with the error as its argument.
+        self.problem: Problem = problem.problem if isinstance(problem, BoundReached) else problem
 
 
 @dataclass(frozen=True)
