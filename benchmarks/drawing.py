@@ -14,7 +14,7 @@ from rich.table import Table
 
 from prag_asp import TaskSpace, load_domain
 from prag_asp.dataset.jsonl import Record, write_line
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.ground.ground_step import unrolled
 from prag_asp.program.grounding import Grounder
 
@@ -42,7 +42,7 @@ def rate(draw: Callable[[int], object], count: int) -> float:
 
 def clingo_draws(length: int) -> Iterator[tuple[str, ...]]:
     """Yield tasks that clingo finds first, with random decisions and signs, from a new seed each time."""
-    grounder = Grounder(Model(DOMAIN).task_program(length), "1", "--rand-freq=1", "--sign-def=rnd")
+    grounder = Grounder(DomainLogic(DOMAIN).task_program(length), "1", "--rand-freq=1", "--sign-def=rnd")
     grounder.ground([("base", []), *unrolled(length)])
     solver = grounder.control.configuration.solver
     assert isinstance(solver, clingo.Configuration)

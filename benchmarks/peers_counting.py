@@ -12,7 +12,7 @@ from typing import Any
 from peers_process import lengths_up_to, limit_processor_time, tell, timed
 
 from prag_asp import Domain, TaskSpace, load_domain
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.formula.cnf import Cnf
 from prag_asp.space.engines.word_formula import word_formula
 
@@ -22,7 +22,7 @@ ENUMERATORS = {"clingo": "clingo", "python-sat": "sat"}
 
 def formula(domain: Domain, level: Any, length: int) -> Cnf:
     """Return the clauses that all counters get."""
-    return word_formula(Model(domain), level, length).cnf
+    return word_formula(DomainLogic(domain), level, length).cnf
 
 
 def by_engine(name: str) -> Callable[[Domain, Any, int], int]:

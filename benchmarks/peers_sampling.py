@@ -12,7 +12,7 @@ import clingo
 from peers_process import limit_processor_time, processor_seconds, tell
 
 from prag_asp import Domain, TaskSpace, load_domain
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.formula.cnf import Cnf
 from prag_asp.logic.ground.ground_step import unrolled
 from prag_asp.program.grounding import Grounder
@@ -26,7 +26,7 @@ Draws = Iterator[tuple[object, ...]]
 
 def plan_formula(domain: Domain, length: int) -> Cnf:
     """Return the clauses that all samplers get."""
-    return word_formula(Model(domain), "plan", length).cnf
+    return word_formula(DomainLogic(domain), "plan", length).cnf
 
 
 def automaton(domain: Domain, length: int) -> Draws:
@@ -64,7 +64,7 @@ def cmsgen(domain: Domain, length: int) -> Draws:
 
 def clingo_signs(domain: Domain, length: int) -> Draws:
     """Draw with clingo, all decisions and signs at random, by a new search for each plan."""
-    grounder = Grounder(Model(domain).program, "1", "--rand-freq=1", "--sign-def=rnd")
+    grounder = Grounder(DomainLogic(domain).program, "1", "--rand-freq=1", "--sign-def=rnd")
     grounder.ground([("base", []), *unrolled(length)])
     found: list[tuple[object, ...]] = []
 

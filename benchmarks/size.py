@@ -32,7 +32,7 @@ LARGE: tuple[tuple[str, str, dict[str, int], int, str], ...] = (
     ("the same", "towers", {"blocks": 20}, 20, "task"),
     ("40 blocks in towers", "towers", {"blocks": 40}, 15, "plan"),
     ("the same", "towers", {"blocks": 40}, 15, "task"),
-    ("1,000 cubes, ground as needed", "cubes", {"cubes": 1000}, 7, "plan"),
+    ("1,000 cubes, small-model reduction", "cubes", {"cubes": 1000}, 7, "plan"),
     ("the same", "cubes", {"cubes": 1000}, 7, "task"),
 )
 """What it is, the folder, its constants, the length and the level."""

@@ -12,11 +12,11 @@ from functools import lru_cache
 
 import pytest
 
+from prag_asp.checking import check
 from prag_asp.dataset.pages import strips
 from prag_asp.domain import load
-from prag_asp.domain.checking import check
 from prag_asp.lint import Checked
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.program.paths import data_folder
 from prag_asp.program.sources import Program, Source
 from prag_asp.space import task_space
@@ -53,10 +53,10 @@ def small_pictures() -> Iterator[None]:
 
 
 def _known(
-    model: Model, engine: str, progress: Progress | None, limits: Limits, fewest_actions: int = 0
+    model: DomainLogic, engine: str, progress: Progress | None, limits: Limits, fewest_actions: int = 0
 ) -> DomainEngines:
     """Return what a space shares with others: all that there is, or the logic alone."""
-    if model.domain.needed is not None:
+    if model.domain.reduction is not None or model.domain.irreducible:
         return DomainEngines(model, engine, progress, limits, fewest_actions)
     like = [each for each in _shared if _alike(each.model, model)]
     asked = engine, progress, limits, fewest_actions
@@ -69,7 +69,7 @@ def _known(
     return made
 
 
-def _alike(one: Model, other: Model) -> bool:
+def _alike(one: DomainLogic, other: DomainLogic) -> bool:
     """Tell whether models say the same: what tells entities apart in others, without conditions or whole, they have."""
     others = (one.bare, other.bare), (one.part_of, other.part_of)
     return _equal(one.domain, other.domain) and all(

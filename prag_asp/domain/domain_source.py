@@ -1,15 +1,14 @@
-"""What a domain may be given as: a shipped name, a folder, files, standard input, or a text that a program wrote."""
+"""The sources of a domain: a shipped name, a folder, files, standard input, or a text from a program."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from prag_asp.errors import DomainError
 from prag_asp.program.paths import PDDL, domain_folder, is_file_name
-from prag_asp.program.sources import Source, read_sources, standard_input, text_source
+from prag_asp.program.sources import Source, standard_input, text_source
 from prag_asp.safe_reading import STANDARD_INPUT
 
 if TYPE_CHECKING:
@@ -18,65 +17,50 @@ if TYPE_CHECKING:
 BOTH = "give a domain, then its problem: DOMAIN.pddl PROBLEM.pddl"
 
 
-@dataclass(frozen=True)
-class Given:
-    """A domain as it was given: its name, its folder where it has one, and what it is read from, in order."""
+def find_domain(names: Sequence[str | Path | Source], text: str | None) -> tuple[str, Path | None, list[Path | Source]]:
+    """Return the name of a domain, its folder if it has one, and the files and texts that it is read from, in order.
 
-    name: str
-    folder: Path | None
-    entries: tuple[Path | Source, ...]
-
-    def sources(self, encodings: Path) -> tuple[Source, ...]:
-        """Return all files of the domain, those that they include among them; each file includes from its own folder.
-
-        Raises:
-            DomainError: one cannot be read.
-        """
-        return tuple(source for entry in self.entries for source in read_sources(entry, encodings, own=self.folder))
-
-
-def parse_given(given: Sequence[str | Path | Source], text: str | None) -> Given:
-    """Return what a domain is given as: one name or folder, or any number of files and at most one text.
+    It is given as one name or folder, or as any number of files and at most one text.
 
     Raises:
-        DomainError: there is no such domain, or it is given in more than one way.
+        DomainError: there is no such domain, or the names are of several kinds.
     """
-    files = list(dict.fromkeys([*given, *([] if text is None else [text_source("text", text)])]))
+    files = list(dict.fromkeys([*names, *([] if text is None else [text_source("text", text)])]))
     if not files:
         raise DomainError("no domain; give a shipped name, a folder, files that end in .lp, two of PDDL, or a text")
-    named = [str(each) for each in given if not isinstance(each, Source) and not is_file_name(each)]
+    named = [str(each) for each in names if not isinstance(each, Source) and not is_file_name(each)]
     if named and len(files) > 1:
-        told = " ".join(str(each.path if isinstance(each, Source) else each) for each in files)
-        if any(Path(each).suffix == PDDL for each in given if not isinstance(each, Source)):
-            raise DomainError(f"{told}: {named[0]} is no file that ends in .pddl; {BOTH}")
-        raise DomainError(f"{told}: {named[0]} is no file that ends in .lp; give one name or folder, or files alone")
+        listing = " ".join(str(each.path if isinstance(each, Source) else each) for each in files)
+        if any(Path(each).suffix == PDDL for each in names if not isinstance(each, Source)):
+            raise DomainError(f"{listing}: {named[0]} is no file that ends in .pddl; {BOTH}")
+        raise DomainError(f"{listing}: {named[0]} is no file that ends in .lp; give one name or folder, or files alone")
     if named:
         folder = domain_folder(named[0])
-        return Given(folder.resolve().name, folder, (folder / "domain.lp",))
+        return folder.resolve().name, folder, [folder / "domain.lp"]
     planning = [each for each in files if not isinstance(each, Source) and Path(each).suffix == PDDL]
     imported = _imported(planning) if planning else None
-    entries = tuple(_entry(each) for each in files if each not in planning)
+    entries = [_entry(each) for each in files if each not in planning]
     if imported is not None:
-        return Given(imported.name, None, (*imported.sources, *entries))
+        return imported.name, None, [*imported.sources, *entries]
     first = entries[0].path if isinstance(entries[0], Source) else entries[0]
-    return Given(first.stem.strip("<>"), None, entries)
+    return first.stem.strip("<>"), None, entries
 
 
 def _imported(files: Sequence[str | Path | Source]) -> Imported:
-    """Return what a domain and a problem of PDDL are as a logic program.
+    """Return the logic program of a domain and a problem of PDDL.
 
     Raises:
-        DomainError: there are not just two files, or they cannot be imported.
+        DomainError: there are not exactly two files, or they cannot be imported.
     """
-    told = " ".join(map(str, files))
+    listing = " ".join(map(str, files))
     if len(files) != 2:
-        raise DomainError(f"{told}: {'one file' if len(files) == 1 else f'{len(files)} files'} of PDDL; {BOTH}")
+        raise DomainError(f"{listing}: {'one file' if len(files) == 1 else f'{len(files)} files'} of PDDL; {BOTH}")
     from prag_asp.pddl import read
 
     return read(*map(str, files))
 
 
-def _entry(given: str | Path | Source) -> Path | Source:
-    if isinstance(given, Source):
-        return given
-    return standard_input() if str(given) == STANDARD_INPUT else Path(given)
+def _entry(name: str | Path | Source) -> Path | Source:
+    if isinstance(name, Source):
+        return name
+    return standard_input() if str(name) == STANDARD_INPUT else Path(name)

@@ -1,4 +1,4 @@
-"""What a domain says, in full: two that say the same make the same tasks, and the same verdicts on them."""
+"""Digests of domains: domains with equal digests have the same tasks, and the same verdicts on them."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from prag_asp.program.paths import PACKAGE
 from prag_asp.safe_reading import is_inside, read_bytes
 
 MESH = re.compile(rb"""filename\s*=\s*["']([^"']+)["']""")
-"""How a URDF names a mesh."""
+"""Finds the meshes that a URDF names."""
 
 
 def domain_digest(domain: Domain) -> str:
-    """Return a digest of all that tasks of a domain and verdicts on them depend on, the files of its scene included."""
+    """Return a digest of all that tasks of a domain and verdicts on them depend on, with the files of its scene."""
     settings = domain.settings
     files = {str(path): file_digest(path) for path in scene_files(settings.scene, settings.path.parent)}
-    told = [
+    content = [
         domain.name,
         domain.program.text,
         dict(domain.constants),
@@ -31,22 +31,22 @@ def domain_digest(domain: Domain) -> str:
         settings.scene,
         files,
     ]
-    return digest(told)
+    return digest(content)
 
 
 def code_digest(encodings: Path) -> str:
-    """Return a digest of the code of this package and of a folder of encodings, which have a say in every result."""
+    """Return a digest of the code of this package and of a folder of encodings, on which every result depends."""
     return digest([_package_digest(), files_digest(encodings.rglob("*.lp"), encodings)])
 
 
 @cache
 def _package_digest() -> str:
-    """Return a digest of the files of this package; a process reads its code once."""
+    """Return a digest of the files of this package, read once in a process."""
     return files_digest([*PACKAGE.rglob("*.py"), *(PACKAGE / "grammar").glob("*.toml")], PACKAGE)
 
 
 def scene_files(table: object, folder: Path) -> Iterator[Path]:
-    """Yield the files that a table of a scene names, and those that these name."""
+    """Yield the files that a table of a scene names, and the meshes that these name."""
     for text in sorted(set(_texts(table))):
         path = folder / text
         if len(text) < 256 and "\0" not in text and is_inside(path, folder) and path.is_file():

@@ -1,4 +1,4 @@
-"""Read a domain."""
+"""Load a domain: find its files, read them, and check them."""
 
 from __future__ import annotations
 
@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 
 import clingo
 
-from prag_asp.domain.checking import check
-from prag_asp.domain.domain_source import parse_given
-from prag_asp.domain.reduction import Needed, find_needed
+from prag_asp.checking import check
+from prag_asp.domain.domain_source import find_domain
 from prag_asp.domain.rules import rule_sources
 from prag_asp.errors import DomainError, SceneError
 from prag_asp.lint import check_learned
@@ -32,6 +31,7 @@ from prag_asp.program.sources import (
     read_sources,
     read_text,
 )
+from prag_asp.reduction.reduction import Reduction, find_reduction
 
 if TYPE_CHECKING:
     from prag_asp.scene.scene import Scene
@@ -48,11 +48,11 @@ class Domain:
     """A domain that has passed every check.
 
     `program` is the whole logic program (the encodings, the domain's own files and the rules asked for), `facts` what
-    its base part states. `folder` is None where it was not given as a name or a folder. Physics runs the Python files
-    of the domain only where it is `trusted`. `learned` are the impossible fluents that only the file of learned
-    invariants states, `constants` the terms that its ``#const``s were set to, by their names, `warnings` what is
-    strange, but well defined. `needed` tells which entities need not all be ground to count, or in words why all are;
-    None where there are few. What then counts on `facts` grounds them all.
+    its base part states. `folder` is None unless the domain was given as a name or a folder. Physics runs the Python
+    files of the domain only where it is `trusted`. `learned` are the impossible fluents that only the file of learned
+    invariants states, `constants` the values given to ``#const``s by name, `warnings` the problems that are no errors.
+    `reduction` is the small-model reduction of `program`, if there is one: counts use it, and everything that reads
+    `facts` grounds all entities. `irreducible` is the reason why a domain with many alike entities has none.
     """
 
     name: str
@@ -65,13 +65,8 @@ class Domain:
     learned: tuple[tuple[clingo.Symbol, clingo.Symbol], ...] = ()
     constants: Mapping[str, str] = field(default_factory=dict)
     warnings: tuple[Problem, ...] = ()
-    needed: Needed | str | None = None
-
-    @property
-    def fewer(self) -> Needed | None:
-        """What is known of the entities that need not all be ground: nothing of a program that says more since."""
-        found = self.needed
-        return found if isinstance(found, Needed) and found.program is self.program else None
+    reduction: Reduction | None = None
+    irreducible: str = ""
 
     @property
     def label(self) -> str:
@@ -110,34 +105,35 @@ def load_domain(
         DomainError: something is wrong with the files; the message has one line for each problem.
     """
     stage("reading the domain")
-    found = parse_given(given, text)
+    name, folder, entries = find_domain(given, text)
     values = parse_constants(constants or {})
     encodings = Path(encodings) if encodings is not None else data_folder("encodings")
     core = core_sources(encodings)
-    own = each_once(found.sources(encodings))
-    own = set_constants(own, values, found.name) if values else own
-    asked = tuple(source for rule in rules for source in rule_sources(rule, encodings))
-    known = {source.path.resolve() for source in core}
-    added = (*asked_sources(own, encodings), *own, *asked)
-    extra = tuple(source for source in added if source.path.resolve() not in known)
+    own = each_once(each for entry in entries for each in read_sources(entry, encodings, own=folder))
+    own = set_constants(own, values, name) if values else own
+    selected = tuple(each for rule in rules for each in rule_sources(rule, encodings))
+    known = {each.path.resolve() for each in core}
+    added = (*asked_sources(own, encodings), *own, *selected)
+    extra = tuple(each for each in added if each.path.resolve() not in known)
     program = Program((*core, *each_once(extra)))
-    path = found.folder / LEARNED if learned and found.folder and settings is None else None
+    path = folder / LEARNED if learned and folder and settings is None else None
     path = path if path is not None and os.path.lexists(path) else None
-    table_file = _settings(settings, found.folder)
-    needed = None if path else find_needed(program, table_file)
-    checked = needed.checked if isinstance(needed, Needed) else check(program, table_file)
+    table_file = _settings(settings, folder)
+    found = None if path else find_reduction(program, table_file)
+    reduction, irreducible = (found, "") if isinstance(found, Reduction) else (None, found or "")
+    checked = reduction.checked if reduction else check(program, table_file)
     if strict:
         raise_problems(each.as_error() for each in first_of_each(checked.warnings))
     facts = flattened(checked.facts) if flat else checked.facts
-    if isinstance(needed, Needed):
-        facts = needed.whole_facts()
+    if reduction:
+        facts = reduction.whole_facts()
     elif not facts.composites:
-        program = Program(tuple(source for source in program.sources if source.path != encodings / HIERARCHY))
+        program = Program(tuple(each for each in program.sources if each.path != encodings / HIERARCHY))
     domain = Domain(
-        found.name, found.folder, encodings, program, facts, checked.settings, trust,
-        constants=values, warnings=checked.warnings, needed=needed,
+        name, folder, encodings, program, facts, checked.settings, trust,
+        constants=values, warnings=checked.warnings, reduction=reduction, irreducible=irreducible,
     )  # fmt: skip
-    return with_learned(domain, read_sources(path, encodings, own=found.folder)) if path else domain
+    return with_learned(domain, read_sources(path, encodings, own=folder)) if path else domain
 
 
 def _settings(given: str | Path | None, folder: Path | None) -> Source:
@@ -164,8 +160,8 @@ def load_scene(domain: Domain) -> Scene:
     """
     if not domain.settings.scene:
         if domain.settings.path == NO_SETTINGS:
-            told = f"{domain.name}: files have no [scene] of their own; give settings"
-            raise SceneError(f"{told} (--settings FILE), or draw with --no-physics")
+            problem = f"{domain.name}: files have no [scene] of their own; give settings"
+            raise SceneError(f"{problem} (--settings FILE), or draw with --no-physics")
         raise SceneError(f"{domain.settings.path}:1: {domain.name} has no [scene]; add one, or draw with --no-physics")
     facts = domain.facts
     from prag_asp.scene.scene_loader import parse_scene
@@ -189,5 +185,6 @@ def with_learned(domain: Domain, sources: tuple[Source, ...]) -> Domain:
         domain,
         program=program,
         facts=replace(domain.facts, impossible=impossible, static=()),
+        reduction=None,
         learned=tuple(added.values()),
     )

@@ -1,4 +1,4 @@
-"""The optional rules that a user asks for by name, such as ``no_undo`` or ``at_most(grasp,2)``."""
+"""The optional rules that a user selects by name, such as ``no_undo`` or ``at_most(grasp,2)``."""
 
 from __future__ import annotations
 
@@ -40,6 +40,6 @@ def rule_sources(rule: str, encodings: Path) -> tuple[Source, ...]:
 
 
 def _argument_counts(sources: tuple[Source, ...], name: str) -> set[int]:
-    """Return how many arguments the facts of a rule's name have that the rule reads."""
+    """Return the numbers of arguments of the facts that a rule reads under its name."""
     statements, _ = parse_sources((source, False) for source in sources)
     return {len(atom.arguments) for statement in statements for atom in statement.body if atom.name == name}

@@ -1,4 +1,4 @@
-"""Write a small domain to start from: one that passes the checks, counts, and can be done by the robot."""
+"""Write a small domain to start from, which passes the checks and whose tasks are feasible."""
 
 from __future__ import annotations
 

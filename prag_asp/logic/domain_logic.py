@@ -1,4 +1,4 @@
-"""The logic of one domain, each part made once, when it is first asked for."""
+"""The logic of one domain: its program, ground step, symmetries and step functions, each made lazily and once."""
 
 from __future__ import annotations
 
@@ -9,8 +9,14 @@ from functools import cached_property
 import clingo
 
 from prag_asp.domain.load import Domain
-from prag_asp.logic.ground.ground_step import GroundStep, ground_plan, ground_step
-from prag_asp.logic.ground.program import canonical_program, closed_program, weighing_program, whole_program
+from prag_asp.logic.ground.ground_step import GroundStep, extend_step, ground_plan, ground_step
+from prag_asp.logic.ground.program import (
+    canonical_extension,
+    canonical_program,
+    closed_program,
+    weighing_program,
+    whole_program,
+)
 from prag_asp.logic.ground.stationary import Obstacle, StepReads, read_step
 from prag_asp.logic.step.normal import NormalStep
 from prag_asp.logic.step.strata import stratified_step
@@ -24,22 +30,22 @@ LOOP_FREE = ("conditions", "loop_free.lp")
 
 
 @dataclass(frozen=True)
-class Model:
-    """What logic knows of a domain.
+class DomainLogic:
+    """The logic of a domain.
 
-    A plan's step may fail to be a function of state and action. Then `step` and `transition` raise EngineError, which
-    says why, and what else there is works on the unrolled program.
+    If a step is no function of state and action, `step` and `transition` raise EngineError with the reason. All else
+    works on the unrolled program.
 
-    With `bare`, its domain is that of another model under conditions. These tell entities apart, and make none alike:
-    renamings keep what that model says as well, whatever is left of it under the conditions.
+    `bare` is the logic of the domain without conditions, for a domain under conditions. These distinguish entities and
+    make none alike: renamings have to keep the rules of both.
 
-    With `part_of`, its plans are some of those of another model, chosen by what all renamings of its tasks keep. They
-    are counted up to these renamings alone, so that the tasks of all parts of it are its own.
+    `part_of` is another logic of which this one has some of the plans, chosen by what all renamings of its tasks keep.
+    Plans are counted up to the renamings of `part_of`, so that the tasks of all parts are together its tasks.
     """
 
     domain: Domain
-    bare: Model | None = None
-    part_of: Model | None = None
+    bare: DomainLogic | None = None
+    part_of: DomainLogic | None = None
 
     @cached_property
     def program(self) -> Program:
@@ -47,8 +53,8 @@ class Model:
         return whole_program(self.domain)
 
     @cached_property
-    def whole(self) -> Model:
-        """The model whose steps try every action from every state, those that are never reached as well."""
+    def whole(self) -> DomainLogic:
+        """The logic without pruning: its steps try every action from every state."""
         facts = self.domain.facts
         if not (facts.unreachable or facts.static):
             return self
@@ -57,7 +63,7 @@ class Model:
 
     @cached_property
     def reads(self) -> StepReads:
-        """What a step reads of the step before."""
+        """The predicates that a step reads of the step before."""
         return read_step(self.domain.program)
 
     @cached_property
@@ -73,7 +79,7 @@ class Model:
 
     @property
     def obstacles(self) -> tuple[Obstacle, ...]:
-        """Why a step is not a function of the state and the action, where it is not."""
+        """The reasons why a step is no function of the state and the action."""
         return self.reads.obstacles or self.ground.obstacles
 
     @cached_property
@@ -84,9 +90,9 @@ class Model:
         return stratified_step(ground)
 
     def symmetries(self, length: int) -> Symmetries:
-        """Return which entities are interchangeable in plans of a length; most domains have the same for all.
+        """Return which entities are interchangeable in plans of a length; in most domains, the length does not matter.
 
-        What is never reached may tell entities apart as well: what the author has written decides.
+        Pruned actions count as well: two entities are interchangeable only if the whole program treats them alike.
         """
         if self.part_of is not None:
             return self.part_of.symmetries(length)
@@ -99,24 +105,24 @@ class Model:
         return self._found(lambda model: ground_plan(model.program, length, model.reads))
 
     def groups(self, length: int) -> tuple[tuple[clingo.Symbol, ...], ...]:
-        """Return the groups of entities any two of which are interchangeable alone, in plans of a length."""
+        """Return the groups of entities whose members are pairwise interchangeable in plans of a length."""
         return self.symmetries(length).groups
 
     @cached_property
     def _symmetries(self) -> Symmetries:
         return self._found(lambda model: model.ground)
 
-    def _found(self, ground: Callable[[Model], GroundStep]) -> Symmetries:
-        """Return which entities are interchangeable, as it is found on a part of the ground program.
+    def _found(self, ground: Callable[[DomainLogic], GroundStep]) -> Symmetries:
+        """Return which entities are interchangeable, found on the program that `ground` grounds.
 
-        Where the invariants may say of single entities what follows anyway, all that follows is stated first.
+        If the invariants state of some entities what follows for others, all entailed invariants are stated first.
         """
         from prag_asp.logic.symmetry.symmetry import find_symmetries  # noqa: PLC0415 - plans and skeletons need none
 
         bare = self.bare
         beside = None if bare is None else lambda: ground(bare._closed() or bare)
 
-        def alike(model: Model) -> Symmetries:
+        def alike(model: DomainLogic) -> Symmetries:
             program = ground(model)
             stage(INTERCHANGEABLE)
             return find_symmetries(model.domain.facts, program, beside)
@@ -125,19 +131,19 @@ class Model:
         closed = self._closed(found.groups)
         return found if closed is None else alike(closed)
 
-    def _closed(self, groups: Collection[Sequence[clingo.Symbol]] = ()) -> Model | None:
-        """Return the model that states all that the invariants entail, where more than `groups` may be alike in it."""
-        from prag_asp.logic.symmetry.asymmetric_invariants import stated_unevenly  # noqa: PLC0415 - plans and skeletons need none
+    def _closed(self, groups: Collection[Sequence[clingo.Symbol]] = ()) -> DomainLogic | None:
+        """Return the logic with all entailed invariants, if more than `groups` may be alike in it."""
+        from prag_asp.logic.symmetry.asymmetric_invariants import states_unevenly  # noqa: PLC0415 - plans and skeletons need none
 
-        if not stated_unevenly(self.domain.facts, groups) or (program := closed_program(self.domain)) is None:
+        if not states_unevenly(self.domain.facts, groups) or (program := closed_program(self.domain)) is None:
             return None
-        return Model(replace(self.domain, program=program))
+        return DomainLogic(replace(self.domain, program=program))
 
     @cached_property
-    def _without_loops(self) -> Model:
-        """The model without the rules that forbid loops: these reach back over all steps, and treat all entities alike.
+    def _without_loops(self) -> DomainLogic:
+        """The logic without the rules that forbid loops, which reach back over all steps and treat all entities alike.
 
-        The unrolled program of a length would not do: clingo leaves out of it what the start decides in so few steps.
+        The unrolled program of a length is no replacement: clingo removes from it what the start decides.
         """
         sources = self.domain.program.sources
         left = tuple(source for source in sources if source.path.parts[-2:] != LOOP_FREE)
@@ -147,23 +153,32 @@ class Model:
 
     @cached_property
     def _task_step(self) -> NormalStep:
-        """One step of tasks in normal form, made once for all engines."""
-        return self._stratified(self.task_program(0))
+        """One step of tasks in normal form, ground on top of the step of plans where that is possible."""
+        program, symmetries = self.task_program(0), self.symmetries(0)
+        extension = canonical_extension(self.domain, symmetries.groups, symmetries.joint)
+        if extension is not None:
+            step = extend_step(self.ground, *extension, self._reads(program))
+            if step is not None:
+                return stratified_step(step)
+        return self._stratified(program)
 
     @cached_property
     def _plan_transition(self) -> Transition:
-        """The step function of plans, whose moves all levels and engines compile once."""
+        """The step function of plans, shared by all levels and engines."""
         return build_transition(self.step)
 
     @cached_property
     def _task_transition(self) -> Transition:
-        """The same of tasks."""
+        """The step function of tasks."""
         return build_transition(self._task_step)
 
     def _stratified(self, program: Program) -> NormalStep:
-        """Return one step of a program in normal form; what the library adds tells nothing of what a step reads."""
-        reads = read_step(Program(tuple(source for source in program.sources if source.path != ADDED)))
-        return stratified_step(ground_step(program, self.domain.facts, reads))
+        """Return one step of a program in normal form."""
+        return stratified_step(ground_step(program, self.domain.facts, self._reads(program)))
+
+    def _reads(self, program: Program) -> StepReads:
+        """Return what a step of a program reads, without the facts that the library adds."""
+        return read_step(Program(tuple(source for source in program.sources if source.path != ADDED)))
 
     def task_program(self, length: int) -> Program:
         """Return the program whose answer sets are tasks of a length: plans with their entities named in order."""
@@ -176,7 +191,7 @@ class Model:
 
     @cached_property
     def _canonical(self) -> dict[Symmetries, Program]:
-        """The programs of tasks, by the symmetries that these are counted up to."""
+        """The programs of tasks by symmetries."""
         return {}
 
     def transition(
@@ -184,17 +199,17 @@ class Model:
     ) -> Transition:
         """Return the step function of plans, or of tasks.
 
-        `weighed` are facts to add together with ``rules/weights.lp``, whose atoms `labels` the edges then carry.
+        `weighed` are facts to add together with ``rules/weights.lp``. The edges carry the atoms `labels`.
 
         Raises:
             EngineError: the step is not a function of the state and the action.
         """
         if self.obstacles:
             raise self.obstacles[0].error()
-        tells_apart = tasks and bool(self.symmetries(0))
+        reduces = tasks and bool(self.symmetries(0))
         if not weighed and not labels:
-            return self._task_transition if tells_apart else self._plan_transition
+            return self._task_transition if reduces else self._plan_transition
         if not weighed:
-            return build_transition(self._task_step if tells_apart else self.step, labels)
-        program = self.task_program(0) if tells_apart else self.program
+            return build_transition(self._task_step if reduces else self.step, labels)
+        program = self.task_program(0) if reduces else self.program
         return build_transition(self._stratified(weighing_program(self.domain, program, weighed)), labels)

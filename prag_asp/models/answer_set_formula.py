@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import clingo
 
 from prag_asp.logic.formula.clark_completion import Completion, complete
-from prag_asp.logic.formula.clause_builder import TRUE, Clauses, Literal
+from prag_asp.logic.formula.clause_builder import TRUE, ClauseBuilder, Literal
 from prag_asp.logic.formula.cnf import Cnf
 from prag_asp.logic.ground.rules import Condition
 from prag_asp.models.ground_program import GroundModels
@@ -52,5 +52,5 @@ def model_formula(ground: GroundModels, *, project: bool, copied: bool) -> Model
     return ModelFormula(completion, cnf, tuple(printed), whole=not project)
 
 
-def _some(clauses: Clauses, conditions: tuple[Condition, ...], value: Callable[[int], Literal]) -> Literal:
+def _some(clauses: ClauseBuilder, conditions: tuple[Condition, ...], value: Callable[[int], Literal]) -> Literal:
     return clauses.any_of([clauses.all_of(map(value, condition)) for condition in conditions])

@@ -118,7 +118,7 @@ class AnswerSets:
         if how == "diagram":
             return self._count_by_diagram()
         stage("counting models with ganak")
-        return count_models(self._counting_formula.cnf, asked="engine ganak")
+        return count_models(self._counting_formula.cnf, request="engine ganak")
 
     def _count_by_diagram(self) -> int:
         """Return their number by a diagram or, with engine auto, by a counter that finishes earlier.

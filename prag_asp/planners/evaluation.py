@@ -14,7 +14,7 @@ import clingo
 import numpy as np
 
 from prag_asp.logic.diagram.functions import FALSE, TRUE, Functions, Node
-from prag_asp.logic.step.normal import Body
+from prag_asp.logic.step.normal import RuleBody
 from prag_asp.logic.step.packed import unpack
 from prag_asp.logic.step.strata import Stratum
 from prag_asp.logic.step.transition import Transition
@@ -139,7 +139,7 @@ class StepFunctions:
     def _evaluate(
         self,
         strata: Iterable[Stratum],
-        bodies: Callable[[int], tuple[Body, ...]],
+        bodies: Callable[[int], tuple[RuleBody, ...]],
         values: dict[int, Node],
         under: Mapping[int, Node],
     ) -> None:
@@ -159,7 +159,7 @@ class StepFunctions:
                     grows |= stratum.recursive and found != values[atom]
                     values[atom] = found
 
-    def _body(self, body: Body, read: Read) -> Node:
+    def _body(self, body: RuleBody, read: Read) -> Node:
         literals = [
             read(literal) if literal > 0 else self._functions.opposite(read(-literal)) for literal in body.literals
         ]

@@ -10,7 +10,7 @@ import clingo
 from prag_asp.domain.load import Domain
 from prag_asp.errors import DomainError
 from prag_asp.logic.diagram.functions import FALSE, TRUE, Cube, Functions, Node, TooLarge
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.ground.program import with_facts
 from prag_asp.logic.step.transition import Transition
 from prag_asp.planners.evaluation import After, StepFunctions, holds
@@ -56,7 +56,7 @@ def ground_over_time(
     values = {fluent: stated.get(fluent, False) for fluent in domain.facts.fluents}
     initially = tuple((fluent, OPPOSITE[not value]) for fluent, value in values.items())
     program = with_facts(domain.program, [f"initially({fluent},{value})." for fluent, value in initially])
-    model = Model(replace(domain, program=program, facts=replace(domain.facts, initially=initially)))
+    model = DomainLogic(replace(domain, program=program, facts=replace(domain.facts, initially=initially)))
     symbols = [holds(fluent, value) for fluent in values for value in OPPOSITE.values()]
     transition = model.transition(tasks=False, labels=symbols)
     unknown: set[clingo.Symbol] = set()

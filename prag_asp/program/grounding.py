@@ -1,4 +1,4 @@
-"""clingo, with its complaints turned into errors that name the file and the line."""
+"""clingo, with its messages turned into errors that name the file and the line."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import clingo
 from prag_asp.errors import DomainError
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.finite.checks import Checks
-from prag_asp.program.finite.guards import guarded
+from prag_asp.program.finite.guards import guard_program
 from prag_asp.program.parse import require_memory
 from prag_asp.program.sources import Program
 
@@ -18,25 +18,25 @@ POSITION = r"<(?:string|block)>:(?P<line>\d+):[-\d:]+: *(?:error|info|warning|no
 UNSAFE = r"'([^']+)' is unsafe"
 
 SCRIPT = "#Script"
-"""How clingo writes, within an operation that is undefined, the value of a check."""
+"""The text by which clingo writes the value of a check within an undefined operation."""
 
 Part = tuple[str, Sequence[clingo.Symbol]]
 
 
 class Grounder:
-    """A clingo control that holds one program; nothing of it is printed, whatever the program does.
+    """A clingo control for one program, which prints nothing.
 
-    `notes` are what clingo itself only remarks, where it is not to be an error (`strict`): undefined operations.
+    `notes` are the undefined operations, which are errors only with `strict`.
 
     Raises:
-        DomainError: clingo cannot parse the program, or an interval of it has too many numbers.
+        DomainError: clingo cannot parse the program, or one of its intervals has too many numbers.
     """
 
     def __init__(self, program: Program, *arguments: str, strict: bool = True) -> None:
         self._program, self._strict = program, strict
         self.notes: list[str] = []
         self._parts = 0
-        found = guarded(program)
+        found = guard_program(program)
         self._checks = Checks(found.sites)
         self._messages: list[tuple[clingo.MessageCode, str]] = []
         self.control = clingo.Control(
@@ -50,30 +50,29 @@ class Grounder:
         """Ground program parts.
 
         Raises:
-            DomainError: clingo cannot ground them, or an arithmetic or set operation is out of range or (where that is
-                an error) undefined.
+            DomainError: clingo cannot ground them, or an operation is out of range or (with `strict`) undefined.
         """
         stage("grounding the domain")
         self._run(lambda: self.control.ground(list(parts), context=self._checks))
 
     def state(self, atoms: Iterable[clingo.Symbol]) -> None:
-        """State ground atoms, which the parts that are ground later read."""
-        self._tell(f"{atom}." for atom in atoms)
+        """State ground atoms for the parts that are ground later."""
+        self._add_facts(f"{atom}." for atom in atoms)
 
     def leave_open(self, atoms: Iterable[clingo.Symbol]) -> None:
-        """Have the parts that are ground later take it for possible that each of some atoms holds."""
-        self._tell(f"#external {atom}." for atom in atoms)
+        """Declare atoms that may hold or not for the parts that are ground later."""
+        self._add_facts(f"#external {atom}." for atom in atoms)
 
     def add(self, part: str, rules: Iterable[str]) -> None:
         """Add rules to a part that is not ground yet."""
         text = "\n".join(rules)
         self._run(lambda: self.control.add(part, [], text))
 
-    def _tell(self, statements: Iterable[str]) -> None:
-        """Ground statements as a part of their own.
+    def _add_facts(self, statements: Iterable[str]) -> None:
+        """Ground statements as a separate part.
 
-        clingo's backend would be faster, but where atoms come by it, instances of constraints that are ground later are
-        lost, such as always apply and have conditions (``:- r(X), not p(X,Y) : q(X,Y).``).
+        clingo's backend would be faster, but after it adds atoms, later grounding loses instances of constraints that
+        always apply and have conditions (``:- r(X), not p(X,Y) : q(X,Y).``).
         """
         self._parts += 1
         name = f"told_{self._parts}"
@@ -91,34 +90,34 @@ class Grounder:
         undefined = [text for code, text in self._messages if code == clingo.MessageCode.OperationUndefined]
         out_of_range = [text for text in undefined if SCRIPT in text]
         if out_of_range and self._checks.overflows:
-            raise self._checks.overflow(located(self._program, out_of_range[0]))
-        told = dict.fromkeys(map(self._undefined, undefined))
-        if told and self._strict:
-            raise DomainError(f"{next(iter(told))}; guard the operation")
-        self.notes += told
+            raise self._checks.overflow(locate_message(self._program, out_of_range[0]))
+        notes = dict.fromkeys(map(self._undefined, undefined))
+        if notes and self._strict:
+            raise DomainError(f"{next(iter(notes))}; guard the operation")
+        self.notes += notes
 
     def _undefined(self, message: str) -> str:
-        """Return what is told of an undefined operation; of ``X+0``, clingo writes nothing but X and the check."""
-        told = located(self._program, message)
-        return self._checks.as_written(told) if SCRIPT in told else told
+        """Return the message for an undefined operation; for ``X+0``, clingo writes only X and the check."""
+        text = locate_message(self._program, message)
+        return self._checks.as_written(text) if SCRIPT in text else text
 
     def _errors(self) -> list[str]:
         return [
-            located(self._program, text)
+            locate_message(self._program, text)
             for code, text in self._messages
             if code in (clingo.MessageCode.RuntimeError, clingo.MessageCode.Other)
         ]
 
 
-def located(program: Program, message: str) -> str:
-    """Return a message of clingo as one line that begins with the file and line it speaks of."""
+def locate_message(program: Program, message: str) -> str:
+    """Return a message of clingo as one line that begins with its file and line."""
     place = re.search(POSITION, message)
     if not place:
         return " ".join(message.split())
     path, line = program.locate(int(place["line"]))
     unsafe = sorted({"_" if name.startswith("#") else name for name in re.findall(UNSAFE, message)})
     if unsafe:
-        told = f"{path}:{line}: unsafe variable {', '.join(unsafe)}"
-        return f"{told}; bind it in the body by an atom without `not`"
+        text = f"{path}:{line}: unsafe variable {', '.join(unsafe)}"
+        return f"{text}; bind it in the body by an atom without `not`"
     words = " ".join(re.sub(POSITION, "", message).split())
     return f"{path}:{line}: {words}"

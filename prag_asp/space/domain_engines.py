@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import clingo
 
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.processes.progress_events import Note
 from prag_asp.space.engines import AUTO, Engine, Level, select
 from prag_asp.space.engines.engine import Letters, Progress
@@ -19,7 +19,7 @@ from prag_asp.space.limits import Limits
 if TYPE_CHECKING:
     from prag_asp.space.plans.readings import Hierarchy
     from prag_asp.space.plans.task_builder import TaskBuilder
-    from prag_asp.space.reduction import AsNeeded
+    from prag_asp.space.reduced_count import ReducedCounter
 
 ONE_STEP, CLINGO = (AUTO, "automaton", "symbolic"), "clingo"
 """The engines that ground one step for all steps, and the engine that grounds each step."""
@@ -34,7 +34,7 @@ class DomainEngines:
     No plan is shorter than `fewest_actions`: questions about shorter ones are answered without an engine.
     """
 
-    model: Model
+    model: DomainLogic
     name: str
     progress: Progress | None
     limits: Limits
@@ -63,12 +63,12 @@ class DomainEngines:
     def _report_all_ground(self) -> None:
         """Report the statement for which all entities of a large domain are ground."""
         domain = self.model.domain
-        if not isinstance(domain.needed, str) or not self.progress:
+        if not domain.irreducible or not self.progress:
             return
-        from prag_asp.domain.reduction import is_large
+        from prag_asp.reduction.reduction import is_large
 
         if is_large(domain.facts):
-            self.progress(Note(f"note: all entities are ground, though many are alike: {domain.needed}"))
+            self.progress(Note(f"note: all entities are ground, though many are alike: {domain.irreducible}"))
 
     def count(self, by: Level, length: int, prefix: Letters = ()) -> int:
         """Return the number of words, which is cached."""
@@ -79,14 +79,14 @@ class DomainEngines:
         return self._counts[key]
 
     @cached_property
-    def _reduced(self) -> AsNeeded | None:
+    def _reduced(self) -> ReducedCounter | None:
         """The counter of the small-model reduction, where a domain has more entities than it needs."""
         domain = self.model.domain
-        if domain.fewer is None:
+        if domain.reduction is None:
             return None
-        from prag_asp.space.reduction import AsNeeded
+        from prag_asp.space.reduced_count import ReducedCounter
 
-        return AsNeeded(domain, domain.fewer, self.name, self.progress, self.limits)
+        return ReducedCounter(domain, domain.reduction, self.name, self.progress, self.limits)
 
     def latest(self, kind: str, key: Any, make: Callable[[], Value]) -> Value:
         """Return the value of a key; only the latest value of each kind is kept, because samplers are large."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from prag_asp.errors import QueryError
-from prag_asp.logic.formula.emptiness import Lines, Occurring, has_plan
-from prag_asp.logic.formula.liftable import Line
+from prag_asp.logic.formula.emptiness import LiftableLines, Occurring, has_plan
+from prag_asp.logic.formula.liftable import RestrictingLine
 from prag_asp.logic.ground.program import whole_program
 from prag_asp.program.entity_names import action_name
 from prag_asp.program.sources import Program
@@ -32,7 +32,7 @@ class Reasons:
     """
 
     conditions: tuple[Clause, ...]
-    lines: tuple[Line, ...]
+    lines: tuple[RestrictingLine, ...]
 
 
 def why_empty(
@@ -56,13 +56,13 @@ def why_empty(
         rest = [each for each in clauses if each != clause]
         if not has_plan(_program(space, rest), space.length, occurring):
             clauses = rest
-    with Lines(_program(space, clauses), space.length, occurring) as lines:
+    with LiftableLines(_program(space, clauses), space.length, occurring) as lines:
         return Reasons(tuple(clauses), lines.conflict(smallest=smallest))
 
 
 def fewest_changes(
     space: TaskSpace, *, action: str | Atom | None = None, step: int | None = None
-) -> tuple[tuple[Line, ...], ...]:
+) -> tuple[tuple[RestrictingLine, ...], ...]:
     """Return the lines of the domain each of which, removed, leaves an empty space a task, all its conditions kept.
 
     Where no single line does, it is one smallest set of lines; where all lines together do not, there is none. A space
@@ -75,7 +75,7 @@ def fewest_changes(
     program, occurring = _program(space, space.condition.clauses), _occurring(space, action, step)
     if has_plan(program, space.length, occurring):
         return ((),)
-    with Lines(program, space.length, occurring) as lines:
+    with LiftableLines(program, space.length, occurring) as lines:
         return lines.changes()
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from prag_asp.atom import Atom
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.formula.explanation import Explanation
 from prag_asp.logic.formula.explanation import explain as reasons_against
 from prag_asp.space.engines.prefix import parse_plan
@@ -22,4 +22,4 @@ def explain(domain: Domain, actions: Sequence[str | Atom]) -> Explanation | None
         QueryError: one is no action of the domain, or only the name of several.
         EngineError: the domain has no counterpart in clauses.
     """
-    return reasons_against(Model(domain).whole, parse_plan(actions, domain.facts))
+    return reasons_against(DomainLogic(domain).whole, parse_plan(actions, domain.facts))

@@ -15,7 +15,7 @@ from prag_asp.atom import Atom
 from prag_asp.batches import growing_batches
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.symmetry.symmetries import Symmetries
 from prag_asp.program.entity_names import action_name
 from prag_asp.space.conditions.condition import Condition
@@ -83,7 +83,7 @@ class TaskSpace:
     ) -> None:
         if not isinstance(domain, Domain):
             raise QueryError(f"{domain!r} is no domain; give load_domain({domain!r})")
-        self.engines = DomainEngines(Model(domain), engine, progress, limits)
+        self.engines = DomainEngines(DomainLogic(domain), engine, progress, limits)
         self.domain = domain
         self.lengths = parse_lengths(length)
         self.condition = Condition()
@@ -153,7 +153,7 @@ class TaskSpace:
 
             engines = self.engines
             whole = part_of.engines.model if part_of else None
-            model = Model(conditioned(self.domain, space.condition), engines.model.bare or engines.model, whole)
+            model = DomainLogic(conditioned(self.domain, space.condition), engines.model.bare or engines.model, whole)
             fewest = space.condition.fewest_actions
             space.engines = DomainEngines(model, engines.name, engines.progress, engines.limits, fewest)
             space._part_of = part_of
@@ -466,8 +466,9 @@ class TaskSpace:
         if not prefix:
             return ()
         items = [str(item) for item in prefix]
-        if self.domain.fewer and {*items} <= {action_name(action) for action in self.domain.fewer.facts.actions}:
-            return parse_prefix(items, by, self.domain.fewer.facts)
+        reduction = self.domain.reduction
+        if reduction and {*items} <= {action_name(action) for action in reduction.facts.actions}:
+            return parse_prefix(items, by, reduction.facts)
         parsed = parse_prefix(items, by, self.domain.facts)
         if by != "task" or not parsed:
             return parsed

@@ -12,7 +12,7 @@ import pytest
 from prag_asp import TaskSpace, load_domain
 from prag_asp.dataset.jsonl import Record, read_lines, write_line
 from prag_asp.errors import DomainError
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.formula.cnf import dimacs
 from prag_asp.program.constants import Constant
 from prag_asp.program.paths import shipped_domains
@@ -66,7 +66,7 @@ def test_the_number_of_walks_is_that_of_the_graph_with_so_many_discs() -> None:
 
 def test_the_clauses_of_an_export_and_a_condition_see_the_value() -> None:
     formulas = [
-        list(dimacs(word_formula(Model(domain), "task", 2).cnf, []))
+        list(dimacs(word_formula(DomainLogic(domain), "task", 2).cnf, []))
         for domain in (load_domain("hanoi", constants={"discs": 2}), load_domain(text=edited(2)))
     ]
     assert formulas[0] == formulas[1]
@@ -171,6 +171,6 @@ def test_what_is_kept_for_one_value_is_never_taken_for_another(tmp_path: Path, m
     keys = {
         shelf.key
         for domain in (load_domain("hanoi"), load_domain("hanoi", constants={"discs": 3}))
-        if (shelf := automaton_slot(tmp_path, Model(domain), "task", None))
+        if (shelf := automaton_slot(tmp_path, DomainLogic(domain), "task", None))
     }
     assert len(keys) == 1  # the same program

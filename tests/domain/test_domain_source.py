@@ -96,7 +96,7 @@ def test_mistakes_are_told_with_the_file_and_the_line(folder: Path, monkeypatch:
     standard_input(monkeypatch, b'a.\nb("\xff").')
     with pytest.raises(DomainError, match=r"^<stdin>:2: not UTF-8 text"):
         load_domain("-")
-    with pytest.raises(DomainError, match=r"^<text>:2: half of a surrogate pair is no text"):
+    with pytest.raises(DomainError, match=r"^<text>:2: half of a surrogate pair is not a character"):
         load_domain(text="a.\n% \ud800")
     monkeypatch.setattr(sys, "stdin", None)
     with pytest.raises(DomainError, match="standard input is closed"):

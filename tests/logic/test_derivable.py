@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from prag_asp import load_domain
 from prag_asp.domain.load import Domain
 from prag_asp.errors import DomainError
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.ground import ground_step
 from tests.brute_force import Toy
 from tests.chance import examples
@@ -20,7 +20,7 @@ def step_of(domain: Domain, *, searched: bool) -> ground_step.GroundStep:
     with pytest.MonkeyPatch.context() as patch:
         if searched:
             patch.setattr(ground_step, "_may_carry", lambda *_: True)
-        return Model(domain).ground
+        return DomainLogic(domain).ground
 
 
 @settings(max_examples=examples(30))
@@ -47,5 +47,5 @@ def test_only_what_a_step_may_derive_is_searched_for(
     calls = []
     search = ground_step._add_carried
     monkeypatch.setattr(ground_step, "_add_carried", lambda *given: calls.append(given) or search(*given))
-    assert Model(domain).ground == expected
+    assert DomainLogic(domain).ground == expected
     assert bool(calls) == searched

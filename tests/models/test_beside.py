@@ -43,7 +43,7 @@ def test_a_counter_that_fails_leaves_the_question_to_clingo(fails: bool, monkeyp
         raise EngineError("it cannot")
 
     if fails:
-        monkeypatch.setattr(counter, "refuse_what_cannot_be_counted", fail)
+        monkeypatch.setattr(counter, "check_formula", fail)
     space = TaskSpace(domain_of(APART), 0)
     assert [space.at(length).count("plan") for length in (2, 4, 8)] == [16, 144, 4**2 * 3**6]
     assert space.at(3).count("plan", ["d", "d"]) == 3

@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from prag_asp import Domain, DomainError, QueryError, TaskSpace, load_domain
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.program.paths import data_folder
 from prag_asp.space.plans.readings import Composite
 from tests.brute_force import Toy, term
@@ -66,8 +66,8 @@ def test_the_rest_is_the_domain_without_them_for_every_engine_and_level(schema: 
         rest = pruned(schema, never_occurring)
         without = domain_of(f"{rest.text()}\n{FLAG}")
         assert replace(domain.facts, pruned=(), unreachable=(), static=()) == replace(without.facts, static=())
-        groups = Model(without).groups(3)
-        assert Model(domain).groups(3) == groups
+        groups = DomainLogic(without).groups(3)
+        assert DomainLogic(domain).groups(3) == groups
         spaces = with_engines(domain, *ENGINES)
         for length in (1, 3):
             plans = schema.plans(length)

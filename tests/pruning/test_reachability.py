@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from prag_asp import Domain, DomainError, TaskSpace, explain, fewest_changes, load_domain
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.program.paths import data_folder
 from prag_asp.space.engines.engine import LEVELS, Level
 from tests.brute_force import Action, Toy, term
@@ -82,8 +82,8 @@ def test_what_is_never_reached_tells_entities_apart_as_before(schema: Schema) ->
     with loaded(schema.text()) as domain:
         if domain is None or not (domain.facts.unreachable or domain.facts.static):
             return
-        groups = Model(replace(domain, facts=replace(domain.facts, unreachable=(), static=()))).groups(3)
-        assert Model(domain).groups(3) == groups
+        groups = DomainLogic(replace(domain, facts=replace(domain.facts, unreachable=(), static=()))).groups(3)
+        assert DomainLogic(domain).groups(3) == groups
         plans = schema.plans(3)
         tasks = {orbit(plan, [tuple(map(str, group)) for group in groups]) for plan in plans}
         assert {space.at(3).count("task") for space in with_engines(domain, *ENGINES)} == {len(tasks)}
@@ -232,7 +232,7 @@ def test_a_state_has_no_value_that_nothing_makes() -> None:
         static = {str(fluent): value for fluent, value in domain.facts.static}
         closed = {f"{name}({number})": "false" for name in ("open", "has", "in") for number in (3, 4, 5)}
         assert static == {**closed, "has(1)": "true"}
-        before = set(map(str, Model(domain).ground.before))
+        before = set(map(str, DomainLogic(domain).ground.before))
         assert "holds(open(2),true)" in before and "holds(open(4),false)" in before
         assert "holds(open(4),true)" not in before
     rule = "holds(open(3),true,t) :- occurs(enter(1,2),t). changed(open(3),t) :- occurs(enter(1,2),t)."
@@ -328,7 +328,7 @@ def test_entities_that_only_unreached_actions_tell_apart_stay_apart() -> None:
     with loaded(text) as domain:
         assert domain is not None
         assert [str(action) for action in domain.facts.unreachable] == ["find", "paint(red)"]
-        assert [[str(each) for each in group] for group in Model(domain).groups(2)] == [["blue", "green"]]
+        assert [[str(each) for each in group] for group in DomainLogic(domain).groups(2)] == [["blue", "green"]]
         spaces = with_engines(domain, *ENGINES)
         assert {space.at(1).count("task") for space in spaces} == {2}
         assert {space.at(2).count("task") for space in spaces} == {5}

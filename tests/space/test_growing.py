@@ -135,7 +135,7 @@ ENDLESS = {
 
 @pytest.mark.parametrize(("rules", "said"), ENDLESS.items(), ids=ENDLESS.keys())
 def test_what_really_grows_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch, rules: str, said: str) -> None:
-    monkeypatch.setattr(checks, "MOST_USES", 2_000)
+    monkeypatch.setattr(checks, "MOST_VALUES", 2_000)
     with pytest.raises(DomainError, match=rf"^<text>:2: (this rule )?{said}; [^\n]*$"):
         load_domain(text=f"{STEPS}\n{rules}")
 

@@ -10,7 +10,7 @@ import pytest
 
 from prag_asp import QueryError, TaskSpace, load_domain
 from prag_asp.errors import LimitReached
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.space import limits
 from prag_asp.space.automaton.bounded_count import count_within
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
@@ -81,7 +81,7 @@ TIME = StopReason(StopKind.TIME, 1.0)
 
 @pytest.mark.parametrize("stop_after", [0, 1, 5, 29])
 def test_counting_that_is_stopped_knows_the_words_that_begin_with_one_path(stop_after: int) -> None:
-    engine = AutomatonEngine(Model(load_domain("prag")), "plan")
+    engine = AutomatonEngine(DomainLogic(load_domain("prag")), "plan")
     completions, calls = engine.explored(30).completions, iter(range(100))
     found, stop = count_within(completions, 30, lambda: TIME if next(calls) >= stop_after else None)
     assert stop == TIME and 0 < found < engine.count(30)
@@ -90,7 +90,7 @@ def test_counting_that_is_stopped_knows_the_words_that_begin_with_one_path(stop_
 
 
 def test_a_count_that_is_stopped_follows_its_path_to_the_end_however_long_that_is() -> None:
-    completions = AutomatonEngine(Model(load_domain("prag")), "plan").explored(40).completions
+    completions = AutomatonEngine(DomainLogic(load_domain("prag")), "plan").explored(40).completions
     automaton, calls = completions.automaton, iter(range(1000))
     for length in range(6, 40):
         until = next(calls) + 5
@@ -109,7 +109,7 @@ def test_a_long_count_says_how_far_it_is(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr("prag_asp.space.engines.automaton_engine.count_by_recurrence", lambda *_: None)
     told: list[str] = []
     space = TaskSpace(load_domain("hanoi"), 12_000, progress=told.append, limits=Limits(cached=False))
-    reach = AutomatonEngine(Model(load_domain("hanoi")), "plan").explored(12_000)
+    reach = AutomatonEngine(DomainLogic(load_domain("hanoi")), "plan").explored(12_000)
     assert space.count("plan") == int(reach.completions.last_row(12_000)[0])
     assert "counted 8,192 of 12,000 actions" in told
 

@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from prag_asp import QueryError, TaskSpace, load_domain
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from tests.brute_force import Action, Toy, spelled
 from tests.chance import examples
 from tests.domains import domain_of
@@ -93,7 +93,7 @@ def orbit(plan: Plan, groups: Iterable[tuple[str, ...]]) -> frozenset[Plan]:
 @given(schemas())
 def test_tasks_are_the_orbits_of_plans_in_both_engines(schema: Schema) -> None:
     domain = domain_of(schema.text())
-    groups = [tuple(map(str, group)) for group in Model(domain).groups(3)]
+    groups = [tuple(map(str, group)) for group in DomainLogic(domain).groups(3)]
     automaton = TaskSpace(domain, 0, engine="automaton")
     spaces = [automaton, with_engine(automaton, "clingo")]
     for length in (1, 2, 3):
@@ -107,7 +107,7 @@ def test_tasks_are_the_orbits_of_plans_in_both_engines(schema: Schema) -> None:
 
 
 def groups_of(text: str) -> list[list[str]]:
-    return [list(map(str, group)) for group in Model(domain_of(text)).groups(2)]
+    return [list(map(str, group)) for group in DomainLogic(domain_of(text)).groups(2)]
 
 
 SYMMETRIC = """
@@ -224,7 +224,7 @@ def test_circles_that_begin_alike_and_go_on_otherwise_are_told_apart() -> None:
 
 def test_the_rules_of_a_step_that_reaches_further_back_are_compared_as_well() -> None:
     text = SYMMETRIC + "#program step(t). :- occurs(flip(x1),t), t > 2, occurs(flip(x1),t-2)."
-    assert [list(map(str, g)) for g in Model(domain_of(text)).groups(3)] == [["x2", "x3"]]
+    assert [list(map(str, g)) for g in DomainLogic(domain_of(text)).groups(3)] == [["x2", "x3"]]
 
 
 def test_a_skeleton_exists_for_tasks_wherever_it_exists_for_plans() -> None:

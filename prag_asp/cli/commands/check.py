@@ -42,7 +42,8 @@ def check(*, request: DomainOptions, symmetries: bool) -> None:
         raise_problems(each.as_error() for each in first_of_each(warnings))
     for warning in first_of_each(warnings):
         tell_line(str(warning))
-    facts, total = (domain.fewer.with_all, domain.fewer.total) if domain.fewer else (domain.facts, len)
+    reduction = domain.reduction
+    facts, total = (reduction.facts_with_all_entities, reduction.total) if reduction else (domain.facts, len)
     _print_reduction(domain)
     possible = f"{total(facts.tried)} of " if len(facts.tried) < len(facts.declared_actions) else ""
     world = "closed" if facts.closed else "open"
@@ -74,14 +75,15 @@ def _interchangeable(domain: Domain) -> Iterator[str]:
 
 
 def _print_reduction(domain: Domain) -> None:
-    """Print which entities the small-model reduction leaves out, or why it does not apply to many entities."""
-    from prag_asp.domain.reduction import is_large
+    """Print how many entities counts need with the small-model reduction, or why a large domain has none."""
+    from prag_asp.reduction.reduction import is_large
 
-    if isinstance(domain.needed, str) and is_large(domain.facts):
-        tell_line(f"all entities are grounded, although many are alike: {domain.needed}")
-    for group, needs in zip(domain.fewer.groups, domain.fewer.needs, strict=True) if domain.fewer else ():
-        number = f"{needs.action} N + {needs.invariant} of them, at least {needs.least}"
-        tell_line(f"{group[0]}, ... {group[-1]}: {len(group):,} entities are alike; counts at length N need {number}")
+    if domain.irreducible and is_large(domain.facts):
+        tell_line(f"all entities are grounded, although many are alike: {domain.irreducible}")
+    reduction = domain.reduction
+    for group, bound in zip(reduction.groups, reduction.bounds, strict=True) if reduction else ():
+        needed = f"{bound.action} N + {bound.invariant} of them, at least {bound.least}"
+        tell_line(f"{group[0]}, ... {group[-1]}: {len(group):,} entities are alike; counts at length N need {needed}")
 
 
 def _check_learned(domain: Domain) -> None:
@@ -110,10 +112,10 @@ def _scene_warnings(domain: Domain) -> Iterable[Problem]:
     """Return warnings about grasps and places of the domain that are impossible in its scene."""
     if not domain.settings.scene:
         return ()
-    if domain.fewer:
-        domain = replace(domain, facts=domain.fewer.with_all)
+    if domain.reduction:
+        domain = replace(domain, facts=domain.reduction.facts_with_all_entities)
+    from prag_asp.checking import shown_warnings
     from prag_asp.dataset.scenes import scene_of
-    from prag_asp.domain.checking import shown_warnings
     from prag_asp.physics.proofs.grips import never_gripped
     from prag_asp.physics.proofs.reaching import out_of_reach
 

@@ -1,7 +1,7 @@
-"""How the variables of a state are gathered into digits, and these put in order: it decides how small diagrams are.
+"""The grouping of the variables of a state into digits, and their order, which decide the size of diagrams.
 
-Variables of which no two are ever true together (the places where a thing may be) make one digit of few values. Which
-those are is guessed from random walks. A wrong guess costs time and no more, for a digit takes any values.
+Variables that exclude each other (the places of one object) form one digit with few values. Random walks estimate which
+variables do. A wrong estimate costs time but is no error, because a digit may take any value.
 """
 
 from __future__ import annotations
@@ -20,21 +20,22 @@ from prag_asp.logic.step.transition import Transition
 from prag_asp.program.predicates import HOLDS
 
 WALKERS, STEPS = 256, 24
-"""Random walks, and their length."""
+"""The number of random walks, and their length in steps."""
 
 EXPECTED = 5.0
-"""How often two variables should have been seen true together, were they independent, to hold that they exclude."""
+"""The expected number of states in which two independent variables are both true, from which seeing none means that
+they exclude each other."""
 
 MOST_DIGITS = 200
-"""Digits of a state at most: recursion goes so deep. Where there are more, neighbours become one."""
+"""The largest number of digits of a state, which is the depth of recursion; neighbours of more are joined."""
 
 ROUNDS = 30
-"""Rounds in which digits are put nearer to those that actions join them with."""
+"""The number of rounds of the heuristic FORCE."""
 
 
 @dataclass(frozen=True)
 class Digits:
-    """The places of the variables that each digit is made of, as bits from the lowest on, in order of the levels."""
+    """The places of the variables of each digit, as bits from the lowest on, in order of the levels."""
 
     places: tuple[tuple[int, ...], ...]
 
@@ -55,7 +56,7 @@ _known: WeakKeyDictionary[Transition, Digits] = WeakKeyDictionary()
 
 
 def find_digits(transition: Transition, look: Callable[[], None]) -> Digits:
-    """Return digits for the states of a step function that has an initial state; `look` is called now and then."""
+    """Return digits for the states of a step function that has an initial state; `look` is called regularly."""
     known = _known.get(transition)
     if known is None:
         known = _known[transition] = _found(transition, look)
@@ -82,7 +83,7 @@ def _found(transition: Transition, look: Callable[[], None]) -> Digits:
 
 
 def _items(variables: Sequence[clingo.Symbol]) -> list[list[int]]:
-    """Return the places of variables: of each fluent what makes it true, then what makes it false, else one by one."""
+    """Return the places of variables, grouped by fluent (true before false), others one by one."""
     found: dict[object, list[int]] = {}
     for place, symbol in reversed(list(enumerate(variables))):
         fluent = symbol.arguments[0] if symbol.match(*HOLDS.without_time) else symbol
@@ -91,7 +92,7 @@ def _items(variables: Sequence[clingo.Symbol]) -> list[list[int]]:
 
 
 def _walked(transition: Transition, look: Callable[[], None]) -> Rows:
-    """Return the states that random walks from the start pass, the same ones each time."""
+    """Return the states of random walks from the start, with a fixed seed."""
     generator = np.random.default_rng(0)
     rows = np.repeat(transition.initial, WALKERS, axis=0)
     passed = [rows[:1]]
@@ -110,14 +111,14 @@ def _walked(transition: Transition, look: Callable[[], None]) -> Rows:
 
 
 def _never_together(true: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return which items were never seen true together, though often enough each by itself; shape (items, items)."""
+    """Return which items exclude each other by the estimate of `EXPECTED`; shape (items, items)."""
     often = true.sum(axis=1)
     never: NDArray[np.bool_] = (true @ true.T == 0) & (np.outer(often, often) >= EXPECTED * true.shape[1])
     return never
 
 
 def _in_order(groups: list[tuple[int, ...]], transition: Transition, look: Callable[[], None]) -> list[tuple[int, ...]]:
-    """Return groups so that those that an action changes lie near each other: each goes to the middle of its actions.
+    """Return groups in an order in which those that an action changes are close to each other.
 
     The heuristic FORCE of Aloul, Markov and Sakallah (2003).
     """

@@ -1,7 +1,7 @@
-"""The step of a domain on sets of states: where each action is valid, and what it changes there.
+"""The step of a domain on sets of states: where each action is valid, and how it changes the states.
 
-The rules are evaluated as `Transition` evaluates them, with sets of states in place of columns: a conjunction is an
-intersection, a negation what is left of all states asked about.
+The rules are evaluated as by `Transition`, with sets of states instead of columns: a conjunction is an intersection, a
+negation the complement in the set of all given states.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import clingo
 from prag_asp.logic.diagram.diagrams import EMPTY, Changes, Diagrams, Node
 from prag_asp.logic.diagram.digits import Digits
 from prag_asp.logic.step.moves import Move
-from prag_asp.logic.step.normal import Body
+from prag_asp.logic.step.normal import RuleBody
 from prag_asp.logic.step.packed import unpack
 from prag_asp.logic.step.strata import Stratum
 from prag_asp.logic.step.transition import Transition
@@ -24,7 +24,7 @@ Read = Callable[[int], Node]
 
 @dataclass(frozen=True)
 class Piece:
-    """States in which an action, given by number, is valid and changes the same; `labels` are the true ones then."""
+    """States in which an action, given by number, is valid and makes equal changes; `labels` are the true labels."""
 
     letter: int
     states: Node
@@ -41,7 +41,7 @@ class SetStep:
     diagrams: Diagrams
 
     def initial(self) -> Node:
-        """Return the set of the initial state, which is empty where the domain's start contradicts itself."""
+        """Return the set of the initial state, which is empty if the start is contradictory."""
         rows = self.transition.initial
         return self.diagrams.word(self.digits.word(rows, len(self.transition.variables))) if len(rows) else EMPTY
 
@@ -56,9 +56,9 @@ class SetStep:
         return self.diagrams.minus(states, self.diagrams.union(map(values.body, step.final)))
 
     def pieces(self, states: Node, look: Callable[[], None]) -> Iterator[Piece]:
-        """Yield what each action makes of a set of states, in order of the actions; `look` is called before each.
+        """Yield the pieces of a set of states by each action, in order of the actions; `look` is called before each.
 
-        The pieces of one action have no state in common.
+        The pieces of one action are disjoint.
         """
         rules = self.transition.rules
         before = _Values(self.diagrams, states, self._columns(states, self.transition.step.ground.before))
@@ -79,14 +79,14 @@ class SetStep:
             for guard in move.guards:
                 if not valid:
                     break
-                valid = before.left(valid, guard)
+                valid = before.falsifying(valid, guard)
             if valid:
                 yield from self._moved(move, letter, before, valid, own)
 
     def _moved(self, move: Move, letter: int, before: _Values, valid: Node, own: list[Node]) -> Iterator[Piece]:
         after = before.with_action(move)
         for body in move.constraints:
-            valid = after.left(valid, body)
+            valid = after.falsifying(valid, body)
             if not valid:
                 return
         rules, size = self.transition.rules, len(own)
@@ -112,7 +112,7 @@ class SetStep:
     def _split(
         self, valid: Node, columns: Mapping[int, Node | bool], labels: Iterable[Node | bool], own: list[Node]
     ) -> Iterator[tuple[Node, dict[int, bool], tuple[int, ...]]]:
-        """Yield the parts of a set in which each of some variables is left as it is, set or unset, and the labels."""
+        """Yield the parts of a set in which each of some variables is kept, set or unset, with the labels."""
         parts: list[tuple[Node, dict[int, bool], tuple[int, ...]]] = [(valid, {}, ())]
         within, minus = self.diagrams.within, self.diagrams.minus
         for place, column in columns.items():
@@ -156,7 +156,7 @@ class SetStep:
 
 
 class _Values:
-    """In which of some states each atom is true; one that nothing derives is false."""
+    """The subset of given states in which each atom is true; an atom that nothing derives is false."""
 
     def __init__(self, diagrams: Diagrams, states: Node, columns: dict[int, Node], under: Read | None = None) -> None:
         self._diagrams = diagrams
@@ -165,7 +165,7 @@ class _Values:
         self._under = under or (lambda atom: EMPTY)
 
     def with_action(self, move: Move) -> _Values:
-        """Return the values once an action is known."""
+        """Return the values for an action."""
         constants = {atom: self._states if value else EMPTY for atom, value in move.constants.items()}
         values = _Values(self._diagrams, self._states, constants, self.read)
         values.evaluate(move.strata, move.bodies.__getitem__)
@@ -176,7 +176,7 @@ class _Values:
         found = self._columns.get(atom)
         return self._under(atom) if found is None else found
 
-    def body(self, body: Body) -> Node:
+    def body(self, body: RuleBody) -> Node:
         """Return where a body is true."""
         if body.weights:
             return self._sum(body)
@@ -188,16 +188,16 @@ class _Values:
             found = self._diagrams.within(found, where) if literal > 0 else self._diagrams.minus(found, where)
         return found
 
-    def left(self, states: Node, body: Body) -> Node:
-        """Return those of some states in which a body is false."""
+    def falsifying(self, states: Node, body: RuleBody) -> Node:
+        """Return the states of a set in which a body is false."""
         if len(body.literals) == 1 and not body.weights:
             (literal,) = body.literals
             where = self.read(abs(literal))
             return self._diagrams.minus(states, where) if literal > 0 else self._diagrams.within(states, where)
         return self._diagrams.minus(states, self.body(body))
 
-    def evaluate(self, strata: Iterable[Stratum], bodies: Callable[[int], tuple[Body, ...]]) -> None:
-        """Evaluate atoms in order of their dependencies; those that derive each other, until none changes."""
+    def evaluate(self, strata: Iterable[Stratum], bodies: Callable[[int], tuple[RuleBody, ...]]) -> None:
+        """Evaluate atoms in order of their dependencies, recursive ones until none changes."""
         for stratum in strata:
             if stratum.recursive:
                 self._columns.update(dict.fromkeys(stratum.atoms, EMPTY))
@@ -209,8 +209,8 @@ class _Values:
                     changed |= stratum.recursive and found != self._columns[atom]
                     self._columns[atom] = found
 
-    def _sum(self, body: Body) -> Node:
-        """Return where the weights of true literals reach the bound; a state whose sum is 0 is in no diagram."""
+    def _sum(self, body: RuleBody) -> Node:
+        """Return the states in which the weights of true literals reach the bound; diagrams have no state of sum 0."""
         terms, bound = [], body.bound
         for literal, weight in zip(body.literals, body.weights, strict=True):
             if literal < 0:  # a weight that is due unless the atom is true

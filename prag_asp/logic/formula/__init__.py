@@ -1,1 +1,1 @@
-"""The unrolled program as clauses, and what solves and counts them."""
+"""The unrolled program as clauses, with solvers and model counters."""

@@ -1,8 +1,8 @@
-"""About how many models a formula has, with bounds that hold with a probability that is told, and no exact number.
+"""Approximate projected model counting with guaranteed bounds.
 
-Random parities over the shown variables cut the models into cells, until one is small enough to be counted; the median
-over several such cuts is near to the number of models as a rule (Chakraborty, Meel and Vardi 2016; the program is
-ApproxMC, of Soos, Gocht and Meel 2020).
+Random parities over the shown variables divide the models into cells until one is small enough to be run_counter. The
+median over several such divisions is close to the number of models with high probability (Chakraborty, Meel and Vardi
+2016). The counter is ApproxMC (Soos, Gocht and Meel 2020).
 """
 
 from __future__ import annotations
@@ -14,19 +14,19 @@ from prag_asp.errors import QueryError
 from prag_asp.integers import digits_of
 from prag_asp.logic.formula.clause_builder import Literal
 from prag_asp.logic.formula.cnf import Cnf
-from prag_asp.logic.formula.counter import APPROXMC, counted
+from prag_asp.logic.formula.counter import APPROXMC, run_counter
 
 LEAST_EPSILON, MOST_EPSILON = 0.01, 100.0
 LEAST_DELTA, MOST_DELTA = 0.0001, 0.9999
 LARGEST_SEED = 2**32 - 1
-"""What ApproxMC has a seed below or equal to."""
+"""The largest seed of ApproxMC."""
 
-ASKED = "--approximate"
+OPTION = "--approximate"
 
 
 @dataclass(frozen=True)
 class Tolerance:
-    """With probability 1 - `delta` at least, an estimate is off by no more than a factor of 1 + `epsilon`.
+    """The guarantee of an estimate: off by at most a factor of 1 + `epsilon`, with probability at least 1 - `delta`.
 
     Raises:
         QueryError: a number is out of range.
@@ -48,7 +48,7 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class Estimate:
-    """A number that is about right, never an exact one: `about`, and how near to it the right one is."""
+    """An approximate number, `about`, with its tolerance; it is never an exact number."""
 
     about: int
     tolerance: Tolerance
@@ -64,7 +64,7 @@ def estimate_models(
     assumptions: Sequence[Literal] = (),
     seconds: float | None = None,
 ) -> Estimate:
-    """Return about how many assignments of the shown variables a model with the literals assumed has.
+    """Return an estimate of the number of assignments of the shown variables that extend to a model.
 
     Raises:
         QueryError: the seed is out of range.
@@ -72,6 +72,6 @@ def estimate_models(
         LimitReached: it has not finished after `seconds`.
     """
     if not 0 <= seed <= LARGEST_SEED:
-        raise QueryError(f"seed {seed}: {ASKED} takes one from 0 to {LARGEST_SEED}")
-    told = (tolerance.epsilon, tolerance.delta, seed)
-    return Estimate(int(counted(APPROXMC, cnf, assumptions, seconds, ASKED, *told)), tolerance)
+        raise QueryError(f"seed {seed}: {OPTION} takes one from 0 to {LARGEST_SEED}")
+    more = (tolerance.epsilon, tolerance.delta, seed)
+    return Estimate(int(run_counter(APPROXMC, cnf, assumptions, seconds, OPTION, *more)), tolerance)

@@ -1,4 +1,4 @@
-"""What a process that counts about does: hand formulas to ApproxMC, native code that may end the process."""
+"""The child process of ApproxMC, native code that may end the process."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from prag_asp.errors import EngineError
 
 
 def answers(messages: Iterator[Any]) -> Iterator[int]:
-    """Yield about how many models each formula has.
+    """Yield the approximate number of models of each formula.
 
-    A message is the number of its variables, those shown, its clauses, epsilon, delta and the seed.
+    A message has the number of variables, the shown ones, the clauses, epsilon, delta and the seed.
 
     Raises:
         EngineError: ApproxMC fails.
@@ -31,9 +31,9 @@ def answers(messages: Iterator[Any]) -> Iterator[int]:
 
 
 def _mentioning(shown: list[int], variables: int) -> Iterator[list[int]]:
-    """Yield clauses that say nothing, but have each variable shown.
+    """Yield clauses that mention each shown variable and do not change the number of models.
 
-    The package drops one that no clause has, or none any more once units are propagated, and the factor of 2 with it.
-    A new variable that it implies, and that is not projected on, keeps it and adds no model.
+    The package drops a variable without clauses, also after unit propagation, and with it a factor of 2. A new variable
+    that it implies, and that is not projected on, keeps it and adds no model.
     """
     return ([-variable, fresh] for variable, fresh in zip(shown, count(variables + 1), strict=False))

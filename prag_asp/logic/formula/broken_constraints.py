@@ -1,4 +1,4 @@
-"""A program whose constraints tell that they are broken, and by which line, in place of forbidding it."""
+"""A program whose constraints derive atoms that report violations by line, instead of forbidding them."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from prag_asp.program.sources import Program, Source
 
 BROKEN = "__broken"
 TIMES = {"base": "0", "step": "{}", "check": "{}+1"}
-"""When a constraint of a part is broken: the start, a step, or what comes after the last step."""
+"""The time of a violation by program part: the start, a step, or the time after the last step."""
 
 
 @dataclass(frozen=True)
 class ReportingProgram:
-    """A program without constraints; ``__broken(L,T)`` says that the one of line L is broken at time T.
+    """A program without constraints; ``__broken(L,T)`` says that the constraint of line L is broken at time T.
 
-    `rules` has the file and the line of each such L, and the text that stands there.
+    `rules` has the file, the line and the text of each L.
     """
 
     program: Program
     rules: Mapping[int, tuple[Path, int, str]]
 
 
-def reporting(program: Program) -> ReportingProgram:
-    """Return a program with its constraints turned into rules that derive an atom; each line stays where it was."""
+def report_violations(program: Program) -> ReportingProgram:
+    """Return a program with its constraints turned into rules that derive an atom; no line moves."""
     lines = program.text.splitlines()
     statements: dict[int, list[str]] = {}
     rules: dict[int, tuple[Path, int, str]] = {}
@@ -40,19 +40,19 @@ def reporting(program: Program) -> ReportingProgram:
         if statement.ast_type == ASTType.Program:
             part = statement.name
             time = statement.parameters[0].name if statement.parameters else "0"
-        told = str(statement)
+        text = str(statement)
         if _is_constraint(statement) and part in TIMES:
             rules[begin] = (*program.locate(begin), " ".join(line.strip() for line in lines[begin - 1 : end]))
             body = "; ".join(map(str, statement.body))
-            told = f"{BROKEN}({begin},{TIMES[part].format(time)}) :- {body or '#true'}."
-        statements.setdefault(begin, []).append(told)
+            text = f"{BROKEN}({begin},{TIMES[part].format(time)}) :- {body or '#true'}."
+        statements.setdefault(begin, []).append(text)
 
     parse_string(program.text, collect)
     return ReportingProgram(Program(tuple(_rewritten(program, statements))), rules)
 
 
 def _rewritten(program: Program, statements: Mapping[int, Sequence[str]]) -> Iterator[Source]:
-    """Yield the sources of a program with other statements on their lines; each begins after a line of its own."""
+    """Yield the sources of a program with the statements of some lines replaced; each begins after an added line."""
     line = 1
     for source in program.sources:
         height = source.text.count("\n") + 1
@@ -62,7 +62,7 @@ def _rewritten(program: Program, statements: Mapping[int, Sequence[str]]) -> Ite
 
 
 def broken_atoms(symbols: Mapping[clingo.Symbol, int]) -> dict[int, dict[int, int]]:
-    """Return by time, then by line, the literals of the atoms that say that a constraint is broken."""
+    """Return the literals of the atoms of violations, by time and then by line."""
     found: dict[int, dict[int, int]] = {}
     for symbol, literal in symbols.items():
         if symbol.match(BROKEN, 2):

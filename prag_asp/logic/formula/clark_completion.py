@@ -33,7 +33,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 
-from prag_asp.logic.formula.clause_builder import TRUE, Clauses, Literal
+from prag_asp.logic.formula.clause_builder import TRUE, ClauseBuilder, Literal
 from prag_asp.logic.ground.rules import Rule
 from prag_asp.program.finite.components import components
 
@@ -46,7 +46,7 @@ class Completion:
     `copies` are the variables that stand for those, each with the literal of its atom, and gates among them, with TRUE.
     """
 
-    clauses: Clauses
+    clauses: ClauseBuilder
     values: Mapping[int, Literal]
     loops: tuple[Mapping[int, tuple[Rule, ...]], ...] = ()
     copies: Mapping[int, Literal] = field(default_factory=dict)
@@ -58,7 +58,7 @@ class Completion:
 
 def complete(rules: Iterable[Rule], *, copied: bool = False) -> Completion:
     """Return the clauses of a ground program without disjunctions; with `copied`, positive loops have copies."""
-    clauses = Clauses()
+    clauses = ClauseBuilder()
     rules_of: dict[int, list[Rule]] = {}
     constraints: list[Rule] = []
     for rule in dict.fromkeys(rules):
@@ -101,14 +101,14 @@ def _is_fact(rule: Rule) -> bool:
     return not rule.choice and not rule.body
 
 
-def body_literal(clauses: Clauses, rule: Rule, value: Callable[[int], Literal]) -> Literal:
-    """Return a literal that is true where the body of a rule is, given the values of its literals."""
+def body_literal(clauses: ClauseBuilder, rule: Rule, value: Callable[[int], Literal]) -> Literal:
+    """Return a literal that is equivalent to the body of a rule, given the values of its literals."""
     literals = list(map(value, rule.body))
     return clauses.at_least(rule.bound, literals, rule.weights) if rule.weights else clauses.all_of(literals)
 
 
-def _support(clauses: Clauses, atom: Literal, rules: list[Rule], value: Callable[[int], Literal]) -> None:
-    """State that an atom is true where a rule derives it, and only where a rule derives or allows it."""
+def _support(clauses: ClauseBuilder, atom: Literal, rules: list[Rule], value: Callable[[int], Literal]) -> None:
+    """State that an atom is true if a rule derives it, and only if a rule derives or allows it."""
     if all(not rule.choice for rule in rules):
         if len(rules) == 1 and not rules[0].weights:
             clauses.all_of(map(value, rules[0].body), into=atom)
@@ -127,9 +127,9 @@ def _positive_graph(rules_of: Mapping[int, list[Rule]]) -> dict[int, list[int]]:
 
 
 def _by_copies(
-    clauses: Clauses, loop: Mapping[int, tuple[Rule, ...]], value: Callable[[int], Literal]
+    clauses: ClauseBuilder, loop: Mapping[int, tuple[Rule, ...]], value: Callable[[int], Literal]
 ) -> dict[int, Literal]:
-    """Give the atoms of a component copies, which its rules derive; return each copy with the literal of its atom."""
+    """Add copies of the atoms of a component, which its rules derive; return each copy with the literal of its atom."""
     copies = {atom: clauses.fresh() for atom in loop}
 
     def of_copies(literal: int) -> Literal:
@@ -147,7 +147,7 @@ def _by_copies(
 
 
 def _by_stages(
-    clauses: Clauses, loop: Mapping[int, tuple[Rule, ...]], value: Callable[[int], Literal]
+    clauses: ClauseBuilder, loop: Mapping[int, tuple[Rule, ...]], value: Callable[[int], Literal]
 ) -> dict[int, Literal]:
     """State that each true atom of a component is derived at some stage, without copies."""
     stage = dict.fromkeys(loop, -TRUE)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterable, Sequence
 
 Literal = int
-"""A variable from 1 upwards, negative where it is negated."""
+"""A variable from 1 upwards, negative if it is negated."""
 
 TRUE: Literal = 1
 """The first variable is always true, so that constants are literals and no clause is empty."""
 
 
-class Clauses:
+class ClauseBuilder:
     """A growing set of clauses.
 
     Every method that returns a literal adds clauses that fix its value for each assignment of the literals that it was
@@ -24,12 +24,12 @@ class Clauses:
         self._gates: dict[Hashable, Literal] = {}
 
     def fresh(self) -> Literal:
-        """Return a variable that no clause speaks of."""
+        """Return a variable that no clause has."""
         self.variables += 1
         return self.variables
 
     def add(self, *literals: Literal) -> None:
-        """State that one of some literals is true."""
+        """Add a clause."""
         kept = set(literals) - {-TRUE}
         if TRUE not in kept and not any(-literal in kept for literal in kept):
             self.clauses.append(tuple(sorted(kept, key=abs)) or (-TRUE,))
@@ -40,7 +40,7 @@ class Clauses:
         self.add(first, -second)
 
     def all_of(self, literals: Iterable[Literal], into: Literal | None = None) -> Literal:
-        """Return a literal that is true where all of some literals are; `into` is one whose value is to be that."""
+        """Return the conjunction of some literals; with `into`, state that this literal is equivalent to it."""
         kept = set(literals) - {TRUE}
         if -TRUE in kept or any(-literal in kept for literal in kept):
             found: Literal | None = -TRUE
@@ -59,11 +59,11 @@ class Clauses:
         return output
 
     def any_of(self, literals: Iterable[Literal], into: Literal | None = None) -> Literal:
-        """Return a literal that is true where one of some literals is; `into` is one whose value is to be that."""
+        """Return the disjunction of some literals; with `into`, state that this literal is equivalent to it."""
         return -self.all_of((-literal for literal in literals), None if into is None else -into)
 
     def at_least(self, bound: int, literals: Sequence[Literal], weights: Sequence[int]) -> Literal:
-        """Return a literal that is true where the weights of the true literals add up to a bound; weights are positive.
+        """Return a literal that is true if the positive weights of the true literals reach a bound.
 
         The sum is a binary decision diagram (Eén and Sörensson 2006): its node (i, b) says that the literals from the
         i-th on reach b.
@@ -96,7 +96,7 @@ class Clauses:
         return nodes.get(bound, -TRUE)
 
     def _reached(self, literal: Literal, high: Literal, low: Literal) -> Literal:
-        """Return whether the sum is reached, given whether it is with the literal and without; `low` implies `high`."""
+        """Return the literal of a node, given those for a true and a false literal; `low` implies `high`."""
         if high in (low, -TRUE):
             return low
         if low == -TRUE:

@@ -32,12 +32,12 @@ class Cnf:
     plans: Cnf | None = field(default=None, repr=False, compare=False)
 
     def literal(self, symbol: clingo.Symbol) -> Literal:
-        """Return the literal of an atom; one that no rule speaks of is false."""
+        """Return the literal of an atom; an atom without rules is false."""
         return self.literals.get(symbol, -TRUE)
 
 
 _in_use: WeakValueDictionary[tuple[Program, int], Cnf] = WeakValueDictionary()
-"""The formulas that somebody uses, by program and length: nobody changes one, and levels and engines share most."""
+"""The formulas in use, by program and length, which levels and engines share; they are never modified."""
 
 
 def plan_cnf(program: Program, length: int, shown: EncodingPredicate = OCCURS) -> Cnf:
@@ -71,7 +71,7 @@ def dimacs(cnf: Cnf, comments: Sequence[str] = ()) -> Iterator[str]:
     """Yield the lines of a formula as model counters read it.
 
     ``c t pmc`` and ``c p show`` ask for projected counting, as in the Model Counting Competition (2021 and later); each
-    line ``c V ATOM`` says what variable V stands for.
+    line ``c V ATOM`` names the atom of variable V.
     """
     yield from (f"c {line}" for line in comments)
     names = {literal: symbol for symbol, literal in cnf.literals.items() if literal != TRUE and literal > 0}

@@ -1,6 +1,6 @@
-"""Projected model counting by native code, exact by Ganak or approximate by ApproxMC, in a process that can be killed.
+"""Projected model counting in a child process, exact by Ganak or approximate by ApproxMC.
 
-Such code hears neither Ctrl-C nor a time limit, and ends the process where its input is wrong.
+The native code of both handles neither Ctrl-C nor a time limit, and ends its process on invalid input.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from prag_asp.stop_reason import StopKind, StopReason
 
 @dataclass(frozen=True)
 class Counter:
-    """A program that counts: the package that it is in, the extra that installs that, and the module that runs it."""
+    """A model counter: its package, the extra that installs it, and the module of its child process."""
 
     name: str
     package: str
@@ -35,71 +35,73 @@ GANAK = Counter("Ganak", "pyganak", "sharp", "prag_asp.logic.formula.ganak")
 APPROXMC = Counter("ApproxMC", "pyapproxmc", "approximate", "prag_asp.logic.formula.approxmc")
 
 SHARP = "engine sharp"
-"""What counts so in task spaces, as messages have it."""
+"""The engine that needs Ganak, as messages name it."""
 
 LARGEST = 2**24
-"""Variables that a counter is given at most: beyond, Ganak takes memory without bound, or aborts."""
+"""The largest number of variables of a formula: beyond it, Ganak needs unbounded memory or aborts."""
 
 
 def has_ganak() -> bool:
-    """Tell whether Ganak is installed."""
+    """Return whether Ganak is installed."""
     return find_spec(GANAK.package) is not None
 
 
-def require_counter(counter: Counter = GANAK, asked: str = SHARP) -> None:
-    """Refuse to go on where a counter is not installed; `asked` is what the user has asked for.
+def require_counter(counter: Counter = GANAK, request: str = SHARP) -> None:
+    """Check that a counter is installed; `request` names the request of the user in the message.
 
     Raises:
         EngineError: it is not.
     """
     if find_spec(counter.package) is None:
-        raise EngineError(f"{asked}: the package {counter.package} is missing; pip install 'prag_asp[{counter.extra}]'")
+        raise EngineError(
+            f"{request}: the package {counter.package} is missing; pip install 'prag_asp[{counter.extra}]'"
+        )
 
 
 def count_models(
-    cnf: Cnf, assumptions: Sequence[Literal] = (), seconds: float | None = None, *, asked: str = SHARP
+    cnf: Cnf, assumptions: Sequence[Literal] = (), seconds: float | None = None, *, request: str = SHARP
 ) -> int:
-    """Return the number of assignments of the shown variables that a model with the literals assumed has.
+    """Return the number of assignments of the shown variables that extend to a model with the assumed literals.
 
-    Messages speak of what the user has `asked` for.
+    `request` names the request of the user in messages.
 
     Raises:
         EngineError: Ganak is missing, cannot take the formula, or fails.
         LimitReached: it has not finished after `seconds`.
     """
-    return int(counted(GANAK, cnf, assumptions, seconds, asked))
+    return int(run_counter(GANAK, cnf, assumptions, seconds, request))
 
 
-def counted(
-    counter: Counter, cnf: Cnf, assumptions: Sequence[Literal], seconds: float | None, asked: str, *more: object
+def run_counter(
+    counter: Counter, cnf: Cnf, assumptions: Sequence[Literal], seconds: float | None, request: str, *more: object
 ) -> Any:
-    """Return what a counter answers of a formula with literals assumed; `more` is what it is told besides.
+    """Return the answer of a counter for a formula with assumed literals; `more` are further arguments.
 
     Raises:
         EngineError: it is missing, cannot take the formula, or fails.
         LimitReached: it has not finished after `seconds`.
     """
-    require_counter(counter, asked)
+    require_counter(counter, request)
     clauses = [*cnf.clauses, *((literal,) for literal in assumptions)]
-    refuse_what_cannot_be_counted(cnf.variables, clauses, cnf.shown, counter, asked)
+    check_formula(cnf.variables, clauses, cnf.shown, counter, request)
     with TemporaryFile() as complaints, WorkerGroup(counter.module, complaints.fileno()) as children:
         try:
             child = children.start()
             child.send((cnf.variables, cnf.shown, clauses, *more))
             return child.receive(seconds)
         except TimeoutError:
-            what = f"{asked}: no count after {seconds:.3g} s; allow more (--time), or ask for less"
+            what = f"{request}: no count after {seconds:.3g} s; allow more (--time), or ask for less"
             raise LimitReached(what, 0, StopReason(StopKind.TIME, seconds)) from None
         except WorkerEnded as ended:
             said = _last_line(complaints)
-            raise EngineError(f"{asked}: {counter.name} ended {ended} ({said}); choose another engine") from None
+            raise EngineError(f"{request}: {counter.name} ended {ended} ({said}); choose another engine") from None
 
 
 class CountBeside:
-    """Counts the models of a formula in a process of its own while this one does something else, as a context.
+    """Counts the models of a formula in a child process while this one does something else; a context manager.
 
-    `cnf` and the literals assumed come from `formula`, which is called when the counter is started: by the first
-    question after `patience` seconds. What fails is no error, but leaves the question open.
+    `formula` returns the formula and the assumed literals. It is called when the counter starts: at the first call
+    after `patience` seconds. A failure is no error; the count then stays unknown.
     """
 
     def __init__(
@@ -120,7 +122,7 @@ class CountBeside:
         self._running.close()
 
     def __call__(self) -> int | None:
-        """Return the number of models once it is known; the first call that is late enough starts the counter."""
+        """Return the number of models once it is known; the first call after `patience` seconds starts the counter."""
         due = self._due is not None and monotonic() >= self._due
         try:
             if self._child is not None and ready_workers([self._child], 0):
@@ -132,13 +134,13 @@ class CountBeside:
             self._running.close()
             self._child = None
         if due and self._child is not None:
-            self._begins()  # an error in what it calls is no failure of the counter
+            self._begins()  # an error of the callback is no failure of the counter
         return None
 
     def _start(self) -> None:
         cnf, assumptions = self._formula()
         clauses = [*cnf.clauses, *((literal,) for literal in assumptions)]
-        refuse_what_cannot_be_counted(cnf.variables, clauses, cnf.shown)
+        check_formula(cnf.variables, clauses, cnf.shown)
         complaints = self._running.enter_context(TemporaryFile())  # noqa: SIM115  the stack closes it
         child = self._running.enter_context(WorkerGroup(GANAK.module, complaints.fileno())).start()
         child.send((cnf.variables, cnf.shown, clauses))
@@ -146,29 +148,29 @@ class CountBeside:
 
 
 def _last_line(complaints: IO[bytes]) -> str:
-    """Return what was complained about last."""
+    """Return the last line of the error output."""
     complaints.seek(0)
     lines = complaints.read().decode(errors="replace").strip().splitlines()
     return lines[-1] if lines else "nothing said"
 
 
-def refuse_what_cannot_be_counted(
+def check_formula(
     variables: int,
     clauses: Iterable[Sequence[Literal]],
     shown: Sequence[Literal],
     counter: Counter = GANAK,
-    asked: str = SHARP,
+    request: str = SHARP,
 ) -> None:
-    """Refuse a formula that a counter would miscount or abort on.
+    """Check that a counter can take a formula.
 
     Raises:
         EngineError: it has no variables or too many, an empty clause, or a literal of none of its variables.
     """
     if not 0 < variables <= LARGEST:
-        raise EngineError(f"{asked}: a formula of {variables:,} variables; {counter.name} takes 1 to {LARGEST:,}")
+        raise EngineError(f"{request}: a formula of {variables:,} variables; {counter.name} takes 1 to {LARGEST:,}")
     for clause in clauses:
         if not clause:
-            raise EngineError(f"{asked}: a clause is empty, which {counter.name} may overlook")
+            raise EngineError(f"{request}: a clause is empty, which {counter.name} may overlook")
     for literal in chain(shown, *clauses):
         if not 0 < abs(literal) <= variables:
-            raise EngineError(f"{asked}: the literal {literal} is none of the {variables:,} variables")
+            raise EngineError(f"{request}: the literal {literal} is none of the {variables:,} variables")

@@ -1,4 +1,4 @@
-"""Which lines of a program leave it no plans of a length."""
+"""The lines of a program that together leave no plan of a length."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import clingo
 
 from prag_asp.logic.formula.clause_builder import TRUE, Literal
 from prag_asp.logic.formula.cnf import plan_cnf
-from prag_asp.logic.formula.liftable import KEPT, LOOSE, Line, liftable
+from prag_asp.logic.formula.liftable import KEPT, LOOSE, RestrictingLine, make_liftable
 from prag_asp.logic.formula.solver import Solver, smallest_conflict
 from prag_asp.logic.ground.ground_step import unrolled
 from prag_asp.processes.progress_events import stage
@@ -31,7 +31,7 @@ def has_plan(program: Program, length: int, occurring: Occurring | None = None) 
     grounder = Grounder(program)
     grounder.ground([("base", [])])
     grounder.ground(unrolled(length))
-    control, asked = grounder.control, []
+    control, assumptions = grounder.control, []
     if occurring is not None:
         atoms = control.symbolic_atoms
         found = (atoms[_occurs(action, step)] for action, step in occurring)
@@ -40,16 +40,16 @@ def has_plan(program: Program, length: int, occurring: Occurring | None = None) 
             for atom in found:
                 if atom is not None:
                     backend.add_rule([some], [atom.literal])
-        asked = [some]
+        assumptions = [some]
     stage("looking for a plan")
-    with uninterrupted():  # for an error in what it calls at the end, clingo ends the process
-        return bool(control.solve(assumptions=asked).satisfiable)
+    with uninterrupted():  # an error in a callback of clingo ends the process
+        return bool(control.solve(assumptions=assumptions).satisfiable)
 
 
-class Lines:
-    """The lines of a program that restrict its plans of a length, and what becomes of these where some are lifted.
+class LiftableLines:
+    """The lines of a program that restrict its plans of a length, each of which can be lifted.
 
-    With `occurring`, only those plans count in which one of these actions occurs at its step.
+    With `occurring`, only plans count in which one of these actions occurs at its step.
 
     Raises:
         DomainError: clingo cannot ground the program.
@@ -57,7 +57,7 @@ class Lines:
     """
 
     def __init__(self, program: Program, length: int, occurring: Occurring | None = None) -> None:
-        found = liftable(program)
+        found = make_liftable(program)
         cnf = plan_cnf(found.program, length)
         kept = [cnf.literal(clingo.Function(KEPT, [clingo.Number(i)])) for i in range(len(found.lines))]
         self._lines = dict(zip(kept, found.lines, strict=True))
@@ -67,27 +67,27 @@ class Lines:
             self._solver.add([-TRUE, *(cnf.literal(_occurs(action, step)) for action, step in occurring)])
         stage("looking for the lines")
 
-    def __enter__(self) -> Lines:
+    def __enter__(self) -> LiftableLines:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self._solver.close()
 
-    def conflict(self, *, smallest: bool = False) -> tuple[Line, ...]:
-        """Return lines that leave no plan together, though none without any one of them; there has to be no plan.
+    def conflict(self, *, smallest: bool = False) -> tuple[RestrictingLine, ...]:
+        """Return a minimal set of lines that together leave no plan; there has to be no plan.
 
-        All other lines are lifted: what they would change may have any value then. With `smallest`, no set of fewer
-        lines leaves no plan, as long as a line that is kept never allows what it forbids where it is lifted.
+        All other lines are lifted: the fluents that they change may have any value. With `smallest`, no set of fewer
+        lines leaves no plan, provided that a kept line never allows what it forbids if it is lifted.
         """
         kept = self._all
         if smallest:
             kept = smallest_conflict(self._solver, [self._loose], kept)
         return self._told(self._least(kept))
 
-    def changes(self) -> tuple[tuple[Line, ...], ...]:
-        """Return the lines each of which, removed, leaves a plan; where there are none, a smallest set of such.
+    def changes(self) -> tuple[tuple[RestrictingLine, ...], ...]:
+        """Return the lines whose removal alone leaves a plan, or else one smallest set of lines whose removal does.
 
-        Nothing is left of a line that is removed. There are no such sets where there are no plans without all lines.
+        A removed line has no effect at all. The result is empty if there is no plan without all lines.
         """
         single = [each for each in self._all if self._open([at for at in self._all if at != each], loose=False)]
         if single:
@@ -95,8 +95,8 @@ class Lines:
         removed = self._fewest()
         return () if removed is None else (self._told(removed),)
 
-    def _told(self, literals: Sequence[Literal]) -> tuple[Line, ...]:
-        """Return the lines of some literals, file by file from the top."""
+    def _told(self, literals: Sequence[Literal]) -> tuple[RestrictingLine, ...]:
+        """Return the lines of some literals, sorted by file and line."""
         return tuple(sorted((self._lines[each] for each in literals), key=lambda at: (at.path, at.line, at.text)))
 
     @property
@@ -104,14 +104,14 @@ class Lines:
         return list(self._lines)
 
     def _open(self, kept: Sequence[Literal], *, loose: bool = True) -> bool:
-        """Return whether there is a plan with just some lines kept."""
+        """Return whether there is a plan if only some lines are kept."""
         lifted = self._lines.keys() - kept
         return self._solver.satisfiable([self._loose if loose else -self._loose, *kept, *(-each for each in lifted)])
 
     def _least(self, kept: Sequence[Literal]) -> list[Literal]:
-        """Return some of the lines that leave no plan together, though none without any one of them.
+        """Return a minimal subset of lines that leave no plan.
 
-        Each is tried in turn, until none can be spared: one that could not be may be, once others have been.
+        The lines are removed one by one until none can be removed; one that could not be may be after others.
         """
         kept, again = list(kept), True
         while again:
@@ -126,10 +126,10 @@ class Lines:
         return kept
 
     def _fewest(self) -> list[Literal] | None:
-        """Return a smallest set of lines without which there is a plan; None where there is none without all.
+        """Return a smallest set of lines without which there is a plan; None if there is no plan without all lines.
 
-        Each set of lines that leave no plan together has one of those removed, so a smallest set that meets all such
-        found so far is tried, until there is a plan (Reiter, "A theory of diagnosis from first principles", 1987).
+        The set has a line of every set of lines that leave no plan. So a smallest hitting set of those found so far is
+        tried until there is a plan (Reiter, "A theory of diagnosis from first principles", 1987).
         """
         from pysat.examples.hitman import Hitman  # noqa: PLC0415
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import clingo
 
-from prag_asp.logic.domain_logic import Model
-from prag_asp.logic.formula.broken_constraints import ReportingProgram, broken_atoms, reporting
+from prag_asp.logic.domain_logic import DomainLogic
+from prag_asp.logic.formula.broken_constraints import ReportingProgram, broken_atoms, report_violations
 from prag_asp.logic.formula.clause_builder import Literal
 from prag_asp.logic.formula.cnf import Cnf, plan_cnf
 from prag_asp.logic.formula.solver import Solver, smallest_conflict
@@ -17,18 +17,17 @@ from prag_asp.program.facts import Assignment
 from prag_asp.program.predicates import BARRED, FINAL, HOLDS, KNOWN, OCCURS, RULED_OUT, EncodingPredicate
 
 OPPOSITE = {"true": "false", "false": "true"}
-TOLD = ("step.lp", "invariants.lp", "goal.lp", "impossible.lp")
-"""The encodings whose constraints are told in words."""
+EXPLAINED = ("step.lp", "invariants.lp", "goal.lp", "impossible.lp")
+"""The encodings whose constraints are explained in words."""
 
 
 @dataclass(frozen=True)
 class Explanation:
-    """Why n actions are no plan.
+    """The reasons why n actions are no plan.
 
-    `step` is the first, from 1, that cannot follow those before it: 0 where not even the start is possible, n + 1
-    where all steps can occur, but not the goal or check after them. `reasons` say why, in words. `conflict` are the
-    steps of a smallest set that no plan of n steps has in these places, whatever its other steps are; it is empty where
-    there is no plan of n steps at all.
+    `step` is the first one, from 1, that cannot follow those before it; 0 if the start is impossible, n + 1 if all
+    steps can occur, but the goal or check after them fails. `reasons` are sentences. `conflict` is a smallest set of
+    steps that no plan of n steps has at these places; it is empty if there is no plan of n steps at all.
     """
 
     step: int
@@ -36,17 +35,17 @@ class Explanation:
     conflict: tuple[int, ...]
 
 
-def explain(model: Model, plan: Sequence[clingo.Symbol]) -> Explanation | None:
-    """Return why a sequence of actions of the domain is no plan, or None where it is one.
+def explain(model: DomainLogic, plan: Sequence[clingo.Symbol]) -> Explanation | None:
+    """Return why a sequence of actions of the domain is no plan, or None if it is one.
 
     Raises:
         EngineError: the program has no counterpart in clauses.
     """
-    program = reporting(model.program)
+    program = report_violations(model.program)
     cnf = plan_cnf(program.program, len(plan))
     stage("looking for the conflict")
     with Solver(cnf.variables, cnf.clauses) as solver:
-        search = _Search(model, tuple(plan), program, cnf, solver)
+        search = _ReasonSearch(model, tuple(plan), program, cnf, solver)
         if solver.satisfiable([*search.actions, *search.lawful(len(plan) + 1)]):
             return None
         step = next(k for k in range(len(plan) + 2) if not solver.satisfiable(search.until(k)))
@@ -56,45 +55,45 @@ def explain(model: Model, plan: Sequence[clingo.Symbol]) -> Explanation | None:
         return Explanation(step, reasons, conflict)
 
 
-class _Search:
-    """The questions that are asked about one sequence of actions."""
+class _ReasonSearch:
+    """Solver queries about one sequence of actions."""
 
     def __init__(
-        self, model: Model, plan: tuple[clingo.Symbol, ...], program: ReportingProgram, cnf: Cnf, solver: Solver
+        self, model: DomainLogic, plan: tuple[clingo.Symbol, ...], program: ReportingProgram, cnf: Cnf, solver: Solver
     ) -> None:
         self._model, self._plan, self._rules, self._cnf, self._solver = model, plan, program.rules, cnf, solver
         self._broken = broken_atoms(cnf.literals)
         self.actions = [self._atom(OCCURS, action, k) for k, action in enumerate(plan, 1)]
 
     def lawful(self, end: int) -> list[Literal]:
-        """Return the literals that say that no constraint is broken up to a time."""
+        """Return the literals of "no constraint is broken up to a time"."""
         return [-literal for time, found in self._broken.items() if time <= end for literal in found.values()]
 
     def until(self, step: int) -> list[Literal]:
-        """Return the literals that say that the first steps occur, lawfully."""
+        """Return the literals of "the first steps occur and break no constraint"."""
         return [*self.actions[:step], *self.lawful(step)]
 
     def reasons(self, step: int) -> Iterator[str]:
-        """Yield why a step cannot follow those before it, in words where there are some."""
-        given = [*self.actions[:step], *self.lawful(step - 1)]
-        if not self._solver.satisfiable(given):
+        """Yield the reasons why a step cannot follow those before it."""
+        assumed = [*self.actions[:step], *self.lawful(step - 1)]
+        if not self._solver.satisfiable(assumed):
             yield "another action has to occur there"
             return
         state = _State(self._cnf, self._solver.model(), self._plan)
-        told = list(self._needs(step, state)) or list(self._contradictions(step, state))
-        yield from told
-        for line in self._lines(step, given):
+        words = list(self._needs(step, state)) or list(self._contradictions(step, state))
+        yield from words
+        for line in self._lines(step, assumed):
             path, number, text = self._rules[line]
-            if not told or path.name not in TOLD:
+            if not words or path.name not in EXPLAINED:
                 yield f"{path}:{number} forbids it: {text}"
 
-    def _lines(self, step: int, given: Sequence[Literal]) -> list[int]:
-        """Return the constraints that each forbid a step; where none does, a smallest set that does together."""
+    def _lines(self, step: int, assumed: Sequence[Literal]) -> list[int]:
+        """Return the constraints that each forbid a step, or else a smallest set that does so together."""
         here = self._broken.get(step, {})
-        alone = [line for line, literal in here.items() if not self._solver.satisfiable([*given, -literal])]
+        alone = [line for line, literal in here.items() if not self._solver.satisfiable([*assumed, -literal])]
         if alone:
             return sorted(alone)
-        together = smallest_conflict(self._solver, given, [-literal for literal in here.values()])
+        together = smallest_conflict(self._solver, assumed, [-literal for literal in here.values()])
         return sorted(line for line, literal in here.items() if -literal in together)
 
     def _needs(self, step: int, state: _State) -> Iterator[str]:
@@ -130,7 +129,7 @@ class _Search:
 
 
 class _State:
-    """What one model says of the states that the steps pass."""
+    """The values of the states of the steps in one model."""
 
     def __init__(self, cnf: Cnf, model: Sequence[Literal], plan: Sequence[clingo.Symbol]) -> None:
         self._cnf, self._values, self._plan = cnf, model, plan

@@ -1,4 +1,4 @@
-"""What a process that counts models does: hand formulas to Ganak, native code that may end the process."""
+"""The child process of Ganak, native code that may end the process."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from prag_asp.errors import EngineError
 
 
 def answers(messages: Iterator[Any]) -> Iterator[int]:
-    """Yield the number of models of each formula: the number of its variables, those shown, and its clauses.
+    """Yield the number of models of each formula, given as the number of variables, the shown ones, and the clauses.
 
     Raises:
         EngineError: Ganak fails.

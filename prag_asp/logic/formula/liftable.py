@@ -1,10 +1,9 @@
 """A program whose restricting lines can be lifted, one by one.
 
-A line restricts where plans are at most lost by it: a constraint, and what states a precondition, an initial value, an
-invariant, a goal. Each such line gets an atom, and holds where that is true. A postcondition does two things: it
-changes a fluent, and says to what. Where it is lifted, a second atom, ``LOOSE``, says what is left of it: nothing, or
-a fluent that may have any value afterwards. Composites are lifted all at once, as ``--flat`` does: what tests that a
-plan is a concatenation of them are constraints. What declares entities, fluents and actions stays.
+A line is restricting if it only removes plans: a constraint, a precondition, an initial value, an invariant, a goal.
+Each such line holds if its atom is true. A postcondition sets a fluent to a value; if it is lifted, the atom ``LOOSE``
+decides whether it has no effect or the fluent may have any value. Composites are lifted together, as by ``--flat``,
+because constraints test that a plan is a concatenation of them. Declarations of entities, fluents and actions stay.
 """
 
 from __future__ import annotations
@@ -20,22 +19,22 @@ from prag_asp.program.sources import ADDED, HIERARCHY, Program, Source, owned
 from prag_asp.program.syntax import Statement
 
 KEPT, LOOSE = "__kept", "__loose"
-"""The atoms of lines, by their number, and the one that leaves any value to what a lifted line would change."""
+"""The atoms of lines by number, and the atom by which the fluents of lifted postconditions may have any value."""
 
 RESTRICTING = frozenset([
     ("precondition", 3), ("initially", 2), ("exclusive", 2), ("implies", 2), ("impossible", 2), ("goal", 2),
     ("at_most", 2),
 ])  # fmt: skip
-"""What only restricts plans where it is stated."""
+"""The predicates whose statements only remove plans."""
 
 EFFECT, COMPOSITE = ("postcondition", 3), ("composite", 1)
 RULES = "rules"
-"""The folder of encodings whose files a domain asks for, each of them by one line."""
+"""The folder of the optional encodings, which a domain includes by one line each."""
 
 
 @dataclass(frozen=True)
-class Line:
-    """A statement of an author: its file, the line in it, and what it says; an included rule where it is asked for."""
+class RestrictingLine:
+    """A statement of an author with its file, line and text; an optional rule has the line that includes it."""
 
     path: Path
     line: int
@@ -47,62 +46,64 @@ class Line:
 
 @dataclass(frozen=True)
 class LiftableProgram:
-    """A program, and its lines; number i holds where the program's atom ``__kept(i)`` is true, which it may choose."""
+    """A program and its lines; line i holds if the atom ``__kept(i)`` is true, which the program chooses."""
 
     program: Program
-    lines: tuple[Line, ...]
+    lines: tuple[RestrictingLine, ...]
 
 
-def liftable(program: Program) -> LiftableProgram:
+def make_liftable(program: Program) -> LiftableProgram:
     """Return a program in which each line that restricts can be lifted."""
-    lines: list[Line] = []
+    lines: list[RestrictingLine] = []
     sources = [_guarded(source, own, program, lines) for source, own in owned(program)]
     choice = "".join(f"{{ {KEPT}({number}) }}. " for number in range(len(lines)))
     return LiftableProgram(Program((*sources, Source(ADDED, f"{choice}{{ {LOOSE} }}."))), tuple(lines))
 
 
-def _guarded(source: Source, own: bool, program: Program, lines: list[Line]) -> Source:
-    """Return a source with its restricting statements under an atom each, those of a rule asked for under one."""
-    asked = not own and source.path.parent.name == RULES
+def _guarded(source: Source, own: bool, program: Program, lines: list[RestrictingLine]) -> Source:
+    """Return a source with one atom for each restricting statement, or one atom for a whole optional rule."""
+    optional = not own and source.path.parent.name == RULES
     composed = _composing(program) if not own and source.path.name == HIERARCHY else None
-    if source.path == ADDED or not (own or asked or composed):
+    if source.path == ADDED or not (own or optional or composed):
         return source
     statements, _ = parse_sources([(source, own)])
     if composed:
         lines.append(composed)
-    elif asked and any(map(_restricts, statements)):
+    elif optional and any(map(_restricts, statements)):
         lines.append(_asking(source, program))
     texts = list[str]()
     for statement in statements:
         if _restricts(statement):
             if own:
-                lines.append(Line(source.path, statement.line, statement.text))
+                lines.append(RestrictingLine(source.path, statement.line, statement.text))
             texts += _under(statement, f"{KEPT}({len(lines) - 1})")
         else:
             texts.append(statement.text)
     return Source(source.path, "\n".join(texts))
 
 
-def _asking(source: Source, program: Program) -> Line:
-    """Return the line that asks for a rule: an include, or else the rule itself, which the user has named."""
+def _asking(source: Source, program: Program) -> RestrictingLine:
+    """Return the line that includes a rule, or the rule itself if the user has named it."""
     for other in program.sources:
         for line, path in other.includes:
             if path.resolve() == source.path.resolve():
-                return Line(other.path, line, f'#include "{RULES}/{path.name}".')
-    return Line(source.path, 1, f"the rule {source.path.stem}")
+                return RestrictingLine(other.path, line, f'#include "{RULES}/{path.name}".')
+    return RestrictingLine(source.path, 1, f"the rule {source.path.stem}")
 
 
-def _composing(program: Program) -> Line | None:
+def _composing(program: Program) -> RestrictingLine | None:
     """Return the first line that declares a composite, which stands for all of them; None where there is none."""
     statements, _ = parse_sources((source, own) for source, own in owned(program) if own and source.path != ADDED)
     for statement in statements:
         if any(atom.signature == COMPOSITE for atom in statement.heads):
-            return Line(statement.path, statement.line, f"{statement.node} (with all composites, as --flat lifts them)")
+            return RestrictingLine(
+                statement.path, statement.line, f"{statement.node} (with all composites, as --flat lifts them)"
+            )
     return None
 
 
 def _restricts(statement: Statement) -> bool:
-    """Tell whether plans are at most lost by a statement."""
+    """Return whether a statement only removes plans."""
     if not statement.is_rule or statement.node.head.ast_type != ASTType.Literal:
         return False
     if not statement.heads:
@@ -112,7 +113,7 @@ def _restricts(statement: Statement) -> bool:
 
 
 def _under(statement: Statement, kept: str) -> Iterator[str]:
-    """Yield a statement that holds where an atom is true, and what is left of it where that is not."""
+    """Yield a statement that holds if an atom is true, and its lifted form if it is false."""
     body = [text for _, text in statement.literals]
     yield _rule(statement.node.head, [*body, kept])
     if any(atom.signature == EFFECT for atom in statement.heads):
@@ -124,7 +125,7 @@ def _rule(head: AST | str, body: Sequence[str]) -> str:
 
 
 def _with_any_value(head: AST) -> str:
-    """Return the head of a postcondition with an unknown value, be it one or a pool of several."""
+    """Return the head of a postcondition, which may be a pool, with an unknown value."""
     symbol = head.atom.symbol
     functions = symbol.arguments if symbol.ast_type == ASTType.Pool else [symbol]
     found = [f"{EFFECT[0]}({','.join([*map(str, list(each.arguments)[:2]), 'unknown'])})" for each in functions]

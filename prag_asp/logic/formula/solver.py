@@ -1,4 +1,4 @@
-"""A SAT solver that hears Ctrl-C and leaves nothing behind."""
+"""A SAT solver that can be interrupted by Ctrl-C and frees its memory."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from typing import Any
 from prag_asp.logic.formula.clause_builder import Literal
 
 CONFLICTS = 2000
-"""Conflicts between two looks at the signals: some milliseconds."""
+"""The number of conflicts between two checks for signals, which take some milliseconds."""
 
 
 class Solver:
-    """A solver of clauses under assumptions (Glucose 4.1 by way of python-sat), which keeps what it learns."""
+    """An incremental solver of clauses under assumptions (Glucose 4.1 of python-sat)."""
 
     def __init__(self, variables: int, clauses: Iterable[Sequence[Literal]]) -> None:
         from pysat.solvers import Glucose4  # noqa: PLC0415
@@ -30,18 +30,18 @@ class Solver:
         self.close()
 
     def close(self) -> None:
-        """Free the memory of the solver, which then answers nothing any more."""
+        """Free the memory of the solver, which cannot be used afterwards."""
         self._solver.delete()
 
     def add(self, clause: Sequence[Literal]) -> None:
-        """Add a clause for all questions to come."""
+        """Add a clause for all later queries."""
         self._solver.add_clause(clause)
 
     def satisfiable(self, assumptions: Sequence[Literal] = ()) -> bool:
         """Return whether some model satisfies the literals."""
         while True:
             self._solver.conf_budget(CONFLICTS)
-            # With this flag, python-sat leaves the handling of signals to Python, which does it between two calls.
+            # With this flag, python-sat leaves signals to Python, which handles them between two calls.
             answer = self._solver.solve_limited(assumptions=list(assumptions), expect_interrupt=True)
             if answer is not None:
                 return bool(answer)
@@ -49,7 +49,7 @@ class Solver:
     def propagated(self, assumptions: Sequence[Literal]) -> list[Literal] | None:
         """Return the literals assumed and those that unit propagation finds, or None where it finds a conflict.
 
-        They are a function of the clauses as long as nothing was solved, for then nothing is learned.
+        They are a function of the clauses until the first call of `satisfiable`, because nothing is learned before.
         """
         consistent, found = self._solver.propagate(assumptions=list(assumptions))
         return list(found) if consistent else None
@@ -60,35 +60,35 @@ class Solver:
         return found
 
     def core(self) -> list[Literal]:
-        """Return literals assumed last that no model satisfies together; not always a smallest set of them."""
+        """Return assumptions of the last query that no model satisfies together; the set need not be minimal."""
         return list(self._solver.get_core() or ())
 
 
-def smallest_conflict(solver: Solver, given: Sequence[Literal], literals: Sequence[Literal]) -> list[Literal]:
-    """Return a smallest set of `literals` that no model with all literals `given` satisfies; no model satisfies all.
+def smallest_conflict(solver: Solver, assumed: Sequence[Literal], literals: Sequence[Literal]) -> list[Literal]:
+    """Return a smallest set of `literals` that no model with all literals `assumed` satisfies; no model satisfies all.
 
-    A set is in conflict if it meets every set of literals that a largest satisfiable one leaves out: the
-    smallest that meets all those found is asked again until it is in conflict itself (Ignatiev, Previti, Liffiton and
+    A set is in conflict if it hits the complement of every maximal satisfiable set. The smallest hitting set of the
+    complements found so far is solved again until it is in conflict itself (Ignatiev, Previti, Liffiton and
     Marques-Silva 2015).
     """
     from pysat.examples.hitman import Hitman  # noqa: PLC0415
 
     chosen: list[Literal] = []
     with Hitman(solver="g4") as hitting:
-        while solver.satisfiable([*given, *chosen]):
-            left_out = _left_out(solver, given, literals)
+        while solver.satisfiable([*assumed, *chosen]):
+            left_out = _left_out(solver, assumed, literals)
             hitting.hit(left_out)
             chosen = sorted(hitting.get(), key=abs)
     return chosen
 
 
-def _left_out(solver: Solver, given: Sequence[Literal], literals: Sequence[Literal]) -> list[Literal]:
-    """Return what a largest satisfiable set around the model found last leaves out."""
+def _left_out(solver: Solver, assumed: Sequence[Literal], literals: Sequence[Literal]) -> list[Literal]:
+    """Return the complement of a maximal satisfiable set that contains the true literals of the last model."""
     kept, left = _split(solver.model(), literals)
     missing = []
     while left:
         literal = left.pop(0)
-        if solver.satisfiable([*given, *kept, literal]):
+        if solver.satisfiable([*assumed, *kept, literal]):
             kept, left = _split(solver.model(), [*kept, literal, *left])
         else:
             missing.append(literal)

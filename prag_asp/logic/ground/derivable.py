@@ -1,4 +1,4 @@
-"""Which predicates a step may have atoms of at all, told from its rules before it is ground."""
+"""The predicates that a step may derive, read from its rules before it is ground."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ def may_derive(
 ) -> bool:
     """Return whether a step may have an atom of the predicates `heads`.
 
-    A rule derives nothing unless every predicate that its body needs has an atom: in the base part, whose `atoms` are
-    ground, among those that step t-1 leaves open, or by a rule of the step.
+    A rule derives nothing unless every predicate of its positive body has an atom: in the base part, whose `atoms` are
+    ground, among the open atoms of step t-1, or by a rule of the step.
     """
     statements, _ = parse_sources(each for each in owned(program) if each[0].path != ADDED)
     waiting = [(each, _needed(each)) for each in statements if each.part == "step" and each.is_rule and each.heads]
@@ -30,6 +30,6 @@ def may_derive(
 
 
 def _needed(rule: Statement) -> set[Signature]:
-    """Return the predicates of the atoms that the body of a rule needs, as far as these are plain."""
+    """Return the predicates of the plain positive atoms of a body."""
     found = (plain_atom(node, text) for node, text in rule.literals)
     return {each.signature for each in found if each and not each.negated and not each.name.startswith("-")}

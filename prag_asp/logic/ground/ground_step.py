@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import clingo
@@ -16,25 +16,30 @@ from prag_asp.logic.ground.rules import GroundRecorder, Rule, Unsupported
 from prag_asp.logic.ground.stationary import Obstacle, StepReads
 from prag_asp.program.atom_arrays import ground_atoms
 from prag_asp.program.facts import Facts
-from prag_asp.program.finite.checks import BoundReached, measured
-from prag_asp.program.finite.guards import guarded
+from prag_asp.program.finite.checks import BoundReached, measure
+from prag_asp.program.finite.guards import guard_program
 from prag_asp.program.grounding import Grounder, Part
 from prag_asp.program.predicates import FINAL, HOLDS, OCCURS, STATE
 from prag_asp.program.sources import Program
 from prag_asp.program.syntax import Signature
 
 MOST_STEPS = 10**6
-"""Steps that are ground one by one at most: each takes a millisecond, and memory."""
+"""The largest number of steps that are ground one by one: each takes about a millisecond, and memory."""
 
 STEP = 1_000_000_000
-"""The number of the step that is grounded: one that no domain uses for anything else."""
+"""The number of the ground step, which no domain uses for anything else."""
 
 FEW_STEPS, MOST_ATOMS, MOST_SYMBOLS = 30, 1_000_000, 10_000
-"""Where a predicate that carries something along is held to go on without end: after so many steps, or atoms, or where
-one of its atoms is made of so many symbols: a step may double them."""
+"""The numbers of steps, of atoms, and of symbols in one atom from which a carried predicate counts as endless.
+
+A step may double the symbols of an atom, so that few steps fill the memory.
+"""
 
 MOST_GROWING, FEW_AT_ONCE = 20_000, 2
-"""So many atoms, where each may be made of others; they are looked at after so many steps, which may double them."""
+"""The same number of atoms, and the steps between two tests, for a predicate whose atoms may be made of one another."""
+
+PART = re.compile(r"(#program\s+)(base|step)\b")
+"""Finds the program parts that an extension has."""
 
 CONTRACT = {HOLDS, OCCURS}
 
@@ -42,7 +47,7 @@ NOW, BEFORE, START = clingo.Number(STEP), clingo.Number(STEP - 1), clingo.Number
 OPEN_VALUES = (clingo.Function("true"), clingo.Function("false"))
 
 Seeds = dict[clingo.Symbol, None]
-"""What step t-1 may have, timed atoms without their time, in the order in which clingo is told of them."""
+"""The atoms that step t-1 may have, without their time, in the order in which they are declared to clingo."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +56,10 @@ class GroundStep:
 
     `names` holds the symbol of every named atom; `before`, `now` and `ending` the atoms of step t-1 and of step t by
     their symbol without its time. `initial` are the timed symbols that hold at the start, without their time;
-    `obstacles` says why the step is not a function of the state and the action, where it is not. What judges a plan is
-    right `after_steps_alone` where every step makes something so that the start does not: clingo takes it for granted.
+    `obstacles` are the reasons why the step is no function of the state and the action. With `after_steps_alone`, the
+    final check is wrong for a plan without actions: clingo has simplified it by atoms that every step makes true, but
+    not the start.
+    `grounding` can ground more rules on top of the step (see `extend_step`).
     """
 
     rules: Mapping[str, tuple[Rule, ...]]
@@ -63,13 +70,14 @@ class GroundStep:
     consistent: bool
     obstacles: tuple[Obstacle, ...]
     after_steps_alone: bool = False
+    grounding: Grounding | None = field(default=None, repr=False, compare=False)
 
 
 def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
     """Ground one step of a program for every state that it may start from.
 
-    Which atoms step t-1 may have is not known beforehand: the step is grounded again until it makes no new ones. Where
-    it makes new ones without end, such as a counter without a bound, the result has an obstacle that says so.
+    The atoms of step t-1 are not known beforehand: the step is ground again until it makes no new ones. If it makes new
+    ones without end, as a counter without a bound does, the result has an obstacle.
 
     Raises:
         DomainError: clingo cannot ground the program.
@@ -77,7 +85,7 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
     try:
         return _ground_step(program, facts, reads)
     except BoundReached as error:
-        # No plan of some length needs to come so far: the engines that ground each step by itself find out.
+        # A plan of a given length may not reach the bound: engines that unroll the steps decide that.
         place = f"{error.problem.path}:{error.problem.line}"
         return _unbounded(Obstacle(error.problem.text, place), reads)
 
@@ -87,7 +95,7 @@ def _ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep
     started = _start(program, reads)
     if started.initial <= seeds.keys() and not _may_carry(started.grounder, program, reads):
         ground = _ground_once(started, program, seeds, facts, reads)
-        if not _unforeseen(ground, seeds, reads):  # nothing but the state is carried along
+        if not _unforeseen(ground, seeds, reads):  # the step carries only the state
             return ground
         started = _start(program, reads)
     endless = _add_carried(seeds, program, reads)
@@ -105,29 +113,29 @@ def _ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep
 
 
 def _unbounded(obstacle: Obstacle, reads: StepReads) -> GroundStep:
-    """Return a step of which nothing is known but that it may make ever more."""
+    """Return an empty step with the obstacle that it makes new atoms without end."""
     return GroundStep({}, {}, {}, {}, frozenset(), consistent=True, obstacles=(*reads.obstacles, obstacle))
 
 
 def _may_carry(grounder: Grounder, program: Program, reads: StepReads) -> bool:
-    """Return whether steps may carry anything but the state, where the start has nothing else to carry."""
+    """Return whether steps may carry anything but the state, given that the start has nothing else."""
     carried = reads.previous - CONTRACT
     return bool(carried) and may_derive(program, grounder.control.symbolic_atoms, CONTRACT, carried)
 
 
 def _unforeseen(ground: GroundStep, seeds: Seeds, reads: StepReads) -> set[clingo.Symbol]:
-    """Return what the start or a step makes that the next step reads, but that was not left open before it."""
-    made = {symbol for symbol in ground.now if symbol not in seeds and _signature(symbol) in reads.previous}
-    if made:
+    """Return the atoms of the start and of the step that the next step reads, but that `seeds` lacks."""
+    new = {symbol for symbol in ground.now if symbol not in seeds and _signature(symbol) in reads.previous}
+    if new:
         unsupported = _unsupported(ground, seeds)
-        made = {symbol for symbol in made if ground.now[symbol] not in unsupported}
-    return made | (ground.initial - seeds.keys())
+        new = {symbol for symbol in new if ground.now[symbol] not in unsupported}
+    return new | (ground.initial - seeds.keys())
 
 
 def _unsupported(ground: GroundStep, seeds: Seeds) -> set[int]:
-    """Return the atoms that no rule derives, whatever the step before was.
+    """Return the atoms that no rule derives from any state.
 
-    Where ``not p(X,t-1)`` is all that is said of an atom, clingo knows it nevertheless, and carries it on.
+    clingo knows an atom that only ``not p(X,t-1)`` mentions, and would carry it along.
     """
     waiting = [rule for part in ground.rules.values() for rule in part]
     derived = {head for rule in waiting for head in rule.heads}
@@ -142,9 +150,9 @@ def _unsupported(ground: GroundStep, seeds: Seeds) -> set[int]:
 
 
 class _Bounds(NamedTuple):
-    """After how many steps or atoms what still takes new values is held to take them without end.
+    """The numbers of steps and atoms from which a carried predicate counts as endless.
 
-    It is looked at after so many steps at once, or fewer.
+    `at_once` is the largest number of steps between two tests.
     """
 
     steps: int = MOST_ATOMS
@@ -153,11 +161,11 @@ class _Bounds(NamedTuple):
 
 
 def _bounds(program: Program, reads: StepReads) -> _Bounds:
-    """Return how far it is looked for the end of what steps carry along.
+    """Return the bounds of the search for all carried atoms.
 
-    A counter that is bounded ends at a number that the program names, or not far beyond.
+    A bounded counter ends at a number that the program names, or not far beyond.
     """
-    if not guarded(program).endless_steps:
+    if not guard_program(program).endless_steps:
         return _Bounds()
     if reads.growing & reads.previous:
         return _Bounds(FEW_STEPS, MOST_GROWING, FEW_AT_ONCE)
@@ -166,9 +174,9 @@ def _bounds(program: Program, reads: StepReads) -> _Bounds:
 
 
 def _add_carried(seeds: Seeds, program: Program, reads: StepReads) -> Signature | None:
-    """Add to `seeds` what steps may carry along; return a predicate that does not come to an end.
+    """Add the atoms that steps may carry to `seeds`; return a predicate that exceeds the bounds, if there is one.
 
-    Steps are ground one after another, and looked at after 1, 2, 4, ... of them, within bounds.
+    Steps are ground one after another, and the atoms are tested after 1, 2, 4, ... of them.
     """
     carried = sorted(reads.previous - CONTRACT)
     if not carried:
@@ -185,7 +193,7 @@ def _add_carried(seeds: Seeds, program: Program, reads: StepReads) -> Signature 
         steps += more
         last = clingo.Number(STEP + steps - 1)
         found = [atom.symbol for each in carried for atom in atoms.by_signature(*each)]
-        large = next((symbol for symbol in found if measured(symbol, sizes, _size) > MOST_SYMBOLS), None)
+        large = next((symbol for symbol in found if measure(symbol, sizes, _size) > MOST_SYMBOLS), None)
         if large is not None:
             return _signature(timeless(large))
         seeds |= dict.fromkeys(timeless(symbol) for symbol in found if symbol.arguments[-1] != last)
@@ -211,7 +219,7 @@ def _signature(symbol: clingo.Symbol) -> Signature:
 
 
 def _seeds(facts: Facts, reads: StepReads) -> Seeds:
-    """Return what step t-1 may have by the contract; static fluents have the value of the start."""
+    """Return the atoms of the contract that step t-1 may have; static fluents have the value of the start."""
     seeds: Seeds = {}
     if HOLDS in reads.previous:
         seeds |= dict.fromkeys(HOLDS.timeless(*each) for each in _open_values(facts))
@@ -221,36 +229,62 @@ def _seeds(facts: Facts, reads: StepReads) -> Seeds:
 
 
 def _open_values(facts: Facts) -> Iterator[list[clingo.Symbol]]:
-    """Yield the fluents, each with each value that a state may give it."""
+    """Yield each fluent with each value that it may have in a state."""
     static = {fluent: clingo.Function(value) for fluent, value in facts.static}
     for fluent in facts.fluents:
         for value in (static[fluent],) if fluent in static else OPEN_VALUES:
             yield [fluent, value]
 
 
-def _ground_once(started: _Started, program: Program, seeds: Seeds, facts: Facts, reads: StepReads) -> GroundStep:
-    grounder, recorder = started.grounder, started.recorder
-    # What `not p(_,t)` reads is defined by rules that clingo makes as soon as the atoms p(X,t) are there.
+def extend_step(
+    step: GroundStep, rules: Program, carried: Iterable[clingo.Symbol], reads: StepReads
+) -> GroundStep | None:
+    """Return a ground step with more rules, which are ground on top of it; None if all has to be ground again.
+
+    A step can be extended once. `rules` may have the parts ``base`` and ``step(t)``; no rule of the step may read what
+    they derive. `carried` are the atoms that they derive at one step and read at the next, without their time. `reads`
+    describes the step together with the rules.
+    """
+    grounding = step.grounding
+    if grounding is None or grounding.extended or grounding.grounder.control.is_conflicting:
+        return None
+    grounding.extended = True
+    grounder, recorder = grounding.grounder, grounding.recorder
+    grounder.add("base", [PART.sub(r"\1extended_\2", f"#program base. {rules.text}")])
+    recorder.part = "base"
+    grounder.ground([("extended_base", [])])
     recorder.part = "step"
-    # What later steps tell of the state after this one is open as well: no goal may make it a fact here.
-    told = [STATE(*each, NOW) for each in _open_values(facts)]
-    _declare(grounder, seeds, told)
+    _declare(grounder, carried, [])
+    grounder.ground([("extended_step", [NOW])])
+    if grounder.control.is_conflicting:
+        return None
+    extended = _recorded(grounder, recorder, reads)
+    return None if _unforeseen(extended, dict.fromkeys([*step.before, *carried]), reads) else extended
+
+
+def _ground_once(started: Grounding, program: Program, seeds: Seeds, facts: Facts, reads: StepReads) -> GroundStep:
+    grounder, recorder = started.grounder, started.recorder
+    # clingo defines the projection that `not p(_,t)` reads as soon as atoms p(X,t) exist.
+    recorder.part = "step"
+    # Later steps may add to what is known of this state: it is open, so that no goal makes it a fact here.
+    open_states = [STATE(*each, NOW) for each in _open_values(facts)]
+    _declare(grounder, seeds, open_states)
     _ground_parts(grounder, recorder, ("step", "hindsight"))
     if grounder.control.is_conflicting:
-        return _ground_start(program, told, reads)
-    return _ground_end(started, reads)
+        return _ground_start(program, open_states, reads)
+    return replace(_ground_end(started, reads), grounding=started)
 
 
-def _ground_start(program: Program, told: Iterable[clingo.Symbol], reads: StepReads) -> GroundStep:
-    """Ground what judges a plan without a step, where no state allows one: clingo grounds nothing after a conflict."""
+def _ground_start(program: Program, open_states: Iterable[clingo.Symbol], reads: StepReads) -> GroundStep:
+    """Ground the final check without a step, because no state allows one: clingo grounds nothing after a conflict."""
     started = _start(program, reads)
     started.recorder.part = "step"
-    _declare(started.grounder, (), told)
+    _declare(started.grounder, (), open_states)
     return _ground_end(started, reads)
 
 
-def _ground_end(started: _Started, reads: StepReads) -> GroundStep:
-    """Ground what judges the state after a step, or that at the start."""
+def _ground_end(started: Grounding, reads: StepReads) -> GroundStep:
+    """Ground the checks of the last state, which may be the start."""
     started.recorder.part = "step"
     _open_start(started)
     _ground_parts(started.grounder, started.recorder, ("check", "ending"))
@@ -273,16 +307,16 @@ def _initial(grounder: Grounder, reads: StepReads) -> set[clingo.Symbol]:
     return found
 
 
-def _open_start(started: _Started) -> None:
-    """Leave open which atoms that only the start has are there: the check of a plan without a step reads them."""
+def _open_start(started: Grounding) -> None:
+    """Leave open the atoms that only the start has: the check of a plan without actions reads them."""
     atoms = started.grounder.control.symbolic_atoms
     at_now = (clingo.Function(each.name, [*each.arguments, NOW]) for each in sorted(started.initial))
     started.grounder.leave_open(each for each in at_now if atoms[each] is None)
 
 
-def _declare(grounder: Grounder, seeds: Iterable[clingo.Symbol], told: Iterable[clingo.Symbol]) -> None:
-    """Leave open what step t-1 may have, and the atoms `told`."""
-    grounder.leave_open([*(clingo.Function(each.name, [*each.arguments, BEFORE]) for each in seeds), *told])
+def _declare(grounder: Grounder, seeds: Iterable[clingo.Symbol], others: Iterable[clingo.Symbol]) -> None:
+    """Leave open the `seeds` at step t-1, and `others`."""
+    grounder.leave_open([*(clingo.Function(each.name, [*each.arguments, BEFORE]) for each in seeds), *others])
 
 
 def ground_plan(program: Program, length: int, reads: StepReads) -> GroundStep:
@@ -312,19 +346,21 @@ def unrolled(length: int) -> list[Part]:
     return [*steps, ("check", [clingo.Number(length)])]
 
 
-class _Started(NamedTuple):
-    """The base part of a program, ground, and what holds at the start, without its time."""
+@dataclass
+class Grounding:
+    """A grounder with at least the base part of a program; `initial` are the atoms of the start without their time."""
 
     grounder: Grounder
     recorder: GroundRecorder
     initial: set[clingo.Symbol]
+    extended: bool = False
 
 
-def _start(program: Program, reads: StepReads) -> _Started:
+def _start(program: Program, reads: StepReads) -> Grounding:
     grounder, recorder = Grounder(program), GroundRecorder(base_facts=False)
     grounder.control.register_observer(recorder)
     grounder.ground([("base", [])])
-    return _Started(grounder, recorder, _initial(grounder, reads))
+    return Grounding(grounder, recorder, _initial(grounder, reads))
 
 
 def _recorded(grounder: Grounder, recorder: GroundRecorder, reads: StepReads) -> GroundStep:
@@ -338,7 +374,7 @@ def _recorded(grounder: Grounder, recorder: GroundRecorder, reads: StepReads) ->
     for name, arity in sorted(reads.timed | reads.previous | {STATE, FINAL}):
         for arguments, literal, is_fact in ground_atoms(grounder.control, name, arity):
             symbol, (*others, time) = clingo.Function(name, arguments), arguments
-            if not (literal or is_fact):  # it is read by `not` alone
+            if not (literal or is_fact):  # only `not` reads it
                 continue
             if time == START:
                 initial.add(clingo.Function(name, others))

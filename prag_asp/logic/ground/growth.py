@@ -1,4 +1,4 @@
-"""Rules that may carry ever new values from step to step: counters that nothing bounds."""
+"""Rules that may carry new values from step to step without end, such as unbounded counters."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ FINITE = {OCCURS, HOLDS}
 """Timed predicates that take no values but those that the domain declares."""
 
 MADE = (ASTType.BinaryOperation, ASTType.UnaryOperation, ASTType.Function)
-"""Terms that make a new value from others."""
+"""Terms that make new values."""
 
 
 def growing_heads(
     heads: Iterable[AtomNode], body: Iterable[tuple[AST, str]], timed: Collection[Signature]
 ) -> Iterator[Signature]:
-    """Yield the heads of a rule that make new values of carried ones, with nothing in the body that may bound them.
+    """Yield the heads of a rule that make new values of carried ones that nothing in the body bounds.
 
-    The literals of the body come with their texts. Whatever else reads a variable than one atom of a step may bound it.
+    Each literal of the body comes with its text. A second literal that reads a variable may bound it.
     """
-    made = [(head.signature, _made_of(head)) for head in heads]
-    if not any(names for _, names in made):
+    made_of = [(head.signature, _made_of(head)) for head in heads]
+    if not any(names for _, names in made_of):
         return
     carried: set[str] = set()
     bounded: set[str] = set()
@@ -37,7 +37,7 @@ def growing_heads(
             carried |= read
         else:
             bounded |= read
-    yield from (head for head, names in made if not bounded.issuperset(names))
+    yield from (head for head, names in made_of if not bounded.issuperset(names))
 
 
 def _is_carried(literal: AST, text: str, timed: Collection[Signature]) -> bool:
@@ -48,7 +48,7 @@ def _is_carried(literal: AST, text: str, timed: Collection[Signature]) -> bool:
 
 
 def _made_of(head: AtomNode) -> set[str]:
-    """Return the variables of which an atom makes a new value."""
+    """Return the variables from which an atom makes a new value."""
     if all(VARIABLE.fullmatch(argument) for argument in head.arguments[:-1]):
         return set()
     found: set[str] = set()
@@ -63,7 +63,7 @@ def _made_of(head: AtomNode) -> set[str]:
 
 
 def locate_head(program: Program, signature: Signature) -> str:
-    """Return the file and the line of a rule of a step that derives a predicate, best of one that makes new values."""
+    """Return file and line of a rule of a step that derives a predicate, preferably one that makes new values."""
     found: list[tuple[bool, int]] = []
     part = "base"
 

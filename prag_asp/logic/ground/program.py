@@ -1,9 +1,9 @@
-"""The whole logic program of a domain: its files, and the facts that the library adds to them."""
+"""The whole logic program of a domain: its files and the facts that the library adds."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import chain, pairwise
 
 import clingo
@@ -12,12 +12,14 @@ from prag_asp.domain.load import Domain
 from prag_asp.program.entity_names import mention_facts, name_fact
 from prag_asp.program.facts import Facts
 from prag_asp.program.predicates import (
+    INTRODUCED,
     JOINT_UNIT,
     MENTIONS,
     NAME,
     NEXT_UNIT,
     PRUNED,
     SUCCESSOR,
+    UNIT_INTRODUCED,
     EncodingPredicate,
     speaks_of,
 )
@@ -28,53 +30,84 @@ DEPENDING = re.compile(
     r"\b_(propagates|impossible_with|ruled_out|barred|goal_fluent|forces|never_without|some_impossible|never_possible"
     r"|impossible_matters)\b"
 )
-"""Predicates that depend on how invariants are stated, and those of `closed_invariants.lp` alone."""
+"""Finds predicates that depend on how invariants are stated, and those of `closed_invariants.lp` alone."""
+
+CANONICAL = (SUCCESSOR, JOINT_UNIT, NEXT_UNIT, INTRODUCED, UNIT_INTRODUCED)
+"""The predicates that the programs of tasks add."""
+
+Groups = Sequence[Sequence[clingo.Symbol]]
+Joint = Sequence[Sequence[Sequence[clingo.Symbol]]]
+"""Groups of interchangeable entities, and of units whose entities are interchangeable together."""
 
 DESCRIBING = (CONTRACT, "skeleton.lp")
-"""The encodings that describe what the library adds, and name the actions that occur."""
+"""The encodings that mention the added predicates in any case."""
 
 
 def whole_program(domain: Domain) -> Program:
-    """Return the program of a domain with the actions that are not tried, and with `name` and `mentions` if read."""
+    """Return the program of a domain with its pruned actions, and with `name` and `mentions` if read."""
     return with_facts(domain.program, _added_facts(domain.facts, domain.program))
 
 
 def weighing_program(domain: Domain, program: Program, weighed: Sequence[str]) -> Program:
-    """Return the program of a domain with the rules that tell what weights depend on, and the facts `weighed`."""
+    """Return a program of a domain with the rules for what weights depend on, and the facts `weighed`."""
     whole = Program((*program.sources, *_rules(domain, "weights")))
     facts = domain.facts
-    told = weighed if _read(program, MENTIONS) else [*weighed, *mention_facts(facts.actions, facts.entities)]
-    return with_facts(whole, told)
+    stated = weighed if _read(program, MENTIONS) else [*weighed, *mention_facts(facts.actions, facts.entities)]
+    return with_facts(whole, stated)
 
 
 def closed_program(domain: Domain) -> Program | None:
-    """Return the program of a domain with all that its invariants entail of two fluents, which has the same plans.
+    """Return the program of a domain with all binary invariants that its invariants entail; the plans are the same.
 
-    None where the author's own rules have a predicate that depends on how they are stated.
+    None if a user rule has a predicate that depends on how invariants are stated.
     """
     if any(own and DEPENDING.search(blanked(source.text)) for source, own in owned(domain.program)):
         return None
     return Program((*domain.program.sources, *_rules(domain, "closed_invariants")))
 
 
-def canonical_program(
-    domain: Domain,
-    groups: Iterable[Sequence[clingo.Symbol]],
-    joint: Sequence[Sequence[Sequence[clingo.Symbol]]] = (),
-) -> Program:
-    """Return the program whose plans introduce the entities of each group, and the units of each joint one, in order.
+def canonical_program(domain: Domain, groups: Groups, joint: Joint = ()) -> Program:
+    """Return the program of tasks: plans that introduce entities of each group and units of each joint group in order.
 
     With groups of interchangeable entities, it has one plan for each task.
     """
-    rules = [*_rules(domain, "canonical_names"), *(_rules(domain, "joint_names") if joint else ())]
-    program = Program((*domain.program.sources, *rules))
-    pairs = [SUCCESSOR.fact(d, e) for group in groups for d, e in pairwise(group)]
-    told = chain.from_iterable(_unit_facts(number, units) for number, units in enumerate(joint))
-    return with_facts(program, [*_added_facts(domain.facts, program), *pairs, *told])
+    program = Program((*domain.program.sources, *_canonical_rules(domain, joint)))
+    return with_facts(program, [*_added_facts(domain.facts, program), *_order_facts(groups, joint)])
+
+
+def canonical_extension(
+    domain: Domain, groups: Groups, joint: Joint = ()
+) -> tuple[Program, list[clingo.Symbol]] | None:
+    """Return what `canonical_program` adds to `whole_program`, and the atoms that it carries from step to step.
+
+    None if a file of the domain reads an added predicate, because its rules have to be ground with the added facts.
+    """
+    if any(_read(domain.program, predicate) for predicate in CANONICAL):
+        return None
+    rules = _canonical_rules(domain, joint)
+    known = set(_added_facts(domain.facts, domain.program))
+    facts = _added_facts(domain.facts, Program((*domain.program.sources, *rules)))
+    added = [*(each for each in facts if each not in known), *_order_facts(groups, joint)]
+    carried = [INTRODUCED.timeless(entity) for group in groups for entity in group[:-1]]
+    for number, units in enumerate(joint):
+        for place in range(len(units) - 1):
+            unit = clingo.Function("", [clingo.Number(number), clingo.Number(place)])
+            carried.append(UNIT_INTRODUCED.timeless(unit))
+    return with_facts(Program(rules), added), carried
+
+
+def _canonical_rules(domain: Domain, joint: Joint) -> tuple[Source, ...]:
+    return (*_rules(domain, "canonical_names"), *(_rules(domain, "joint_names") if joint else ()))
+
+
+def _order_facts(groups: Groups, joint: Joint) -> list[str]:
+    """Return the facts that order the entities of groups and the units of joint groups."""
+    pairs = (SUCCESSOR.fact(d, e) for group in groups for d, e in pairwise(group))
+    return [*pairs, *chain.from_iterable(_unit_facts(number, units) for number, units in enumerate(joint))]
 
 
 def _unit_facts(number: int, units: Sequence[Sequence[clingo.Symbol]]) -> Iterator[str]:
-    """Yield what says which entities belong to the units of a joint group, and which unit follows which."""
+    """Yield the facts for the entities of the units of a joint group, and for the order of the units."""
     for place, unit in enumerate(units):
         yield from (JOINT_UNIT.fact(entity, f"({number},{place})") for entity in unit)
         if place:
@@ -82,16 +115,16 @@ def _unit_facts(number: int, units: Sequence[Sequence[clingo.Symbol]]) -> Iterat
 
 
 def _rules(domain: Domain, name: str) -> tuple[Source, ...]:
-    """Return a file of rules of the encodings, if the domain does not have it."""
+    """Return a file of rules of the encodings, with its includes, without what the domain has already."""
     known = {source.path.resolve() for source in domain.program.sources}
     rules = read_sources(domain.encodings / "rules" / f"{name}.lp", domain.encodings)
     return tuple(rule for rule in rules if rule.path.resolve() not in known)
 
 
 def _added_facts(facts: Facts, program: Program) -> list[str]:
-    """Return what the library adds, but for what no file of the program reads: actions can be thousands.
+    """Return the facts that the library adds, without those that no file reads, because there can be thousands.
 
-    The author's own files may read it of actions that never occur as well.
+    User rules may also read them for actions that never occur.
     """
     own = [source.text for source, own in owned(program) if own]
     named = facts.actions if _read(program, NAME) else facts.tried
@@ -104,7 +137,7 @@ def _added_facts(facts: Facts, program: Program) -> list[str]:
 
 
 def _read(program: Program, predicate: EncodingPredicate) -> bool:
-    """Return whether a file may read a predicate: one that speaks of it, but for those that speak of it in any case."""
+    """Return whether a file other than those of `DESCRIBING` mentions a predicate."""
     files = (each.text for each, own in owned(program) if own or each.path.name not in DESCRIBING)
     return any(speaks_of(text, predicate) for text in files)
 

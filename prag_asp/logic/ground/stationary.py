@@ -1,7 +1,7 @@
-"""Whether a step program is the same function at every step, told from its syntax.
+"""The premise of the one-step program: the step is the same function at every time.
 
-The one-step program stands for all steps only if no rule looks at the number of a step, or at a step other than the
-one before. That cannot be seen in the ground program of a single step, so it is read off the rules themselves.
+It holds if no rule reads the number of a step, or a step other than the one before. The ground program of a single step
+does not show that, so the syntax of the rules decides.
 """
 
 from __future__ import annotations
@@ -23,41 +23,41 @@ from prag_asp.program.sources import Program, owned
 from prag_asp.program.syntax import AtomNode, Signature, Statement, atoms, children_of, plain_atom, spelled
 
 START = "0"
-"""How the time of the start is written."""
+"""The text of the time of the start."""
 
 PARTS = ("base", "step", "check")
 
 
 @dataclass(frozen=True)
 class _Times:
-    """How the rules of a program part write the number of the step, which is the parameter of the part."""
+    """The text of the number of the step in the rules of a program part: the parameter of the part."""
 
     now: str
 
     @property
     def before(self) -> str:
-        """How they write the step before."""
+        """The text of the step before."""
         return f"({self.now}-1)"
 
     @cached_property
     def spelled(self) -> re.Pattern[str]:
-        """What finds the number of the step in a text."""
+        """Finds the number of the step in a text."""
         return re.compile(rf"(?<![\w']){re.escape(self.now)}(?![\w'(])")
 
     def depend(self, atom: AtomNode) -> bool:
-        """Return whether an argument of an atom other than its time has the number of the step."""
+        """Return whether an argument of an atom other than its time contains the number of the step."""
         others = atom.arguments[:-1] if _time_of(atom) in (self.now, self.before) else atom.arguments
         return any(self.spelled.search(STRING.sub("", argument)) for argument in others)
 
     def stand_in(self, node: AST, text: str) -> bool:
-        """Return whether the number of the step stands in a literal anywhere but as the time of an atom."""
+        """Return whether a literal contains the number of the step other than as the time of an atom."""
         if not self.spelled.search(text):
             return False
         plain = plain_atom(node, text)
         return self.depend(plain) if plain else self._stand_below(node)
 
     def _stand_below(self, node: AST) -> bool:
-        """Return the same of any node of a syntax tree."""
+        """Return the same for any node of a syntax tree."""
         kind = node.ast_type
         if kind == ASTType.SymbolicTerm:
             return bool(node.symbol == clingo.Function(self.now))
@@ -84,10 +84,11 @@ class Obstacle:
 
 @dataclass(frozen=True)
 class StepReads:
-    """What the rules of a step read of the step before, and why they are no function of it, if they are none.
+    """What the rules of a step read of the step before.
 
-    `timed` are the predicates that carry a time; `growing` those of them that may take new values without end; `last`
-    those that the check after the last step reads.
+    `timed` are the predicates with a time, `previous` those read at step t-1, and `last` those that the check after the
+    last step reads. `growing` are the timed ones that may take new values without end. `obstacles` are the reasons why
+    the step is no function of the state and the action.
     """
 
     timed: frozenset[Signature]
@@ -98,8 +99,8 @@ class StepReads:
 
 
 @dataclass(frozen=True)
-class _Rule:
-    """A rule, and how its part writes the number of the step."""
+class _TimedRule:
+    """A rule with the text of the number of the step in its part."""
 
     statement: Statement
     times: _Times
@@ -110,7 +111,7 @@ class _Rule:
         return self.statement.heads
 
     def atoms(self) -> Iterator[AtomNode]:
-        """Yield all atoms, those of conditions included."""
+        """Yield all atoms, including those of conditions."""
         yield from self.statement.heads
         yield from self.statement.body
 
@@ -120,8 +121,8 @@ class _Rule:
 
 
 @lru_cache(maxsize=1024)
-def _reads_number(rule: _Rule) -> bool:
-    """Return whether the number of the step stands anywhere but as the time of an atom: every program asks anew."""
+def _reads_number(rule: _TimedRule) -> bool:
+    """Return whether a rule contains the number of the step other than as the time of an atom."""
     statement, times = rule.statement, rule.times
     if not times.spelled.search(statement.text):
         return False
@@ -132,14 +133,14 @@ def _reads_number(rule: _Rule) -> bool:
 def read_step(program: Program) -> StepReads:
     """Return what the parts ``step(t)`` and ``check(t)`` of a program read of step t-1.
 
-    What clingo cannot read is passed over: whoever grounds the program is told of it.
+    Statements that clingo cannot parse are skipped: grounding the program raises the error.
     """
     statements, _ = parse_sources(owned(program))
-    rules: dict[str, list[_Rule]] = {name: [] for name in PARTS}
+    rules: dict[str, list[_TimedRule]] = {name: [] for name in PARTS}
     for statement in statements:
         if statement.is_rule:
             times = _times(statement.parameters[0] if statement.parameters else "t")
-            rules.setdefault(statement.part, []).append(_Rule(statement, times))
+            rules.setdefault(statement.part, []).append(_TimedRule(statement, times))
     timed: set[Signature] = {OCCURS, HOLDS}
     for rule in rules["step"]:
         timed |= {atom.signature for atom in rule.heads if _time_of(atom) == rule.times.now}
@@ -157,8 +158,8 @@ def read_step(program: Program) -> StepReads:
     return StepReads(frozenset(timed), frozenset(previous), tuple(obstacles), frozenset(growing), frozenset(last))
 
 
-def _numbered(rules: Mapping[str, Sequence[_Rule]], timed: Collection[Signature]) -> Iterator[Obstacle]:
-    """Yield why what is read of a step depends on its number: the base part states it, or the last check."""
+def _numbered(rules: Mapping[str, Sequence[_TimedRule]], timed: Collection[Signature]) -> Iterator[Obstacle]:
+    """Yield the rules of the base part or the last check that state atoms by the number of a step."""
     last = {atom.signature for rule in rules["check"] for atom in rule.heads if _time_of(atom) == rule.times.now}
     at, before = set(last), set[Signature]()
     for name in ("step", "check"):
@@ -178,14 +179,14 @@ def _numbered(rules: Mapping[str, Sequence[_Rule]], timed: Collection[Signature]
                 yield rule.obstacle(f"{spelled(atom.signature)} is stated by the number of a step")
 
 
-def _may_carry_time(rule: _Rule, timed: Collection[Signature]) -> bool:
-    """Return whether the text of a rule has the name of a predicate that carries a time, or the step before."""
+def _may_carry_time(rule: _TimedRule, timed: Collection[Signature]) -> bool:
+    """Return whether the text of a rule has the name of a timed predicate, or the step before."""
     text = rule.statement.text
     return rule.times.before in text or any(name in text for name, _ in timed)
 
 
-def _obstacle(rule: _Rule, part: str, timed: Collection[Signature], previous: set[Signature]) -> Obstacle | None:
-    """Return why a rule is not the same at every step, if it is not; add what it reads of the step before."""
+def _obstacle(rule: _TimedRule, part: str, timed: Collection[Signature], previous: set[Signature]) -> Obstacle | None:
+    """Return why a rule is not the same at every step, or None; add what it reads of step t-1 to `previous`."""
     for atom in rule.atoms():
         wrong = _read_elsewhere(atom, timed) if part == "base" else _misread(atom, part, rule.times, timed)
         if wrong:

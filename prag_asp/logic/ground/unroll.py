@@ -1,4 +1,4 @@
-"""All steps of a program as ground rules, exactly as clingo made them, with nothing left out."""
+"""All steps of a program as the ground rules that clingo makes."""
 
 from __future__ import annotations
 

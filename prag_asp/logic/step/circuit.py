@@ -1,4 +1,4 @@
-"""Circuits of conjunctions and disjunctions, each made once, and their evaluation on words of bits."""
+"""Circuits of shared conjunctions and disjunctions, and their evaluation on words of bits."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 FALSE, TRUE = 0, 1
-"""The gates that are constant."""
+"""The constant gates."""
 
 CONSTANTS = 2
 
 
 @dataclass(frozen=True)
 class Layer:
-    """Gates of one kind that read only gates before them: the operands of all, and where those of each begin."""
+    """Gates of one kind that read only earlier gates: their operands, and the index of the first operand of each."""
 
     conjunctions: bool
     first: int
@@ -27,7 +27,7 @@ class Layer:
 
 @dataclass(frozen=True)
 class Circuit:
-    """Gates by number: the constants, the inputs, then those of each layer."""
+    """Gates by number: the constants, the inputs, then the layers."""
 
     inputs: int
     gates: int
@@ -35,7 +35,7 @@ class Circuit:
 
     @property
     def widest(self) -> int:
-        """The most words that are at hand at once for each word of an input."""
+        """The largest number of words in use at once for each word of an input."""
         return self.gates + max((len(layer.operands) for layer in self.layers), default=0)
 
     def evaluate(self, inputs: NDArray[np.uint64]) -> NDArray[np.uint64]:
@@ -51,7 +51,7 @@ class Circuit:
 
 
 class Gates:
-    """Makes gates; equal ones are one, and what a constant decides is none."""
+    """Makes gates: equal gates are shared, and a gate that a constant decides is that constant."""
 
     def __init__(self, inputs: int) -> None:
         self._inputs = inputs
@@ -63,11 +63,11 @@ class Gates:
         return CONSTANTS + place
 
     def all(self, operands: Iterable[int]) -> int:
-        """Return the gate that is true where all of some gates are."""
+        """Return the conjunction of some gates."""
         return self._gate(True, operands)
 
     def any(self, operands: Iterable[int]) -> int:
-        """Return the gate that is true where some of some gates are."""
+        """Return the disjunction of some gates."""
         return self._gate(False, operands)
 
     def _gate(self, conjunction: bool, operands: Iterable[int]) -> int:
@@ -84,7 +84,7 @@ class Gates:
         return self._numbers[key]
 
     def circuit(self, roots: Sequence[int]) -> tuple[Circuit, Mapping[int, int]]:
-        """Return the circuit of some gates and those that they read, and the number that each gate has there."""
+        """Return the circuit of some gates and all that they read, and the number of each gate in it."""
         before = CONSTANTS + self._inputs
         needed = self._needed(roots)
         depths: dict[int, int] = {}

@@ -1,7 +1,7 @@
-"""The cone of influence: what of a state can change which plans are valid.
+"""The cone of influence: the part of a state that decides which plans are valid.
 
-A state has to tell only what some constraint reads, directly or through rules, now or later. An invariant that no
-action can break from a state that satisfies it constrains nothing, so that it draws nothing into the cone.
+A state needs only what some constraint reads, directly or through rules, now or later. An invariant that no action can
+break from a state that satisfies it constrains nothing, so that it adds nothing to the cone.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from functools import cached_property
 import clingo
 
 from prag_asp.logic.ground.ground_step import timeless
-from prag_asp.logic.step.normal import Body, NormalStep
+from prag_asp.logic.step.normal import NormalStep, RuleBody
 
 
 @dataclass(frozen=True)
@@ -21,23 +21,23 @@ class Cone:
     """The state of a domain: its variables, timed atoms without their time, and the constraints that matter."""
 
     variables: tuple[clingo.Symbol, ...]
-    constraints: tuple[Body, ...]
+    constraints: tuple[RuleBody, ...]
 
 
 def find_cone(step: NormalStep, labels: Iterable[int] = ()) -> Cone:
     """Return the cone of influence of the constraints of a step, its final check and the atoms `labels`."""
     influence = _Influence(step)
     actions = set(step.occurs.values())
-    direct: list[Body] = []
-    candidates: list[Body] = []
+    direct: list[RuleBody] = []
+    candidates: list[RuleBody] = []
     for body in step.constraints:
         (direct if any(abs(literal) in actions for literal in body.literals) else candidates).append(body)
     leaves = _leaves(step)
     roots = [*_atoms(direct), *labels, *leaves]
     reached = influence.of(roots)
-    asked = [body for body in candidates if not _atoms([body]) <= reached]
+    invariants = [body for body in candidates if not _atoms([body]) <= reached]
     kept = [body for body in candidates if _atoms([body]) <= reached]
-    broken = breakable(step, asked) if asked else []
+    broken = find_breakable(step, invariants) if invariants else []
     reached = influence.of([*roots, *_atoms(kept), *_atoms(broken)])
     variables = {influence.before[atom] for atom in reached if atom in influence.before}
     variables |= {timeless(step.ground.names[atom]) for atom in leaves}
@@ -50,13 +50,13 @@ def _leaves(step: NormalStep) -> set[int]:
     return {atom for atom in read if atom not in step.final_bodies and atom in step.ground.names}
 
 
-def _atoms(bodies: Iterable[Body]) -> set[int]:
+def _atoms(bodies: Iterable[RuleBody]) -> set[int]:
     return {abs(literal) for body in bodies for literal in body.literals}
 
 
 @dataclass(frozen=True)
 class _Influence:
-    """What the atoms of a step depend on, in this step and in all before."""
+    """The dependencies of the atoms of a step, in this step and in all earlier ones."""
 
     step: NormalStep
 
@@ -66,7 +66,7 @@ class _Influence:
         return {atom: symbol for symbol, atom in self.step.ground.before.items()}
 
     def of(self, roots: Iterable[int]) -> set[int]:
-        """Return the atoms that `roots` depend on, and these."""
+        """Return `roots` and the atoms that they depend on."""
         seen: set[int] = set()
         waiting = list(roots)
         while waiting:
@@ -80,53 +80,53 @@ class _Influence:
         return seen
 
 
-def breakable(step: NormalStep, asked: list[Body]) -> list[Body]:
-    """Return those of the constraints `asked` that some action breaks from a state that satisfies all constraints.
+def find_breakable(step: NormalStep, invariants: list[RuleBody]) -> list[RuleBody]:
+    """Return the constraints of `invariants` that some action breaks from a state that satisfies all constraints.
 
-    The states considered are those in which the rules and constraints that speak of the state alone hold: they hold
-    after every step, and the ones assumed hold at the start. The rest is an induction over the steps.
+    The states are those that satisfy the rules and constraints on the state alone, which hold after every step. The
+    assumed constraints hold at the start; the rest is an induction over the steps.
     """
-    question = _Question(step, asked)
+    query = _BreakQuery(step, invariants)
     found: set[int] = set()
     while True:
-        new = question.broken() - found
+        new = query.broken() - found
         if not new:
-            return [asked[number] for number in sorted(found)]
+            return [invariants[number] for number in sorted(found)]
         found |= new
-        question.leave_out(new)
+        query.drop(new)
 
 
-class _Question:
-    """A program whose answer sets are steps, from any state considered, that break a constraint still asked for."""
+class _BreakQuery:
+    """A program whose answer sets are steps from any such state that break a constraint of interest."""
 
-    def __init__(self, step: NormalStep, asked: list[Body]) -> None:
+    def __init__(self, step: NormalStep, invariants: list[RuleBody]) -> None:
         self._control = clingo.Control(["--warn=none"])
         self._atom_of: dict[int, int] = {}
         with self._control.backend() as backend:
-            self._add_steps(backend, step, _Influence(step).of(_atoms(asked)))
+            self._add_steps(backend, step, _Influence(step).of(_atoms(invariants)))
             self._some = backend.add_atom()
-            self._broken = [backend.add_atom() for _ in asked]
-            self._open = [backend.add_atom() for _ in asked]
-            for body, broken, open_ in zip(asked, self._broken, self._open, strict=True):
+            self._broken = [backend.add_atom() for _ in invariants]
+            self._open = [backend.add_atom() for _ in invariants]
+            for body, broken, open_ in zip(invariants, self._broken, self._open, strict=True):
                 backend.add_external(open_, clingo.TruthValue.True_)
                 self._add(backend, [broken], body)
                 backend.add_rule([self._some], [broken, open_])
 
     def broken(self) -> set[int]:
-        """Return the numbers of some constraints asked for that one step breaks; none where none can be."""
+        """Return the numbers of some constraints of interest that one step breaks; empty if none can be broken."""
         with self._control.solve(assumptions=[self._some], yield_=True) as handle:
             model = handle.model()
             if model is None:
                 return set()
             return {number for number, atom in enumerate(self._broken) if model.is_true(atom)}
 
-    def leave_out(self, numbers: Iterable[int]) -> None:
-        """Ask for these constraints no more."""
+    def drop(self, numbers: Iterable[int]) -> None:
+        """Remove constraints from those of interest."""
         for number in numbers:
             self._control.assign_external(self._open[number], False)
 
     def _add_steps(self, backend: clingo.Backend, step: NormalStep, reached: set[int]) -> None:
-        """Add the choice of a state and an action, the rules of a step, and what every state satisfies."""
+        """Add the choice of a state and an action, the rules of a step, and the constraints of every state."""
         free = sorted(set(step.ground.before.values()) & reached)
         actions = sorted(set(step.occurs.values()) & reached)
         for atom in sorted(reached):
@@ -139,7 +139,7 @@ class _Question:
         for body in _state_constraints(step, reached):
             self._add(backend, [], body)
 
-    def _add(self, backend: clingo.Backend, heads: list[int], body: Body) -> None:
+    def _add(self, backend: clingo.Backend, heads: list[int], body: RuleBody) -> None:
         literals = [self._atom_of[abs(literal)] * (1 if literal > 0 else -1) for literal in body.literals]
         if body.weights:
             backend.add_weight_rule(heads, body.bound, list(zip(literals, body.weights, strict=True)))
@@ -147,8 +147,8 @@ class _Question:
             backend.add_rule(heads, literals)
 
 
-def _state_constraints(step: NormalStep, reached: set[int]) -> list[Body]:
-    """Return what every state before a step satisfies: rules and constraints of step t, moved to step t-1."""
+def _state_constraints(step: NormalStep, reached: set[int]) -> list[RuleBody]:
+    """Return the constraints of every state before a step: those of step t, moved to step t-1."""
     moved: dict[int, int] = {
         atom: step.ground.before[symbol]
         for symbol, atom in step.ground.now.items()
@@ -161,7 +161,7 @@ def _state_constraints(step: NormalStep, reached: set[int]) -> list[Body]:
     found = []
     for literals in clauses:
         if all(abs(literal) in moved for literal in literals):
-            body = Body(tuple(_moved(literal, moved) for literal in literals))
+            body = RuleBody(tuple(_moved(literal, moved) for literal in literals))
             if not all((abs(literal) in start) == (literal > 0) for literal in body.literals):
                 found.append(body)
     return found

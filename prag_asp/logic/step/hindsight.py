@@ -1,4 +1,4 @@
-"""What is known of the states that plans pass, with hindsight: many plans at once."""
+"""The known values of the states of plans, with what later steps reveal, for many plans at once."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.logic.ground.ground_step import timeless, unrolled
-from prag_asp.logic.step.normal import Body, NormalStep
+from prag_asp.logic.step.normal import NormalStep, RuleBody
 from prag_asp.logic.step.strata import Column, Stratum, evaluate, stratify
 from prag_asp.program.grounding import Grounder, Part
 from prag_asp.program.predicates import OCCURS, STATE
@@ -19,11 +19,11 @@ from prag_asp.program.sources import Program
 
 Plan = tuple[clingo.Symbol, ...]
 
-Told = NDArray[np.int8]
-"""What is known of states: 1 true, 0 false, -1 unknown; one row for each fluent."""
+FluentValues = NDArray[np.int8]
+"""The values of fluents in states: 1 true, 0 false, -1 unknown; one row for each fluent."""
 
 Truth = NDArray[np.bool_]
-"""The truth of atoms, one a row, in several plans, one a column."""
+"""The truth of atoms in several plans: one row for each atom, one column for each plan."""
 
 TRUE, FALSE, UNKNOWN = 1, 0, -1
 
@@ -33,7 +33,7 @@ class Hindsight:
     """The rules of a step and of ``hindsight.lp`` as functions on columns, one column for each plan.
 
     A *state* is what a step reads of the step before, shape (variables, plans); *seen* is what hindsight reads of a
-    step, shape (atoms, plans); *told* is the truth of each ``_state(F, V, t)``, shape (atoms, plans). All are boolean.
+    step, shape (atoms, plans); *known* is the truth of each ``_state(F, V, t)``, shape (atoms, plans). All are boolean.
     `fluents` are numbered in their order.
     """
 
@@ -64,20 +64,20 @@ class Hindsight:
         ]
 
     @cached_property
-    def _parts(self) -> Mapping[str, tuple[Mapping[int, tuple[Body, ...]], list[Stratum]]]:
-        """What tells of the last state and of a state before: the rules, and what of them is needed, in order."""
+    def _parts(self) -> Mapping[str, tuple[Mapping[int, tuple[RuleBody, ...]], list[Stratum]]]:
+        """The rules for the last state and for an earlier state, with the strata to evaluate."""
         roots = {"ending": [atom for atom, *_ in self._rows], "hindsight": [before for _, before, *_ in self._rows]}
         parts = {}
         for part, needed in roots.items():
             bodies = dict(self.step.final_bodies) if part == "ending" else {}
             for rule in self.step.ground.rules.get(part, ()):
                 for head in rule.heads:
-                    bodies[head] = (*bodies.get(head, ()), Body(rule.body, rule.bound, rule.weights))
+                    bodies[head] = (*bodies.get(head, ()), RuleBody(rule.body, rule.bound, rule.weights))
             parts[part] = (bodies, stratify(needed, bodies))
         return parts
 
     def _read(self, part: str) -> list[int]:
-        """Return the atoms that a part reads and does not define, without those that are told."""
+        """Return the atoms that a part reads and does not define, without ``state(F, V, t)``."""
         bodies, strata = self._parts[part]
         defined = {atom for stratum in strata for atom in stratum.atoms}
         literals = {abs(each) for atom in defined for body in bodies[atom] for each in body.literals}
@@ -89,13 +89,13 @@ class Hindsight:
 
     @cached_property
     def last_read(self) -> tuple[clingo.Symbol, ...]:
-        """The timed atoms, without their time, that what is told of the last state depends on."""
+        """The timed atoms, without their time, on which ``state(F, V, t)`` of the last state depends."""
         names = self.step.ground.names
         return tuple(timeless(names[atom]) for atom in self._read("ending"))
 
     @cached_property
     def start(self) -> tuple[Truth, Truth]:
-        """The initial state and, for a plan without actions, what is seen of it; one column each."""
+        """The initial state and, for a plan without actions, what hindsight reads of it; one column each."""
         ground = self.step.ground
         holding = {ground.before[symbol] for symbol in ground.initial if symbol in ground.before}
         now = {ground.now[symbol] for symbol in ground.initial if symbol in ground.now}
@@ -103,25 +103,25 @@ class Hindsight:
         return state, np.array([[atom in now] for atom in self._seen], dtype=np.bool_).reshape(-1, 1)
 
     def follow(self, states: Truth, letters: NDArray[np.int64]) -> tuple[Truth, Truth]:
-        """Return the states after valid actions, given by number, and what is seen of these steps."""
+        """Return the states after valid actions, given by number, and what hindsight reads of these steps."""
         size = len(letters)
         columns = dict(zip(self._carried, states, strict=True))
         columns.update((atom, letters == number) for number, atom in enumerate(self.step.occurs.values()))
         _evaluate(self._forward, self.step.bodies, columns, size)
         return _rows_of(columns, self._carried.values(), size), _rows_of(columns, self._seen, size)
 
-    def tell_last(self, seen: Truth) -> Truth:
-        """Return what is told of the last state, from what is seen of the last step."""
+    def evaluate_last(self, seen: Truth) -> Truth:
+        """Return the known atoms of the last state, given what is seen of the last step."""
         return self._tell(dict(zip(self._seen, seen, strict=True)), "ending", seen.shape[1])
 
-    def tell_before(self, seen: Truth, told: Truth) -> Truth:
-        """Return what is told of the states before steps, from what is seen of these and told of those after."""
+    def evaluate_before(self, seen: Truth, known: Truth) -> Truth:
+        """Return the known atoms of the states before steps, given what is seen of the steps and known after them."""
         columns = dict(zip(self._seen, seen, strict=True))
-        columns.update(zip((atom for atom, *_ in self._rows), told, strict=True))
+        columns.update(zip((atom for atom, *_ in self._rows), known, strict=True))
         return self._tell(columns, "hindsight", seen.shape[1])
 
-    def tell_ends(self, read: Truth) -> Told:
-        """Return what is told of last states of which the atoms `last_read` are known; shape (fluents, plans)."""
+    def end_values(self, read: Truth) -> FluentValues:
+        """Return the values in last states, given the truth of the atoms `last_read`; shape (fluents, plans)."""
         columns = dict(zip(self._read("ending"), read, strict=True))
         return self.values(self._tell(columns, "ending", read.shape[1]))
 
@@ -131,10 +131,10 @@ class Hindsight:
         place = 0 if part == "ending" else 1
         return _rows_of(columns, (row[place] for row in self._rows), size)
 
-    def values(self, told: Truth) -> Told:
-        """Return what is told as the values of fluents."""
-        found = np.full((len(self.fluents), told.shape[1]), UNKNOWN, dtype=np.int8)
-        for (_, _, row, value), column in zip(self._rows, told, strict=True):
+    def values(self, known: Truth) -> FluentValues:
+        """Return known atoms as values of fluents."""
+        found = np.full((len(self.fluents), known.shape[1]), UNKNOWN, dtype=np.int8)
+        for (_, _, row, value), column in zip(self._rows, known, strict=True):
             found[row, column] = value
         return found
 
@@ -144,21 +144,21 @@ def _number(value: clingo.Symbol) -> int:
 
 
 def _rows_of(columns: Mapping[int, Column], atoms: Iterable[int], size: int) -> Truth:
-    """Return the columns of atoms as rows; what nothing derives is false."""
+    """Return the columns of atoms as rows; an atom that nothing derives is false."""
     false = np.zeros(size, dtype=np.bool_)
     rows = [columns.get(atom, false) for atom in atoms]
     return np.stack(rows) if rows else np.zeros((0, size), dtype=np.bool_)
 
 
 def _evaluate(
-    strata: list[Stratum], bodies: Mapping[int, tuple[Body, ...]], columns: dict[int, Column], size: int
+    strata: list[Stratum], bodies: Mapping[int, tuple[RuleBody, ...]], columns: dict[int, Column], size: int
 ) -> None:
     false = np.zeros(size, dtype=np.bool_)
     evaluate(strata, bodies.__getitem__, columns, lambda atom: columns.get(atom, false), size)
 
 
-def solved_states(program: Program, plan: Plan, fluents: Sequence[clingo.Symbol]) -> Told:
-    """Return what is known of the states of one plan by solving the unrolled program: slower, for any program.
+def solved_states(program: Program, plan: Plan, fluents: Sequence[clingo.Symbol]) -> FluentValues:
+    """Return the values in the states of one plan by solving the unrolled program, which is slower and always works.
 
     Shape (fluents, length of the plan + 1).
     """
@@ -169,7 +169,7 @@ def solved_states(program: Program, plan: Plan, fluents: Sequence[clingo.Symbol]
     grounder.ground([*unrolled(length), ("ending", [clingo.Number(length)]), *hindsight])
     atoms = grounder.control.symbolic_atoms
     occurring = [atoms[OCCURS(a, clingo.Number(k))] for k, a in enumerate(plan, 1)]
-    told = np.full((len(fluents), length + 1), UNKNOWN, dtype=np.int8)
+    known = np.full((len(fluents), length + 1), UNKNOWN, dtype=np.int8)
     rows = {fluent: row for row, fluent in enumerate(fluents)}
     with grounder.control.solve(assumptions=[a.literal for a in occurring if a], yield_=True) as handle:
         model = handle.model()
@@ -177,16 +177,16 @@ def solved_states(program: Program, plan: Plan, fluents: Sequence[clingo.Symbol]
         for symbol in model.symbols(atoms=True):
             if symbol.match(*STATE) and symbol.arguments[0] in rows:
                 fluent, value, time = symbol.arguments
-                told[rows[fluent], time.number] = _number(value)
-    return told
+                known[rows[fluent], time.number] = _number(value)
+    return known
 
 
 def numbered_goals(hindsight: Hindsight, marks: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Return a number for what is known after each edge, the same where the same is known, shape (edges,).
+    """Return a number for the known values after each edge, equal for equal values, shape (edges,).
 
     `marks` has the truth of `hindsight.last_read` after each edge, shape (edges, atoms).
     """
     kinds, places = np.unique(marks, axis=0, return_inverse=True)
-    _, goal_of = np.unique(hindsight.tell_ends(kinds.T), axis=1, return_inverse=True)
+    _, goal_of = np.unique(hindsight.end_values(kinds.T), axis=1, return_inverse=True)
     found: NDArray[np.int64] = goal_of.reshape(-1)[places.reshape(-1)]
     return found

@@ -1,8 +1,8 @@
-"""The parts of a domain that have nothing in common: no variable, no action, no rule, nothing that the end asks for.
+"""The independent parts of a domain, which share no variable, action, rule or condition on the last state.
 
-An action is put together with the variables that it reads or sets, once all that depends on no variable is evaluated:
-so counting the actions of a step, or naming them, joins nothing. What is left to see is that a part stays as it is
-while another one acts; `Transition.rests` tells it of each state.
+All that depends on no variable is evaluated first, so that rules that count or name the actions of a step join no
+parts. An action then belongs to the variables that it reads or sets. A part must also stay as it is while another one
+acts, which `Transition.rests` decides for each state.
 """
 
 from __future__ import annotations
@@ -11,35 +11,35 @@ from collections.abc import Collection, Iterable
 from dataclasses import replace
 
 from prag_asp.logic.step.moves import Move
-from prag_asp.logic.step.normal import Body
-from prag_asp.logic.step.simplify import simplified
+from prag_asp.logic.step.normal import RuleBody
+from prag_asp.logic.step.simplify import simplify
 from prag_asp.logic.step.transition import Transition
 from prag_asp.program.entity_names import action_name
 
 FEWEST_VARIABLES = 12
-"""Variables from which on parts are looked for: fewer have few states."""
+"""The number of variables from which parts are searched; fewer have few states."""
 
 Node = tuple[str, int]
 """A variable, an atom that rules define, or an action, by number."""
 
 IDLE: Node = ("variables that no action sets or reads", 0)
 FREE: Node = ("actions that set and read no variable", 0)
-"""What stands for all of a kind, which are one part together."""
+"""A node for all actions without variables, which form one part."""
 
 
 def independent_parts(transition: Transition, *, by_name: bool = False) -> tuple[Transition, ...]:
-    """Return step functions whose plans, shuffled, are those of a step function, where each rests in all its states.
+    """Return step functions whose shuffled plans are those of a step function, if each rests in all its states.
 
-    With `by_name`, actions of one name belong to one part. The result is empty where there is but one part, or where
-    there are too few variables for the search to be worth its time.
+    With `by_name`, actions of one name belong to one part. The result is empty if there is only one part, or if there
+    are fewer than `FEWEST_VARIABLES`.
     """
     if len(transition.variables) < FEWEST_VARIABLES:
         return ()
-    return _Parts(transition, by_name).found()
+    return _Parts(transition, by_name).step_functions()
 
 
 class _Parts:
-    """Joins what has something in common (disjoint sets, Tarjan 1975)."""
+    """Joins nodes that have something in common (disjoint sets, Tarjan 1975)."""
 
     def __init__(self, transition: Transition, by_name: bool) -> None:
         self._transition = transition
@@ -62,8 +62,8 @@ class _Parts:
                 named = first.setdefault(action_name(transition.actions[letter]), letter)
                 self._join([("action", named), ("action", letter)])
 
-    def found(self) -> tuple[Transition, ...]:
-        """Return the parts, none where they are but one."""
+    def step_functions(self) -> tuple[Transition, ...]:
+        """Return the parts; empty if there is only one."""
         final = [self._leaves(body) for body in self._transition.step.final]
         for leaves in final:
             self._join(leaves)
@@ -91,7 +91,7 @@ class _Parts:
         return Transition(step, tuple(whole.variables[place] for place in places), constraints, ())
 
     def _decided(self) -> set[int]:
-        """Return the atoms that depend on no variable where no action occurs."""
+        """Return the atoms that depend on no variable if no action occurs."""
         decided: set[int] = set()
         for stratum in self._transition.rules.strata:
             inside = set(stratum.atoms)
@@ -116,7 +116,7 @@ class _Parts:
             self._join(self._idle_nodes[number])
 
     def _join_action(self, letter: int, move: Move) -> None:
-        """Join an action with what it reads and sets, and remember which constraints ask something of it."""
+        """Join an action with what it reads and sets, and remember the constraints that read it."""
         action: Node = ("action", letter)
         own = {atom for stratum in move.strata for atom in stratum.atoms}
         for atom in own:
@@ -125,13 +125,13 @@ class _Parts:
         self._join([action, *(("variable", place) for place in self._transition.places_set(move))])
         constants = {**self._transition.rules.no_action, **move.constants}
         for number in move.touched:
-            left = simplified(self._transition.constraints[number], constants)
-            if isinstance(left, Body):
+            left = simplify(self._transition.constraints[number], constants)
+            if isinstance(left, RuleBody):
                 self._join([action, *self._idle_nodes.get(number, ())])
                 self._asking.setdefault(number, []).append(action)
 
     def _join_lonely(self) -> bool:
-        """Join what no action touches, and the actions without variables; tell whether actions remain apart."""
+        """Join what no action touches, and the actions without variables; return whether separate actions remain."""
         acting = {self._root(("action", letter)) for letter in self._moves}
         placed = {self._root(("variable", place)) for place in range(len(self._transition.variables))}
         self._join([IDLE, *(placed - acting)])
@@ -139,17 +139,17 @@ class _Parts:
         return len({self._root(("action", letter)) for letter in self._moves}) > 1
 
     def _concerns(self, number: int, root: Node) -> bool:
-        """Tell whether a constraint is one of a part: it reads a variable of it, or asks something of its actions.
+        """Return whether a constraint belongs to a part: it reads one of its variables or actions.
 
-        One that reads no variable while no action occurs concerns all parts, unless every action decides it.
+        A constraint that reads no variable if no action occurs belongs to all parts, unless every action decides it.
         """
         idle = self._idle_nodes.get(number)
         if any(self._root(node) == root for node in (*(idle or ()), *self._asking.get(number, ()))):
             return True
         return idle == [] and not all(number in move.touched for move in self._moves.values())
 
-    def _read(self, bodies: Iterable[Body], own: Collection[int] = ()) -> list[Node]:
-        """Return the variables that bodies read, and the derived atoms that some variable decides, as it does `own`."""
+    def _read(self, bodies: Iterable[RuleBody], own: Collection[int] = ()) -> list[Node]:
+        """Return the variables that bodies read, and the derived atoms (with `own`) that depend on a variable."""
         nodes: list[Node] = []
         for atom in {abs(literal) for body in bodies for literal in body.literals}:
             if atom in self._variable:
@@ -158,7 +158,7 @@ class _Parts:
                 nodes.append(("atom", atom))
         return nodes
 
-    def _leaves(self, body: Body) -> list[Node]:
+    def _leaves(self, body: RuleBody) -> list[Node]:
         """Return the variables that a constraint on the last state depends on."""
         step = self._transition.step
         places = {step.ground.now.get(symbol): place for place, symbol in enumerate(self._transition.variables)}

@@ -1,6 +1,6 @@
-"""What is left of the rules of a step once its action is known.
+"""The rules of a step, partially evaluated for one action.
 
-The ground rules are evaluated once with no action; an action then evaluates again just the atoms that depend on it.
+The ground rules are evaluated once without an action. An action then evaluates only the atoms that depend on it again.
 """
 
 from __future__ import annotations
@@ -8,26 +8,26 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from prag_asp.logic.step.normal import Body
+from prag_asp.logic.step.normal import RuleBody
 from prag_asp.logic.step.packed import Rows, mask_of, words_for
-from prag_asp.logic.step.simplify import Constants, simplified
+from prag_asp.logic.step.simplify import Constants, simplify
 from prag_asp.logic.step.step_rules import StepRules
 from prag_asp.logic.step.strata import Stratum
 
 
 @dataclass(frozen=True)
 class Move:
-    """One action: guards over the state, then rules, then constraints, then what of the state after it is set.
+    """The compiled rules of one action: guards over the state, rules, constraints, and the effect on the state.
 
     `touched` are the constraints that read the action. Of the packed state that no action leaves, the bits `keep`
     stay, the bits `put` are set, and `changed` says which other places an atom decides; `labels` and `fixed_labels`
     are the same for labels. `constants` are the atoms whose truth the action alone decides.
     """
 
-    guards: tuple[Body, ...]
+    guards: tuple[RuleBody, ...]
     strata: tuple[Stratum, ...]
-    bodies: Mapping[int, tuple[Body, ...]]
-    constraints: tuple[Body, ...]
+    bodies: Mapping[int, tuple[RuleBody, ...]]
+    constraints: tuple[RuleBody, ...]
     touched: frozenset[int]
     constants: Mapping[int, bool]
     impossible: bool
@@ -39,13 +39,13 @@ class Move:
 
 
 def compile_move(rules: StepRules, action: int) -> Move:
-    """Return what is left of the rules once the atom `action` is true and no other action is."""
+    """Return the rules partially evaluated for the atom `action`, with all other actions false."""
     affected = _affected(rules, action)
     constants = {**rules.no_action, action: True}
     bodies, strata = _left_of_rules(rules, action, affected, constants)
     touched = {number for atom in (*affected, action) for number in rules.constraint_readers.get(atom, ())}
-    left = [simplified(rules.constraints[number], constants) for number in sorted(touched)]
-    residual = [body for body in left if isinstance(body, Body)]
+    left = [simplify(rules.constraints[number], constants) for number in sorted(touched)]
+    residual = [body for body in left if isinstance(body, RuleBody)]
     guards = tuple(body for body in residual if not any(abs(literal) in affected for literal in body.literals))
     later = tuple(body for body in residual if any(abs(literal) in affected for literal in body.literals))
     known = {atom: constants[atom] for atom in (action, *affected) if atom in constants}
@@ -85,27 +85,29 @@ def _affected(rules: StepRules, action: int) -> set[int]:
 
 def _left_of_rules(
     rules: StepRules, action: int, affected: set[int], constants: Constants
-) -> tuple[dict[int, tuple[Body, ...]], list[Stratum]]:
-    """Return what is left of the bodies of the atoms affected, and these in order; learn what is constant."""
-    bodies: dict[int, tuple[Body, ...]] = {}
+) -> tuple[dict[int, tuple[RuleBody, ...]], list[Stratum]]:
+    """Return the partially evaluated bodies of the affected atoms and their strata; add to the constants."""
+    bodies: dict[int, tuple[RuleBody, ...]] = {}
     strata = []
     for place in sorted({rules.order[atom] for atom in affected}):
         stratum = rules.strata[place]
         inside = set(stratum.atoms) if stratum.recursive else set()
         for atom in stratum.atoms:
-            left = [simplified(body, constants) for body in rules.bodies_with(action, atom)]
+            left = [simplify(body, constants) for body in rules.bodies_with(action, atom)]
             if any(body is True for body in left):
                 constants[atom] = True
             elif atom not in inside and all(body is False for body in left):
                 constants[atom] = False
-            bodies[atom] = tuple([body for body in left if isinstance(body, Body)])
+            bodies[atom] = tuple([body for body in left if isinstance(body, RuleBody)])
         open_atoms = tuple(atom for atom in stratum.atoms if atom not in constants)
         if open_atoms:
             strata.append(Stratum(open_atoms, stratum.recursive))
     return bodies, strata
 
 
-def _needed(strata: Sequence[Stratum], bodies: Mapping[int, tuple[Body, ...]], roots: set[int]) -> tuple[Stratum, ...]:
+def _needed(
+    strata: Sequence[Stratum], bodies: Mapping[int, tuple[RuleBody, ...]], roots: set[int]
+) -> tuple[Stratum, ...]:
     """Return the strata that the atoms `roots` still depend on after simplification."""
     needed = set(roots)
     found = []

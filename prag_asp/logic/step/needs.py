@@ -1,4 +1,4 @@
-"""What actions need of a state, looked up for all of them at once: most actions cannot occur in most states."""
+"""Literals of the state that forbid actions, tested for all actions at once: most cannot occur in most states."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.logic.step.normal import Body
+from prag_asp.logic.step.normal import RuleBody
 from prag_asp.logic.step.strata import Column
 
 ROOM = 2**25
-"""Bytes that are looked at together."""
+"""The memory in bytes of the columns that are tested together."""
 
 
 @dataclass(frozen=True)
@@ -30,8 +30,8 @@ class Needs:
     forbidding: NDArray[np.intp]
 
     @classmethod
-    def of(cls, constraints: Iterable[Body], actions: Sequence[int], before: Collection[int]) -> Needs:
-        """Return what the constraints say of the atoms of actions and of the atoms `before` a step."""
+    def of(cls, constraints: Iterable[RuleBody], actions: Sequence[int], before: Collection[int]) -> Needs:
+        """Return the needs that follow from constraints with one action and one atom `before` the step."""
         letter_of = {atom: letter for letter, atom in enumerate(actions)}
         numbers: dict[int, int] = {}
         pairs: set[tuple[int, int]] = set()
@@ -45,7 +45,7 @@ class Needs:
         return cls(len(actions), tuple(numbers), letters, np.append(starts, len(table)), table[:, 1])
 
     def met(self, read: Callable[[int], Column], states: int) -> NDArray[np.bool_]:
-        """Return which actions some state of a frontier does not forbid so, shape (actions,)."""
+        """Return which actions are not forbidden in some state of a frontier, shape (actions,)."""
         met = np.ones(self.size, dtype=np.bool_)
         if not len(self.letters):
             return met

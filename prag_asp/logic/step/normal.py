@@ -1,7 +1,7 @@
-"""A ground step in normal form: what defines each atom, and what no step may do.
+"""A ground step in normal form: the definition of each atom, and constraints.
 
-The choice of the action is not evaluated but given. A rule that allows an action therefore turns into a constraint:
-what occurs must be allowed, and what is derived to occur must occur.
+The action is an input and no choice. A rule that allows an action therefore becomes a constraint: an action that occurs
+must be allowed, and an action that is derived must occur.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from prag_asp.program.predicates import OCCURS
 
 
 @dataclass(frozen=True)
-class Body:
+class RuleBody:
     """A conjunction of literals or, with `weights`, a sum of the weights of the true ones that reaches `bound`."""
 
     literals: tuple[int, ...]
@@ -30,16 +30,16 @@ class Body:
 class NormalStep:
     """A step whose only choice is the action.
 
-    `occurs` maps each action to its atom; `bodies` holds the bodies that derive an atom, `constraints` what must
-    not be true in a step. `final_bodies` and `final` are the same for the check after the last step.
+    `occurs` maps each action to its atom; `bodies` holds the bodies that derive an atom, `constraints` the bodies that
+    must be false in a step. `final_bodies` and `final` are the same for the check after the last step.
     """
 
     ground: GroundStep
     occurs: Mapping[clingo.Symbol, int]
-    bodies: Mapping[int, tuple[Body, ...]]
-    constraints: tuple[Body, ...]
-    final_bodies: Mapping[int, tuple[Body, ...]]
-    final: tuple[Body, ...]
+    bodies: Mapping[int, tuple[RuleBody, ...]]
+    constraints: tuple[RuleBody, ...]
+    final_bodies: Mapping[int, tuple[RuleBody, ...]]
+    final: tuple[RuleBody, ...]
 
 
 def normal_step(ground: GroundStep) -> NormalStep:
@@ -59,8 +59,8 @@ def normal_step(ground: GroundStep) -> NormalStep:
         spelled = [_at_step(ground.names[atom]) for atom in others if atom in ground.names] or ["an unnamed atom"]
         raise EngineError(f"a step chooses more than its action: {min(spelled)}")
     allowed, bodies, constraints = _step_rules(ground, set(occurs.values()))
-    final_bodies: dict[int, list[Body]] = {}
-    final: list[Body] = []
+    final_bodies: dict[int, list[RuleBody]] = {}
+    final: list[RuleBody] = []
     for rule in ground.rules.get("check", ()):
         for head in _single_head(rule):
             final_bodies.setdefault(head, []).append(_body(rule))
@@ -73,10 +73,10 @@ def normal_step(ground: GroundStep) -> NormalStep:
     )  # fmt: skip
 
 
-def _step_rules(ground: GroundStep, actions: set[int]) -> tuple[set[int], dict[int, list[Body]], list[Body]]:
-    bodies: dict[int, list[Body]] = {}
-    constraints: list[Body] = []
-    support: dict[int, list[Body]] = {}
+def _step_rules(ground: GroundStep, actions: set[int]) -> tuple[set[int], dict[int, list[RuleBody]], list[RuleBody]]:
+    bodies: dict[int, list[RuleBody]] = {}
+    constraints: list[RuleBody] = []
+    support: dict[int, list[RuleBody]] = {}
     fresh = _fresh_atoms(ground)
     for rule in ground.rules.get("step", ()):
         body = _body(rule)
@@ -90,23 +90,23 @@ def _step_rules(ground: GroundStep, actions: set[int]) -> tuple[set[int], dict[i
             if not rule.choice:
                 derived = next(fresh)
                 bodies[derived] = [body]
-                constraints.append(Body((derived, -head)))
+                constraints.append(RuleBody((derived, -head)))
     for action, allowed in support.items():
         if not any(not body.literals and body.bound <= 0 for body in allowed):
             _refuse_circular(allowed, bodies, actions)
             atom = next(fresh)
             bodies[atom] = allowed
-            constraints.append(Body((action, -atom)))
+            constraints.append(RuleBody((action, -atom)))
     return set(support), bodies, constraints
 
 
-def _add_unnamed(ground: GroundStep, final_bodies: dict[int, list[Body]], final: Iterable[Body]) -> None:
-    """Add to `final_bodies` what defines the unnamed atoms that the final check reads.
+def _add_unnamed(ground: GroundStep, final_bodies: dict[int, list[RuleBody]], final: Iterable[RuleBody]) -> None:
+    """Add the definitions of the unnamed atoms that the final check reads to `final_bodies`.
 
     An atom with an unnamed argument, such as ``p(_,t)``, has one definition in the part that reads it first, and each
     later part adds to the one before.
     """
-    defined: dict[int, list[Body]] = {}
+    defined: dict[int, list[RuleBody]] = {}
     for part in ground.rules.values():
         for rule in part:
             for head in rule.heads:
@@ -122,7 +122,7 @@ def _add_unnamed(ground: GroundStep, final_bodies: dict[int, list[Body]], final:
 
 
 def _at_step(symbol: clingo.Symbol) -> str:
-    """Return how an author writes an atom of the step that was grounded."""
+    """Return the text of an atom of the ground step as an author writes it."""
     return str(clingo.Function(symbol.name, [*symbol.arguments[:-1], clingo.Function("t")]))
 
 
@@ -132,11 +132,11 @@ def _single_head(rule: Rule) -> tuple[int, ...]:
     return rule.heads
 
 
-def _body(rule: Rule) -> Body:
-    return Body(rule.body, rule.bound, rule.weights)
+def _body(rule: Rule) -> RuleBody:
+    return RuleBody(rule.body, rule.bound, rule.weights)
 
 
-def _frozen(bodies: Mapping[int, list[Body]]) -> dict[int, tuple[Body, ...]]:
+def _frozen(bodies: Mapping[int, list[RuleBody]]) -> dict[int, tuple[RuleBody, ...]]:
     return {atom: tuple(found) for atom, found in bodies.items()}
 
 
@@ -149,8 +149,12 @@ def _fresh_atoms(ground: GroundStep) -> Iterator[int]:
         yield highest
 
 
-def _refuse_circular(allowed: Iterable[Body], bodies: Mapping[int, list[Body]], actions: set[int]) -> None:
-    """Refuse to allow an action because of what occurs: it could support itself."""
+def _refuse_circular(allowed: Iterable[RuleBody], bodies: Mapping[int, list[RuleBody]], actions: set[int]) -> None:
+    """Check that no action is allowed by what occurs in the same step: it could support itself.
+
+    Raises:
+        EngineError: one is.
+    """
     seen: set[int] = set()
     waiting = [abs(literal) for body in allowed for literal in body.literals]
     while waiting:

@@ -13,7 +13,7 @@ LITTLE = np.dtype("<u8")
 
 
 def words_for(bits: int) -> int:
-    """Return how many words hold so many bits: at least one."""
+    """Return the number of words that hold a number of bits: at least one."""
     return max(-(-bits // WORD), 1)
 
 
@@ -33,7 +33,7 @@ def unpack(rows: Rows, bits: int) -> NDArray[np.bool_]:
 
 
 def bit(place: int) -> tuple[int, np.uint64, np.uint64]:
-    """Return where a variable is kept: its word, its place in the word, and the mask of that place."""
+    """Return the location of a variable: its word, its place in the word, and the mask of that place."""
     word, shift = divmod(place, WORD)
     return word, np.uint64(shift), np.uint64(1 << shift)
 

@@ -1,4 +1,4 @@
-"""Hindsight of many plans: each different step is evaluated once, and remembered by its number."""
+"""Hindsight for many plans: each distinct step is evaluated once and cached by its number."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ import clingo
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.logic.step.hindsight import Hindsight, Told, Truth, solved_states
+from prag_asp.logic.step.hindsight import FluentValues, Hindsight, Truth, solved_states
 from prag_asp.program.facts import Facts
 from prag_asp.program.sources import Program
 
 Numbers = NDArray[np.int64]
 
 ENTRIES = 1 << 15
-"""Entries of a table after which what was remembered is forgotten: with the states that it stands for, some 30 MB."""
+"""The number of entries at which a cache is emptied: with its states, about 30 MB."""
 
 
 class _Rows:
-    """Different columns of truth values, by number."""
+    """Distinct columns of truth values, by number."""
 
     def __init__(self) -> None:
         self._numbers: dict[bytes, int] = {}
@@ -48,16 +48,16 @@ class _Rows:
 
 
 class PlanStates:
-    """What is known of the states of plans, with hindsight; equal states have equal numbers.
+    """The known values of the states of plans, with hindsight; equal states have equal numbers.
 
-    Steps are functions of a state and an action, and hindsight one of a step and what is told of the state after it.
-    So a plan is told by looking up its steps, forward and then backward; what is new is evaluated, all plans together.
+    Steps are functions of a state and an action, and hindsight is a function of a step and the known atoms of the state
+    after it. The steps of a plan are looked up forward and then backward; new ones are evaluated for all plans.
     """
 
     def __init__(self, hindsight: Hindsight) -> None:
         self._hindsight = hindsight
         self._width = len(hindsight.step.occurs)
-        self._states, self._seen, self._told = _Rows(), _Rows(), _Rows()
+        self._states, self._seen, self._known = _Rows(), _Rows(), _Rows()
         self._steps: dict[int, tuple[int, int]] = {}
         self._last: dict[int, int] = {}
         self._before: dict[int, int] = {}
@@ -67,7 +67,7 @@ class PlanStates:
 
     @property
     def full(self) -> bool:
-        """Whether so much is remembered that a new start saves memory."""
+        """Whether the caches are so large that a new start saves memory."""
         return max(len(self._steps), len(self._before)) > ENTRIES
 
     @property
@@ -76,7 +76,7 @@ class PlanStates:
         return tuple(self._hindsight.step.occurs)
 
     def numbers(self, plans: Numbers) -> Numbers:
-        """Return the number of what is known of each state 0..n of valid plans; shape (plans, n + 1).
+        """Return the number of the known values of each state 0..n of valid plans; shape (plans, n + 1).
 
         Plans have shape (plans, n) and hold the numbers of actions.
         """
@@ -86,32 +86,32 @@ class PlanStates:
         for k in range(length):
             step = _looked_up(self._steps, state * self._width + plans[:, k], self._follow)
             state, seen[k + 1] = step[:, 0], step[:, 1]
-        told = np.empty((length + 1, count), dtype=np.int64)
-        told[length] = _looked_up(self._last, seen[length], self._tell_last)
+        known = np.empty((length + 1, count), dtype=np.int64)
+        known[length] = _looked_up(self._last, seen[length], self._evaluate_last)
         for k in range(length, 0, -1):
-            told[k - 1] = _looked_up(self._before, (told[k] << 32) + seen[k], self._tell_before)
-        plans_first: Numbers = told.T
+            known[k - 1] = _looked_up(self._before, (known[k] << 32) + seen[k], self._evaluate_before)
+        plans_first: Numbers = known.T
         return plans_first
 
-    def values(self, numbers: Sequence[int]) -> Told:
-        """Return what numbers stand for, shape (fluents, numbers)."""
-        return self._hindsight.values(self._told.get(numbers))
+    def values(self, numbers: Sequence[int]) -> FluentValues:
+        """Return the values with some numbers, shape (fluents, numbers)."""
+        return self._hindsight.values(self._known.get(numbers))
 
     def _follow(self, keys: list[int]) -> list[tuple[int, int]]:
         states = self._states.get([key // self._width for key in keys])
         after, seen = self._hindsight.follow(states, np.array([key % self._width for key in keys]))
         return list(zip(self._states.add(after), self._seen.add(seen), strict=True))
 
-    def _tell_last(self, keys: list[int]) -> list[int]:
-        return self._told.add(self._hindsight.tell_last(self._seen.get(keys)))
+    def _evaluate_last(self, keys: list[int]) -> list[int]:
+        return self._known.add(self._hindsight.evaluate_last(self._seen.get(keys)))
 
-    def _tell_before(self, keys: list[int]) -> list[int]:
+    def _evaluate_before(self, keys: list[int]) -> list[int]:
         seen = self._seen.get([key & 0xFFFFFFFF for key in keys])
-        return self._told.add(self._hindsight.tell_before(seen, self._told.get([key >> 32 for key in keys])))
+        return self._known.add(self._hindsight.evaluate_before(seen, self._known.get([key >> 32 for key in keys])))
 
 
 def _looked_up(table: dict[int, Any], keys: Numbers, evaluate: Callable[[list[int]], list[Any]]) -> Numbers:
-    """Return what a table holds for keys, after adding what is new."""
+    """Return the entries of a table for keys, after computing the missing ones."""
     different, places = np.unique(keys, return_inverse=True)
     wanted = different.tolist()
     new = [key for key in wanted if key not in table]
@@ -132,20 +132,20 @@ class SolvedPlanStates:
 
     @property
     def full(self) -> bool:
-        """Whether so much is remembered that a new start saves memory."""
+        """Whether the caches are so large that a new start saves memory."""
         return len(self._numbers) > ENTRIES
 
     def numbers(self, plans: Numbers) -> Numbers:
-        """Return the number of what is known of each state 0..n of valid plans; shape (plans, n + 1)."""
+        """Return the number of the known values of each state 0..n of valid plans; shape (plans, n + 1)."""
         found = np.empty((plans.shape[0], plans.shape[1] + 1), dtype=np.int64)
         for row, letters in zip(found, plans.tolist(), strict=True):
-            told = solved_states(self._program, tuple(self.letters[each] for each in letters), self._fluents)
-            row[:] = [self._numbers.setdefault(state.tobytes(), len(self._numbers)) for state in told.T]
+            known = solved_states(self._program, tuple(self.letters[each] for each in letters), self._fluents)
+            row[:] = [self._numbers.setdefault(state.tobytes(), len(self._numbers)) for state in known.T]
         return found
 
-    def values(self, numbers: Sequence[int]) -> Told:
-        """Return what numbers stand for, shape (fluents, numbers)."""
+    def values(self, numbers: Sequence[int]) -> FluentValues:
+        """Return the values with some numbers, shape (fluents, numbers)."""
         texts = list(self._numbers)
         rows = [np.frombuffer(texts[number], dtype=np.int8) for number in numbers]
-        values: Told = np.array(rows, dtype=np.int8).reshape(len(numbers), len(self._fluents)).T
+        values: FluentValues = np.array(rows, dtype=np.int8).reshape(len(numbers), len(self._fluents)).T
         return values

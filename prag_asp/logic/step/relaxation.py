@@ -1,13 +1,12 @@
-"""How many steps a state is from the end of a plan at least, for many states at once.
+"""A lower bound on the number of steps from a state to the end of a plan, for many states at once.
 
-What may be true and what may be false of each variable is carried along apart, and never taken back: so what actions
-delete, and which values exclude each other, is passed over. The step after which a plan may end first is then at most
-as far away as the end of any plan, whatever the rules say: this is h_max (Bonet and Geffner, Planning as heuristic
-search, 2001) on the Cartesian abstraction of states (Cousot and Cousot 1977). What is unknown is neither known to be
-true nor known to be false, so it needs no case of its own.
+The bound is h_max (Bonet and Geffner, Planning as heuristic search, 2001) on the Cartesian abstraction of states
+(Cousot and Cousot 1977). For each variable, "may be true" and "may be false" are separate facts that are never removed:
+deletes and exclusive values are ignored. The first step after which a plan may end is then at most as far away as the
+end of any plan. An unknown value is neither known to be true nor known to be false, so it needs no case.
 
-What may be so after a step grows with what may be so before it. So one step is a circuit of conjunctions and
-disjunctions without a negation, which is evaluated on 64 states with each word.
+The facts after a step grow with those before it. One step is therefore a circuit without negations, which is evaluated
+on 64 states in each word.
 """
 
 from __future__ import annotations
@@ -21,19 +20,19 @@ from numpy.typing import NDArray
 
 from prag_asp.logic.step.circuit import FALSE, TRUE, Circuit, Gates
 from prag_asp.logic.step.moves import Move
-from prag_asp.logic.step.normal import Body
+from prag_asp.logic.step.normal import RuleBody
 from prag_asp.logic.step.packed import Rows, mask_of, unpack
 from prag_asp.logic.step.strata import Stratum
 from prag_asp.logic.step.transition import Transition
 
 MOST_ROUNDS = 16
-"""Atoms that derive each other up to which it is followed how; of more, anything may be so."""
+"""The size up to which a recursive stratum is evaluated; atoms of larger ones may have any value."""
 
 ROOM = 2**23
-"""Bytes that the operands of one gate of each kind should take at most."""
+"""The largest memory in bytes of the operands of one gate."""
 
 May = tuple[int, int]
-"""The gates that say where an atom may be true, and where it may be false."""
+"""The gates for "may be true" and "may be false" of an atom."""
 
 NEVER: May = (FALSE, TRUE)
 ANYTHING: May = (TRUE, TRUE)
@@ -41,10 +40,9 @@ ANYTHING: May = (TRUE, TRUE)
 
 @dataclass(frozen=True)
 class Relaxation:
-    """One relaxed step: the gates of what may be so after it, and of whether a plan may end before it.
+    """One relaxed step: the gates of the variables after it, and the gate of whether a plan may end before it.
 
-    The inputs are, for each variable, that it may be true and that it may be false; `after` has their gates in the
-    same order.
+    The inputs are "may be true" and "may be false" of each variable; `after` has their gates in the same order.
     """
 
     variables: int
@@ -53,9 +51,9 @@ class Relaxation:
     ends: int
 
     def within(self, states: Rows, left: int) -> tuple[NDArray[np.bool_], bool]:
-        """Return which states may be at most `left` steps from the end, and whether the others are so for any number.
+        """Return which states may be at most `left` steps from the end, and whether the others cannot reach it at all.
 
-        No plan goes on from the others within so many steps.
+        From the others, no plan ends within `left` steps.
         """
         near = np.empty(len(states), dtype=np.bool_)
         together = 64 * max(ROOM // (8 * self.circuit.widest), 4)
@@ -109,7 +107,7 @@ class _Relaxed:
         self._evaluate(transition.rules.strata, transition.rules.idle, self._idle, self._idle_value)
 
     def after(self) -> list[May]:
-        """Return what may be so of each variable after the step, or was so before it."""
+        """Return the facts of each variable after the step, which include those before it."""
         true = [[may, self._idle_value(atom)[0]]
                 for (may, _), atom in zip(self._inputs, self._transition.rules.written, strict=True)]  # fmt: skip
         false = [[may, self._idle_value(atom)[1]]
@@ -121,7 +119,7 @@ class _Relaxed:
         return [(self._gates.any(may), self._gates.any(may_not)) for may, may_not in zip(true, false, strict=True)]
 
     def ends(self) -> int:
-        """Return where a plan may end."""
+        """Return the gate of whether a plan may end."""
         transition, final = self._transition, self._transition.step.final
         values = self._values(transition.step.ground.now)
         read = _reader(values)
@@ -129,7 +127,7 @@ class _Relaxed:
         return self._gates.all(self._false(body, read) for body in final)
 
     def _add_effects(self, move: Move, true: list[list[int]], false: list[list[int]]) -> None:
-        """Add what an action may make true or false of the variables that it decides."""
+        """Add the values that an action may give to the variables that it decides."""
         values: dict[int, May] = {}
 
         def value(atom: int) -> May:
@@ -149,28 +147,28 @@ class _Relaxed:
     def _evaluate(
         self,
         strata: Iterable[Stratum],
-        bodies: Mapping[int, tuple[Body, ...]],
+        bodies: Mapping[int, tuple[RuleBody, ...]],
         values: dict[int, May],
         value: Callable[[int], May],
     ) -> None:
-        """Add to `values` what may be so of the atoms of some strata; `value` reads these and all others."""
+        """Add the facts of the atoms of some strata to `values`; `value` reads these and all others."""
         for stratum in strata:
             if not stratum.recursive:
                 values |= {atom: self._value(bodies[atom], value) for atom in stratum.atoms}
                 continue
             known = len(stratum.atoms) <= MOST_ROUNDS
-            # The least model has nothing true that is not derived in as many rounds as there are atoms; that anything
-            # may be false is always so.
+            # In the least model, a true atom is derived within as many rounds as there are atoms. That an atom
+            # may be false is always assumed.
             values |= dict.fromkeys(stratum.atoms, NEVER if known else ANYTHING)
             for _ in range(len(stratum.atoms) if known else 0):
                 values |= {atom: (self._value(bodies[atom], value)[0], TRUE) for atom in stratum.atoms}
 
-    def _value(self, bodies: Sequence[Body], value: Callable[[int], May]) -> May:
+    def _value(self, bodies: Sequence[RuleBody], value: Callable[[int], May]) -> May:
         true = self._gates.any(self._true(body, value) for body in bodies)
         return true, self._gates.all(self._false(body, value) for body in bodies)
 
-    def _true(self, body: Body, value: Callable[[int], May]) -> int:
-        """Return where a body may be true; a sum that has to reach something needs some literal."""
+    def _true(self, body: RuleBody, value: Callable[[int], May]) -> int:
+        """Return the gate of "may be true" of a body; a sum with a positive bound needs some literal."""
         literals = [value(abs(literal))[literal < 0] for literal in body.literals]
         if not body.weights:
             return self._gates.all(literals)
@@ -178,14 +176,14 @@ class _Relaxed:
             return TRUE
         return self._gates.any(literals)
 
-    def _false(self, body: Body, value: Callable[[int], May]) -> int:
-        """Return where a body may be false; a sum may always be."""
+    def _false(self, body: RuleBody, value: Callable[[int], May]) -> int:
+        """Return the gate of "may be false" of a body; a sum may always be false."""
         if body.weights:
             return TRUE
         return self._gates.any(value(abs(literal))[literal > 0] for literal in body.literals)
 
     def _values(self, atoms: Mapping[clingo.Symbol, int]) -> dict[int, May]:
-        """Return what may be so of the variables among `atoms`."""
+        """Return the facts of the variables among `atoms`."""
         pairs = zip(self._transition.variables, self._inputs, strict=True)
         return {atoms[symbol]: may for symbol, may in pairs if symbol in atoms}
 

@@ -1,18 +1,18 @@
-"""What is left of ground bodies where it is known which action occurs."""
+"""Ground bodies, simplified for a known action."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
-from prag_asp.logic.step.normal import Body
+from prag_asp.logic.step.normal import RuleBody
 
 Constants = dict[int, bool]
 """Atoms of known truth."""
 
 
-def simplified(body: Body, constants: Constants) -> Body | bool:
-    """Return a body without its literals of known truth, or its truth where that decides it."""
+def simplify(body: RuleBody, constants: Constants) -> RuleBody | bool:
+    """Return a body without its literals of known truth, or its truth value if these decide it."""
     if body.weights:
         return _simplified_sum(body, constants)
     unknown = []
@@ -24,10 +24,10 @@ def simplified(body: Body, constants: Constants) -> Body | bool:
             return False
     if len(unknown) == len(body.literals):
         return body if unknown else True
-    return Body(tuple(unknown)) if unknown else True
+    return RuleBody(tuple(unknown)) if unknown else True
 
 
-def _simplified_sum(body: Body, constants: Constants) -> Body | bool:
+def _simplified_sum(body: RuleBody, constants: Constants) -> RuleBody | bool:
     bound, literals, weights = body.bound, [], []
     for literal, weight in zip(body.literals, body.weights, strict=True):
         known = constants.get(abs(literal))
@@ -40,21 +40,21 @@ def _simplified_sum(body: Body, constants: Constants) -> Body | bool:
         return True
     if sum(weights) < bound:
         return False
-    return Body(tuple(literals), bound, tuple(weights))
+    return RuleBody(tuple(literals), bound, tuple(weights))
 
 
-def as_bodies(left: Iterable[Body | bool]) -> Iterator[Body]:
-    """Yield what is left of bodies, an empty one for what is true, and none for what is false."""
+def as_bodies(left: Iterable[RuleBody | bool]) -> Iterator[RuleBody]:
+    """Yield simplified bodies: an empty one for a true body, nothing for a false one."""
     for body in left:
-        if isinstance(body, Body):
+        if isinstance(body, RuleBody):
             yield body
         elif body:
-            yield Body(())
+            yield RuleBody(())
 
 
 @dataclass(frozen=True)
 class ActionSum:
-    """A body that sums weights: what is left of it without actions, and what each action adds."""
+    """A body that sums weights, split into the part without actions and the weight of each action."""
 
     bound: int
     literals: tuple[int, ...]
@@ -62,8 +62,8 @@ class ActionSum:
     added: Mapping[int, int]
 
     @classmethod
-    def of(cls, body: Body, actions: frozenset[int]) -> ActionSum:
-        """Return a body taken apart."""
+    def of(cls, body: RuleBody, actions: frozenset[int]) -> ActionSum:
+        """Return the split form of a body."""
         pairs = list(zip(body.literals, body.weights, strict=True))
         added: dict[int, int] = {}
         for literal, weight in pairs:
@@ -74,9 +74,9 @@ class ActionSum:
         literals, weights = (tuple(each[i] for each in rest) for i in (0, 1))
         return cls(body.bound - always, literals, weights, added)
 
-    def with_action(self, action: int) -> list[Body]:
-        """Return what is left of the body where an action occurs: an empty body where it is true, none where false."""
+    def with_action(self, action: int) -> list[RuleBody]:
+        """Return the body for an action: an empty body if it is true, no body if it is false."""
         bound = self.bound - self.added.get(action, 0)
         if bound <= 0:
-            return [Body(())]
-        return [Body(self.literals, bound, self.weights)] if self.literals else []
+            return [RuleBody(())]
+        return [RuleBody(self.literals, bound, self.weights)] if self.literals else []

@@ -1,4 +1,4 @@
-"""The rules of a step in order of their dependencies, with an index of who reads what."""
+"""The rules of a step in order of their dependencies, with an index of their readers."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from prag_asp.logic.step.normal import Body, NormalStep
-from prag_asp.logic.step.simplify import ActionSum, Constants, as_bodies, simplified
+from prag_asp.logic.step.normal import NormalStep, RuleBody
+from prag_asp.logic.step.simplify import ActionSum, Constants, as_bodies, simplify
 from prag_asp.logic.step.strata import Stratum, stratify
 
 
@@ -19,7 +19,7 @@ class StepRules:
     """
 
     step: NormalStep
-    constraints: tuple[Body, ...]
+    constraints: tuple[RuleBody, ...]
     written: tuple[int, ...]
     labels: tuple[int, ...]
 
@@ -45,30 +45,30 @@ class StepRules:
         return dict.fromkeys(self.actions, False)
 
     @cached_property
-    def idle(self) -> Mapping[int, tuple[Body, ...]]:
-        """What is left of the bodies of each atom where no action occurs."""
+    def idle(self) -> Mapping[int, tuple[RuleBody, ...]]:
+        """The bodies of each atom, simplified for no action."""
         return {
-            atom: tuple(as_bodies(simplified(body, self.no_action) for body in self.step.bodies[atom]))
+            atom: tuple(as_bodies(simplify(body, self.no_action) for body in self.step.bodies[atom]))
             for atom in self.order
         }
 
     @cached_property
-    def idle_constraints(self) -> list[tuple[int, Body]]:
-        """What is left of the constraints where no action occurs, with their numbers."""
+    def idle_constraints(self) -> list[tuple[int, RuleBody]]:
+        """The constraints, simplified for no action, with their numbers."""
         return [
             (number, left)
             for number, body in enumerate(self.constraints)
-            for left in as_bodies([simplified(body, self.no_action)])
+            for left in as_bodies([simplify(body, self.no_action)])
         ]
 
     @cached_property
-    def _by_action(self) -> Mapping[int, tuple[Mapping[int, list[Body]], list[ActionSum], list[Body]]]:
-        """For each atom, the bodies in which an action occurs, by action, then sums, then the other bodies."""
+    def _by_action(self) -> Mapping[int, tuple[Mapping[int, list[RuleBody]], list[ActionSum], list[RuleBody]]]:
+        """For each atom, its bodies with an action, by action, its sums, and its other bodies."""
         table = {}
         for atom in self.order:
-            by_action: dict[int, list[Body]] = {}
+            by_action: dict[int, list[RuleBody]] = {}
             sums: list[ActionSum] = []
-            others: list[Body] = []
+            others: list[RuleBody] = []
             for body in self.step.bodies[atom]:
                 acting = [each for each in body.literals if each in self.actions]
                 if body.weights:
@@ -78,8 +78,8 @@ class StepRules:
             table[atom] = (by_action, sums, others)
         return table
 
-    def bodies_with(self, action: int, atom: int) -> list[Body]:
-        """Return the bodies of an atom that may be true where an action occurs, and no other action."""
+    def bodies_with(self, action: int, atom: int) -> list[RuleBody]:
+        """Return the bodies of an atom that may be true if one action occurs and no other."""
         by_action, sums, others = self._by_action[atom]
         return [*by_action.get(action, ()), *(left for each in sums for left in each.with_action(action)), *others]
 
@@ -95,16 +95,16 @@ class StepRules:
 
     @cached_property
     def places(self) -> Mapping[int, list[int]]:
-        """For each atom, the variables that it decides."""
+        """For each atom, the variables that it sets."""
         return _places(self.written)
 
     @cached_property
     def label_places(self) -> Mapping[int, list[int]]:
-        """For each atom, the labels that it decides."""
+        """For each atom, the labels that it sets."""
         return _places(self.labels)
 
 
-def _index(reading: Iterator[tuple[int, tuple[Body, ...]]]) -> dict[int, list[int]]:
+def _index(reading: Iterator[tuple[int, tuple[RuleBody, ...]]]) -> dict[int, list[int]]:
     readers: dict[int, list[int]] = {}
     for reader, bodies in reading:
         for body in bodies:

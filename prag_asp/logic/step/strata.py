@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from prag_asp.errors import EngineError
 from prag_asp.logic.ground.ground_step import GroundStep
-from prag_asp.logic.step.normal import Body, NormalStep, normal_step
+from prag_asp.logic.step.normal import NormalStep, RuleBody, normal_step
 from prag_asp.program.finite.components import components
 
 Column = NDArray[np.bool_]
@@ -37,7 +37,7 @@ def stratified_step(ground: GroundStep) -> NormalStep:
     return step
 
 
-def stratify(roots: Iterable[int], bodies: Mapping[int, tuple[Body, ...]]) -> list[Stratum]:
+def stratify(roots: Iterable[int], bodies: Mapping[int, tuple[RuleBody, ...]]) -> list[Stratum]:
     """Return the atoms that `roots` depend on and that rules define, in order of dependency.
 
     Raises:
@@ -47,11 +47,11 @@ def stratify(roots: Iterable[int], bodies: Mapping[int, tuple[Body, ...]]) -> li
     return [_stratum(members, bodies) for members in components(defined, lambda atom: _dependencies(atom, bodies))]
 
 
-def _dependencies(atom: int, bodies: Mapping[int, tuple[Body, ...]]) -> list[int]:
+def _dependencies(atom: int, bodies: Mapping[int, tuple[RuleBody, ...]]) -> list[int]:
     return [abs(literal) for body in bodies[atom] for literal in body.literals if abs(literal) in bodies]
 
 
-def _stratum(members: list[int], bodies: Mapping[int, tuple[Body, ...]]) -> Stratum:
+def _stratum(members: list[int], bodies: Mapping[int, tuple[RuleBody, ...]]) -> Stratum:
     inside = set(members)
     literals = [literal for atom in members for body in bodies[atom] for literal in body.literals]
     if any(-literal in inside for literal in literals):
@@ -59,7 +59,7 @@ def _stratum(members: list[int], bodies: Mapping[int, tuple[Body, ...]]) -> Stra
     return Stratum(tuple(sorted(members)), any(literal in inside for literal in literals))
 
 
-def body_column(body: Body, column: Callable[[int], Column], size: int) -> Column:
+def body_column(body: RuleBody, column: Callable[[int], Column], size: int) -> Column:
     """Return where a body is true."""
     if body.weights:
         total = np.zeros(size, dtype=np.int64)
@@ -76,7 +76,7 @@ def body_column(body: Body, column: Callable[[int], Column], size: int) -> Colum
 
 def evaluate(
     strata: Iterable[Stratum],
-    bodies: Callable[[int], tuple[Body, ...]],
+    bodies: Callable[[int], tuple[RuleBody, ...]],
     columns: dict[int, Column],
     column: Callable[[int], Column],
     size: int,
@@ -99,7 +99,7 @@ def evaluate(
                 columns[atom] = value
 
 
-def _any_body(bodies: tuple[Body, ...], column: Callable[[int], Column], size: int) -> Column:
+def _any_body(bodies: tuple[RuleBody, ...], column: Callable[[int], Column], size: int) -> Column:
     value: Column | None = None
     for body in bodies:
         found = body_column(body, column, size)

@@ -18,19 +18,19 @@ from numpy.typing import NDArray
 from prag_asp.logic.step.cone import find_cone
 from prag_asp.logic.step.moves import Move, compile_move
 from prag_asp.logic.step.needs import Needs
-from prag_asp.logic.step.normal import Body, NormalStep
+from prag_asp.logic.step.normal import NormalStep, RuleBody
 from prag_asp.logic.step.packed import Rows, bit, pack, unpack
 from prag_asp.logic.step.step_rules import StepRules
 from prag_asp.logic.step.strata import Column, Stratum, body_column, evaluate, stratify
 from prag_asp.processes.progress_events import stage
 
 MANY = 64
-"""Actions of which most are passed over together; fewer are tried one by one."""
+"""The number of actions from which `Needs` rules out most of them together; fewer are tried one by one."""
 
 
 @dataclass(frozen=True)
 class Successors:
-    """What one action makes of a frontier.
+    """The successors of a frontier by one action.
 
     `letter` is the number of the action; `sources` are the rows of the frontier in which it is valid, shape (m,);
     `states` has the packed states after it, shape (m, words); `labels` the truth of each label, shape (m, labels).
@@ -44,7 +44,7 @@ class Successors:
 
 @dataclass(frozen=True, eq=False)
 class Transition:
-    """The step function of a domain over the states of its cone of influence, which is itself alone.
+    """The step function of a domain over the states of its cone of influence; equality is identity.
 
     `variables` are timed atoms without their time, `actions` all actions in clingo's order of terms and `labels` the
     atoms of step t whose truth each edge carries. A move is compiled when its action is first tried.
@@ -52,7 +52,7 @@ class Transition:
 
     step: NormalStep
     variables: tuple[clingo.Symbol, ...]
-    constraints: tuple[Body, ...]
+    constraints: tuple[RuleBody, ...]
     labels: tuple[clingo.Symbol, ...]
     _moves: dict[int, Move] = field(default_factory=dict, repr=False)
 
@@ -63,14 +63,14 @@ class Transition:
 
     @cached_property
     def initial(self) -> Rows:
-        """The initial state as a single row, or no row where the domain's start contradicts itself."""
+        """The initial state as a single row; no row if the start is contradictory."""
         ground = self.step.ground
         column = np.array([[symbol in ground.initial] for symbol in self.variables], dtype=np.bool_)
         return pack(column.reshape(len(self.variables), 1))[: 1 if ground.consistent else 0]
 
     @cached_property
     def rules(self) -> StepRules:
-        """The rules of the step in order, with an index of who reads what."""
+        """The rules of the step in order, with an index of their readers."""
         now, bodies = self.step.ground.now, self.step.bodies
         atoms = (now.get(symbol, 0) for symbol in self.variables)
         kept = set(self.step.occurs.values())
@@ -94,7 +94,7 @@ class Transition:
         return stratify(roots, self.step.final_bodies)
 
     def move(self, letter: int) -> Move:
-        """Return what the action of a number does."""
+        """Return the compiled action with a number."""
         if letter not in self._moves:
             self._moves[letter] = compile_move(self.rules, self._atoms[letter])
         return self._moves[letter]
@@ -118,15 +118,15 @@ class Transition:
         return [place for place, stays in enumerate(kept.tolist()) if not stays]
 
     def rests(self, states: Rows) -> Column:
-        """Return which states stay as they are, and break no constraint, while no action occurs, shape (states,)."""
+        """Return which states do not change and break no constraint if no action occurs, shape (states,)."""
         before = _Before.evaluated(self.rules, self._columns(states, self.step.ground.before), len(states))
         stays: Column = (before.after == states).all(axis=1) & (before.breaches == 0)
         return stays
 
     def expand(self, states: Rows, wanted: NDArray[np.bool_] | None = None) -> Iterator[Successors]:
-        """Yield what each action makes of a frontier, in the order of `actions`; of none where it is forbidden.
+        """Yield the successors of a frontier by each action that is valid somewhere, in the order of `actions`.
 
-        `wanted` says which actions are asked for in which states, shape (states, actions); without it, all are.
+        `wanted` restricts the actions of each state, shape (states, actions); without it, all are tried.
         """
         before = _Before.evaluated(self.rules, self._columns(states, self.step.ground.before), len(states))
         asked = np.ones(len(self.actions), dtype=np.bool_)
@@ -147,10 +147,10 @@ class Transition:
 
 @dataclass(frozen=True)
 class _Before:
-    """A frontier with every rule evaluated, where no action occurs.
+    """A frontier with every rule evaluated for no action.
 
-    `broken` holds the constraints that are true somewhere, `breaches` how many of them in each state; `after` and
-    `labels` are what no action leaves of the states and the labels.
+    `broken` holds the constraints that are violated somewhere, `breaches` their number in each state; `after` and
+    `labels` are the states and the labels after no action.
     """
 
     read: Callable[[int], Column]
@@ -205,7 +205,7 @@ def _apply(move: Move, letter: int, before: _Before, sources: NDArray[np.intp]) 
 
 
 def _unguarded(move: Move, before: _Before, asked: NDArray[np.bool_] | None) -> NDArray[np.intp]:
-    """Return the rows in which no guard and no constraint that the action leaves alone forbids it."""
+    """Return the rows in which neither a guard nor a constraint that does not read the action forbids it."""
     size = len(before.breaches)
     if move.impossible:
         return np.zeros(0, dtype=np.intp)
@@ -228,7 +228,7 @@ def _stacked(columns: Iterator[Column], size: int) -> NDArray[np.bool_]:
 
 
 def _reader(columns: Mapping[int, Column], size: int) -> Callable[[int], Column]:
-    """Return a reader of columns for which an atom that nothing derives is false."""
+    """Return a reader of columns in which an atom that nothing derives is false."""
     false = np.zeros(size, dtype=np.bool_)
     return lambda atom: columns.get(atom, false)
 

@@ -1,7 +1,7 @@
-"""Whether a domain states its invariants alike of all entities of a class.
+"""A test of whether a domain states its invariants alike for all entities of a class.
 
-Where it does not, what it states of single entities may follow from the rest: then it tells entities apart in words
-alone. `rules/closed_invariants.lp` states all that follows, which is the same however the invariants are stated.
+If it does not, the invariants of single entities may follow from the rest, so that entities differ in syntax alone.
+`rules/closed_invariants.lp` states all entailed invariants, which do not depend on how the invariants are stated.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from prag_asp.program.facts import Facts
 from prag_asp.program.invariants import conflict, entailed, invariant_graph
 
 _Stated = tuple[str, Shaped, Shaped]
-"""An invariant: its predicate, and its fluents; or a goal that says nothing, with its fluent twice."""
+"""An invariant: its predicate and its fluents; or a goal that always holds, with its fluent twice."""
 
 
-def stated_unevenly(facts: Facts, groups: Collection[Sequence[clingo.Symbol]]) -> bool:
-    """Return whether a domain says of some entities, and not of others of their class, what may follow from the rest.
+def states_unevenly(facts: Facts, groups: Collection[Sequence[clingo.Symbol]]) -> bool:
+    """Return whether some entities have invariants that others of their class lack and that may follow from the rest.
 
-    Nothing more can be found where `groups` of interchangeable entities are whole classes.
+    The answer is no if the `groups` of interchangeable entities are whole classes already.
     """
     idle = list(_idle_goals(facts))
     if not (facts.implies or facts.impossible or idle):
@@ -41,19 +41,19 @@ def stated_unevenly(facts: Facts, groups: Collection[Sequence[clingo.Symbol]]) -
     for each in stated:
         for number in {*each[1][1], *each[2][1]}:
             naming.setdefault(number, []).append(each)
-    # Swaps of neighbours make all renamings of a class.
+    # Swaps of neighbours generate all renamings of a class.
     return not all(_kept(*pair, stated, naming) for each in classes for pair in pairwise(each))
 
 
 def _idle_goals(facts: Facts) -> Iterator[clingo.Symbol]:
-    """Yield the fluents that the goal wants to be false, and that are false in every state."""
+    """Yield the fluents of the goal that have to be false and are false in every state."""
     wanted = [fluent for fluent, value in facts.goal if value == "false"]
     graph = invariant_graph(facts) if wanted else {}
     return (fluent for fluent in wanted if conflict(entailed([(fluent, True)], graph)))
 
 
 def _stated(facts: Facts, shapes: Shapes) -> Iterator[_Stated]:
-    """Yield the invariants, those without a direction in both; one that says nothing of two fluents is left out."""
+    """Yield the invariants, symmetric ones in both directions, without those of a single fluent."""
     for predicate, pairs in (("exclusive", facts.exclusive), ("impossible", facts.impossible)):
         for first, second in pairs:
             yield predicate, shapes.of(first), shapes.of(second)

@@ -1,13 +1,12 @@
 """Numbers for the atoms of a ground step: atoms that mean the same have the same number.
 
-An atom that has a name is its name. One without is what its rules say, in the numbers of what they read; where a rule
-only passes on another atom without a name, it says what that one's rules say, so that it does not matter by which ways
-something is passed on. Atoms that define each other, a strongly connected component, are compared as one: the rules of
-each are unfolded until one more time tells no more of them apart (as in the refinement of partitions, Paige and Tarjan
-1987), and an atom is its own unfolding together with those of the whole component. Two atoms with the same number then
-have the same rules in the same numbers, step by step, hence the same truth: the least model of positive rules is
-reached in stages, and at each of them they are alike. What goes around through a negation, and what is chosen, has no
-least model, and stays itself.
+A named atom is identified by its name. An unnamed atom is identified by its rules, in the numbers of the atoms that
+they read. A rule that only copies another unnamed atom is replaced by the rules of that atom, so that chains of copies
+do not matter. The atoms of a strongly connected component are compared together: their rules are unfolded until one
+more unfolding distinguishes no more of them (partition refinement, Paige and Tarjan 1987), and an atom is identified by
+its unfolding together with those of the whole component. Two atoms with the same number then have the same rules in the
+same numbers and hence the same truth, because they are equal at each stage of the least model of positive rules. Atoms
+that depend on themselves through a negation, and chosen atoms, have no least model and are identified by themselves.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from numpy.typing import NDArray
 
 from prag_asp.logic.ground.ground_step import GroundStep
 from prag_asp.logic.ground.rules import Rule
-from prag_asp.logic.symmetry.fact_propagation import settled_rules
+from prag_asp.logic.symmetry.fact_propagation import propagate_facts
 from prag_asp.logic.symmetry.renaming import Shaped, Shapes
 from prag_asp.program.finite.components import components
 from prag_asp.program.predicates import FINDING
@@ -34,18 +33,18 @@ SpelledBody = tuple[bool, int, frozenset[SpelledLiteral]]
 """Whether the head is a choice, the sum that the body has to reach, and its literals."""
 
 Key = Shaped | frozenset[SpelledBody] | int
-"""What an atom is: its shape with its entities; where it has no name, what its rules say; itself, where all fails."""
+"""The identity of an atom: its shape with its entities, its rules if it is unnamed, or else itself."""
 
 MISSING = -1
 INSIDE = 0
-"""What stands for an atom of a component where its rules are not unfolded."""
+"""The placeholder for an atom of a component before its rules are unfolded."""
 
 START, COMPONENT = 2**32, 2**33
-"""The bounds of what states the initial values, and of what stands for an atom of a component."""
+"""The bound of rules that state initial values, and that of placeholders for atoms of a component."""
 
 
 class SpelledRule(NamedTuple):
-    """A rule in numbers; `last` says whether only the check after the last step has it."""
+    """A rule in numbers; `last` is true if it belongs to the check after the last step."""
 
     heads: frozenset[int]
     body: SpelledBody
@@ -53,7 +52,7 @@ class SpelledRule(NamedTuple):
 
     @property
     def is_plain(self) -> bool:
-        """Whether the heads follow where all literals of the body are true."""
+        """Whether the rule is neither a choice nor a sum."""
         choice, bound, literals = self.body
         return not choice and bound == len(literals) and all(weight == 1 for _, _, weight in literals)
 
@@ -72,8 +71,8 @@ class Atoms:
             for atom, symbol in ground.names.items()
             if not symbol.match(*FINDING)  # a condition may number in it what is alike
         }
-        step, facts = settled_rules(ground.rules.get("step", ()))
-        check, _ = settled_rules(ground.rules.get("check", ()), facts)
+        step, facts = propagate_facts(ground.rules.get("step", ()))
+        check, _ = propagate_facts(ground.rules.get("check", ()), facts)
         told = [*((rule, False) for rule in step), *((rule, True) for rule in check)]
         self._defining = definitions = self._definitions(rule for rule, _ in told)
         for component in components(definitions, lambda atom: _below(definitions[atom], definitions)):
@@ -88,18 +87,18 @@ class Atoms:
 
     @cached_property
     def definitions(self) -> set[SpelledRule]:
-        """The rules of the atoms that are what their rules say."""
+        """The rules of the atoms that are identified by their rules."""
         rules = ((atom, rule) for atom, own in self._defining.items() for rule in own)
         return {SpelledRule(frozenset({self.number(atom)}), self._body(rule)) for atom, rule in rules}
 
     def number(self, atom: int) -> int:
-        """Return the number of an atom of the ground step; one without rules is false."""
+        """Return the number of an atom of the ground step; an atom without rules is false."""
         if atom not in self._of_atom:
             self._of_atom[atom] = self._new(frozenset(), frozenset())
         return self._of_atom[atom]
 
     def shapes(self, rules: Iterable[SpelledRule]) -> dict[int, list[Shaped]]:
-        """Return the atoms with a name that rules mention, by the entities that they name."""
+        """Return the named atoms of rules, by the entities that they name."""
         inside = {atom for heads, (_, _, body), _ in rules for atom in (*heads, *(each for each, _, _ in body))}
         found: dict[int, list[Shaped]] = {}
         for key in map(self._keys.__getitem__, sorted(inside)):
@@ -112,8 +111,8 @@ class Atoms:
         """Return whether there is an atom with a name."""
         return shaped in self._numbers
 
-    def named(self, atoms: Mapping[int, int]) -> Iterator[tuple[Shaped, int]]:
-        """Yield the atoms with a name, and what is given for each."""
+    def named_atoms(self, atoms: Mapping[int, int]) -> Iterator[tuple[Shaped, int]]:
+        """Yield the named atoms among some, each with its value."""
         for number, mark in atoms.items():
             key = self._keys[number]
             if isinstance(key, tuple):
@@ -125,7 +124,7 @@ class Atoms:
         return frozenset().union(*map(self.mentioned.__getitem__, inside))
 
     def renamed(self, rule: SpelledRule, names: Mapping[int, int]) -> SpelledRule | None:
-        """Return a rule under other names for entities, or None where it has an atom that is none then."""
+        """Return a rule with renamed entities, or None if an atom of it has no image."""
         heads, (choice, bound, literals), last = rule
         moved: dict[int, int] = {}
         for atom in sorted({*heads, *(atom for atom, _, _ in literals)}):
@@ -136,7 +135,7 @@ class Atoms:
         return SpelledRule(frozenset(moved[atom] for atom in heads), (choice, bound, body), last)
 
     def _rename(self, atom: int, names: Mapping[int, int], moved: dict[int, int]) -> int:
-        """Return the number of an atom under other names; `moved` holds what is known, with what it depends on."""
+        """Return the number of a renamed atom; `moved` is a cache."""
         if atom not in moved:
             key = self._keys[atom]
             if names.keys().isdisjoint(self.mentioned[atom]):
@@ -156,14 +155,14 @@ class Atoms:
         return moved[atom]
 
     def under(self, names: Mapping[int, int]) -> NDArray[np.int64]:
-        """Return the number of each atom under other names for entities, `MISSING` where there is no such atom."""
+        """Return the number of each renamed atom, `MISSING` if there is no such atom."""
         renamed = np.arange(len(self._keys))
         for number in sorted({number for entity in names for number in self._with[entity]}):
             renamed[number] = self._numbers.get(self._under(self._keys[number], names, renamed), MISSING)
         return renamed
 
     def _under(self, key: Key, names: Mapping[int, int], renamed: NDArray[np.int64]) -> Key:
-        """Return what an atom is under other names, which is known of the atoms with smaller numbers."""
+        """Return the key of a renamed atom, given the images of the atoms with smaller numbers."""
         if isinstance(key, tuple):
             shape, entities = key
             return shape, tuple(names.get(entity, entity) for entity in entities)
@@ -175,7 +174,7 @@ class Atoms:
         )
 
     def _definitions(self, rules: Iterable[Rule]) -> dict[int, list[Rule]]:
-        """Return the rules of the atoms without a name that are what their rules say; the others become themselves."""
+        """Return the rules of the unnamed atoms that are identified by them; others are identified by themselves."""
         found: dict[int, list[Rule]] = {}
         for rule in rules:
             for head in rule.heads:
@@ -198,7 +197,7 @@ class Atoms:
         return dict(_passed_on(found))
 
     def _number_component(self, component: list[int], definitions: Mapping[int, list[Rule]]) -> None:
-        """Give numbers to atoms that define each other, or to one that does not depend on itself."""
+        """Assign numbers to the atoms of a component, which may be a single atom."""
         if len(component) == 1 and component[0] not in _below(definitions[component[0]], definitions):
             self._of_atom[component[0]] = self._said(definitions[component[0]])
             return
@@ -217,7 +216,7 @@ class Atoms:
             self._of_atom[atom] = self._defined(key)
 
     def _said(self, rules: Iterable[Rule]) -> int:
-        """Return the number of an atom without a name, given the numbers of what its rules read."""
+        """Return the number of an unnamed atom, given the numbers of the atoms that its rules read."""
         return self._defined(frozenset(map(self._body, rules)))
 
     def _body(self, rule: Rule) -> SpelledBody:
@@ -250,7 +249,7 @@ class Atoms:
 
 
 def _below(rules: Iterable[Rule], among: Mapping[int, object]) -> list[int]:
-    """Return which of some atoms rules read."""
+    """Return the atoms of `among` that rules read."""
     return [abs(literal) for rule in rules for literal in rule.body if abs(literal) in among]
 
 
@@ -260,9 +259,9 @@ def _negates(component: list[int], rules: Mapping[int, list[Rule]]) -> bool:
 
 
 def _passed_on(rules: Mapping[int, list[Rule]]) -> Iterator[tuple[int, list[Rule]]]:
-    """Yield each atom with its rules, those that only pass on another of the atoms replaced by all that it says.
+    """Yield each atom with its rules; a rule that only copies another atom is replaced by the rules of that atom.
 
-    A rule that needs its own head derives nothing.
+    Rules that read their own head derive nothing and are dropped.
     """
     passes = {atom: [rule.body[0] for rule in own if _passes(rule, rules)] for atom, own in rules.items()}
     solid = {atom: [rule for rule in own if not _passes(rule, rules)] for atom, own in rules.items()}
@@ -279,5 +278,5 @@ def _passed_on(rules: Mapping[int, list[Rule]]) -> Iterator[tuple[int, list[Rule
 
 
 def _passes(rule: Rule, among: Mapping[int, object]) -> bool:
-    """Return whether a rule does nothing but pass on one of some atoms."""
+    """Return whether a rule only copies an atom of `among`."""
     return len(rule.body) == 1 and not rule.weights and rule.body[0] in among

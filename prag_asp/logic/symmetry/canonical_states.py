@@ -1,23 +1,23 @@
 """States up to renaming of interchangeable entities, or units of a joint group.
 
-Where permutations of some entities map a step function onto itself, they map the plans that go on from a state onto
-those that go on from the renamed state. So it is enough to explore one renaming of each state. It is found by sorting
-entities by the bits that speak of them, and by colour refinement (Weisfeiler and Leman 1968) where a variable relates
-several of them; where that leaves ties between entities that are no twins, one is told apart and the rest refined
-again. Two renamings of one state may then end up as two states: that is still exact, only larger.
+If permutations of some entities map a step function onto itself, they map the plans from a state onto the plans from
+the renamed state, so that one renaming of each state is explored. To find it, entities are sorted by the bits that name
+them and by colour refinement (Weisfeiler and Leman 1968) for variables that relate several entities. If entities that
+are no twins remain tied, one of them is individualized and the rest is refined again. Two renamings of one state may
+then remain two states, which is exact but larger.
 
-Tasks. `rules/canonical_names.lp` lets a step name the next entity of a group only after the ones before it, so that
-those named up to a state are the first ones of their group. A permutation of these among themselves maps the state's
-completions onto those of the renamed state, and leaves alone which entities come next: these are permuted no further
-than that. They need not be: no action up to the state names them, so that it cannot tell them apart. The last of a
-group needs no atom `mentioned`; it is permuted as well once all others are mentioned, since no rule of naming is left.
+Tasks. `rules/canonical_names.lp` lets a step name the next entity of a group only after the ones before it, so that the
+entities named before a state are the first ones of their group. A permutation of these maps the completions of the
+state onto those of the renamed state and does not change which entities come next. The other entities need no
+permutation, because no earlier action names them and the state does not distinguish them. The last entity of a group
+has no atom `mentioned`; it is permuted as soon as all others are mentioned, because no naming rule applies any more.
 
-Units. Those of a joint group that hold no other group are permuted like entities: here a unit *is* an entity, and what
-names its members names it, each at its place. `rules/joint_names.lp` has atoms `unit_named` for them. Units that hold
-other groups are not permuted, these groups alone: where one of a group is named, so is its unit, and stays so.
+Units. Units of a joint group that contain no other group are permuted like entities: here a unit *is* an entity, and an
+atom that names a member names the unit. `rules/joint_names.lp` has atoms `unit_named` for them. Units that contain
+other groups are not permuted; only those groups are, because a unit stays named once an entity of the group is named.
 
-Twins are entities whose swap leaves a state as it is. An action and its renamings by twins lead to renamings of one
-state, so one of them is expanded and counted as often as there are renamings.
+Twins are entities whose swap does not change a state. An action and its renamings by twins lead to renamings of one
+state, so that one of them is expanded and counted with the number of renamings.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 
 from prag_asp.logic.step.packed import WORD, Rows, mask_of
 from prag_asp.logic.step.transition import Transition
-from prag_asp.logic.symmetry.colour_refinement import Bits, Colours, are_twins, coloured, find_bits
+from prag_asp.logic.symmetry.colour_refinement import Colours, StateBits, are_twins, find_bits, refine_colours
 from prag_asp.logic.symmetry.symmetries import Symmetries, Unit
 from prag_asp.logic.symmetry.term_patterns import NOBODY, Patterns, read_patterns
 from prag_asp.logic.symmetry.twins import Twins
@@ -41,23 +41,23 @@ Orders = NDArray[np.int64]
 """Entities in a new order: place j of row i is taken by entity ``orders[i, j]``; shape (rows, entities)."""
 
 UNTOUCHED, FIXED, LOW = np.uint64(1 << 62), np.uint64(2 << 62), np.uint64(2)
-"""In each group, entities of which nothing has changed come after the others, and those that keep their place last."""
+"""Sort keys within a group: entities that no bit names come after the others, and fixed entities come last."""
 
 TOGETHER = 2**20
-"""Entities of states that are sorted at a time."""
+"""The number of pairs of a state and an entity that are sorted at a time."""
 
 MARK = np.uint64(0x5851F42D4C957F2D)
-"""What tells an entity apart that is singled out of a tie."""
+"""The colour that individualizes an entity of a tie."""
 
 
 @dataclass(frozen=True)
 class Merging:
-    """How the states and the actions of a transition are renamed.
+    """The renamings of the states and the actions of a transition.
 
-    `groups` are the units that may be permuted; they are numbered through all groups, each of which begins at its
-    place of `starts`, and called entities throughout. `variables` and `actions` are the patterns of the variables that
-    renaming moves, whose numbers are `moved`, and of all actions. `guards` has for each entity the variable that is
-    true once it may be renamed, `ALWAYS` or `NEVER`, and `before` the entity that has to be named before it, or itself.
+    `groups` are the units that may be permuted, called entities here. They are numbered through all groups, which begin
+    at `starts`. `variables` are the patterns of the variables that renamings move, with the numbers `moved`; `actions`
+    are the patterns of all actions. `guards` has for each entity the variable that is true once it may be renamed,
+    `ALWAYS` or `NEVER`; `before` has the entity that has to be named before it, or itself.
     """
 
     groups: tuple[tuple[Unit, ...], ...]
@@ -130,9 +130,9 @@ class Merging:
         return free
 
     def wanted(self, states: Rows, twins: Twins) -> NDArray[np.bool_]:
-        """Return which actions have to be tried in which states, shape (states, actions).
+        """Return which actions are expanded in which states, shape (states, actions).
 
-        Of renamings by twins one is tried, and none that names an entity before its turn.
+        One of the renamings by twins is expanded, and no action that names an entity before its turn.
         """
         wanted = twins.wanted()
         if all(guard == ALWAYS for guard in self.guards):
@@ -149,31 +149,31 @@ class Merging:
     def _orders(self, states: Rows) -> Orders:
         orders = np.empty((len(states), self.size), dtype=np.int64)
         waiting = np.arange(len(states))
-        told_apart: Colours = np.zeros((len(states), self.size), dtype=np.uint64)
+        initial_colours: Colours = np.zeros((len(states), self.size), dtype=np.uint64)
         while len(waiting):
-            bits, keys = self._keys(states[waiting], told_apart)
+            bits, keys = self._keys(states[waiting], initial_colours)
             found = self._sorted(keys)
             orders[waiting] = found
             keys = np.take_along_axis(keys, found, axis=1)
             twins, ties = self._alike(bits, keys, found)
             unsettled = ties & ~twins
             rows = np.flatnonzero(unsettled.any(axis=1))
-            # One of the first entities that are tied and no twins is told apart, together with its twins.
+            # One of the first tied entities that are no twins is individualized, together with its twins.
             one = unsettled[rows].argmax(axis=1)[:, None]
             tied = keys[rows] == np.take_along_axis(keys[rows], one, axis=1)
             row, place = np.nonzero(tied & (self._group == self._group[one]))
             chosen = found[rows[row], one[row, 0]]
             alike = are_twins(bits, self.moved, rows[row], np.stack([chosen, found[rows[row], place]], axis=1))
-            told_apart = told_apart[rows]
-            told_apart[row[alike], found[rows[row], place][alike]] += MARK
+            initial_colours = initial_colours[rows]
+            initial_colours[row[alike], found[rows[row], place][alike]] += MARK
             waiting = waiting[rows]
         return orders
 
-    def _keys(self, states: Rows, told_apart: Colours | None = None) -> tuple[Bits, Colours]:
-        """Return what sorts the entities of each group."""
+    def _keys(self, states: Rows, initial_colours: Colours | None = None) -> tuple[StateBits, Colours]:
+        """Return the sort keys of the entities of each group."""
         bits = find_bits((states ^ self.initial) & self._mask, self.variables, self._term_of)
-        marks = np.zeros((len(states), self.size), dtype=np.uint64) if told_apart is None else told_apart
-        keys = coloured(bits, marks) >> LOW
+        marks = np.zeros((len(states), self.size), dtype=np.uint64) if initial_colours is None else initial_colours
+        keys = refine_colours(bits, marks) >> LOW
         touched = np.array(bits.alone.any(axis=2), dtype=np.bool_)
         entities = bits.entities(bits.related)
         bit, place = np.nonzero(entities >= 0)
@@ -188,7 +188,7 @@ class Merging:
         return np.concatenate([start + np.argsort(keys[:, start:end], axis=1, kind="stable") for start, end in groups],
                               axis=1)  # fmt: skip
 
-    def _alike(self, bits: Bits, keys: Colours, orders: Orders) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    def _alike(self, bits: StateBits, keys: Colours, orders: Orders) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """Return which entities in an order are twins of the ones before them, and which have the same key."""
         ties = np.zeros(keys.shape, dtype=np.bool_)
         ties[:, 1:] = (keys[:, 1:] == keys[:, :-1]) & ~self._begins[1:]
@@ -216,10 +216,10 @@ ALWAYS, NEVER = -1, -2
 def find_merging(
     transition: Transition, groups: Sequence[Sequence[Unit]], named_in_order: Symmetries | None = None
 ) -> Merging | None:
-    """Return how states may be renamed, given units whose permutations map the step function onto itself.
+    """Return the renamings of states, given units whose permutations map the step function onto itself.
 
-    `named_in_order` are the symmetries whose entities tasks introduce in order. The answer is None where there is
-    nothing to rename, or where a table of all renamings would take too much room.
+    `named_in_order` are the symmetries whose entities tasks introduce in order. The result is None if there is nothing
+    to rename, or if a table of all renamings would need too much memory.
     """
     permuted = tuple(tuple(group) for group in groups if len(group) > 1)
     entities = {entity for group in permuted for unit in group for entity in unit}

@@ -1,7 +1,7 @@
-"""Entities of packed states told apart by what the states say of them: colour refinement, and twins.
+"""Colour refinement and twins of the entities of packed states.
 
-All of it on the bits that are set, for many states at once. A colour is a hash: two that coincide by chance make a
-tie more, and never a wrong answer, for whether entities are twins is decided on the bits themselves.
+Both work on the bits that are set, for many states at once. A colour is a hash: a collision makes one more tie and no
+wrong result, because the bits themselves decide whether entities are twins.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ Colours = NDArray[np.uint64]
 
 MULTIPLIER, SHIFT = np.uint64(0x9E3779B97F4A7C15), np.uint64(29)
 TOGETHER = 2**22
-"""Pairs of twins and bits that are compared at a time."""
+"""The number of pairs of twins and bits that are compared at a time."""
 
 
 @dataclass(frozen=True)
-class Bits:
+class StateBits:
     """The bits set in some packed states, each a term: `state` and `term` have shape (bits,), in order of the states.
 
     `alone` holds, for each state and entity, the set of the patterns that hold of this entity alone, as words: shape
@@ -42,7 +42,7 @@ class Bits:
         return self.terms.entities[self.term[bits]]
 
 
-def find_bits(rows: Rows, terms: Patterns, term_of: NDArray[np.int64]) -> Bits:
+def find_bits(rows: Rows, terms: Patterns, term_of: NDArray[np.int64]) -> StateBits:
     """Return the bits set in packed states; `term_of` maps a variable to its term, -1 where it has none."""
     state, word = np.nonzero(rows)
     octets = rows[state, word].astype("<u8")[:, None].view(np.uint8)
@@ -51,7 +51,7 @@ def find_bits(rows: Rows, terms: Patterns, term_of: NDArray[np.int64]) -> Bits:
     state, term = state[term >= 0], term[term >= 0]
     arity = terms.arity[term]
     alone = _alone(terms, len(rows), state[arity == 1], term[arity == 1])
-    return Bits(rows, terms, state, term, alone, np.flatnonzero(arity > 1))
+    return StateBits(rows, terms, state, term, alone, np.flatnonzero(arity > 1))
 
 
 def _alone(terms: Patterns, states: int, state: NDArray[np.intp], term: NDArray[np.intp]) -> NDArray[np.uint64]:
@@ -63,9 +63,9 @@ def _alone(terms: Patterns, states: int, state: NDArray[np.intp], term: NDArray[
     return alone
 
 
-def coloured(bits: Bits, told_apart: Colours) -> Colours:
-    """Return colours that tell apart what `told_apart` does, refined until no state's colours tell more apart."""
-    colours: Colours = told_apart
+def refine_colours(bits: StateBits, initial: Colours) -> Colours:
+    """Return the colours of `initial`, refined until no state distinguishes more entities."""
+    colours: Colours = initial
     for word in np.moveaxis(bits.alone, 2, 0):
         colours = _mixed(colours ^ word)
     if not len(bits.related):
@@ -79,15 +79,15 @@ def coloured(bits: Bits, told_apart: Colours) -> Colours:
         grown = found > number
         if not grown.any():
             break
-        # A state that is settled keeps its colours, whatever other states need.
+        # A stable state keeps its colours, even if others are refined further.
         refined[grown], number[grown] = finer[grown], found[grown]
     colours = colours.copy()
     colours[states] = refined
     return colours
 
 
-def _refined(bits: Bits, colours: Colours, state: NDArray[np.intp]) -> Colours:
-    """Mix into the colour of each entity what relates it to which colours; `state` is the row of each related bit."""
+def _refined(bits: StateBits, colours: Colours, state: NDArray[np.intp]) -> Colours:
+    """Mix the related colours into the colour of each entity; `state` is the row of each related bit."""
     pattern = bits.terms.pattern[bits.term[bits.related]].astype(np.uint64)
     entities = bits.entities(bits.related)
     sums = np.zeros_like(colours)
@@ -115,9 +115,9 @@ def _distinct(colours: Colours) -> NDArray[np.intp]:
 
 
 def are_twins(
-    bits: Bits, variable_of: NDArray[np.int64], state: NDArray[np.intp], pairs: NDArray[np.int64]
+    bits: StateBits, variable_of: NDArray[np.int64], state: NDArray[np.intp], pairs: NDArray[np.int64]
 ) -> NDArray[np.bool_]:
-    """Return whether swapping a pair of entities of one group leaves its state as it is, exactly.
+    """Return whether swapping a pair of entities of one group does not change its state.
 
     `state` has shape (m,), `pairs` (m, 2); `variable_of` maps a term to its variable.
     """
@@ -135,13 +135,13 @@ def are_twins(
 
 
 def _relations_agree(
-    bits: Bits,
+    bits: StateBits,
     variable_of: NDArray[np.int64],
     state: NDArray[np.intp],
     pairs: NDArray[np.int64],
     starts: NDArray[np.intp],
 ) -> NDArray[np.bool_]:
-    """Return whether each bit that relates several entities is set as well with the two of a pair swapped."""
+    """Return whether each bit that relates several entities is also set with the two entities of a pair swapped."""
     sizes = starts[state + 1] - starts[state]
     pair = np.repeat(np.arange(len(state)), sizes)
     within = np.arange(len(pair)) - np.repeat(np.cumsum(sizes) - sizes, sizes)

@@ -1,9 +1,9 @@
-"""Whether rules say something that a rule states, though none of them is that rule.
+"""An incomplete test of whether rules entail another rule.
 
-Take the body of a rule as given, negated literals as they are, and follow the rules. Where its head is reached, or a
-contradiction, the rule is a consequence of the others in the logic of here and there, so that having it or not having
-it makes no difference to answer sets, whatever else there is (strong equivalence; Lifschitz, Pearce and Valverde 2001).
-Not every consequence is found in this way; those of chains of rules are, such as those of redundant invariants.
+The body of the rule is assumed, with negated literals as separate atoms, and the rules are applied. If its head or a
+contradiction follows, the rule is a consequence of the others in the logic of here-and-there: adding it changes no
+answer sets of any larger program (strong equivalence; Lifschitz, Pearce and Valverde 2001). The test finds consequences
+of chains of rules, such as those of redundant invariants.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Consequences:
             self._rules.append((tuple(rule.heads), bound))
 
     def has(self, rule: SpelledRule) -> bool:
-        """Return whether a rule is found to be a consequence."""
+        """Return whether the test finds that a rule is a consequence."""
         if not rule.is_plain:
             return False
         known = self._follow((atom, sign) for atom, sign, _ in rule.body[2])
@@ -43,7 +43,7 @@ class Consequences:
         return len(rule.heads) == 1 and (*rule.heads, 0) in known
 
     def _follow(self, given: Iterable[_Literal]) -> set[_Literal] | None:
-        """Return all that follows from some literals, or None where they contradict the rules or each other."""
+        """Return all that follows from some literals, or None if they contradict the rules or each other."""
         known = {*given, *((atom, 0) for atom in self._facts)}
         waiting = list(known)
         reached: Counter[int] = Counter()

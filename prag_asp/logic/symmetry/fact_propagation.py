@@ -1,6 +1,6 @@
-"""Ground rules without what is settled anyway: literals that are true or false because an atom is a fact.
+"""Ground rules simplified by facts.
 
-clingo leaves such literals in the rules of predicates that go around; which of them depends on its order of atoms.
+clingo leaves literals of facts in the rules of recursive predicates; which ones depends on its order of atoms.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from prag_asp.logic.ground.rules import Rule
 
 
-def settled_rules(rules: Sequence[Rule], facts: Iterable[int] = ()) -> tuple[list[Rule], set[int]]:
-    """Return rules that say the same and speak of no fact in a body, together with all facts; some may be known."""
+def propagate_facts(rules: Sequence[Rule], facts: Iterable[int] = ()) -> tuple[list[Rule], set[int]]:
+    """Return equivalent rules without facts in their bodies, and all facts; `facts` are already known."""
     known = {*facts, *(rule.heads[0] for rule in rules if _states(rule))}
     spoken = known | {-fact for fact in known}
     if all(spoken.isdisjoint(rule.body) for rule in rules):
@@ -43,7 +43,7 @@ def _states(rule: Rule) -> bool:
 
 
 def _after(rule: Rule, fact: int) -> Rule | None:
-    """Return a rule where an atom is a fact, or None where its body then fails."""
+    """Return a rule simplified by a fact, or None if its body is then false."""
     if not rule.weights:
         if -fact in rule.body:
             return None
@@ -58,7 +58,7 @@ def _after(rule: Rule, fact: int) -> Rule | None:
 
 
 def _without_known(rules: Iterable[Rule], known: set[int]) -> Iterator[Rule]:
-    """Yield the rules that do not derive what is known, and each of these facts once."""
+    """Yield the rules that do not derive known facts, and each known fact once."""
     stated = set[int]()
     for rule in rules:
         if len(rule.heads) != 1 or rule.choice or rule.heads[0] not in known:

@@ -1,7 +1,7 @@
-"""Entities told apart by what is said of them: renamings that keep all of it map each to one of its own kind.
+"""A partition of entities into kinds by the terms that name them: renamings that keep the terms keep the kinds.
 
-Refinement of a partition by what relates entities to which kinds, where the largest part of what is split keeps its
-number, so that each is looked at again only as often as the parts around it are halved (Hopcroft 1971).
+The partition is refined by the kinds that terms relate. The largest part of a split kind keeps its number, so that an
+entity is processed again only if its part has at most half the size (Hopcroft 1971).
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from collections.abc import Hashable, Iterable, Mapping
 from prag_asp.logic.symmetry.renaming import Shaped
 
 
-def refined(told: Mapping[int, Hashable], terms: Iterable[Shaped]) -> dict[int, int]:
-    """Return the kind of each entity, a number: by what is `told` of it, and by the terms that name it."""
+def refine_partition(told: Mapping[int, Hashable], terms: Iterable[Shaped]) -> dict[int, int]:
+    """Return the kind of each entity, a number, given its initial value `told` and the terms that name entities."""
     naming: dict[int, list[Shaped]] = {entity: [] for entity in told}
     for term in dict.fromkeys(terms):
         for entity in dict.fromkeys(term[1]):
@@ -32,7 +32,7 @@ def refined(told: Mapping[int, Hashable], terms: Iterable[Shaped]) -> dict[int, 
             parts.setdefault(kinds[entity], {}).setdefault(tuple(said), []).append(entity)
         moved: list[int] = []
         for kind, split in parts.items():
-            # Those that were not touched are all alike, and unlike those that were: what is said of these is new.
+            # The untouched entities form one part; the touched ones differ from them and are new.
             others = len(members[kind]) > sum(map(len, split.values()))
             ordered = sorted(split.values(), key=len, reverse=True)
             for part in ordered if others else ordered[1:]:

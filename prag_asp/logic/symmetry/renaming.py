@@ -1,4 +1,4 @@
-"""Terms as shapes with places for entities, and terms under other names for their entities."""
+"""Terms as shapes with places for entities, and renamed terms."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ Shaped = tuple[int, tuple[int, ...]]
 """The number of a shape, and the numbers of the entities that take its places, from the left."""
 
 PLACE = 0
-"""The shape of an entity by itself."""
+"""The shape of a single entity."""
 
 
 class Shapes:
-    """Tells terms as shapes; two terms have one shape where renaming places alone makes one of the other.
+    """Shapes of terms: two terms have one shape if they differ only in the entities at its places.
 
-    An entity has the number that `entities` gives it. Each subterm is looked at once, for clingo's terms are slow.
+    An entity has its number of `entities`. Each subterm is processed once, because clingo's terms are slow.
     """
 
     def __init__(self, entities: Mapping[clingo.Symbol, int]) -> None:
@@ -45,7 +45,7 @@ class Shapes:
 
 
 def renamed(term: clingo.Symbol, names: Mapping[clingo.Symbol, clingo.Symbol]) -> clingo.Symbol:
-    """Return a term with other names for its entities."""
+    """Return a term with its entities renamed."""
     if term in names:
         return names[term]
     if term.type == clingo.SymbolType.Function and term.arguments:

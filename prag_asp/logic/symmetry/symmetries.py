@@ -1,9 +1,9 @@
-"""Which entities of a program may have each other's names: alone, or together with others.
+"""The interchangeable entities of a program, alone or together with others.
 
-The renamings are all that two kinds of swaps generate: those of two entities of a group, and those of two aligned units
-of a joint group, which swap the i-th entity of one with the i-th of the other, for all i. A group lies in one unit, or
-in none, and so does a joint group: a tray has its own cups, and each of these its own saucer. Hence the renamings of
-one joint group permute its units in all ways, and those of all groups are a product of wreath products.
+Two kinds of swaps generate all renamings: swaps of two entities of a group, and swaps of two aligned units of a joint
+group, which exchange the i-th entities of both for all i. A group lies within one unit or in none, and so does a joint
+group: a tray has its own cups, and each cup its own saucer. Hence the renamings of one joint group permute its units in
+all ways, and those of all groups are a product of wreath products.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Symmetries:
 
     @property
     def order(self) -> int:
-        """The number of renamings: how many plans a task stands for that names all entities."""
+        """The number of renamings, which is the number of plans of a task that names all entities."""
         return prod(factorial(len(each)) for each in (*self.groups, *self.joint))
 
     @cached_property
@@ -43,7 +43,7 @@ class Symmetries:
 
     @cached_property
     def orbits(self) -> tuple[tuple[clingo.Symbol, ...], ...]:
-        """The entities that may have each other's names, in clingo's order of terms."""
+        """The orbits of entities under the renamings, in clingo's order of terms."""
         orbit_of: dict[clingo.Symbol, set[clingo.Symbol]] = {}
         for alike in (*self.groups, *(row for units in self.joint for row in zip(*units, strict=True))):
             joined = set(alike).union(*(orbit_of.get(entity, ()) for entity in alike))
@@ -52,7 +52,7 @@ class Symmetries:
 
     @cached_property
     def innermost(self) -> tuple[tuple[Unit, ...], ...]:
-        """The groups, as units of one, and the joint groups whose units hold no other group: all permute at once."""
+        """The groups, as units of one entity, and the joint groups whose units contain no other group."""
         found: list[tuple[Unit, ...]] = [tuple((entity,) for entity in group) for group in self.groups]
         inside = {entity for group in self.groups for entity in group}
         for units in reversed(self.joint):
@@ -64,7 +64,7 @@ class Symmetries:
 
     @cached_property
     def naming(self) -> dict[clingo.Symbol, Unit]:
-        """The atoms by which a step of a task tells that something was named, and the unit that this is."""
+        """The atoms of a task step that record a named entity or unit, each with its unit."""
         atoms: dict[clingo.Symbol, Unit] = {}
         for entity in (entity for group in self.groups for entity in group):
             atoms[INTRODUCED.timeless(entity)] = (entity,)
@@ -75,7 +75,7 @@ class Symmetries:
         return atoms
 
     def is_settled(self, entity: clingo.Symbol, named: set[clingo.Symbol]) -> bool:
-        """Return whether an entity keeps its name wherever those `named` do; one of a group has to be named itself."""
+        """Return whether every renaming that fixes the entities `named` fixes an entity."""
         if entity in named:
             return True
         alone = all(entity not in group for group in self.groups)
@@ -88,9 +88,9 @@ class Symmetries:
     def names(self, mentioned: Iterable[clingo.Symbol]) -> dict[clingo.Symbol, clingo.Symbol]:
         """Return the names of entities that introduce each group and each joint group in its order.
 
-        `mentioned` are those that a plan names, in the order in which it does. Of all renamings of a plan, one alone
-        introduces an entity only if it is the least that those before it leave possible (a chain of stabilizers, Sims
-        1970): the units of a joint group in their order, and within each of them its own groups.
+        `mentioned` are the entities of a plan in the order in which it names them. Exactly one renaming of a plan
+        always introduces the least entity that the ones before leave possible (a chain of stabilizers, Sims 1970): the
+        units of a joint group in their order, and the groups within a unit in theirs.
         """
         names = {entity: entity for entity in mentioned if entity in self.entities}
         for alike in (*self.joint, *(tuple((entity,) for entity in group) for group in self.groups)):

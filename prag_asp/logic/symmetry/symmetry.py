@@ -1,11 +1,11 @@
 """Interchangeable entities, found on the ground program.
 
-Two entities of one class are interchangeable where swapping their names maps the ground rules of the step, the final
-check and the initial values onto themselves, up to rules that the others entail. Such swaps generate all permutations
-of a group of entities. Where no single swap does, several together may: `joint` looks for them.
+Two entities of one class are interchangeable if swapping their names maps the ground rules of the step, the final check
+and the initial values onto themselves, up to entailed rules. Such swaps generate all permutations of a group. If no
+single swap does, several swaps together may: `unit_symmetry` searches for them.
 
-A renaming that is made of swaps is its own inverse: where the rules entail their image, the image entails them as well,
-and both have the same answer sets.
+A renaming that consists of swaps is its own inverse. If the rules entail their image, the image therefore entails the
+rules, and both have the same answer sets.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from prag_asp.logic.ground.ground_step import GroundStep
 from prag_asp.logic.symmetry.atom_numbering import START, Atoms, SpelledRule
 from prag_asp.logic.symmetry.entailment import Consequences
-from prag_asp.logic.symmetry.partition_refinement import refined
+from prag_asp.logic.symmetry.partition_refinement import refine_partition
 from prag_asp.logic.symmetry.renaming import Shaped, Shapes
 from prag_asp.logic.symmetry.symmetries import Symmetries
 from prag_asp.logic.symmetry.unit_symmetry import Conflict, joint_groups
@@ -34,7 +34,8 @@ from prag_asp.program.facts import Facts
 def find_symmetries(facts: Facts, ground: GroundStep, bare: Callable[[], GroundStep] | None = None) -> Symmetries:
     """Return the groups of interchangeable entities, each in clingo's order of terms, and the joint groups.
 
-    With `bare`, renamings keep the step that it returns as well; it is asked for where entities are alike in `ground`.
+    With `bare`, renamings also have to keep the step that it returns; it is called only if entities are alike in
+    `ground`.
     """
     entities, told = sorted(facts.entities), _told(facts)
     by_class: dict[Hashable, list[int]] = {}
@@ -56,7 +57,7 @@ def find_symmetries(facts: Facts, ground: GroundStep, bare: Callable[[], GroundS
             else:
                 found.append([entity])
         blocks += found
-    kinds = refined({number: told[entities[number]] for block in blocks for number in block}, rules.exact)
+    kinds = refine_partition({number: told[entities[number]] for block in blocks for number in block}, rules.exact)
     joint = joint_groups([tuple(block) for block in blocks], kinds, rules)
 
     def named(numbers: Iterable[int]) -> tuple[clingo.Symbol, ...]:
@@ -67,16 +68,16 @@ def find_symmetries(facts: Facts, ground: GroundStep, bare: Callable[[], GroundS
 
 
 def may_interchange(facts: Facts) -> bool:
-    """Return whether some renaming maps the actions onto themselves: those that `find_symmetries` looks for do.
+    """Return whether some renaming maps the actions onto themselves, as those of `find_symmetries` do.
 
-    A step has an atom for each action, so that no others need to be looked for on the ground program.
+    A step has an atom for each action: without such a renaming, the ground program needs no search.
     """
     names_of_classes = list(_told(facts).values())
     shapes = Shapes({entity: number for number, entity in enumerate(facts.entities)})
     actions = _Actions(dict.fromkeys(map(shapes.of, facts.actions)))
 
     def spoken(entity: int) -> object:
-        """Return what a swap leaves as it is: the actions that name an entity, but for others of its class in them."""
+        """Return an invariant of swaps: the patterns of the actions that name an entity, without its class mates."""
         own = names_of_classes[entity]
         patterns = Counter(
             (shape, tuple(-1 if each == entity else -2 if names_of_classes[each] == own else each for each in inside))
@@ -92,14 +93,14 @@ def may_interchange(facts: Facts) -> bool:
         alike.setdefault(spoken(entity), []).append(entity)
     if any(kept(*pair) for members in alike.values() for pair in combinations(members, 2)):
         return True
-    kinds = refined(dict(enumerate(names_of_classes)), actions.all)
+    kinds = refine_partition(dict(enumerate(names_of_classes)), actions.all)
     return bool(joint_groups([(entity,) for entity in kinds], kinds, actions))
 
 
 def _told(facts: Facts) -> dict[clingo.Symbol, Hashable]:
-    """Return what tells entities apart at once: their class, and the name of an action that an entity is itself.
+    """Return the class of each entity, and its name if the entity is itself an action.
 
-    Skeletons are made of names, so that renamings have to keep these.
+    Skeletons consist of names of actions, so that renamings have to keep them.
     """
     actions = frozenset(facts.actions)
     return {each: (kind, action_name(each) if each in actions else "") for each, kind in facts.entities.items()}
@@ -107,7 +108,7 @@ def _told(facts: Facts) -> dict[clingo.Symbol, Hashable]:
 
 @dataclass(frozen=True)
 class _Actions:
-    """Actions alone, which renamings are to map onto themselves."""
+    """The actions, which renamings have to map onto themselves."""
 
     all: dict[Shaped, None]
 
@@ -121,7 +122,7 @@ class _Actions:
         return found
 
     def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[Conflict]:
-        """Yield the actions that name some entities, and whose image is none."""
+        """Yield the actions that name some entities and whose image is no action."""
         for entity in entities:
             for shaped in self.naming.get(entity, ()):
                 if not self._has(shaped, names):
@@ -132,7 +133,7 @@ class _Actions:
         return (shape, tuple(names.get(each, each) for each in inside)) in self.all
 
     def broken(self, names: Mapping[int, int]) -> Iterator[Conflict]:
-        """Yield nothing: actions are all that is looked at."""
+        """Yield nothing: there are no rules."""
         return iter(())
 
     def size(self, entities: Iterable[int]) -> int:
@@ -142,7 +143,7 @@ class _Actions:
 
 @dataclass(frozen=True)
 class _Rules:
-    """The rules of a ground step and its initial values, and those of others that renamings keep as well, if any."""
+    """The rules of a ground step with its initial values, and other rules that renamings also have to keep, if any."""
 
     atoms: Atoms
     others: Callable[[], _Rules] | None = None
@@ -152,15 +153,15 @@ class _Rules:
         return self.others() if self.others else None
 
     def kept_by(self, first: int, second: int) -> bool:
-        """Return whether the swap of two entities maps the rules onto themselves, up to those that others entail.
+        """Return whether the swap of two entities maps the rules onto themselves, up to entailed rules.
 
-        Most pairs differ in the first of the atoms already, and cost nothing more.
+        Most pairs differ in one of the first atoms, which makes the test cheap.
         """
         names = {first: second, second: first}
         return next(self.lacking(names, names), None) is None and next(self.broken(names), None) is None
 
     def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[Conflict]:
-        """Yield the atoms that name some entities, that rules mention, and whose image is no atom."""
+        """Yield the atoms of rules that name some entities and whose image is no atom."""
         for entity in entities:
             for shape, inside in self._shapes.get(entity, ()):
                 if not self.atoms.has((shape, tuple([names.get(each, each) for each in inside]))):
@@ -169,12 +170,12 @@ class _Rules:
             yield from self._others.lacking(names, entities)
 
     def _has(self, shaped: Shaped, names: Mapping[int, int]) -> bool:
-        """Return whether an atom is an atom under other names."""
+        """Return whether a renamed atom is an atom."""
         shape, inside = shaped
         return self.atoms.has((shape, tuple(names.get(each, each) for each in inside)))
 
     def broken(self, names: Mapping[int, int]) -> Iterator[Conflict]:
-        """Yield the rules whose image is none of the rules, nor entailed by them."""
+        """Yield the rules whose image is neither a rule nor entailed."""
         renamed = self.atoms.under(names)
         for table in self._tables:
             for rule, image in table.missing(renamed, names):
@@ -184,7 +185,7 @@ class _Rules:
             yield from self._others.broken(names)
 
     def _says(self, rule: SpelledRule, names: Mapping[int, int]) -> bool:
-        """Return whether the image of a rule is one of the rules, or entailed by them."""
+        """Return whether the image of a rule is a rule or entailed."""
         image = self.atoms.renamed(rule, names)
         return image is not None and (image in self._known or self._consequences(image.last).has(image))
 
@@ -193,21 +194,21 @@ class _Rules:
         return frozenset(self._deriving)
 
     def size(self, entities: Iterable[int]) -> int:
-        """Return how much there is to rename where some entities are."""
+        """Return the number of atoms that name some entities, a measure of the work."""
         return sum(len(self._shapes.get(entity, ())) for entity in entities)
 
     @cached_property
     def exact(self) -> list[Shaped]:
-        """The atoms, each with a mark, that every renaming which is looked for maps onto themselves.
+        """The atoms, each with a mark, that every symmetry maps onto themselves.
 
-        They are stated at the start, or chosen. No rule that does so is ever entailed by others.
+        They are stated at the start or chosen; no rule that does so is entailed by others.
         """
         stated: dict[int, int] = {}
         for heads, (choice, bound, _), _ in self.atoms.rules:
             if choice or bound >= START:
                 for atom in heads:
                     stated[atom] = stated.get(atom, 0) | (1 if choice else 2)
-        return [(4 * shape + mark, inside) for (shape, inside), mark in self.atoms.named(stated)]
+        return [(4 * shape + mark, inside) for (shape, inside), mark in self.atoms.named_atoms(stated)]
 
     @cached_property
     def _shapes(self) -> dict[int, list[Shaped]]:
@@ -215,7 +216,7 @@ class _Rules:
 
     @cached_property
     def _deriving(self) -> list[SpelledRule]:
-        """The rules, each once, but for those that derive nothing since they need their own head."""
+        """The distinct rules, without those that derive nothing because they read their own head."""
         return [
             rule
             for rule in self.atoms.rules
@@ -223,7 +224,7 @@ class _Rules:
         ]
 
     @cached_property
-    def _tables(self) -> list[_Table]:
+    def _tables(self) -> list[_RuleRows]:
         """The rules by their form."""
         forms: dict[tuple[int, bool, bool, int, int], list[SpelledRule]] = {}
         for rule in self._deriving:
@@ -245,10 +246,10 @@ class _Rules:
 
 
 @dataclass(frozen=True)
-class _Table:
+class _RuleRows:
     """Rules of one form, as rows: the numbers of the heads, then literals, then weights.
 
-    A literal is twice the number of its atom, and 1 more where it is negated.
+    A literal is twice the number of its atom, plus 1 if it is negated.
 
     `heads` and `literals` are the places in a row where they end; `choice`, `bound` and `last` are those of all rules.
     `having` are the rows that mention an entity.
@@ -265,9 +266,9 @@ class _Table:
     def missing(
         self, renamed: NDArray[np.int64], entities: Iterable[int]
     ) -> Iterator[tuple[SpelledRule, SpelledRule | None]]:
-        """Yield rules whose image is none of the rules, where some entities are renamed, with the image.
+        """Yield the rules whose image is no rule, given renamed entities, with the image.
 
-        The image is None where it has an atom that is none of the program.
+        The image is None if it has an atom that is not in the program.
         """
         having = sorted({row for entity in entities for row in self.having.get(entity, ())})
         if not having:
@@ -294,7 +295,7 @@ class _Table:
         return SpelledRule(frozenset(row[: self.heads]), (self.choice, self.bound, literals), self.last)
 
     def _inside(self, rows: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return rows, each with its heads and its literals in order."""
+        """Return rows with sorted heads and sorted literals."""
         inside: NDArray[np.int64] = rows.copy()
         inside[:, : self.heads].sort(axis=1)
         order = np.argsort(inside[:, self.heads : self.literals], axis=1, kind="stable")
@@ -309,7 +310,7 @@ def _sorted(rows: NDArray[np.int64]) -> NDArray[np.int64]:
     return ordered
 
 
-def _table(atoms: Atoms, rules: Iterable[SpelledRule]) -> _Table:
+def _table(atoms: Atoms, rules: Iterable[SpelledRule]) -> _RuleRows:
     rows: list[list[int]] = []
     having: dict[int, list[int]] = {}
     for row, rule in enumerate(rules):
@@ -320,4 +321,4 @@ def _table(atoms: Atoms, rules: Iterable[SpelledRule]) -> _Table:
         for entity in {entity for atom in inside for entity in atoms.mentioned[atom]}:
             having.setdefault(entity, []).append(row)
     heads, end = len(rule.heads), len(rule.heads) + len(literals)
-    return _Table(np.array(rows, dtype=np.int64), heads, end, choice, bound, rule.last, having)
+    return _RuleRows(np.array(rows, dtype=np.int64), heads, end, choice, bound, rule.last, having)

@@ -20,11 +20,11 @@ NOBODY = -1
 
 @dataclass(frozen=True)
 class Patterns:
-    """Terms, each as a pattern and the different units that it names, from the left.
+    """Terms, each as a pattern and the distinct units that it names, from the left.
 
-    An entity that is interchangeable alone is a unit of one, and is called an entity throughout.
+    A unit is called an entity here; an entity that is interchangeable alone is a unit of one.
     `pattern` has shape (terms,); `entities` has shape (terms, most entities in a term), filled up with -1; `named`
-    is how many entities each pattern names, `places` the number of entities in all. They are `complete` where every
+    is the number of entities that each pattern names, `places` that of all entities. They are `complete` if every
     renaming of a term that permutes the groups is a term again.
     """
 
@@ -36,7 +36,7 @@ class Patterns:
 
     @cached_property
     def arity(self) -> NDArray[np.int64]:
-        """How many entities each term names, shape (terms,)."""
+        """The number of entities that each term names, shape (terms,)."""
         return self.named[self.pattern]
 
     def find(self, pattern: NDArray[np.int64], entities: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -55,7 +55,7 @@ class Patterns:
 
     @cached_property
     def _table(self) -> NDArray[np.int64] | None:
-        """The term of each code, where there are not too many codes."""
+        """The term of each code, or None if there are too many codes."""
         size = len(self.named) * (self.places + 1) ** self.entities.shape[1]
         if size > LARGEST_TABLE:
             return None
@@ -71,7 +71,7 @@ class Patterns:
 
 
 def read_patterns(terms: Sequence[clingo.Symbol], groups: Sequence[Sequence[Unit]]) -> Patterns | None:
-    """Return terms as patterns, with the units of all groups numbered in order; None where codes grow too large."""
+    """Return terms as patterns, with the units of all groups numbered in order; None if codes are too large."""
     units = [unit for group in groups for unit in group]
     group_of = [place for place, group in enumerate(groups) for _ in group]
     members = [(number, slot) for number, unit in enumerate(units) for slot in range(len(unit))]

@@ -1,4 +1,4 @@
-"""Entities that a state does not tell apart, and the actions that are the same up to swapping these."""
+"""Twins: entities whose swap does not change a state, and the actions that are equal up to such swaps."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Twins:
 
     @classmethod
     def between(cls, actions: Patterns, twins: NDArray[np.bool_]) -> Twins:
-        """Return the classes, where `twins` says which entities are twins of the ones before them."""
+        """Return the classes; `twins` marks entities that are twins of the ones before them."""
         places = np.arange(twins.shape[1])
         first = np.maximum.accumulate(np.where(twins, 0, places), axis=1)
         count = np.zeros(first.shape, dtype=np.int64)
@@ -46,7 +46,7 @@ class Twins:
         return result
 
     def multiplicity(self, letter: int, states: NDArray[np.intp]) -> NDArray[np.int64]:
-        """Return how many renamings by twins an action has in each of some states."""
+        """Return the number of renamings by twins of an action in each of some states."""
         entities = self.actions.entities[letter : letter + 1]
         result = np.ones(len(states), dtype=np.int64)
         for place in range(int(self.actions.arity[letter])):

@@ -1,13 +1,12 @@
-"""Entities that are interchangeable together with others: each cup with its own saucer.
+"""Entities that are interchangeable only together with others: each cup with its own saucer.
 
-What is looked for are renamings that swap several pairs at once, and that no part of does. A search begins with one
-pair, looks for an atom or a rule whose image is none, and lets what this names move as well, until nothing is left to
-mend: so hardly anything moves that need not. Two units are the two sides of such a swap, and more of them have the
-first in common. Units that are found are one block afterwards, so that those of units are found as well: trays, each
-with its own cups, each of these with its own saucer.
+The search is for minimal renamings that swap several pairs at once. It begins with one pair, finds an atom or a rule
+without an image, and moves the blocks that it names as well, until every atom and rule has an image. Two units are the
+two sides of such a swap; further units share the first side. Each unit then becomes one block, so that units of units
+are found as well: trays, each with its own cups, each cup with its own saucer.
 
-Only groups of units any two of which may be swapped are found, so that all that they generate is known: a ring, whose
-turns and reflections are no such group, has the two sides of a reflection at most.
+Only groups of pairwise swappable units are found, so that the generated group is known. A ring, whose rotations and
+reflections are no such group, has at most the two sides of one reflection.
 """
 
 from __future__ import annotations
@@ -17,53 +16,53 @@ from dataclasses import dataclass
 from typing import Protocol
 
 Block = tuple[int, ...]
-"""Entities that move together, in an order that those of the same kind share."""
+"""Entities that move together, in an order that blocks of the same kind share."""
 
 Swap = dict[int, int]
-"""The place of each block that a renaming moves, and where it goes, which is where that one comes from."""
+"""The place of each block that a renaming moves, with the place that it is exchanged with."""
 
 FEWEST, MOST = 4, 256
-"""Blocks that one swap moves at most: first so few, then twice as many, and so on."""
+"""The smallest and the largest bound on the blocks that one swap moves; the bound is doubled in between."""
 
 TRIES = 8
-"""How often one search goes on to a further pair, for each block that it may move."""
+"""The number of further pairs that one search tries, for each block that it may move."""
 
 WORK, EACH, RULES = 300_000, 40, 8
-"""Atoms that all searches rename at most: so many, and so many for each place where an atom names an entity. An atom
-whose rules are looked at counts as several."""
+"""The bound on the atoms that all searches rename: a constant, plus a number for each place where an atom names an
+entity. An atom whose rules are renamed counts as `RULES`."""
 
 
 @dataclass(frozen=True)
 class Conflict:
-    """Something whose image under a renaming is none: the entities that it names, and what tells it of others."""
+    """An atom or a rule without an image under a renaming: the entities that it names, and the rest of it."""
 
     entities: frozenset[int]
     kept_by: Callable[[Mapping[int, int]], bool]
 
 
 class Renamed(Protocol):
-    """What renamings are to map onto itself."""
+    """A structure that renamings have to map onto itself."""
 
     def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[Conflict]:
-        """Yield the atoms that name some entities, and whose image is none."""
+        """Yield the atoms that name some entities and have no image."""
         ...
 
     def broken(self, names: Mapping[int, int]) -> Iterator[Conflict]:
-        """Yield the rules whose image no rules say, given that all images of atoms are atoms."""
+        """Yield the rules without an image, given that all atoms have one."""
         ...
 
     def size(self, entities: Iterable[int]) -> int:
-        """Return how many atoms name each of some entities, in all."""
+        """Return the total number of atoms that name each of some entities."""
         ...
 
 
 def joint_groups(blocks: Sequence[Block], kinds: Mapping[int, int], rules: Renamed) -> list[list[Block]]:
-    """Return groups of aligned units, given blocks none of which can be swapped alone; outer ones come first.
+    """Return groups of aligned units, given blocks that cannot be swapped alone; outer groups come first.
 
-    `kinds` are those of entities that some renaming may map onto each other.
+    Entities of different `kinds` are not interchangeable.
     """
     found: list[list[Block]] = []
-    search: _Search | None = None
+    search: _UnitSearch | None = None
     while True:
         alike: dict[tuple[int, ...], list[int]] = {}
         for place, block in enumerate(blocks):
@@ -72,7 +71,7 @@ def joint_groups(blocks: Sequence[Block], kinds: Mapping[int, int], rules: Renam
         if not classes:
             return found
         if search is None:
-            search = _Search(rules, WORK + EACH * rules.size(kinds))
+            search = _UnitSearch(rules, WORK + EACH * rules.size(kinds))
         search.begin(blocks, classes)
         new = search.groups()
         if not new:
@@ -84,8 +83,8 @@ def joint_groups(blocks: Sequence[Block], kinds: Mapping[int, int], rules: Renam
         blocks = [*(block for place, block in enumerate(blocks) if place not in moved), *joined]
 
 
-class _Search:
-    """Looks for swaps of blocks, and for groups of units that they swap."""
+class _UnitSearch:
+    """The search for swaps of blocks, and for groups of units that they swap."""
 
     def __init__(self, rules: Renamed, work: int) -> None:
         self._rules = rules
@@ -93,7 +92,7 @@ class _Search:
         self._alone: set[Block] = set()
 
     def begin(self, blocks: Sequence[Block], classes: list[list[int]]) -> None:
-        """Take other blocks, in classes of those that may be swapped."""
+        """Begin with new blocks, in classes of blocks that may be swapped."""
         self._blocks, self._classes = blocks, classes
         self._class_of = {place: places for places in classes for place in places}
         self._rank = {place: rank for places in classes for rank, place in enumerate(places)}
@@ -101,7 +100,7 @@ class _Search:
         self._taken: set[int] = set()
 
     def groups(self) -> list[list[tuple[int, ...]]]:
-        """Return groups of aligned units, each the places of its blocks: of those with the fewest blocks."""
+        """Return the groups of aligned units with the fewest blocks; a unit has the places of its blocks."""
         waiting = [[place for place in places if self._blocks[place] not in self._alone] for places in self._classes]
         while self._left > 0 and (waiting := [left for left in waiting if len(left) > 1]):
             most = FEWEST
@@ -114,7 +113,7 @@ class _Search:
         return []
 
     def _smallest(self, waiting: Sequence[Sequence[int]], most: int) -> list[list[tuple[int, ...]]]:
-        """Return groups of the smallest units that swaps of the first blocks lead to, of those with so many at most."""
+        """Return groups of the smallest units that swaps of the first blocks yield, of at most `most` blocks."""
         stars: list[list[Swap]] = []
         for left in waiting:
             if not {place for star in stars for swap in star for place in swap}.issuperset(left):
@@ -135,7 +134,7 @@ class _Search:
         return [place for place in places if place not in self._taken]
 
     def _star(self, places: Sequence[int], most: int) -> Iterator[Swap]:
-        """Yield a swap of the first of some blocks with each of the others, where one moves so many blocks at most."""
+        """Yield a swap of the first of some blocks with each other one, if one moves at most `most` blocks."""
         self._most = min(most, MOST)
         first = places[0]
         for other in places[1:]:
@@ -144,7 +143,7 @@ class _Search:
                 yield swap
 
     def _units(self, star: Sequence[Swap], size: int) -> list[tuple[int, ...]]:
-        """Return the units that swaps of one block with others swap, if these move so many blocks; take them."""
+        """Return the units of swaps of one block with others, if they have `size` blocks, and mark them as used."""
         swaps = [swap for swap in star if len(swap) == size and self._taken.isdisjoint(swap)]
         if not swaps:
             return []
@@ -162,7 +161,7 @@ class _Search:
         return units
 
     def _side(self, swaps: Sequence[Swap]) -> tuple[int, ...]:
-        """Return the blocks that make a unit with the first one: what swaps have in common, or one side of a swap."""
+        """Return the blocks of the unit of the first one: those that all swaps move, or one side of a single swap."""
         one = swaps[0]
         for other in swaps[1:]:
             common = one.keys() & other.keys()
@@ -173,13 +172,13 @@ class _Search:
         return self._ordered(place for place, goes in one.items() if place < goes)
 
     def _ordered(self, places: Iterable[int]) -> tuple[int, ...]:
-        """Return blocks in an order that those of other units of their kind have as well."""
+        """Return blocks in an order that units of one kind share."""
         return tuple(sorted(places, key=lambda place: (self._class_of[place], place)))
 
     def _swap(self, moved: Swap, fixed: frozenset[int], clean: int) -> Swap | None:
-        """Return a swap that moves some blocks in given ways, keeps others, and maps the rules onto themselves.
+        """Return a swap that extends `moved`, keeps the blocks `fixed`, and maps the rules onto themselves.
 
-        All atoms that name entities of the first `clean` blocks have images, if no more of the others move.
+        All atoms that name entities of the first `clean` blocks have images, unless more of the others move.
         """
         self._tries -= 1
         if len(moved) > self._most or self._tries < 0 or self._left <= 0:
@@ -201,12 +200,12 @@ class _Search:
         return None
 
     def _names(self, moved: Swap) -> dict[int, int]:
-        """Return the names of entities under a swap of blocks."""
+        """Return the renaming of entities by a swap of blocks."""
         pairs = (zip(self._blocks[place], self._blocks[goes], strict=True) for place, goes in moved.items())
         return {entity: name for pair in pairs for entity, name in pair}
 
     def _conflict(self, moved: Swap, clean: int) -> tuple[int, Conflict | None]:
-        """Return how many blocks have no atom without an image, and what else has no image, if there is any."""
+        """Return the number of blocks whose atoms all have images, and a conflict, if there is one."""
         names = self._names(moved)
         for place in list(moved)[clean:]:
             self._left -= 1 + self._rules.size(self._blocks[place])
@@ -217,7 +216,7 @@ class _Search:
         return clean, next(self._rules.broken(names), None)
 
     def _partners(self, place: int, moved: Swap, fixed: frozenset[int]) -> Iterator[int]:
-        """Yield the blocks that one may be swapped with: first the one as far away as those of the first pair."""
+        """Yield the blocks that one may be swapped with, first the one at the distance of the first pair."""
         first, other = next(iter(moved.items()))
         places, step = self._class_of[place], self._rank[other] - self._rank[first]
         likely = self._rank[place] + step

@@ -1,1 +1,1 @@
-"""What clingo would not stop at: numbers out of range, and terms without end."""
+"""Checks that stop clingo at numbers out of range and at terms without end."""

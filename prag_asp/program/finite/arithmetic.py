@@ -1,4 +1,4 @@
-"""Arithmetic as clingo's terms have it, with exact numbers: whether anything on the way is out of range."""
+"""The arithmetic of clingo's terms with exact numbers, which finds intermediate results out of range."""
 
 from __future__ import annotations
 
@@ -15,26 +15,27 @@ from prag_asp.integers import fits
 OPERATIONS = (ASTType.BinaryOperation, ASTType.UnaryOperation)
 
 WIDTH, COMBINATIONS = 64, 10_000
-"""Of an interval within arithmetic, so many values are tried and otherwise its ends; of all, so many combinations."""
+"""The number of values up to which an interval in an operation is computed whole, and not at its ends alone; the number
+of combinations of values that are computed. Both bound the time of one check."""
 
 
 class OutOfRange(Exception):
-    """A number that no logic program can hold was made."""
+    """A number is out of the range of clingo."""
 
 
 class Undefined(Exception):
-    """An operation has no value: clingo itself says so."""
+    """An operation has no value, which clingo itself reports."""
 
 
 @dataclass(frozen=True)
 class Leaf:
-    """What an operation is made of that is none: the text of a term, whose value comes from the grounder."""
+    """An operand that is no operation: the text of a term, whose value comes from the grounder."""
 
     text: str
 
 
 @dataclass(frozen=True)
-class Interval:
+class NumberRange:
     """All numbers from one to another."""
 
     low: Expression
@@ -43,14 +44,14 @@ class Interval:
 
 @dataclass(frozen=True)
 class Operation:
-    """An operation by its sign; one that takes one argument has a name."""
+    """An operation by its sign, or by a name if it takes one argument."""
 
     sign: str
     arguments: tuple[Expression, ...]
 
 
-Expression = int | Leaf | Interval | Operation | tuple["Expression", ...]
-"""A tuple is a pool: one of these."""
+Expression = int | Leaf | NumberRange | Operation | tuple["Expression", ...]
+"""A tuple is a pool of expressions."""
 
 UNARY = {UnaryOperator.Minus: "negative", UnaryOperator.Negation: "complement", UnaryOperator.Absolute: "absolute"}
 BINARY = {
@@ -76,14 +77,14 @@ def read_expression(term: AST) -> Expression:
     if kind == ASTType.BinaryOperation:
         return Operation(BINARY[term.operator_type], (read_expression(term.left), read_expression(term.right)))
     if kind == ASTType.Interval:
-        return Interval(read_expression(term.left), read_expression(term.right))
+        return NumberRange(read_expression(term.left), read_expression(term.right))
     if kind == ASTType.Pool:
         return tuple(map(read_expression, term.arguments))
     return Leaf(str(term))
 
 
 def leaves(expression: Expression) -> Iterator[str]:
-    """Yield the texts of the terms that an expression is made of, in order."""
+    """Yield the texts of the operands of an expression, in order."""
     if isinstance(expression, Leaf):
         yield expression.text
     for part in _parts(expression):
@@ -91,13 +92,13 @@ def leaves(expression: Expression) -> Iterator[str]:
 
 
 def divides(expression: Expression) -> bool:
-    """Return whether an expression has a division, which ends the process of clingo where it goes out of range."""
+    """Return whether an expression has a division, which ends the process of clingo if it is out of range."""
     own = isinstance(expression, Operation) and expression.sign in ("/", "\\")
     return own or any(map(divides, _parts(expression)))
 
 
 def check_range(expression: Expression, values: Mapping[str, clingo.Symbol]) -> None:
-    """Compute an expression, whose leaves have these values, with every number on the way.
+    """Compute an expression whose leaves have these values, with all intermediate results.
 
     Raises:
         OutOfRange: one of them is out of range.
@@ -108,10 +109,10 @@ def check_range(expression: Expression, values: Mapping[str, clingo.Symbol]) -> 
 
 
 def compute(expression: Expression, values: Mapping[str, clingo.Symbol]) -> int:
-    """Return the first number that an expression stands for.
+    """Return the first value of an expression.
 
     Raises:
-        OutOfRange: it, or a number on the way, is out of range.
+        OutOfRange: it, or an intermediate result, is out of range.
         Undefined: it has no value.
     """
     return next(_values(expression, values))
@@ -120,13 +121,13 @@ def compute(expression: Expression, values: Mapping[str, clingo.Symbol]) -> int:
 def _parts(expression: Expression) -> Sequence[Expression]:
     if isinstance(expression, Operation):
         return expression.arguments
-    if isinstance(expression, Interval):
+    if isinstance(expression, NumberRange):
         return (expression.low, expression.high)
     return expression if isinstance(expression, tuple) else ()
 
 
 def _values(expression: Expression, values: Mapping[str, clingo.Symbol]) -> Iterator[int]:
-    """Yield the numbers that an expression stands for: several where it has intervals or pools."""
+    """Yield the values of an expression: several if it has intervals or pools."""
     if isinstance(expression, int):
         yield expression
     elif isinstance(expression, Leaf):
@@ -139,7 +140,7 @@ def _values(expression: Expression, values: Mapping[str, clingo.Symbol]) -> Iter
             *(tuple(islice(_values(each, values), COMBINATIONS)) for each in expression.arguments)
         ):
             yield _in_range(COMPUTED[expression.sign](*arguments))
-    elif isinstance(expression, Interval):
+    elif isinstance(expression, NumberRange):
         for low, high in product(tuple(_values(expression.low, values)), tuple(_values(expression.high, values))):
             yield from range(low, high + 1) if high - low < WIDTH else (low, high)
     else:
@@ -188,4 +189,4 @@ COMPUTED: Mapping[str, Callable[..., int]] = {
     "?": lambda a, b: a | b,
     "^": lambda a, b: a ^ b,
 }
-"""clingo's operations: division is towards zero, and what has a negative exponent is 0."""
+"""clingo's operations: division rounds towards zero, and a power with a negative exponent is 0."""

@@ -1,4 +1,4 @@
-"""What clingo asks while it grounds a guarded program: whether numbers stay in range, and how much a rule made."""
+"""The functions that a guarded program calls while clingo grounds it: range of numbers, number and depth of terms."""
 
 from __future__ import annotations
 
@@ -14,9 +14,14 @@ from prag_asp.integers import LARGEST, fits
 from prag_asp.program.finite.arithmetic import Expression, OutOfRange, check_range, divides
 from prag_asp.program.problem import Problem
 
-MOST_USES, DEEPEST, WIDEST = 100_000, 1_000, 1_000_000
-"""How often a rule that may be endless is used within one step, how deep its terms are nested, and how many numbers an
-interval has."""
+MOST_VALUES = 25_000
+"""The number of values of which one rule may make larger terms within one step; grounding them takes a second."""
+
+DEEPEST = 1_000
+"""The depth of the terms that such a rule may make."""
+
+WIDEST = 1_000_000
+"""The number of values of an interval, of which each needs some hundred bytes in an atom."""
 
 CONSTANT = re.compile(r"(?<![\w'])_*[a-z][\w']*")
 
@@ -24,98 +29,99 @@ BOUND = "bound it by a condition such as N < 10"
 
 
 class BoundReached(DomainError):
-    """Grounding made a number that is out of range, or more than it may make; `problem` says where and what."""
+    """Grounding made a number that is out of range, or exceeded a bound, at the place of `problem`."""
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: Problem | BoundReached) -> None:
         super().__init__(str(problem))
-        self.problem = problem
+        # clingo raises the error of a callback anew, with the error as its argument.
+        self.problem: Problem = problem.problem if isinstance(problem, BoundReached) else problem
 
 
 @dataclass(frozen=True)
 class Site:
-    """A place in the files where a check was written in, and what is checked there."""
+    """The place of a check in the files, and the expression that it checks."""
 
     path: Path
     line: int
-    told: str
+    text: str
     expression: Expression = 0
     inputs: tuple[str, ...] = ()
     certain: bool = False
 
     def error(self, what: str) -> BoundReached:
-        """Return the error for what was found here."""
+        """Return the error at this place."""
         return BoundReached(Problem(self.path, self.line, what))
 
 
 @dataclass
 class Checks:
-    """The functions that a guarded program asks while one control grounds it.
+    """The functions that a guarded program calls while one control grounds it.
 
-    `overflows` are the places where a number out of range was made: clingo then says that an operation is undefined.
+    `overflows` are the sites of numbers out of range: clingo then reports that an operation is undefined.
     """
 
     sites: Sequence[Site]
     overflows: list[Site] = field(default_factory=list)
-    _uses: dict[tuple[int, clingo.Symbol], int] = field(default_factory=dict)
+    _values: dict[tuple[int, clingo.Symbol], set[tuple[clingo.Symbol, ...]]] = field(default_factory=dict)
     _depths: dict[clingo.Symbol, int] = field(default_factory=dict)
     _sums: dict[tuple[int, clingo.Symbol], tuple[set[clingo.Symbol], int]] = field(default_factory=dict)
 
     def overflow(self, message: str) -> BoundReached:
-        """Return the error for an operation that went out of range, of which clingo says that it is undefined."""
+        """Return the error for an operation out of range, which clingo reports as undefined."""
         here = [site for site in self.overflows if message.startswith(f"{site.path}:{site.line}:")]
         site = (here or self.overflows)[0]
-        return site.error(out_of_range(site.told))
+        return site.error(out_of_range(site.text))
 
     def as_written(self, message: str) -> str:
-        """Return what clingo says of an undefined operation, with the operation as the author has it."""
-        here = (site for site in self.sites if site.told and message.startswith(f"{site.path}:{site.line}:"))
+        """Return the message of clingo about an undefined operation, with the operation as the author wrote it."""
+        here = (site for site in self.sites if site.text and message.startswith(f"{site.path}:{site.line}:"))
         site = next(here, None)
-        return f"{site.path}:{site.line}: operation undefined: {site.told}" if site else message
+        return f"{site.path}:{site.line}: operation undefined: {site.text}" if site else message
 
     def in_range(self, number: clingo.Symbol, *inputs: clingo.Symbol) -> clingo.Symbol:
-        """Return 0 where an operation on these inputs stays in range, otherwise what no operation takes.
+        """Return 0 if an operation on these inputs stays in range, otherwise a term that no operation takes.
 
         Raises:
-            BoundReached: it does not, and clingo would not survive it.
+            BoundReached: it does not, and the process of clingo would end.
         """
         site = self.sites[number.number]
         try:
             check_range(site.expression, dict(zip(site.inputs, inputs, strict=True)))
         except OutOfRange:
             if divides(site.expression):
-                raise site.error(out_of_range(site.told)) from None
+                raise site.error(out_of_range(site.text)) from None
             self.overflows.append(site)
             return clingo.Function("out_of_range")
         return clingo.Number(0)
 
     def must_fit(self, number: clingo.Symbol, *inputs: clingo.Symbol) -> clingo.Symbol:
-        """Return 0 where an operation on these inputs stays in range.
+        """Return 0 if an operation on these inputs stays in range.
 
         Raises:
             BoundReached: it does not.
         """
         if self.in_range(number, *inputs).type != clingo.SymbolType.Number:
             site = self.sites[number.number]
-            raise site.error(out_of_range(site.told))
+            raise site.error(out_of_range(site.text))
         return clingo.Number(0)
 
     def up_to(self, number: clingo.Symbol, low: clingo.Symbol, high: clingo.Symbol) -> clingo.Symbol:
         """Return the upper end of an interval.
 
         Raises:
-            BoundReached: the interval has too many numbers, or an end that is none.
+            BoundReached: the interval has too many numbers, or an end that is no number.
         """
         site = self.sites[number.number]
         if not low.type == high.type == clingo.SymbolType.Number:
-            unset = [str(end) for end in (low, high) if str(end) in CONSTANT.findall(site.told)]
+            unset = [str(end) for end in (low, high) if str(end) in CONSTANT.findall(site.text)]
             hint = f"give {unset[0]} a value by -c or #const, or " if unset else ""
-            raise site.error(f"interval undefined: {site.told} from {low} to {high}; {hint}guard the operation")
+            raise site.error(f"interval undefined: {site.text} from {low} to {high}; {hint}guard the operation")
         if high.number - low.number >= WIDEST:
-            raise site.error(too_wide(site.told, low.number, high.number))
+            raise site.error(too_wide(site.text, low.number, high.number))
         return high
 
     def summed(self, number: clingo.Symbol, group: clingo.Symbol, element: clingo.Symbol) -> clingo.Symbol:
-        """Return 0 where the sum of the elements of a group stays in range, otherwise what no operation takes."""
+        """Return 0 if the sum of the elements of a group stays in range, otherwise a term that no operation takes."""
         found, total = self._sums.get((number.number, group), (set(), 0))
         weight = element.arguments[0]
         if element not in found and weight.type == clingo.SymbolType.Number:
@@ -128,25 +134,25 @@ class Checks:
         return clingo.Number(0)
 
     def goes_on(self, number: clingo.Symbol, time: clingo.Symbol, *values: clingo.Symbol) -> clingo.Symbol:
-        """Return 0 where a rule may be used once more, on these values.
+        """Return 0 if a rule may make terms of these values.
 
         Raises:
-            BoundReached: it was used too often, makes terms that are too deep, or would never end.
+            BoundReached: it has made terms of too many values, makes terms that are too deep, or never ends.
         """
         site = self.sites[number.number]
-        key = (number.number, time)
-        uses = self._uses[key] = self._uses.get(key, 0) + 1
         if site.certain:
-            raise site.error(ever_larger(site.told))
-        if uses > MOST_USES:
-            raise site.error(f"this rule made terms of {site.told} from one another {MOST_USES:,} times; {BOUND}")
-        if any(measured(value, self._depths, _depth) > DEEPEST for value in values):
-            raise site.error(f"this rule makes terms of {site.told} nested more than {DEEPEST:,} deep; {BOUND}")
+            raise site.error(ever_larger(site.text))
+        made_of = self._values.setdefault((number.number, time), set())
+        made_of.add(values)
+        if len(made_of) > MOST_VALUES:
+            raise site.error(f"this rule made terms of {site.text} from one another {MOST_VALUES:,} times; {BOUND}")
+        if any(measure(value, self._depths, _depth) > DEEPEST for value in values):
+            raise site.error(f"this rule makes terms of {site.text} nested more than {DEEPEST:,} deep; {BOUND}")
         return clingo.Number(0)
 
 
-def measured(symbol: clingo.Symbol, known: dict[clingo.Symbol, int], of: Callable[[Iterable[int]], int]) -> int:
-    """Return a figure of a term, which is found `of` those of its parts; `known` keeps each that was found."""
+def measure(symbol: clingo.Symbol, known: dict[clingo.Symbol, int], of: Callable[[Iterable[int]], int]) -> int:
+    """Return a measure of a term, computed by `of` from those of its arguments; `known` is a cache."""
     waiting = [] if symbol in known else [symbol]
     while waiting:
         each = waiting[-1]
@@ -165,15 +171,15 @@ def _depth(inner: Iterable[int]) -> int:
 
 
 def ever_larger(name: str) -> str:
-    """Return what is told of a rule that never ends."""
+    """Return the message about a rule that never ends."""
     return f"this rule makes ever larger terms of {name} and never ends; {BOUND}"
 
 
 def out_of_range(operation: str) -> str:
-    """Return what is told of an operation that makes a number out of range."""
+    """Return the message about an operation that makes a number out of range."""
     return f"{operation} makes a number that is out of range; keep it from -{LARGEST} to {LARGEST}"
 
 
 def too_wide(interval: str, low: int, high: int) -> str:
-    """Return what is told of an interval that has too many numbers."""
+    """Return the message about an interval that has too many numbers."""
     return f"{interval} has {high - low + 1:,} numbers, more than {WIDEST:,}; make it smaller"

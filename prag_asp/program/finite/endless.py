@@ -1,14 +1,17 @@
-"""Which rules may make ever new terms, so that grounding would never end, and which certainly do.
+"""Rules whose recursion may make new terms without end, and those that certainly do.
 
-A program whose arguments have finite ranks is ground in finite time: argument-restricted programs (Lierler and
-Lifschitz, One more decidable class of finitely ground programs, ICLP 2009), with operations of arithmetic taken for
-functions. Ranks are those of one recursive component, for what is below it is finite, or endless by itself. A component
-that has none may be finite all the same: that is left to a count while it is ground.
+A recursive rule makes new terms if a term of its head may be larger than the terms of the same component that it reads.
+Without such rules, the terms of a component are bounded by those below it, so that grounding ends. What is proved here
+is only that one application makes no larger term. Whether repeated applications end is left to `Checks.goes_on`, which
+counts the new terms of such a rule and limits how deep they are nested.
+
+A rule that reads nothing but its own head, with smaller terms, never ends once it is used: `certain` rules are reported
+without grounding the terms up to the limit.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
@@ -20,21 +23,18 @@ from prag_asp.program.finite.arithmetic import OPERATIONS
 from prag_asp.program.finite.components import components
 from prag_asp.program.syntax import Signature, Statement, below, children_of
 
-Argument = tuple[Signature, int]
-"""An argument of a predicate, by its place."""
-
 MADE = (*OPERATIONS, ASTType.Interval, ASTType.Function)
-AGGREGATES = (ASTType.BodyAggregate, ASTType.Aggregate)
+SOLVED = (BinaryOperator.Plus, BinaryOperator.Minus)
 CHOICES = (ASTType.Aggregate, ASTType.Disjunction, ASTType.HeadAggregate)
 UPPER = (ComparisonOperator.LessThan, ComparisonOperator.LessEqual)
 LOWER = (ComparisonOperator.GreaterThan, ComparisonOperator.GreaterEqual)
 
 
 @dataclass(frozen=True)
-class Endless:
-    """A rule that may make ever new values of `variables`; `certain` where it does as soon as it is used once.
+class EndlessRule:
+    """A rule that may make larger terms of `variables` without end; a `certain` one does so once it is used.
 
-    `element` is the number of the element of its head that does, None where that is the whole head.
+    `element` is the number of the element of its head that makes them, None for a head without elements.
     """
 
     rule: Statement
@@ -45,7 +45,7 @@ class Endless:
 
 @dataclass(frozen=True, eq=False)
 class _Derivation:
-    """One way in which a rule derives an atom: the atom, and the literals that it follows from."""
+    """An atom of the head of a rule, with the literals that it follows from."""
 
     rule: Statement
     head: AST
@@ -57,8 +57,8 @@ class _Derivation:
         return _signature(self.head)
 
     @cached_property
-    def made(self) -> tuple[tuple[int, str, int], ...]:
-        """The variables of each argument of the head, with how deep they stand in it."""
+    def head_variables(self) -> tuple[tuple[int, str, int], ...]:
+        """The place of each argument of the head with its variables and their depths."""
         return tuple(
             (place, name, depth)
             for place, argument in enumerate(_arguments(self.head))
@@ -77,13 +77,14 @@ class _Derivation:
         )
 
     @cached_property
-    def bound(self) -> tuple[tuple[str, Signature, int, int], ...]:
-        """The variables that an argument of an atom binds, with how deep they stand in it."""
+    def bound(self) -> tuple[tuple[str, Signature, int], ...]:
+        """The variables that an atom binds, with the predicate and their depth in its terms."""
         return tuple(
-            (name, _signature(atom), place, depth)
+            (name, _signature(atom), depth)
             for atom in self.atoms
-            for place, argument in enumerate(_arguments(atom))
+            for argument in _arguments(atom)
             for name, depth in _depths(argument, -1)
+            if not _is_hidden(name, argument)
         )
 
     @cached_property
@@ -98,18 +99,6 @@ class _Derivation:
                     found += [(left, guard.comparison, right), (right, MIRRORED[guard.comparison], left)]
         return tuple(found)
 
-    @cached_property
-    def totals(self) -> tuple[tuple[AST, tuple[Signature, ...]], ...]:
-        """What is told to be the value of an aggregate, with the predicates that it is made of."""
-        found = []
-        for literal in self.literals:
-            atom = literal.atom if literal.ast_type == ASTType.Literal else literal
-            if atom.ast_type in AGGREGATES:
-                guards = (guard for guard in (atom.left_guard, atom.right_guard) if guard is not None)
-                read = tuple(_signature(node.symbol) for node in below(atom) if node.ast_type == ASTType.SymbolicAtom)
-                found += [(guard.term, read) for guard in guards if guard.comparison == ComparisonOperator.Equal]
-        return tuple(found)
-
 
 MIRRORED = {
     ComparisonOperator.LessThan: ComparisonOperator.GreaterThan,
@@ -121,10 +110,10 @@ MIRRORED = {
 }
 
 
-def endless_rules(statements: Iterable[Statement]) -> list[Endless]:
-    """Return the own rules that may make ever new terms."""
+def endless_rules(statements: Iterable[Statement]) -> list[EndlessRule]:
+    """Return the author's rules that may make new terms without end."""
     rules = [each for each in statements if each.is_rule and each.body]
-    found: list[Endless] = []
+    found: list[EndlessRule] = []
     for inside in _recursive(rules):
         derived = [
             each
@@ -133,16 +122,15 @@ def endless_rules(statements: Iterable[Statement]) -> list[Endless]:
             for each in _derivations(rule)
             if each.signature in inside
         ]
-        ranks = _ranks(derived, inside)
         for each in derived:
-            grown = _grown(each, ranks) if each.rule.own else ()
+            grown = _grown(each, inside) if each.rule.own else ()
             if grown:
-                found.append(Endless(each.rule, grown, _is_certain(each), each.element))
+                found.append(EndlessRule(each.rule, grown, _is_certain(each), each.element))
     return found
 
 
 def _recursive(rules: Iterable[Statement]) -> Iterator[set[Signature]]:
-    """Yield the predicates of each component that some own rule derives from itself."""
+    """Yield the predicates of each component that is recursive through a rule of the author."""
     reads: dict[Signature, set[Signature]] = {}
     own: set[tuple[Signature, Signature]] = set()
     for rule in rules:
@@ -170,70 +158,40 @@ def _derivations(rule: Statement) -> Iterator[_Derivation]:
             yield _Derivation(rule, each.literal.atom.symbol, literals, number if each.condition else None)
 
 
-def _ranks(derived: Sequence[_Derivation], inside: Collection[Signature]) -> Mapping[Argument, float]:
-    """Return the least ranks of the arguments of a component; they are infinite where there are none."""
-    ranks: dict[Argument, float] = {(each.signature, place): 0 for each in derived for place, _, _ in each.made}
-    most = 1 + sum(_size(each) for each in derived)
-    changed = True
-    while changed:
-        changed = False
-        for each in derived:
-            known = _variable_ranks(each, lambda argument: ranks.get(argument, 0))
-            for place, name, depth in each.made:
-                rank = known.get(name, inf) + depth
-                rank = inf if rank > most else rank
-                if rank > ranks[each.signature, place]:
-                    ranks[each.signature, place] = rank
-                    changed = True
-    return ranks
+def _heights(each: _Derivation, inside: Collection[Signature]) -> Mapping[str, float]:
+    """Return how much larger than the terms of the component `inside` the values of variables may be.
 
-
-def _size(each: _Derivation) -> int:
-    """Return how many terms a derivation makes, at most."""
-    return sum(node.ast_type in MADE for top in (each.head, *each.literals) for node in below(top)) + len(each.totals)
-
-
-def _variable_ranks(each: _Derivation, rank_of: Callable[[Argument], float]) -> Mapping[str, float]:
-    """Return the least ranks that literals give to variables."""
-    known: dict[str, float] = {}
-
-    def learn(name: str, rank: float) -> bool:
-        better = max(rank, 0) < known.get(name, inf)
-        if better:
-            known[name] = max(rank, 0)
-        return better
-
-    for name, signature, place, depth in each.bound:
-        learn(name, rank_of((signature, place)) - depth)
-    for term, read in each.totals:
-        total = 1 + max((rank_of((signature, place)) for signature in read for place in range(signature[1])), default=0)
-        for name, depth in _depths(term, -1):
-            learn(name, total - depth)
+    A variable that a predicate outside the component binds has finitely many values: its height is minus infinity.
+    """
+    heights: dict[str, float] = {}
+    for name, signature, depth in each.bound:
+        height = -depth if signature in inside else -inf
+        heights[name] = min(height, heights.get(name, inf))
     changed = True
     while changed:
         changed = False
         for left, comparison, right in each.comparisons:
-            if comparison == ComparisonOperator.Equal:
-                rank = max((known.get(name, inf) + depth for name, depth in _depths(right, 1)), default=0)
-                for name, depth in _depths(left, -1):
-                    changed |= learn(name, rank - depth)
-    return known
+            if comparison == ComparisonOperator.Equal and left.ast_type == ASTType.Variable:
+                height = max((heights.get(name, inf) + depth for name, depth in _depths(right, 1)), default=-inf)
+                if left.name not in heights and height < inf:
+                    heights[left.name] = height
+                    changed = True
+    return heights
 
 
-def _grown(each: _Derivation, ranks: Mapping[Argument, float]) -> tuple[str, ...]:
-    """Return the variables from which a derivation makes new terms without a rank, unless a comparison bounds them."""
-    known = _variable_ranks(each, lambda argument: ranks.get(argument, 0))
-    plain = {name for name, _, _, depth in each.bound if depth >= 0}
-    found = set()
-    for place, name, depth in each.made:
-        endless = ranks[each.signature, place] == known.get(name, inf) == inf
-        if endless and (depth > 0 or name not in plain) and not _is_bounded(each, place, name):
-            found.add(name)
-    return tuple(sorted(found))
+def _grown(each: _Derivation, inside: Collection[Signature]) -> tuple[str, ...]:
+    """Return the variables of which a derivation makes larger terms, unless a comparison bounds them."""
+    heights = _heights(each, inside)
+    grown = {
+        name
+        for place, name, depth in each.head_variables
+        if heights.get(name, inf) + depth > 0 and not _is_bounded(each, place, name)
+    }
+    return tuple(sorted(grown))
 
 
 def _is_bounded(each: _Derivation, place: int, name: str) -> bool:
-    """Return whether an argument of the head is a variable plus a number, and a comparison with a number ends that."""
+    """Return whether an argument of the head is a variable plus a number that a comparison with a number bounds."""
     term = _substituted(each, _arguments(each.head)[place])
     step = _step(term)
     if step is None:
@@ -251,7 +209,7 @@ def _is_bounded(each: _Derivation, place: int, name: str) -> bool:
 
 
 def _substituted(each: _Derivation, term: AST) -> AST:
-    """Return what an equation says that a variable is, or the term itself."""
+    """Return the other side of an equation for a variable, or the term itself."""
     if term.ast_type == ASTType.Variable:
         for left, comparison, right in each.comparisons:
             if comparison == ComparisonOperator.Equal and left == term and right.ast_type != ASTType.Variable:
@@ -260,7 +218,7 @@ def _substituted(each: _Derivation, term: AST) -> AST:
 
 
 def _step(term: AST) -> tuple[str, int] | None:
-    """Return the variable and the number of a term such as X+1, None of any other."""
+    """Return the variable and the number of a term such as ``X+1``, None for any other term."""
     if term.ast_type != ASTType.BinaryOperation:
         return None
     left, right, sign = term.left, term.right, term.operator_type
@@ -275,10 +233,10 @@ def _step(term: AST) -> tuple[str, int] | None:
 
 
 def _is_certain(each: _Derivation) -> bool:
-    """Return whether a derivation, used once, can be used again with what it made, without end.
+    """Return whether a derivation that is used once can be used with its own result without end.
 
-    So it is where it has nothing but atoms and equations for its head, and one of the atoms is its head but for
-    arguments that are made larger, which nothing else reads.
+    It can if its literals are atoms and equations for its head, and one of the atoms is its head except for arguments
+    that are smaller and that no other atom reads.
     """
     equal = [comparison == ComparisonOperator.Equal for _, comparison, _ in each.comparisons]
     if (
@@ -297,7 +255,7 @@ def _is_certain(each: _Derivation) -> bool:
             if before.ast_type != ASTType.Variable or not _is_larger(before.name, after):
                 return False
             changed.add(before.name)
-    read_of = [name for name, *_ in each.bound]
+    read_of = [name for atom in each.atoms for argument in _arguments(atom) for name, _ in _depths(argument, -1)]
     return bool(changed) and all(read_of.count(name) == 1 for name in changed)
 
 
@@ -311,8 +269,15 @@ def _is_larger(name: str, term: AST) -> bool:
     return term.ast_type == ASTType.Function and not inner and any(found == name for found, _ in _depths(term, 1))
 
 
+def _is_hidden(name: str, term: AST) -> bool:
+    """Return whether infinitely many values of a variable may give one value of a term, as in ``X/7``, not ``X+1``."""
+    if term.ast_type == ASTType.BinaryOperation and term.operator_type not in SOLVED:
+        return any(found == name for found, _ in _depths(term, 1))
+    return any(_is_hidden(name, child) for child in children_of(term))
+
+
 def _depths(term: AST, arithmetic: int) -> Iterator[tuple[str, int]]:
-    """Yield the variables of a term with how many terms are around each; those of arithmetic count so much."""
+    """Yield the variables of a term, each with its depth: a function counts 1, an operation as much as `arithmetic`."""
     stack = [(term, 0)]
     while stack:
         node, depth = stack.pop()

@@ -1,8 +1,8 @@
-"""Write checks into the rules of a domain: numbers stay in range, and what may grow without end is counted.
+"""Write checks into the rules of a domain: the range of numbers, and the number of terms that a rule makes.
 
-A rule asks functions of the library while it is ground; each line stays where it was. The range of an operation is
-checked where clingo computes it: ``X+1`` becomes ``(X+1)+@in_range(7,X)``, which adds 0, or has no value. Where clingo
-solves an operation for a variable instead, as in an atom of a body, the check comes after it.
+clingo computes with 32 bits and overflows without a message. A rule therefore calls functions of `Checks` while it is
+ground; no line moves. An operation is checked where clingo computes it: ``X+1`` becomes ``(X+1)+@in_range(7,X)``, which
+adds 0 or has no value. Where clingo solves an operation for a variable, as in an atom of a body, the check follows it.
 """
 
 from __future__ import annotations
@@ -18,24 +18,24 @@ from clingo.ast import AST, AggregateFunction, ASTType, ComparisonOperator, Sign
 from prag_asp.errors import DomainError
 from prag_asp.program.finite.arithmetic import OPERATIONS, divides, leaves, read_expression
 from prag_asp.program.finite.checks import WIDEST, BoundReached, Site, too_wide
-from prag_asp.program.finite.endless import Endless, endless_rules
+from prag_asp.program.finite.endless import EndlessRule, endless_rules
 from prag_asp.program.parse import number_problem, parse_sources
 from prag_asp.program.sources import ADDED, Program, Source, owned
 from prag_asp.program.syntax import Statement, children_of, runs_no_code, variables
 
 OPERATION = re.compile(r"[-+*/\\&?^~|]|\.\.")
-"""What the text of a rule has, as clingo writes it, wherever there is arithmetic; more may have it."""
+"""Finds arithmetic in the text of a rule as clingo writes it; it also finds some rules without arithmetic."""
 
 SUMS = (AggregateFunction.Sum, AggregateFunction.SumPlus)
 SMALL = 1_000
-"""A weight up to which no sum is checked: nobody grounds so many elements."""
+"""The largest constant weight whose sums are not checked: out of range, they would need two million elements."""
 
 
 @dataclass(frozen=True)
 class Guarded:
-    """The text of a program with its checks, and where they are.
+    """The text of a program with its checks, and the sites of the checks.
 
-    `endless_steps` says whether steps may make ever new terms, one after the other or at once.
+    `endless_steps` is true if steps may make new terms without end.
     """
 
     text: str
@@ -44,7 +44,7 @@ class Guarded:
 
 
 @lru_cache(maxsize=16)
-def guarded(program: Program) -> Guarded:
+def guard_program(program: Program) -> Guarded:
     """Return a program with its checks.
 
     Raises:
@@ -57,13 +57,13 @@ def guarded(program: Program) -> Guarded:
             raise BoundReached(problem)
     read = {source: parse_sources([(source, own)])[0] for source, own in owned(program) if source.path != ADDED}
     _require_no_scripts(chain.from_iterable(read.values()))
-    endless: dict[Statement, list[Endless]] = {}
+    endless: dict[Statement, list[EndlessRule]] = {}
     for each in endless_rules(chain.from_iterable(read.values())):
         endless.setdefault(each.rule, []).append(each)
     sites: list[Site] = []
     sources = []
     for source in program.sources:
-        writer = _Writer(sites)
+        writer = _CheckWriter(sites)
         for statement in read.get(source, ()):
             if statement.own and statement.is_rule:
                 writer.guard(statement, endless.get(statement, ()))
@@ -73,7 +73,7 @@ def guarded(program: Program) -> Guarded:
 
 
 def _require_no_scripts(statements: Iterable[Statement]) -> None:
-    """Check that nothing of an author's calls the functions by which checks are made, whoever grounds it.
+    """Check that no statement of the author calls a function: the functions of the checks are not for authors.
 
     Raises:
         DomainError: a statement calls a function.
@@ -83,8 +83,8 @@ def _require_no_scripts(statements: Iterable[Statement]) -> None:
             raise DomainError(str(statement.problem(runs_no_code(name))))
 
 
-class _Writer:
-    """Writes checks into the text of one source; those at one place come in the order in which they are made."""
+class _CheckWriter:
+    """Writes checks into the text of one source; checks at one place keep the order in which they are made."""
 
     def __init__(self, sites: list[Site]) -> None:
         self._sites = sites
@@ -101,7 +101,7 @@ class _Writer:
             lines[line - 1] = old[: column - 1] + added.encode() + old[column - 1 :]
         return b"\n".join(lines).decode()
 
-    def guard(self, rule: Statement, endless: Sequence[Endless]) -> None:
+    def guard(self, rule: Statement, endless: Sequence[EndlessRule]) -> None:
         """Write the checks of a rule."""
         self._rule = rule
         text = rule.text
@@ -113,16 +113,16 @@ class _Writer:
 
     @property
     def _before(self) -> str:
-        """How the rule writes the step before, whose number is in range."""
+        """The text of the step before in the rule; its number is in range."""
         return f"({self._rule.parameters[0]}-1)" if self._rule.timed and self._rule.parameters else ":-"
 
-    def _count(self, endless: Endless) -> None:
-        """Write the check that counts how often an endless rule is used."""
+    def _count(self, endless: EndlessRule) -> None:
+        """Write the check that counts the terms of an endless rule."""
         rule = endless.rule
         time = rule.parameters[0] if rule.timed and rule.parameters else "0"
-        told = "/".join(dict.fromkeys(head.name for head in rule.heads))
+        names = "/".join(dict.fromkeys(head.name for head in rule.heads))
         check = self._call(
-            "goes_on", Site(rule.path, rule.line, told, certain=endless.certain), time, *endless.variables
+            "goes_on", Site(rule.path, rule.line, names, certain=endless.certain), time, *endless.variables
         )
         if endless.element is None:
             end = rule.node.location.end
@@ -231,7 +231,7 @@ class _Writer:
         ends = [read_expression(low), read_expression(high)]
         if isinstance(ends[0], int) and isinstance(ends[1], int):
             if ends[1] - ends[0] >= WIDEST:
-                raise site.error(too_wide(site.told, ends[0], ends[1]))
+                raise site.error(too_wide(site.text, ends[0], ends[1]))
             return
         self._terms([low], None)
         name = self._call("up_to", site, str(low))

@@ -48,7 +48,8 @@ def conditioned(domain: Domain, condition: Condition) -> Domain:
     folder = domain.encodings / "conditions"
     read = (source for file in dict.fromkeys(files) for source in read_sources(folder / f"{file}.lp", domain.encodings))
     added = [Source(ADDED, " ".join(dict.fromkeys(asked)))] if asked else []
-    return replace(domain, program=Program(each_once((*domain.program.sources, *read, *added))), facts=facts)
+    program = Program(each_once((*domain.program.sources, *read, *added)))
+    return replace(domain, program=program, facts=facts, reduction=None)
 
 
 def _last_state(ends: Sequence[Ends], facts: Facts) -> tuple[Assignment, Sequence[Conjunction] | None]:

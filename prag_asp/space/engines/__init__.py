@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 
 from prag_asp.errors import EngineError, QueryError
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.processes.progress_events import Note
 from prag_asp.space import ENGINES
 from prag_asp.space.engines.engine import LEVELS, Draw, Engine, Level, MakeEngine, Progress
@@ -20,7 +20,7 @@ CHOICE, OTHERWISE = (
 
 
 def select(
-    name: str, model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
+    name: str, model: DomainLogic, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
 ) -> Engine:
     """Return the engine of a name.
 

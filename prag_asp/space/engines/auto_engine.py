@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeVar
 
 from prag_asp.errors import EngineError, LimitReached
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.processes.machine import usual_memory
 from prag_asp.processes.progress_events import Note
 from prag_asp.space.automaton.bounded_count import count_within
@@ -88,7 +88,7 @@ class AutoEngine:
     """
 
     def __init__(
-        self, model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
+        self, model: DomainLogic, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
     ) -> None:
         self._request = (model, level, progress, limits)
         growth = Growth(usual_memory() if limits.memory_bytes is None else limits.memory_bytes)
@@ -176,7 +176,7 @@ class AutoEngine:
 
 
 def searching_engine(
-    model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
+    model: DomainLogic, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
 ) -> ClingoEngine:
     """Return clingo, with a model counter beside it that counts as well where one is installed."""
     from prag_asp.logic.formula.counter import CountBeside, has_ganak

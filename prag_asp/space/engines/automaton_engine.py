@@ -10,7 +10,7 @@ from math import lcm
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step.transition import Transition
 from prag_asp.output.cache_files import cache_folder
 from prag_asp.processes.progress_events import stage
@@ -52,7 +52,7 @@ class AutomatonEngine:
 
     def __init__(
         self,
-        model: Model,
+        model: DomainLogic,
         level: Level,
         progress: Progress | None = None,
         limits: Limits = UNLIMITED,
@@ -313,7 +313,7 @@ class AutomatonEngine:
         return Weighed(NO_PATHS, Fraction(1, scale**length), ranking=words.weighing(whole))
 
 
-def _automaton_slot(model: Model, level: Level, merge: bool | None) -> AutomatonSlot | None:
+def _automaton_slot(model: DomainLogic, level: Level, merge: bool | None) -> AutomatonSlot | None:
     """Return the place in the cache for a level of a domain, or None where there is no cache."""
     folder = cache_folder()
     if folder is None:

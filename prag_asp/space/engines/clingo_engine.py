@@ -9,7 +9,7 @@ from weakref import WeakValueDictionary
 
 import clingo
 
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.ground.ground_step import unrolled
 from prag_asp.processes.progress_events import stage
 from prag_asp.processes.workers import uninterrupted
@@ -38,7 +38,7 @@ class ClingoEngine:
 
     def __init__(
         self,
-        model: Model,
+        model: DomainLogic,
         level: Level,
         progress: Progress | None = None,
         limits: Limits = UNLIMITED,

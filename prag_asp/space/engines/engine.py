@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal, Protocol
 
 import clingo
 
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.program.entity_names import action_name
 from prag_asp.space.limits import Limits
 
@@ -88,10 +88,10 @@ def name_in_prefix(item: str, letters: Container[str]) -> str | None:
     return None if item in letters else item
 
 
-MakeEngine = Callable[[Model, Level, "Progress | None", Limits], Engine]
+MakeEngine = Callable[[DomainLogic, Level, "Progress | None", Limits], Engine]
 
 
-def all_letters(model: Model, level: Level) -> dict[str, clingo.Symbol]:
+def all_letters(model: DomainLogic, level: Level) -> dict[str, clingo.Symbol]:
     """Return the letters of a level with their terms, in order: the texts of all actions tried, or their names."""
     actions = model.domain.facts.tried
     if level == "skeleton":

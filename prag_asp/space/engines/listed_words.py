@@ -5,13 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.space.engines.engine import Letters, Level, all_letters
 from prag_asp.space.weights.weights import Weighed, Weights, refuse_weights
 
 
 def weigh_words(
-    words: Iterable[Letters], letters: Letters, model: Model, level: Level, length: int, weights: Weights, goals: bool
+    words: Iterable[Letters],
+    letters: Letters,
+    model: DomainLogic,
+    level: Level,
+    length: int,
+    weights: Weights,
+    goals: bool,
 ) -> Weighed:
     """Return all words of a level and length with their weights; with `goals`, also the known final state of each.
 
@@ -36,7 +42,7 @@ def weigh_words(
 class NoWords:
     """The engine for lengths that no word of a level has; nothing is ground for it."""
 
-    model: Model
+    model: DomainLogic
     level: Level
 
     @property

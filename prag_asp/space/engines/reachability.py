@@ -14,7 +14,7 @@ import clingo
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step.packed import Rows
 from prag_asp.logic.step.transition import Transition
 from prag_asp.logic.symmetry.symmetries import Unit
@@ -106,7 +106,7 @@ class Explorer:
     Exploration stops if `hopeless` forecasts too many states, once it is decided whether states are merged.
     """
 
-    model: Model
+    model: DomainLogic
     level: Level
     tell: Callable[[str], None] | None = None
     merge: bool | None = None

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from functools import cached_property
 from itertools import islice
 
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.formula.clause_builder import TRUE
 from prag_asp.logic.formula.solver import Solver
 from prag_asp.processes.progress_events import stage
@@ -28,7 +28,7 @@ class SatEngine:
     """
 
     def __init__(
-        self, model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
+        self, model: DomainLogic, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
     ) -> None:
         self._model = model
         self._limits = limits

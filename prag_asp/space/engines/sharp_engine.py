@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import takewhile
 
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.formula.approximate import Estimate, Tolerance, estimate_models
 from prag_asp.logic.formula.counter import count_models, require_counter
 from prag_asp.processes.progress_events import stage
@@ -30,7 +30,7 @@ class SharpEngine:
     """
 
     def __init__(
-        self, model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
+        self, model: DomainLogic, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
     ) -> None:
         require_counter()
         self._progress = progress
@@ -101,7 +101,7 @@ class SharpEngine:
 
 
 def estimate_words(
-    model: Model,
+    model: DomainLogic,
     level: Level,
     length: int,
     prefix: Letters,

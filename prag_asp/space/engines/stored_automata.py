@@ -13,7 +13,7 @@ import clingo
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.symmetry.symmetries import Unit
 from prag_asp.output.digests import digest, files_digest
 from prag_asp.program.paths import PACKAGE
@@ -69,7 +69,7 @@ OF_TASKS = ("canonical_names", "joint_names", "closed_invariants")
 """The rules that select tasks among plans."""
 
 
-def automaton_slot(folder: Path, model: Model, level: str, merge: bool | None) -> AutomatonSlot | None:
+def automaton_slot(folder: Path, model: DomainLogic, level: str, merge: bool | None) -> AutomatonSlot | None:
     """Return the slot of a level of a domain in the cache folder, or None if the encodings cannot be read.
 
     The key covers all that the arrays depend on but the code: the program, what of it is never reached, the same
@@ -89,7 +89,7 @@ def automaton_slot(folder: Path, model: Model, level: str, merge: bool | None) -
     return AutomatonSlot(folder, digest(values))
 
 
-def _wholes(model: Model) -> Iterator[Model]:
+def _wholes(model: DomainLogic) -> Iterator[DomainLogic]:
     """Yield the models of which one is a part, a part of a part, and so on."""
     while model.part_of is not None:
         yield (model := model.part_of)

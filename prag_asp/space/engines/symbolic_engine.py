@@ -7,7 +7,7 @@ from fractions import Fraction
 from math import lcm, prod
 
 from prag_asp.errors import LimitReached
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.entity_names import action_name
 from prag_asp.space.automaton.automaton import NO_PATHS
@@ -31,7 +31,7 @@ class SymbolicEngine:
     """
 
     def __init__(
-        self, model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
+        self, model: DomainLogic, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
     ) -> None:
         self._answers: Engine
         if level == "skeleton":
@@ -82,7 +82,7 @@ class _PathEngine:
     """Answers for plans or tasks, each of which is one path of states."""
 
     def __init__(
-        self, model: Model, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
+        self, model: DomainLogic, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
     ) -> None:
         self._model = model
         self._level = level

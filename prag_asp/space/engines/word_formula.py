@@ -9,7 +9,7 @@ from functools import cached_property
 import clingo
 
 from prag_asp.errors import EngineError
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.formula.clause_builder import TRUE, Literal
 from prag_asp.logic.formula.cnf import Cnf, plan_cnf
 from prag_asp.program.predicates import OCCURS, STEP_NAME
@@ -85,7 +85,7 @@ class WordFormula:
         return found
 
 
-def word_formula(model: Model, level: Level, length: int) -> WordFormula:
+def word_formula(model: DomainLogic, level: Level, length: int) -> WordFormula:
     """Return the formula of the words of a level and a length.
 
     Raises:

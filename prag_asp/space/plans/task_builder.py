@@ -13,7 +13,7 @@ import numpy as np
 from prag_asp.atom import Atom, atom_of
 from prag_asp.batches import growing_batches
 from prag_asp.errors import EngineError
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step.hindsight import TRUE, UNKNOWN, Hindsight
 from prag_asp.logic.step.plan_states import PlanStates, SolvedPlanStates
 from prag_asp.program.entity_names import mentioned_entities
@@ -43,7 +43,7 @@ class _Action(NamedTuple):
 class TaskBuilder:
     """Builds the tasks of one domain from their plans; equal states, effects and goals are one object."""
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: DomainLogic) -> None:
         self._model = model
         self._plan_states = self._new_plan_states()
         self._states: list[Known] = []

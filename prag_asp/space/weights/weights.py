@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from prag_asp.errors import QueryError
 from prag_asp.integers import shortened
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.program.entity_names import action_name, mentioned_entities, refuse_ambiguous, shared_names
 from prag_asp.program.facts import Facts
 from prag_asp.program.predicates import FINDING, REQUEST
@@ -155,7 +155,7 @@ def _exponent(number: Number) -> int:
     return max(abs(number.numerator).bit_length(), number.denominator.bit_length()) * 3 // 10
 
 
-def refuse_weights(level: str, weights: Weights, model: Model, length: int) -> None:
+def refuse_weights(level: str, weights: Weights, model: DomainLogic, length: int) -> None:
     """Refuse weights that a level cannot have.
 
     Raises:

@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from prag_asp import EngineError, TaskSpace, load_domain
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.formula.clark_completion import complete
-from prag_asp.logic.formula.clause_builder import TRUE, Clauses
+from prag_asp.logic.formula.clause_builder import TRUE, ClauseBuilder
 from prag_asp.logic.formula.cnf import dimacs, plan_cnf
 from prag_asp.logic.formula.solver import Solver
 from prag_asp.logic.ground.program import whole_program
@@ -124,7 +124,7 @@ def test_an_atom_that_was_not_chosen_begins_nothing() -> None:
 @settings(max_examples=examples(300))
 @given(st.lists(st.tuples(st.integers(1, 4), st.integers(1, 5), st.booleans()), max_size=7), st.integers(-1, 20))
 def test_a_sum_is_a_function_of_its_literals(terms: list[tuple[int, int, bool]], bound: int) -> None:
-    clauses = Clauses()
+    clauses = ClauseBuilder()
     inputs = [clauses.fresh() for _ in range(4)]
     literals = [inputs[number - 1] * (1 if positive else -1) for number, _, positive in terms]
     output = clauses.at_least(bound, literals, [weight for _, weight, _ in terms])
@@ -136,7 +136,7 @@ def test_a_sum_is_a_function_of_its_literals(terms: list[tuple[int, int, bool]],
 
 
 def test_constants_leave_gates_without_variables() -> None:
-    clauses = Clauses()
+    clauses = ClauseBuilder()
     one = clauses.fresh()
     assert clauses.all_of([]) == clauses.any_of([one, TRUE]) == clauses.any_of([one, -one]) == TRUE
     assert clauses.any_of([]) == clauses.all_of([one, -TRUE]) == clauses.at_least(3, [one], [2]) == -TRUE
@@ -189,7 +189,7 @@ def test_an_external_atom_that_is_false_is_just_false() -> None:
 
 @pytest.mark.parametrize(("name", "length", "plans"), [("blocks", 3, 52), ("hanoi", 4, 46), ("prag", 2, 356)])
 def test_dimacs_says_how_many_plans_there_are_and_what_they_are(name: str, length: int, plans: int) -> None:
-    lines = list(dimacs(plan_cnf(Model(load_domain(name)).program, length), ["a comment"]))
+    lines = list(dimacs(plan_cnf(DomainLogic(load_domain(name)).program, length), ["a comment"]))
     assert lines[0] == "c a comment"
     assert words_of(lines, length) == plans
 

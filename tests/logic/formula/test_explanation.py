@@ -11,9 +11,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from prag_asp import load_domain
-from prag_asp.logic.domain_logic import Model
-from prag_asp.logic.formula.broken_constraints import reporting
-from prag_asp.logic.formula.clause_builder import Clauses
+from prag_asp.logic.domain_logic import DomainLogic
+from prag_asp.logic.formula.broken_constraints import report_violations
+from prag_asp.logic.formula.clause_builder import ClauseBuilder
 from prag_asp.logic.formula.explanation import Explanation, explain
 from prag_asp.logic.formula.solver import Solver, smallest_conflict
 from tests.brute_force import Toy, term
@@ -23,7 +23,7 @@ from tests.strategies import toys
 
 
 def why(domain: str, *plan: str, rules: tuple[str, ...] = ()) -> Explanation | None:
-    return explain(Model(load_domain(domain, rules=rules)), list(map(clingo.parse_term, plan)))
+    return explain(DomainLogic(load_domain(domain, rules=rules)), list(map(clingo.parse_term, plan)))
 
 
 @settings(max_examples=examples(50), suppress_health_check=list(HealthCheck))
@@ -32,7 +32,7 @@ def test_the_step_and_the_conflict_are_those_of_the_definition(toy: Toy, data: s
     number = st.integers(0, len(toy.actions) - 1)
     plan = tuple(data.draw(st.lists(number, max_size=4)))
     length = len(plan)
-    found = explain(Model(domain_of(toy.text(), "at_most")), [clingo.parse_term(term(toy, i)) for i in plan])
+    found = explain(DomainLogic(domain_of(toy.text(), "at_most")), [clingo.parse_term(term(toy, i)) for i in plan])
     plans = set(toy.plans(length))
     assert (found is None) == (plan in plans)
     if found is None:
@@ -105,7 +105,7 @@ def test_each_kind_of_reason_is_told(
     more: str, plan: str, step: int, reasons: list[str], conflict: tuple[int, ...]
 ) -> None:
     program = "#program base.\n" if more.startswith("initially") else ""
-    found = explain(Model(domain_of(TEXT + program + more)), [clingo.Function(action) for action in plan])
+    found = explain(DomainLogic(domain_of(TEXT + program + more)), [clingo.Function(action) for action in plan])
     assert found is not None
     assert (found.step, found.conflict) == (step, conflict)
     assert len(found.reasons) == len(reasons)
@@ -116,12 +116,14 @@ def test_each_kind_of_reason_is_told(
 def test_constraints_that_forbid_only_together_are_told_together() -> None:
     """A coin that falls either way: each constraint leaves one side."""
     text = TEXT + "#program step(t). { coin(t) }.\n:- coin(t), occurs(a,t).\n:- not coin(t), occurs(a,t)."
-    found = explain(Model(domain_of(text)), [clingo.Function("a")])
+    found = explain(DomainLogic(domain_of(text)), [clingo.Function("a")])
     assert found is not None and len(found.reasons) == 2 and found.conflict == (1,)
 
 
 def test_a_tracked_program_keeps_all_that_is_no_constraint() -> None:
-    program = reporting(domain_of(TEXT + "#program step(t). x(t) :- occurs(a,t). not x(t) :- occurs(b,t).").program)
+    program = report_violations(
+        domain_of(TEXT + "#program step(t). x(t) :- occurs(a,t). not x(t) :- occurs(b,t).").program
+    )
     assert "x(t) :- occurs(a,t)." in program.program.text
     assert "not x(t) :- occurs(b,t)." in program.program.text
     assert "#false" not in program.program.text
@@ -134,7 +136,7 @@ CLAUSES = st.lists(st.lists(st.integers(1, 6).flatmap(lambda v: st.sampled_from(
 @given(CLAUSES)
 def test_a_smallest_conflict_is_one_and_none_is_smaller(given_clauses: list[list[int]]) -> None:
     literals = [1, -2, 3, 4, -5, 6]
-    clauses = Clauses()
+    clauses = ClauseBuilder()
     for clause in given_clauses:
         clauses.add(*(literal + (1 if literal > 0 else -1) for literal in clause))
     shifted = [literal + (1 if literal > 0 else -1) for literal in literals]

@@ -6,8 +6,14 @@ from math import comb
 
 import pytest
 
-from prag_asp import EngineError, TaskSpace
-from prag_asp.logic.domain_logic import Model
+from prag_asp import EngineError, TaskSpace, load_domain
+from prag_asp.logic import domain_logic
+from prag_asp.logic.domain_logic import DomainLogic
+from prag_asp.logic.ground.ground_step import GroundStep, extend_step, ground_step
+from prag_asp.logic.ground.program import canonical_extension
+from prag_asp.logic.ground.stationary import StepReads
+from prag_asp.program.facts import Facts
+from prag_asp.program.sources import Program
 from tests.domains import domain_of
 from tests.spaces import with_engines
 
@@ -50,7 +56,7 @@ def test_what_a_step_doubles_is_told_before_it_fills_the_memory() -> None:
 
 @pytest.mark.slow
 def test_a_counter_with_a_bound_is_carried_as_far_as_that() -> None:
-    model = Model(domain_of(counter(", N < 150", 150)))
+    model = DomainLogic(domain_of(counter(", N < 150", 150)))
     assert not model.ground.obstacles
     assert sum(symbol.name == "n" for symbol in model.ground.before) == 151
     space = TaskSpace(model.domain, 160, engine="automaton")
@@ -64,8 +70,47 @@ def test_what_only_several_carried_atoms_make_together_is_found() -> None:
     s(t) :- r(t-1), not p(t-1). s(t) :- r(t-1), occurs(a,t). :- s(t-1), occurs(b,t).
     """
     domain = domain_of(TWO + "\n#program step(t).\n" + rules)
-    names = {symbol.name for symbol in Model(domain).ground.before}
+    names = {symbol.name for symbol in DomainLogic(domain).ground.before}
     assert names >= {"p", "q", "r", "s"}
     automaton, clingo = with_engines(domain, "automaton", "clingo")
     for length in range(7):
         assert automaton.at(length).count("plan") == clingo.at(length).count("plan")
+
+
+NAMED = """class(cup). entity((a; b; c), cup). fluent(full(X)) :- is_a(X,cup). action(fill(X)) :- is_a(X,cup).
+precondition(fill(X),full(X),false) :- action(fill(X)). postcondition(fill(X),full(X),true) :- action(fill(X)).
+initially(F,false) :- fluent(F).
+"""
+READING = '#include "rules/canonical_names.lp".'
+"""Rules over what the library adds for tasks: they have to be ground together with it."""
+
+
+@pytest.mark.parametrize(("rules", "extended"), [("", True), (READING, False)], ids=["plain", "reading"])
+def test_the_rules_of_tasks_are_ground_on_top_of_the_step_of_plans_unless_a_rule_reads_them(
+    rules: str, extended: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    steps: list[GroundStep] = []
+
+    def ground_step_once(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
+        steps.append(ground_step(program, facts, reads))
+        return steps[-1]
+
+    monkeypatch.setattr(domain_logic, "ground_step", ground_step_once)
+    logic = DomainLogic(load_domain(text=NAMED + rules))
+    transition = logic.transition(tasks=True)
+    assert logic.groups(0) and len(steps) == (1 if extended else 2)
+    whole = ground_step(logic.task_program(0), logic.domain.facts, logic._reads(logic.task_program(0)))
+    ground = transition.step.ground
+    assert ground.before.keys() == whole.before.keys() and ground.now.keys() == whole.now.keys()
+    assert ground.initial == whole.initial and ground.obstacles == whole.obstacles == ()
+    automaton, clingo = with_engines(logic.domain, "automaton", "clingo")
+    assert [automaton.at(k).count() for k in range(5)] == [clingo.at(k).count() for k in range(5)] == [1, 1, 1, 1, 0]
+
+
+def test_a_step_is_extended_once() -> None:
+    logic = DomainLogic(load_domain(text=NAMED))
+    extension = canonical_extension(logic.domain, logic.groups(0))
+    assert extension is not None
+    reads = logic._reads(logic.task_program(0))
+    assert extend_step(logic.ground, *extension, reads) is not None
+    assert extend_step(logic.ground, *extension, reads) is None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from prag_asp import EngineError, TaskSpace
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from tests.domains import domain_of
 
 TWO = "fluent(f). action(a). action(b). postcondition(a,f,true). postcondition(b,f,false). initially(f,false).\n"
@@ -48,7 +48,8 @@ def test_whatever_form_an_atom_of_the_step_before_has_it_is_carried_along(rules:
 def test_a_rule_that_differs_between_steps_is_told_with_its_line(rule: str, told: str) -> None:
     domain = domain_of(TWO + "#program step(t).\n" + rule)
     assert [
-        told in str(obstacle.error()) and ".lp:" in obstacle.place for obstacle in Model(domain).reads.obstacles[:1]
+        told in str(obstacle.error()) and ".lp:" in obstacle.place
+        for obstacle in DomainLogic(domain).reads.obstacles[:1]
     ] == [True]
     with pytest.raises(EngineError):
         TaskSpace(domain, 2, engine="automaton").count("plan")
@@ -61,4 +62,4 @@ def test_what_is_strongly_negated_is_left_to_clingo() -> None:
 
 def test_names_and_strings_that_look_like_the_number_of_the_step_are_none() -> None:
     rules = 'q("t",tt,t) :- occurs(a,t).\nr(t(1),t) :- occurs(b,t).\n:- q(_,T,t-1), r(_,t-1), T = tt.'
-    assert not Model(domain_of(TWO + "#program step(t).\n" + rules)).reads.obstacles
+    assert not DomainLogic(domain_of(TWO + "#program step(t).\n" + rules)).reads.obstacles

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from tests.domains import domain_of
 
 ONE_PLACE = """
@@ -16,7 +16,7 @@ EXCLUSIVE = "exclusive(at(P),at(Q)) :- place(P), place(Q), P < Q. "
 
 
 def fluents(text: str) -> set[str]:
-    variables = Model(domain_of(text)).transition(tasks=False).variables
+    variables = DomainLogic(domain_of(text)).transition(tasks=False).variables
     return {str(variable.arguments[0]) for variable in variables if variable.name == "holds"}
 
 

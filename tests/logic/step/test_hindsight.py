@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from prag_asp import Atom, TaskSpace
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step.hindsight import solved_states
 from tests.brute_force import Action, State, Toy, agrees, term
 from tests.chance import examples
@@ -52,7 +52,7 @@ def test_solving_the_whole_plan_tells_the_same_as_evaluating_its_steps(toy: Toy,
     (task,) = TaskSpace(domain, 3).tasks_of_plans(iter([plan]))
     actions = {str(action): action for action in domain.facts.actions}
     fluents = domain.facts.fluents
-    solved = solved_states(Model(domain).program, tuple(actions[text] for text in plan), fluents).T
+    solved = solved_states(DomainLogic(domain).program, tuple(actions[text] for text in plan), fluents).T
     spelled = [{str(f): value == 1 for f, value in zip(fluents, row, strict=True) if value >= 0} for row in solved]
     assert spelled == [{str(f): v for f, v in state.items()} for state in (task.initial, *task.states)]
 

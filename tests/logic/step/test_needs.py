@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from prag_asp import TaskSpace
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step import needs, transition
 from prag_asp.logic.step.needs import Needs
-from prag_asp.logic.step.normal import Body
+from prag_asp.logic.step.normal import RuleBody
 from tests.brute_force import Toy, term
 from tests.chance import examples
 from tests.domains import domain_of
@@ -34,8 +34,8 @@ def test_an_action_is_passed_over_where_each_state_has_a_literal_that_forbids_it
     columns = {atom: np.array(data.draw(st.lists(st.booleans(), min_size=states, max_size=states))) for atom in (7, 8)}
     literals = st.sampled_from([7, -7, 8, -8])
     pairs = data.draw(st.lists(st.tuples(st.integers(1, actions), literals), max_size=8))
-    bodies = [Body(pair if data.draw(st.booleans()) else pair[::-1]) for pair in pairs]
-    others = [Body((1,)), Body((2, 7, 8)), Body((7, 8)), Body((1, 9)), Body((1, 7), 1, (1, 1))]
+    bodies = [RuleBody(pair if data.draw(st.booleans()) else pair[::-1]) for pair in pairs]
+    others = [RuleBody((1,)), RuleBody((2, 7, 8)), RuleBody((7, 8)), RuleBody((1, 9)), RuleBody((1, 7), 1, (1, 1))]
     found = Needs.of([*bodies, *others], range(1, actions + 1), {7, 8}).met(columns.__getitem__, states)
     expected = [
         any(
@@ -53,7 +53,7 @@ def test_of_thousands_of_moves_only_those_that_can_begin_are_prepared() -> None:
     action(go(P,Q)) :- place(P), place(Q), P != Q. precondition(go(P,Q),at(P),true) :- action(go(P,Q)).
     postcondition(go(P,Q),at(P),false; go(P,Q),at(Q),true) :- action(go(P,Q)).
     """
-    step = Model(domain_of(text)).transition(tasks=False)
+    step = DomainLogic(domain_of(text)).transition(tasks=False)
     assert [str(step.actions[each.letter]) for each in step.expand(step.initial)] == [
         f"go(1,{q})" for q in range(2, 61)
     ]

@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from prag_asp import TaskSpace
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step import relaxation
 from prag_asp.logic.step.packed import Rows
 from prag_asp.logic.step.relaxation import relax
@@ -61,7 +61,7 @@ def test_no_state_is_held_to_be_farther_from_the_end_than_it_is(toy: Toy, data: 
     known = st.dictionaries(st.integers(0, toy.fluents - 1), st.booleans(), min_size=1, max_size=3)
     toy = replace(toy, goal=data.draw(known))
     domain = domain_of(toy.text() + "#program base.\n" + entities(toy), "at_most")
-    check_that_none_is_held_to_be_farther_than_it_is(Model(domain).transition(tasks=False))
+    check_that_none_is_held_to_be_farther_than_it_is(DomainLogic(domain).transition(tasks=False))
     asked = data.draw(st.lists(clauses(toy), min_size=1, max_size=2))
     space = TaskSpace(domain, 0).where(*(clause.words for clause in asked))
     check_that_none_is_held_to_be_farther_than_it_is(space.engines.model.transition(tasks=False))
@@ -76,7 +76,7 @@ postcondition(go(stop(I)),at(stop(I-1)),false) :- I=2..9.
 
 
 def test_one_thing_on_a_track_is_as_far_from_the_end_as_there_are_stops() -> None:
-    transition = Model(domain_of(TRACK)).transition(tasks=False)
+    transition = DomainLogic(domain_of(TRACK)).transition(tasks=False)
     rows, _ = distances(transition)
     nearest = [next(left for left in range(20) if relax(transition).within(row[None], left)[0][0]) for row in rows]
     assert nearest == [8, 7, 6, 5, 4, 3, 2, 1, 0]
@@ -109,5 +109,5 @@ link(X,Y,t) :- holds(link(X,Y),true,t). link(X,Y,t) :- link(Y,X,t). link(Y,X,t) 
 @pytest.mark.parametrize("rounds", [16, 2])
 def test_atoms_that_derive_each_other_hold_nobody_back(rounds: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(relaxation, "MOST_ROUNDS", rounds)
-    transition = Model(domain_of(DERIVED.replace("K", "4"))).transition(tasks=False)
+    transition = DomainLogic(domain_of(DERIVED.replace("K", "4"))).transition(tasks=False)
     check_that_none_is_held_to_be_farther_than_it_is(transition)

@@ -11,8 +11,8 @@ import pytest
 from prag_asp import TaskSpace
 from prag_asp.logic.ground.program import closed_program
 from prag_asp.logic.ground.rules import Rule
-from prag_asp.logic.symmetry.asymmetric_invariants import stated_unevenly
-from prag_asp.logic.symmetry.fact_propagation import settled_rules
+from prag_asp.logic.symmetry.asymmetric_invariants import states_unevenly
+from prag_asp.logic.symmetry.fact_propagation import propagate_facts
 from tests.chance import Chance
 from tests.domains import domain_of
 
@@ -80,8 +80,8 @@ def test_tasks_under_an_exclusion_that_is_said_again() -> None:
 ])  # fmt: skip
 def test_invariants_are_uneven_where_more_is_said_of_some(invariants: str, *, uneven: bool) -> None:
     facts = domain_of(THINGS + invariants).facts
-    assert stated_unevenly(facts, ()) == uneven
-    assert not stated_unevenly(facts, [sorted(facts.entities)])
+    assert states_unevenly(facts, ()) == uneven
+    assert not states_unevenly(facts, [sorted(facts.entities)])
 
 
 def test_what_a_rule_of_the_author_reads_is_not_stated_more_often() -> None:
@@ -130,6 +130,6 @@ def test_settled_rules_have_the_same_answer_sets(chance: Chance) -> None:
     for number in range(chance.examples(300)):
         drawn = chance.generator(number)
         rules = [drawn_rule(drawn) for _ in range(drawn.randint(1, 9))]
-        settled, facts = settled_rules(rules)
+        settled, facts = propagate_facts(rules)
         assert answer_sets(settled) == answer_sets(rules), rules
         assert not any(abs(literal) in facts for rule in settled for literal in rule.body), rules

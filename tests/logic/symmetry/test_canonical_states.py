@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step.packed import pack, unpack
 from prag_asp.logic.step.transition import Transition
 from prag_asp.logic.symmetry.canonical_states import Merging, find_merging
@@ -29,7 +29,7 @@ action(flip(F)) :- fluent(F). precondition(flip(F),F,false) :- fluent(F). postco
 
 
 def parts() -> tuple[Transition, Merging]:
-    model = Model(domain_of(TEXT))
+    model = DomainLogic(domain_of(TEXT))
     transition = model.transition(tasks=False)
     groups = model.symmetries(0).innermost
     assert [len(group) for group in groups] == [4, 2]
@@ -122,7 +122,7 @@ def test_patterns_say_where_renamings_are_missing() -> None:
 
 
 def test_patterns_with_too_many_codes_for_a_table_are_searched() -> None:
-    from prag_asp.logic.symmetry import patterns as module
+    from prag_asp.logic.symmetry import term_patterns as module
 
     entities = [clingo.Function(f"e{number}") for number in range(400)]
     units = [(entity,) for entity in entities]

@@ -62,9 +62,7 @@ def pairs(word: Iterable[str]) -> set[str]:
     return {">".join(pair) for pair in pairwise(names(word))}
 
 
-def lived(
-    course: TaskSampler, space: TaskSpace, episodes: int, good: Callable[[int], bool]
-) -> list[Proposal]:
+def lived(course: TaskSampler, space: TaskSpace, episodes: int, good: Callable[[int], bool]) -> list[Proposal]:
     """Return what a course offers while episodes end as `good` says; every fifth task is not feasible."""
     found, pool = [], TaskPool(space)
     for number in range(episodes):

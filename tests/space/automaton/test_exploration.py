@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from prag_asp import load_domain
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step.packed import unpack
 from prag_asp.logic.step.transition import Transition
 from prag_asp.space.automaton import exploration as exploring
@@ -24,7 +24,7 @@ precondition(off(L),lit(L),true) :- entity(L,_). postcondition(off(L),lit(L),fal
 
 
 def lamps(number: int) -> Transition:
-    return Model(domain_of(LAMPS.replace("K", str(number)))).transition(tasks=False)
+    return DomainLogic(domain_of(LAMPS.replace("K", str(number)))).transition(tasks=False)
 
 
 def one_by_one(transition: Transition, length: int) -> tuple[list[tuple[int, ...]], list[tuple[int, int, int]]]:
@@ -52,7 +52,7 @@ def iter_growing(states: dict[tuple[int, ...], int]) -> list[tuple[int, ...]]:
 @pytest.mark.parametrize("name", ["prag", "blocks", "hanoi"])
 @pytest.mark.parametrize("tasks", [True, False])
 def test_states_and_edges_come_in_the_order_of_a_plain_search(name: str, tasks: bool) -> None:
-    transition = Model(load_domain(name)).transition(tasks=tasks)
+    transition = DomainLogic(load_domain(name)).transition(tasks=tasks)
     states, edges = one_by_one(transition, 4)
     automaton = explore(transition, 4).automaton
     found = zip(automaton.sources.tolist(), automaton.letters.tolist(), automaton.targets.tolist(), strict=True)
@@ -61,7 +61,7 @@ def test_states_and_edges_come_in_the_order_of_a_plain_search(name: str, tasks: 
 
 
 def test_how_many_states_are_expanded_together_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    transition = Model(load_domain("blocks")).transition(tasks=False)
+    transition = DomainLogic(load_domain("blocks")).transition(tasks=False)
     whole = explore(transition, 20).automaton
     monkeypatch.setattr(exploring, "MOST", 3)
     monkeypatch.setattr(exploring, "FEWEST", 1)
@@ -106,7 +106,9 @@ def test_an_exploration_that_is_stopped_has_only_words_that_there_are() -> None:
 
 
 def test_a_domain_whose_state_is_empty_has_one_state() -> None:
-    transition = Model(domain_of("fluent(f). action(a). action(b). postcondition(a,f,true).")).transition(tasks=False)
+    transition = DomainLogic(domain_of("fluent(f). action(a). action(b). postcondition(a,f,true).")).transition(
+        tasks=False
+    )
     assert not transition.variables
     automaton = explore(transition, 3).automaton
     assert automaton.states == 1 and automaton.letters.tolist() == [0, 1] and automaton.horizon is None

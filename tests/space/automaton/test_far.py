@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from prag_asp import TaskSpace
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step.packed import Rows
 from prag_asp.logic.step.relaxation import Relaxation
 from prag_asp.space.automaton import exploration as exploring
@@ -43,7 +43,7 @@ def leaving(many: int) -> Iterator[None]:
         yield
 
 
-def explored_engine(many: int, model: Model, level: Level, length: int, merge: bool = False) -> AutomatonEngine:
+def explored_engine(many: int, model: DomainLogic, level: Level, length: int, merge: bool = False) -> AutomatonEngine:
     engine = AutomatonEngine(model, level, merge=merge)
     with leaving(many):
         engine.explored(length)
@@ -57,7 +57,7 @@ def drawn(many: int, engine: AutomatonEngine, level: Level, length: int, weights
 
 
 def check_that_nothing_is_lost(
-    model: Model, level: Level, length: int, merge: bool, weights: Weights, seed: int
+    model: DomainLogic, level: Level, length: int, merge: bool, weights: Weights, seed: int
 ) -> None:
     whole, cut = (explored_engine(many, model, level, length, merge) for many in (NEVER, ALWAYS))
     for shorter in range(length + 1):
@@ -79,7 +79,7 @@ def check_that_nothing_is_lost(
 def test_random_domains_with_goals_have_the_plans_of_brute_force(toy: Toy, data: st.DataObject) -> None:
     known = st.dictionaries(st.integers(0, toy.fluents - 1), st.booleans(), min_size=1, max_size=3)
     toy = replace(toy, goal=data.draw(known))
-    model = Model(domain_of(toy.text(), "at_most"))
+    model = DomainLogic(domain_of(toy.text(), "at_most"))
     plans, skeletons = explored_engine(ALWAYS, model, "plan", 4), explored_engine(ALWAYS, model, "skeleton", 4)
     for length in (4, 3, 2):
         expected = {tuple(term(toy, i) for i in plan) for plan in toy.plans(length)}
@@ -90,7 +90,7 @@ def test_random_domains_with_goals_have_the_plans_of_brute_force(toy: Toy, data:
 @settings(max_examples=examples(15), suppress_health_check=list(HealthCheck))
 @given(symmetric_texts(), st.sampled_from(LEVELS), st.booleans(), st.integers(0, 99))
 def test_random_symmetric_domains_with_goals_are_the_same(text: str, level: Level, merge: bool, seed: int) -> None:
-    model = Model(domain_of(text + "#program base. goal(p(x(1)),true). goal(q(x(1)),false).\n"))
+    model = DomainLogic(domain_of(text + "#program base. goal(p(x(1)),true). goal(q(x(1)),false).\n"))
     names = sorted({str(action).partition("(")[0] for action in model.domain.facts.actions})
     weights = parse_weights({names[0]: 3, f"{names[0]}>{names[-1]}": "2/5"}, model.domain.facts)
     check_that_nothing_is_lost(model, level, 3, merge, weights, seed)
@@ -116,7 +116,7 @@ postcondition(go(A,B),at(A),false) :- action(go(A,B)). postcondition(go(A,B),at(
 
 
 def test_on_the_shortest_ways_no_step_leads_away(monkeypatch: pytest.MonkeyPatch) -> None:
-    transition = Model(domain_of(GRID.replace("W", "5"))).transition(tasks=False)
+    transition = DomainLogic(domain_of(GRID.replace("W", "5"))).transition(tasks=False)
     monkeypatch.setattr(exploring, "MANY", ALWAYS)
     for length, near in ((7, 0), (8, 24)):
         explored = explore(transition, length).automaton
@@ -126,7 +126,7 @@ def test_on_the_shortest_ways_no_step_leads_away(monkeypatch: pytest.MonkeyPatch
 
 
 def test_a_longer_question_explores_what_a_shorter_one_left(monkeypatch: pytest.MonkeyPatch) -> None:
-    model = Model(domain_of(GRID.replace("W", "4")))
+    model = DomainLogic(domain_of(GRID.replace("W", "4")))
     monkeypatch.setattr(exploring, "MANY", ALWAYS)
     cut = AutomatonEngine(model, "plan", merge=False)
     monkeypatch.setattr(exploring, "MANY", NEVER)
@@ -143,7 +143,7 @@ def test_what_is_kept_for_a_length_is_not_taken_for_a_longer_one(
     monkeypatch.setenv("PRAG_ASP_CACHE", str(tmp_path))
     monkeypatch.setattr("prag_asp.space.engines.automaton_engine.WORTH_KEEPING", 0)
     monkeypatch.setattr(exploring, "MANY", ALWAYS)
-    model = Model(domain_of(GRID.replace("W", "3")))
+    model = DomainLogic(domain_of(GRID.replace("W", "3")))
     counts = [AutomatonEngine(model, "plan").count(length) for length in (4, 6, 4, 8, 6)]
     monkeypatch.setattr(exploring, "MANY", NEVER)
     monkeypatch.setenv("PRAG_ASP_CACHE", "")
@@ -151,7 +151,7 @@ def test_what_is_kept_for_a_length_is_not_taken_for_a_longer_one(
 
 
 def test_a_layer_whose_first_states_are_near_is_not_looked_at_any_more(monkeypatch: pytest.MonkeyPatch) -> None:
-    transition = Model(domain_of(GRID.replace("W", "5"))).transition(tasks=False)
+    transition = DomainLogic(domain_of(GRID.replace("W", "5"))).transition(tasks=False)
     monkeypatch.setattr(exploring, "MANY", ALWAYS)
     monkeypatch.setattr(exploring, "FEWEST", 1)
     monkeypatch.setattr(exploring, "MOST", 1)

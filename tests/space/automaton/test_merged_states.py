@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from prag_asp import TaskSpace, load_domain
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.space.engines import LEVELS, Level
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.engines.reachability import equal_groups
@@ -27,15 +27,17 @@ SHOWN, UNITS = 300, 40
 
 
 @cache
-def shipped(name: str) -> Model:
-    return Model(load_domain(name))
+def shipped(name: str) -> DomainLogic:
+    return DomainLogic(load_domain(name))
 
 
 def states_of(engine: AutomatonEngine, length: int) -> int:
     return engine.explored(length).completions.automaton.states
 
 
-def check_that_merging_changes_nothing(model: Model, level: Level, length: int, seed: int, weights: Weights) -> None:
+def check_that_merging_changes_nothing(
+    model: DomainLogic, level: Level, length: int, seed: int, weights: Weights
+) -> None:
     plain, merged = (AutomatonEngine(model, level, merge=merge) for merge in (False, True))
     assert [merged.count(k) for k in range(length + 1)] == [plain.count(k) for k in range(length + 1)]
     assert states_of(merged, length) <= states_of(plain, length) or level == "skeleton"
@@ -87,7 +89,7 @@ def test_shipped_domains_are_the_same_merged_or_not(
 @settings(max_examples=examples(30), suppress_health_check=list(HealthCheck))
 @given(symmetric_texts(), st.sampled_from(LEVELS), st.integers(0, 99))
 def test_random_symmetric_domains_are_the_same_merged_or_not(text: str, level: Level, seed: int) -> None:
-    model = Model(domain_of(text))
+    model = DomainLogic(domain_of(text))
     names = sorted({str(action).partition("(")[0] for action in model.domain.facts.actions})
     given = {"c": "2/3", names[0]: 3, f"{names[0]}>{names[-1]}": 5}
     check_that_merging_changes_nothing(model, level, 3, seed, parse_weights(given, model.domain.facts))
@@ -124,7 +126,7 @@ def stirling(n: int, k: int) -> int:
 
 @pytest.mark.parametrize("lamps", [2, 5, 100])
 def test_a_hundred_interchangeable_lamps_have_the_counts_of_the_formulas(lamps: int) -> None:
-    model = Model(domain_of(LAMPS.replace("K", str(lamps))))
+    model = DomainLogic(domain_of(LAMPS.replace("K", str(lamps))))
     plans, tasks = (AutomatonEngine(model, level, merge=True) for level in ("plan", "task"))
     for length in (1, 3, 15):
         assert plans.count(length) == lamps**length
@@ -134,7 +136,7 @@ def test_a_hundred_interchangeable_lamps_have_the_counts_of_the_formulas(lamps: 
 
 
 def test_a_space_that_outgrows_plain_arrays_is_merged_by_itself() -> None:
-    model = Model(domain_of(LAMPS.replace("K", "12")))
+    model = DomainLogic(domain_of(LAMPS.replace("K", "12")))
     engine = AutomatonEngine(model, "plan")
     assert engine.explored(4).merged is None
     assert engine.count(15) == 12**15
@@ -162,9 +164,9 @@ def partitions(n: int, k: int) -> int:
 
 def test_states_that_relate_entities_of_one_class_are_merged_to_their_shapes() -> None:
     # Single blocks are put on towers: what a state is up to renaming is a partition of the blocks into towers.
-    engine = AutomatonEngine(Model(domain_of(STACKS.replace("K", "12"))), "plan", merge=True)
-    plain = AutomatonEngine(Model(domain_of(STACKS.replace("K", "5"))), "plan", merge=False)
-    small = AutomatonEngine(Model(domain_of(STACKS.replace("K", "5"))), "plan", merge=True)
+    engine = AutomatonEngine(DomainLogic(domain_of(STACKS.replace("K", "12"))), "plan", merge=True)
+    plain = AutomatonEngine(DomainLogic(domain_of(STACKS.replace("K", "5"))), "plan", merge=False)
+    small = AutomatonEngine(DomainLogic(domain_of(STACKS.replace("K", "5"))), "plan", merge=True)
     assert states_of(engine, 11) == sum(partitions(12, k) for k in range(1, 13))
     assert [small.count(n) for n in range(6)] == [plain.count(n) for n in range(6)]
     assert engine.count(1) == 12 * 11 and engine.count(12) == 0
@@ -183,7 +185,7 @@ precondition(drop(B),up(B),true) :- entity(B,cube). postcondition(drop(B),up(B),
 
 def test_states_are_merged_up_to_whole_units() -> None:
     """All that is left of cups with their own saucers is how many stand there: up to 8 of 60, and 0 to 2 cubes up."""
-    many, few = (Model(domain_of(SETS.replace("K", str(cups)))) for cups in (60, 8))
+    many, few = (DomainLogic(domain_of(SETS.replace("K", str(cups)))) for cups in (60, 8))
     merged = AutomatonEngine(many, "plan", merge=True)
     assert states_of(merged, 8) == sum(cups + cubes <= 8 for cups in range(9) for cubes in range(3))
     assert merged.count(2) == 60 * (59 + 1 + 2) + 2 * (60 + 1 + 1)

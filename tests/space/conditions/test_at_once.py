@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from prag_asp import QueryError, TaskSpace, load_domain
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from tests.domains import domain_of
 
 LATE = ["after 100000000: open(panda)", "has at least 4 grasp", "begins grasp, grasp, grasp, grasp"]
@@ -20,7 +20,7 @@ def test_a_condition_that_needs_more_actions_is_answered_without_grounding(
     def never(*_: object) -> None:
         raise AssertionError("something was ground")
 
-    monkeypatch.setattr(Model, "ground", property(never))
+    monkeypatch.setattr(DomainLogic, "ground", property(never))
     for level in ("plan", "task", "skeleton"):
         assert space.count(level) == 0  # type: ignore[arg-type]
         assert not list(space.enumerate(level))  # type: ignore[arg-type]

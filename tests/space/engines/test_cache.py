@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from prag_asp import TaskSpace, load_domain
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.output.cache_files import cache_folder
 from prag_asp.space.engines import cache, stored_automata
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
@@ -164,10 +164,10 @@ def test_a_second_run_answers_the_same_without_grounding_a_step(folder: Path, mo
 
 @pytest.mark.parametrize("level", ["plan", "task"])
 def test_merged_states_are_kept_as_well(folder: Path, level: str) -> None:
-    model = Model(load_domain("blocks"))
+    model = DomainLogic(load_domain("blocks"))
     first = AutomatonEngine(model, level, merge=True)
     words = list(first.words(6))
-    again = AutomatonEngine(Model(load_domain("blocks")), level, merge=True)
+    again = AutomatonEngine(DomainLogic(load_domain("blocks")), level, merge=True)
     assert again.explored(6).merged is not None and list(again.words(6)) == words
     assert [again.rank(word) for word in words[:40]] == list(range(40))
     assert AutomatonEngine(model, level, merge=False).explored(6).merged is None
@@ -175,10 +175,10 @@ def test_merged_states_are_kept_as_well(folder: Path, level: str) -> None:
 
 @pytest.mark.parametrize("level", ["plan", "task"])
 def test_states_merged_by_units_are_kept_with_their_units(folder: Path, level: str) -> None:
-    plain = AutomatonEngine(Model(domain_of(SAUCERS)), level, merge=False)
+    plain = AutomatonEngine(DomainLogic(domain_of(SAUCERS)), level, merge=False)
     words = list(plain.words(4))
     for _ in range(2):
-        engine = AutomatonEngine(Model(domain_of(SAUCERS)), level, merge=True)
+        engine = AutomatonEngine(DomainLogic(domain_of(SAUCERS)), level, merge=True)
         merged = engine.explored(4).merged
         assert merged is not None and [len(unit) for units in merged.groups for unit in units] == [2, 2, 2]
         assert list(engine.words(4)) == words
@@ -220,7 +220,7 @@ def test_arrays_that_do_not_make_an_automaton_are_not_believed(folder: Path) -> 
     key = files(folder)[0].stem
     entry = read_entry(folder, key, ENTRY.arrays)
     assert entry is not None
-    shelf = stored_automata.automaton_slot(folder, Model(domain), "plan", None)
+    shelf = stored_automata.automaton_slot(folder, DomainLogic(domain), "plan", None)
     assert shelf is not None and shelf.key == key and shelf.read() is not None
     for name, array in entry.arrays.items():
         for wrong in (array[:-1], array.astype(np.int64) + 10**6, array.reshape(1, -1)):

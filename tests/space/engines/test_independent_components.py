@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from prag_asp import LimitReached, Limits, QueryError, TaskSpace
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step import independent
 from prag_asp.logic.step.independent import independent_parts
 from prag_asp.program.entity_names import action_name
@@ -89,7 +89,7 @@ def test_two_domains_side_by_side_have_the_plans_of_brute_force(
     toy = beside(small(both[0]), small(both[1]), other_names)
     if not over_time:
         toy = replace(toy, never_after=(), at_most={})
-    model = Model(domain_of(toy.text(), "at_most"))
+    model = DomainLogic(domain_of(toy.text(), "at_most"))
     engines = {level: AutomatonEngine(model, level) for level in LEVELS}
     with wherever_possible():
         for length in range(5):
@@ -176,7 +176,7 @@ def test_few_states_are_explored_together_as_they_always_were() -> None:
 def test_words_of_two_domains_side_by_side_are_those_of_the_whole(
     both: tuple[Toy, Toy], other_names: bool, prefix: list[str], seed: int
 ) -> None:
-    model = Model(domain_of(beside(small(both[0]), small(both[1]), other_names).text(), "at_most"))
+    model = DomainLogic(domain_of(beside(small(both[0]), small(both[1]), other_names).text(), "at_most"))
     weights = parse_weights(
         {name: f"{number}/3" for number, name in enumerate(sorted(names_of(model)))}, model.domain.facts
     )
@@ -195,7 +195,7 @@ def test_words_of_two_domains_side_by_side_are_those_of_the_whole(
                     assert drawn(apart, length, weigh, seed) == drawn(whole, length, weigh, seed)
 
 
-def names_of(model: Model) -> set[str]:
+def names_of(model: DomainLogic) -> set[str]:
     return set(map(action_name, model.domain.facts.declared_actions))
 
 
@@ -210,7 +210,7 @@ def drawn(engine: AutomatonEngine, length: int, weights: Weights, seed: int) -> 
 
 
 def test_words_that_differ_in_one_action_are_told_from_words_of_the_whole() -> None:
-    model = Model(domain_of(ROOMS.replace("K", "3")))
+    model = DomainLogic(domain_of(ROOMS.replace("K", "3")))
     whole = AutomatonEngine(model, "plan", merge=False)
     with wherever_possible():
         apart = AutomatonEngine(model, "plan")
@@ -238,7 +238,7 @@ def test_plans_of_twelve_rooms_are_drawn_each_with_its_probability(
 
 
 def test_a_part_that_is_large_itself_is_found_in_the_whole() -> None:
-    model = Model(domain_of(ROOMS.replace("K", "3")))
+    model = DomainLogic(domain_of(ROOMS.replace("K", "3")))
     with wherever_possible(), pytest.MonkeyPatch.context() as patch:
         patch.setattr("prag_asp.space.engines.independent_components.LARGE_PART", 0)
         assert isinstance(AutomatonEngine(model, "plan").known(4), Reach)
@@ -265,7 +265,7 @@ JOINED = {
 @pytest.mark.parametrize("what", JOINED)
 @pytest.mark.parametrize("level", LEVELS)
 def test_what_joins_parts_is_obeyed(what: str, level: Level) -> None:
-    model = Model(domain_of(ROOMS.replace("K", "3") + JOINED[what], "at_most"))
+    model = DomainLogic(domain_of(ROOMS.replace("K", "3") + JOINED[what], "at_most"))
     whole = AutomatonEngine(model, level, merge=False)
     with wherever_possible():
         engine = AutomatonEngine(model, level)
@@ -274,11 +274,11 @@ def test_what_joins_parts_is_obeyed(what: str, level: Level) -> None:
 
 def test_parts_are_those_that_nothing_joins() -> None:
     rooms = ROOMS.replace("K", "5")
-    parts = independent_parts(Model(domain_of(rooms)).transition(tasks=False))
+    parts = independent_parts(DomainLogic(domain_of(rooms)).transition(tasks=False))
     assert sorted(len(part.actions) for part in parts) == [4] * 5
-    joined = Model(domain_of(rooms + JOINED["an invariant"])).transition(tasks=False)
+    joined = DomainLogic(domain_of(rooms + JOINED["an invariant"])).transition(tasks=False)
     assert sorted(len(part.actions) for part in independent_parts(joined)) == [4, 4, 4, 8]
-    assert independent_parts(Model(domain_of(rooms)).transition(tasks=False), by_name=True) == ()
+    assert independent_parts(DomainLogic(domain_of(rooms)).transition(tasks=False), by_name=True) == ()
 
 
 @given(st.lists(st.lists(st.integers(0, 5), min_size=5, max_size=5), min_size=1, max_size=4))
@@ -318,7 +318,7 @@ exclusive(read(X),read(Y)) :- b(X), b(Y), X < Y.
 
 
 def test_states_of_a_part_are_merged_as_those_of_a_whole(monkeypatch: pytest.MonkeyPatch) -> None:
-    model = Model(domain_of(BOOKS + ROOMS.replace("K", "2")))
+    model = DomainLogic(domain_of(BOOKS + ROOMS.replace("K", "2")))
     whole = AutomatonEngine(model, "plan", merge=False).count(7)
     told: list[str] = []
     monkeypatch.setattr("prag_asp.space.engines.reachability.PATIENCE", 0)
@@ -333,10 +333,10 @@ def test_states_of_a_part_are_merged_as_those_of_a_whole(monkeypatch: pytest.Mon
 @pytest.mark.parametrize("level", ["plan", "skeleton"])
 def test_parts_answer_where_the_whole_would_not_fit_into_memory(level: Level, monkeypatch: pytest.MonkeyPatch) -> None:
     domain = domain_of(ROOMS.replace("K", "4"))
-    whole = AutomatonEngine(Model(domain), level, merge=False)
+    whole = AutomatonEngine(DomainLogic(domain), level, merge=False)
     counts, ranks = whole.count(7), range(0, whole.count(7), 101)
     monkeypatch.setattr("prag_asp.space.engines.reachability.PATIENCE", 0)
-    engine = AutomatonEngine(Model(domain), level, hopeless=lambda extent, length: extent.depth > 3)
+    engine = AutomatonEngine(DomainLogic(domain), level, hopeless=lambda extent, length: extent.depth > 3)
     if level == "skeleton":
         with pytest.raises(TooManyStates):
             engine.count(7)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from prag_asp import EngineError, load_domain
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.formula.cnf import Cnf
 from prag_asp.logic.formula.counter import count_models
 from prag_asp.space.engines import engine_class
@@ -20,7 +20,7 @@ from tests.space.engines.test_engines_clauses import needs_ganak
 def test_without_ganak_one_line_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("prag_asp.logic.formula.counter.find_spec", lambda name: None)
     with pytest.raises(EngineError, match=r"pip install 'prag_asp\[sharp\]'"):
-        engine_class("sharp")(Model(domain_of(TWO)), "plan", None, UNLIMITED)
+        engine_class("sharp")(DomainLogic(domain_of(TWO)), "plan", None, UNLIMITED)
 
 
 @needs_ganak
@@ -52,7 +52,7 @@ def test_a_variable_of_no_clause_counts_twice_if_it_is_shown() -> None:
 
 @needs_ganak
 def test_a_count_that_takes_too_long_ends_with_an_error_and_no_process() -> None:
-    engine = SharpEngine(Model(load_domain("tabletop")), "plan", limits=Limits(seconds=1.5))
+    engine = SharpEngine(DomainLogic(load_domain("tabletop")), "plan", limits=Limits(seconds=1.5))
     before = set(children())
     with pytest.raises(EngineError, match=r"no count after [\d.]+ s; allow more"):
         pytest.fail(f"it has counted {engine.count(30)}")

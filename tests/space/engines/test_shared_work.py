@@ -7,7 +7,7 @@ import gc
 import pytest
 
 from prag_asp import TaskSpace, load_domain
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step.transition import Transition
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.sources import Program
@@ -34,7 +34,7 @@ def explored(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
 
 def test_levels_share_what_is_explored_and_who_listens_or_is_limited_explores_anew(explored: list[int]) -> None:
-    model = Model(load_domain("kitchen"))
+    model = DomainLogic(load_domain("kitchen"))
     plans = AutomatonEngine(model, "plan")
     expected = [TaskSpace(load_domain("kitchen"), length).count("skeleton") for length in (2, 3)]
     explored.clear()
@@ -50,7 +50,7 @@ def test_levels_share_what_is_explored_and_who_listens_or_is_limited_explores_an
 
 
 def test_what_was_explored_up_to_a_length_answers_for_no_other(explored: list[int]) -> None:
-    model = Model(load_domain("kitchen"))
+    model = DomainLogic(load_domain("kitchen"))
     known = [TaskSpace(load_domain("kitchen"), length).count("plan") for length in range(5)]
     explored.clear()
     for length in (2, 4, 1, 0, 3):
@@ -70,8 +70,8 @@ def test_clingo_grounds_plans_and_tasks_once_where_they_are_the_same(
         ground.append(len(arguments))
         return Grounder(program, *arguments)
 
-    expected = {by: list(ClingoEngine(Model(domain), by).words(3)) for by in LEVELS}
-    model = Model(domain)
+    expected = {by: list(ClingoEngine(DomainLogic(domain), by).words(3)) for by in LEVELS}
+    model = DomainLogic(domain)
     assert bool(model.symmetries(3)) != tasks_are_plans
     monkeypatch.setattr(clingo_engine, "Grounder", counted)
     engines = {by: ClingoEngine(model, by) for by in LEVELS}

@@ -7,7 +7,7 @@ from typing import get_args
 import pytest
 
 from prag_asp import QueryError, Task, TaskSpace, load_domain
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.space.automaton import automaton
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.engines.engine import Level
@@ -40,7 +40,7 @@ def test_ranks_and_tasks_are_inverse_in_a_space_above_any_machine_word(chance: C
 @pytest.mark.parametrize("by", get_args(Level))
 def test_ranks_and_words_are_inverse_over_whole_small_spaces(name: str, by: Level) -> None:
     length = 2
-    engine = AutomatonEngine(Model(load_domain(name)), by)
+    engine = AutomatonEngine(DomainLogic(load_domain(name)), by)
     words = list(engine.words(length))
     assert [engine.unrank(length, rank) for rank in range(len(words))] == words
     assert [engine.rank(word) for word in words] == list(range(len(words)))
@@ -51,7 +51,7 @@ def test_ranks_and_words_are_inverse_over_whole_small_spaces(name: str, by: Leve
 def test_ranks_and_words_are_inverse_at_random_ranks_of_vast_spaces(
     by: Level, length: int, least: int, chance: Chance
 ) -> None:
-    engine = AutomatonEngine(Model(DOMAIN), by)
+    engine = AutomatonEngine(DomainLogic(DOMAIN), by)
     total = engine.count(length)
     assert total > 10**least
     generator = chance.generator(2)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from prag_asp import DomainError, TaskSpace, load_domain
 from prag_asp.atom import parse_atom
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.space.automaton.exploration import explore
 from prag_asp.space.plans.readings import Composite, Readings, hierarchy_of
 from tests.brute_force import Toy, part, term
@@ -153,7 +153,9 @@ def test_a_composite_whose_parts_are_all_free_changes_nothing_and_needs_no_state
     for length in range(5):
         whole, flat = (TaskSpace(load_domain(folder, flat=flat), length) for flat in (False, True))
         assert whole.count("plan") == flat.count("plan") == 9**length
-    automata = [explore(Model(load_domain(folder, flat=flat)).transition(tasks=False), 9) for flat in (False, True)]
+    automata = [
+        explore(DomainLogic(load_domain(folder, flat=flat)).transition(tasks=False), 9) for flat in (False, True)
+    ]
     assert automata[0].automaton.states == automata[1].automaton.states
 
 

@@ -1,4 +1,4 @@
-"""Entities that a domain's own statements cannot tell apart: the same facts up to their names, named by no rule."""
+"""Entities that the author's statements treat alike: no rule names them, and their facts differ in names alone."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ import clingo
 from clingo.ast import AST, ASTType
 
 from prag_asp.program.grounding import Grounder
-from prag_asp.program.reduction.authored_rules import is_stated
 from prag_asp.program.sources import Program, Source
 from prag_asp.program.syntax import Statement, below, children_of, with_replaced
+from prag_asp.reduction.applicability import is_stated
 
 STATED = "_stated"
-"""The predicate under which facts are ground, with the number of their statement: no author's name begins so."""
+"""The predicate that wraps facts, with the number of their statement, to ground them; authors cannot use the name."""
 
 HOLE = "_"
 
 
 @dataclass(frozen=True)
-class Alike:
-    """The groups of two or more entities that a program's own statements treat alike, each in clingo's order of terms.
+class AlikeEntities:
+    """The groups of two or more entities that the author's statements treat alike, each in clingo's order of terms.
 
-    `stated` has the ground facts of each own fact of the base part.
+    `stated` has the ground facts of each fact of the author in the base part.
     """
 
     program: Program
@@ -31,7 +31,7 @@ class Alike:
     stated: Mapping[Statement, Sequence[clingo.Symbol]]
 
     def without(self, dropped: Collection[clingo.Symbol]) -> Program:
-        """Return the program that states nothing of some entities; each line stays where it was."""
+        """Return the program without the facts that name some entities; no line moves."""
         left: dict[Statement, str] = {}
         for statement, facts in self.stated.items():
             kept = [fact for fact in facts if not any(_named(fact, dropped))]
@@ -44,8 +44,8 @@ class Alike:
         ))  # fmt: skip
 
 
-def find_alike(program: Program, statements: Sequence[Statement]) -> Alike:
-    """Return the entities that are treated alike by the own statements of a program to which there is no objection.
+def find_alike(program: Program, statements: Sequence[Statement]) -> AlikeEntities:
+    """Return the entities that the author's statements treat alike, in a program without an `objection`.
 
     Raises:
         DomainError: clingo cannot ground one of the facts.
@@ -53,9 +53,9 @@ def find_alike(program: Program, statements: Sequence[Statement]) -> Alike:
     stated = _ground(statements)
     facts = [fact for found in stated.values() for fact in found]
     entities = {fact.arguments[0] for fact in facts if (fact.name, len(fact.arguments)) == ("entity", 2)}
-    told_apart = _told_apart(statements, entities)
-    turned = {_turned(entity): entity for entity in entities if entity.type == clingo.SymbolType.Function}
-    told_apart |= {turned[term] for fact in facts for term in _named(fact, turned)}
+    distinguished = _distinguished(statements, entities)
+    negated = {_negated(entity): entity for entity in entities if entity.type == clingo.SymbolType.Function}
+    distinguished |= {negated[term] for fact in facts for term in _named(fact, negated)}
     profiles: dict[clingo.Symbol, set[object]] = {entity: set() for entity in entities}
     for fact in facts:
         named = set(_named(fact, entities))
@@ -63,15 +63,15 @@ def find_alike(program: Program, statements: Sequence[Statement]) -> Alike:
             (entity,) = named
             profiles[entity].add(_with_hole(fact, entity))
         else:
-            told_apart |= named
+            distinguished |= named
     groups: dict[frozenset[object], list[clingo.Symbol]] = {}
-    for entity in sorted(entities - told_apart):
+    for entity in sorted(entities - distinguished):
         groups.setdefault(frozenset(profiles[entity]), []).append(entity)
-    return Alike(program, tuple(tuple(group) for group in groups.values() if len(group) > 1), stated)
+    return AlikeEntities(program, tuple(tuple(group) for group in groups.values() if len(group) > 1), stated)
 
 
 def _ground(statements: Iterable[Statement]) -> dict[Statement, list[clingo.Symbol]]:
-    """Return the facts that each statement stands for, its pools and intervals laid out and its constants put in."""
+    """Return the ground facts of each statement, with its pools, intervals and constants expanded."""
     facts = [each for each in statements if is_stated(each)]
     if not facts:
         return {}
@@ -86,10 +86,10 @@ def _ground(statements: Iterable[Statement]) -> dict[Statement, list[clingo.Symb
     return found
 
 
-def _told_apart(statements: Iterable[Statement], entities: Collection[clingo.Symbol]) -> set[clingo.Symbol]:
-    """Return the entities that a rule or a constant names, or a pattern of a rule may look into, and those within one.
+def _distinguished(statements: Iterable[Statement], entities: Collection[clingo.Symbol]) -> set[clingo.Symbol]:
+    """Return the entities that a rule or a constant names or a pattern of a rule may match, and parts of entities.
 
-    Numbers and strings are told apart as well: rules compute with numbers.
+    Numbers and strings are distinguished as well, because rules compute with numbers.
     """
     constants: set[str] = set()
     patterns: set[tuple[str, int]] = set()
@@ -121,7 +121,7 @@ def _arguments(term: clingo.Symbol) -> Sequence[clingo.Symbol]:
 
 
 def _terms(node: AST) -> Iterator[AST]:
-    """Yield the terms of a statement: predicates are none, though they are written as functions."""
+    """Yield the terms of a statement, without its predicates, which the syntax tree has as functions as well."""
     if node.ast_type == ASTType.SymbolicAtom:
         inner = _predicates(node.symbol)
         for each in (argument for predicate in inner for argument in predicate.arguments):
@@ -148,13 +148,13 @@ def _named(term: clingo.Symbol, entities: Collection[clingo.Symbol]) -> Iterator
         yield from _named(argument, entities)
 
 
-def _turned(entity: clingo.Symbol) -> clingo.Symbol:
-    """Return an entity with a minus, which no rule makes of it; a name that begins with one loses it."""
+def _negated(entity: clingo.Symbol) -> clingo.Symbol:
+    """Return an entity with the other sign, which is another name."""
     return clingo.Function(entity.name, entity.arguments, not entity.positive)
 
 
 def _with_hole(term: clingo.Symbol, entity: clingo.Symbol) -> object:
-    """Return a term with an entity's places left open, as what can be compared."""
+    """Return a comparable form of a term in which `HOLE` stands for an entity."""
     if term == entity:
         return HOLE
     arguments = _arguments(term)

@@ -1,8 +1,9 @@
-"""Whether a domain's own statements treat all entities that they do not name alike, and see none beside those at hand.
+"""The premises of the small-model reduction that the syntax of a domain decides.
 
-What is allowed is narrow, and each of its rules is used in the proof of docs/explanations/needed.md: the base part
-alone, plain stratified rules, no order among terms but where it only says which of two mirror images of an invariant
-is written, and no predicate of the encodings beside those of the contract. All else is refused in words.
+The author's statements have to treat all entities alike that they do not name, and no rule may read an entity beyond
+those that its atoms name. The allowed fragment is narrow, and the proof in docs/explanations/needed.md uses each
+restriction: rules of the base part alone, plain and stratified, no predicates of the encodings beside those of the
+contract, and no order among terms, except to state only one of the two mirror images of an invariant.
 """
 
 from __future__ import annotations
@@ -19,45 +20,48 @@ READ = frozenset([
     ("class", 1), ("class", 2), ("entity", 2), ("is_a", 2), ("fluent", 1), ("action", 1), ("precondition", 3),
     ("postcondition", 3), ("initially", 2), ("goal", 2), ("at_most", 2), ("ever", 1),
 ])  # fmt: skip
-"""What of the contract own rules may read: of two mirror images of an invariant, only one needs to be there."""
+"""The predicates of the contract that an author's rules may read.
+
+Invariants are not among them, because only one of two mirror images may be stated.
+"""
 
 MIRRORED = frozenset([("exclusive", 2), ("impossible", 2)])
 """Invariants that mean the same with their two fluents swapped."""
 
 STATED = (READ - {("is_a", 2)}) | MIRRORED | {("implies", 2)}
-"""What of the contract own rules may derive."""
+"""The predicates of the contract that an author's rules may derive."""
 
 RULES = frozenset(["closed_world.lp", "at_most.lp", "ever.lp"])
-"""The rules beside the core encodings that see no entity that nobody names, and no step but by its action's name."""
+"""The optional rules that read no entity that an action does not name."""
 
 FOLDERS = ("rules", "conditions")
-"""The folders of encodings that not every domain reads."""
+"""The folders of optional encodings."""
 
 PASSED_OVER = frozenset([
     ASTType.Program, ASTType.Definition, ASTType.Defined, ASTType.ShowSignature, ASTType.ShowTerm, ASTType.Comment,
 ])  # fmt: skip
-"""Statements that say nothing of plans."""
+"""Statements that do not change the plans."""
 
 PLAIN = frozenset([ASTType.SymbolicAtom, ASTType.BooleanConstant, ASTType.Comparison])
-"""What a literal may say."""
+"""The atoms that a literal may have."""
 
 ORDERED = frozenset([
     ComparisonOperator.LessThan, ComparisonOperator.LessEqual,
     ComparisonOperator.GreaterThan, ComparisonOperator.GreaterEqual,
 ])  # fmt: skip
 COMPUTED = frozenset([ASTType.BinaryOperation, ASTType.Interval])
-"""Terms that are numbers, or undefined."""
+"""Terms whose value is a number or undefined."""
 Node = tuple[Signature, str]
-"""A predicate, and which part of it."""
+"""A predicate, and the value of its atoms if it is ``initially/2``, whose values are stratified separately."""
 
 VALUES = ("true", "false")
 
 MOST_VARIABLES = 8
-"""Variables up to which mirror images of a rule are looked for."""
+"""The largest number of variables for which mirror images of a rule are searched: the search is exponential in it."""
 
 
 def objection(statements: Sequence[Statement]) -> str | None:
-    """Return the first reason, with file and line, why entities of a domain cannot be ground as needed."""
+    """Return the first reason, with file and line, why the small-model reduction does not apply."""
     own = [each for each in statements if each.own]
     for statement in statements:
         if not statement.own and statement.path.parent.name in FOLDERS and statement.path.name not in RULES:
@@ -66,22 +70,22 @@ def objection(statements: Sequence[Statement]) -> str | None:
     reserved |= {(each.node.name, each.node.arity) for each in statements
                  if not each.own and each.kind == ASTType.Defined} - STATED  # fmt: skip
     for statement in own:
-        told = _objection_to(statement, reserved)
-        if told:
-            return f"{statement.path}:{statement.line}: {told}"
+        reason = _objection_to(statement, reserved)
+        if reason:
+            return f"{statement.path}:{statement.line}: {reason}"
     unstratified = _through_negation([each for each in statements if each.is_rule and _in_base(each)])
     if unstratified:
         return f"{unstratified.path}:{unstratified.line}: this rule depends on itself through `not`"
     return None
 
 
-def derived(statements: Iterable[Statement]) -> list[Statement]:
-    """Return the rules of the base part that derive what is stated from other facts."""
+def deriving_rules(statements: Iterable[Statement]) -> list[Statement]:
+    """Return the rules of the base part that have a body."""
     return [each for each in statements if each.is_rule and _in_base(each) and each.literals]
 
 
 def is_stated(statement: Statement) -> bool:
-    """Tell whether a statement is an own fact of the base part."""
+    """Return whether a statement is a fact of the author in the base part."""
     plain = statement.own and statement.is_rule and not statement.timed and not statement.literals
     return plain and statement.node.head.ast_type == ASTType.Literal
 
@@ -101,7 +105,7 @@ def _objection_to(statement: Statement, reserved: AbstractSet[Signature]) -> str
 
 
 def _objection_to_form(statement: Statement) -> str | None:
-    """Return a reason where a rule is more than a plain atom that follows from plain literals."""
+    """Return a reason if a rule is more than a plain atom that follows from plain literals."""
     head = statement.node.head
     if head.ast_type != ASTType.Literal or head.atom.ast_type not in PLAIN or head.sign != Sign.NoSign:
         return "a choice or an aggregate in a head may see every entity"
@@ -117,7 +121,7 @@ def _objection_to_form(statement: Statement) -> str | None:
 
 
 def _computed(statement: Statement) -> Iterator[AST]:
-    """Yield what is computed in the terms of a rule: a minus before a predicate is none of it."""
+    """Yield the unary operations in the terms of a rule; the minus of a negated predicate is none."""
     return (
         node
         for literal in (statement.node.head, *(literal for literal, _ in statement.literals))
@@ -128,12 +132,12 @@ def _computed(statement: Statement) -> Iterator[AST]:
 
 
 def _turns_around(term: AST) -> bool:
-    """Tell whether a term is what a minus makes of something that may be a name."""
+    """Return whether a unary minus may apply to a name."""
     return term.operator_type == UnaryOperator.Minus and not _is_number(term.argument)
 
 
 def _objection_to_atoms(statement: Statement, reserved: AbstractSet[Signature]) -> str | None:
-    """Return a reason where a rule reads or derives what is not stated by plain facts."""
+    """Return a reason if a rule reads or derives a predicate beyond the allowed ones."""
     for atom in statement.heads:
         if atom.name.startswith("-") or atom.signature in reserved:
             return f"{spelled(atom.signature)} is not stated by plain facts"
@@ -144,17 +148,17 @@ def _objection_to_atoms(statement: Statement, reserved: AbstractSet[Signature]) 
 
 
 def _objection_to_order(statement: Statement) -> str | None:
-    """Return a reason where entities are told apart by their order."""
+    """Return a reason if a rule distinguishes entities by their order."""
     compared = [literal for literal, _ in statement.literals if _is_ordered(literal)]
     if not compared:
         return None
     if len(compared) > 1 or not _is_mirrored(statement, compared[0]):
-        return "entities may be told apart by the order of their names"
+        return "entities may be distinguished by the order of their names"
     return None
 
 
 def _is_ordered(literal: AST) -> bool:
-    """Tell whether a literal compares terms by their order, none of which is sure to be a number."""
+    """Return whether a literal compares terms by their order, none of which is certain to be a number."""
     if literal.atom.ast_type != ASTType.Comparison:
         return False
     sides = [literal.atom.term, *(guard.term for guard in literal.atom.guards)]
@@ -164,7 +168,7 @@ def _is_ordered(literal: AST) -> bool:
 
 
 def _is_number(term: AST) -> bool:
-    """Tell whether a term is sure to be a number; a minus also turns names around."""
+    """Return whether a term is certain to be a number; the minus of a name is a name."""
     if term.ast_type == ASTType.UnaryOperation:
         return not _turns_around(term)
     return term.ast_type in COMPUTED or (
@@ -173,7 +177,7 @@ def _is_number(term: AST) -> bool:
 
 
 def _is_mirrored(statement: Statement, compared: AST) -> bool:
-    """Tell whether a rule for an invariant, without its comparison, is its own image with the two sides swapped."""
+    """Return whether a rule for an invariant, without its comparison, is symmetric in the two compared variables."""
     guards = compared.atom.guards
     sides = [str(compared.atom.term), str(guards[0].term)]
     (head,) = statement.heads or (None,)
@@ -196,7 +200,7 @@ def _is_mirrored(statement: Statement, compared: AST) -> bool:
 
 
 def _involutions(names: Sequence[str], fixed: Mapping[str, str]) -> Iterator[dict[str, str]]:
-    """Yield the ways to swap some names in pairs, each added to what is swapped already."""
+    """Yield the ways to swap some names in pairs, each added to the pairs of `fixed`."""
     if not names:
         yield dict(fixed)
         return
@@ -211,7 +215,7 @@ def _swapped(text: str, swap: Mapping[str, str]) -> str:
 
 
 def _through_negation(rules: Sequence[Statement]) -> Statement | None:
-    """Return a rule of which something that it reads by `not` depends on its head."""
+    """Return a rule that reads an atom by `not` that depends on its head."""
     above: dict[Node, set[Node]] = {}
     for rule in rules:
         heads = {node for head in rule.heads for node in _nodes(head)}
@@ -230,8 +234,8 @@ def _through_negation(rules: Sequence[Statement]) -> Statement | None:
 
 
 def _nodes(atom: AtomNode) -> list[Node]:
-    """Return the predicates that an atom may belong to: initial values that are true are one by themselves."""
+    """Return the nodes that an atom may belong to: true and false initial values are separate ones."""
     if atom.signature != ("initially", 2):
         return [(atom.signature, "")]
-    given = atom.arguments[1]
-    return [(atom.signature, value) for value in VALUES if given == value or given not in VALUES]
+    value_term = atom.arguments[1]
+    return [(atom.signature, value) for value in VALUES if value_term == value or value_term not in VALUES]

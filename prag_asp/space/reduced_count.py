@@ -1,10 +1,9 @@
-"""Counting with no more entities than plans of a length need.
+"""Counts with the small-model reduction (see `prag_asp.reduction`).
 
-Tasks and skeletons are the same with any more of them. A task whose plan names j of a group of m interchangeable
-entities stands for m (m - 1) ... (m - j + 1) plans. How many plans name how many is read off one number: each entity
-that a plan uses weighs a power of two beyond all counts (Kronecker's substitution), so that the sum of all weights has
-them as its digits. Such weights treat entities alike, and states merge as ever. docs/explanations/needed.md has the
-proof.
+Tasks and skeletons are those of the reduced program. A task whose plan names j of a group of m interchangeable entities
+stands for m (m - 1) ... (m - j + 1) plans. The numbers of plans that name j entities, for all j, are the digits of one
+sum of weights: each entity that a plan uses weighs a power of two that exceeds all counts (Kronecker's substitution).
+Such weights treat entities alike, so that states still merge. docs/explanations/needed.md has the proof.
 """
 
 from __future__ import annotations
@@ -18,11 +17,11 @@ from math import perm, prod
 import clingo
 
 from prag_asp.domain.load import Domain
-from prag_asp.domain.reduction import Needed, named_in
 from prag_asp.errors import LimitReached
-from prag_asp.logic.domain_logic import Model
+from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.entity_names import action_name
+from prag_asp.reduction.reduction import Reduction, named_in
 from prag_asp.space.automaton.automaton import count_words
 from prag_asp.space.automaton.bounded_count import count_within
 from prag_asp.space.automaton.merged_states import count_merged
@@ -37,52 +36,53 @@ Group = tuple[clingo.Symbol, ...]
 
 
 @dataclass
-class AsNeeded:
-    """Counts the words of a domain that has more entities of some groups than plans need; `engine` is a name."""
+class ReducedCounter:
+    """Counts the words of a domain with its small-model reduction; `engine` is the name of an engine."""
 
     domain: Domain
-    needed: Needed
+    reduction: Reduction
     engine: str
     progress: Progress | None
     limits: Limits
-    _made: dict[tuple[int, ...], Fewer] = field(default_factory=dict)
+    _models: dict[tuple[int, ...], ReducedModel] = field(default_factory=dict)
 
     def count(self, by: Level, length: int, prefix: Letters = ()) -> int | None:
-        """Return the number of words of a length, or None where all entities have to be ground.
+        """Return the number of words of a length, or None if the reduction does not give it.
 
         Raises:
-            LimitReached: a limit ended the count; the error has the number of words that were found.
+            LimitReached: a limit ended the count; the error has the number of words counted so far.
         """
-        fewer = self._fewer(length)
-        if fewer is None or not fewer.takes(prefix) or fewer.whole_sizes is None:
+        reduced = self._reduced(length)
+        if reduced is None or not reduced.takes(prefix) or reduced.whole_sizes is None:
             return None
         if by != "plan":
-            return fewer.engine(by).count(length, prefix)
-        if isinstance(fewer.engine("plan"), AutomatonEngine):
-            return fewer.explored_plans(length, prefix)
-        return fewer.listed_plans(length, prefix)
+            return reduced.engine(by).count(length, prefix)
+        if isinstance(reduced.engine("plan"), AutomatonEngine):
+            return reduced.explored_plans(length, prefix)
+        return reduced.listed_plans(length, prefix)
 
-    def _fewer(self, length: int) -> Fewer | None:
-        sizes = self.needed.sizes(length)
-        if sizes not in self._made:
-            found = self.needed.fewer(length)
-            if found is None:
+    def _reduced(self, length: int) -> ReducedModel | None:
+        sizes = self.reduction.sizes(length)
+        if sizes not in self._models:
+            reduced = self.reduction.reduced(length)
+            if reduced is None:
                 return None
-            program, facts = found
-            model = Model(replace(self.domain, program=program, facts=facts, needed=None))
-            self._made = {sizes: Fewer(model, self.needed.groups, self.engine, self.progress, self.limits)}
+            program, facts = reduced
+            model = DomainLogic(replace(self.domain, program=program, facts=facts, reduction=None))
+            groups = self.reduction.groups
+            self._models = {sizes: ReducedModel(model, groups, self.engine, self.progress, self.limits)}
             if self.progress:
-                pairs = zip(sizes, self.needed.groups, strict=True)
-                told = ", ".join(f"{size} of {len(group):,} entities like {group[0]}" for size, group in pairs)
-                self.progress(f"{told} are ground: plans of length {length} need no more")
-        return self._made[sizes]
+                pairs = zip(sizes, groups, strict=True)
+                numbers = ", ".join(f"{size} of {len(group):,} entities like {group[0]}" for size, group in pairs)
+                self.progress(f"{numbers} are ground: plans of length {length} need no more")
+        return self._models[sizes]
 
 
 @dataclass
-class Fewer:
-    """The model with as many entities as are needed, and the `groups` of the whole one."""
+class ReducedModel:
+    """The logic of the reduced program, and the `groups` of entities of the whole one; `name` is that of an engine."""
 
-    model: Model
+    model: DomainLogic
     groups: Sequence[Group]
     name: str
     progress: Progress | None
@@ -90,7 +90,7 @@ class Fewer:
     _engines: dict[Level, Engine] = field(default_factory=dict)
 
     def takes(self, prefix: Letters) -> bool:
-        """Return whether a prefix has nothing but names: actions may name entities that are not ground."""
+        """Return whether a prefix has only names of actions: an action may name an entity that is not ground."""
         actions = self.model.domain.facts.actions
         names, spelled = set(map(action_name, actions)), set(map(str, actions))
         return all(name_in_prefix(item, spelled) in names for item in prefix)
@@ -110,9 +110,10 @@ class Fewer:
 
     @cached_property
     def whole_sizes(self) -> tuple[int, ...] | None:
-        """How many entities each group of interchangeable ones has in the whole; None where one is told apart.
+        """The size in the whole program of each group of interchangeable entities; None if the reduction is no use.
 
-        It is None as well where a unit may be like another one here, and not in the whole, or the other way around.
+        That is so if entities of a group are not all interchangeable, or if units are interchangeable either in the
+        reduced program or in the whole one, but not in both.
         """
         sizes = list(map(len, self.alike))
         for group in self.groups:
@@ -124,9 +125,9 @@ class Fewer:
         return tuple(sizes) if self._keep_units(sizes) else None
 
     def _keep_units(self, sizes: Sequence[int]) -> bool:
-        """Return whether units are interchangeable here where they are in the whole, given the whole sizes of groups.
+        """Return whether the same units are interchangeable in the whole program, given its sizes of groups.
 
-        Their groups have to be of one size where they have one here, and only there.
+        Their groups need the same size in the whole program exactly where they have the same size in the reduced one.
         """
         size_of = {entity: size for group, size in zip(self.alike, sizes, strict=True) for entity in group}
         here: dict[object, set[int]] = {}
@@ -139,7 +140,7 @@ class Fewer:
         )
 
     def explored_plans(self, length: int, prefix: Letters) -> int:
-        """Return the number of plans of a length, by how many entities of each group they name."""
+        """Return the number of plans of a length from the sum of their weights."""
         facts = self.model.domain.facts
         ground = [[entity for entity in group if entity in facts.entities] for group in self.groups]
         bits = (len(facts.tried) ** length + 1).bit_length()
@@ -161,7 +162,7 @@ class Fewer:
         return _renamed(found, [*zip(pairs, places, strict=False)])
 
     def _weight(self, reach: Reach, length: int, prefix: Letters) -> tuple[int, StopReason | None]:
-        """Return the weight of all words, and which limit ended the sum, if any."""
+        """Return the weight of all words, and the limit that ended the sum, if any."""
         if not prefix:
             return count_within(reach.completions, length, self.limits.begin().reached_limit)
         names = [name_in_prefix(item, ()) for item in prefix]
@@ -171,7 +172,7 @@ class Fewer:
         return count_words(reach.completions, length, [each.__contains__ for each in sets]), None
 
     def listed_plans(self, length: int, prefix: Letters) -> int:
-        """Return the number of plans of a length: each task that is found stands for its renamings."""
+        """Return the number of plans of a length: enumerate the tasks, each of which stands for its renamings."""
         actions = {str(action): action for action in self.model.domain.facts.actions}
         found = 0
         try:
@@ -194,9 +195,9 @@ class Fewer:
 
 
 def _renamed(weight: int, groups: Sequence[tuple[tuple[int, int], int]]) -> int:
-    """Return the number of plans of the whole, given the sum of the weights of those with fewer entities.
+    """Return the number of plans of the whole program, given the sum of the weights of those of the reduced one.
 
-    Each group has its size in the whole, its size here, and how many bits a digit of it takes.
+    Each group has its size in the whole program, its size in the reduced one, and the number of bits of a digit.
     """
     if not groups:
         return weight

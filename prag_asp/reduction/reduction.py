@@ -1,0 +1,259 @@
+"""The reduction of a domain: how many entities of each group plans need, and the program with only these."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import chain
+from math import perm, prod
+
+import clingo
+
+from prag_asp.checking import check
+from prag_asp.errors import DomainError
+from prag_asp.lint import Checked, with_entities
+from prag_asp.processes.progress_events import note
+from prag_asp.program.facts import Facts, ground_later
+from prag_asp.program.grounding import Grounder
+from prag_asp.program.parse import parse_sources
+from prag_asp.program.paths import data_folder
+from prag_asp.program.sources import Program, Source, encodings_folder, owned
+from prag_asp.program.syntax import Signature, Statement
+from prag_asp.reduction.alike_entities import AlikeEntities, find_alike
+from prag_asp.reduction.applicability import deriving_rules, objection
+
+FEWEST = 16
+"""The size of a group of alike entities from which a reduction is looked for."""
+
+MANY = 20_000
+"""The number of fluents, actions, conditions, effects and invariants from which a program is reduced.
+
+A smaller program is ground whole, because the whole program can answer every question.
+"""
+
+FIRST = 3
+"""The number of entities of each group in the first program in which `EntityBound` is measured."""
+
+INVARIANTS = (("exclusive", 2), ("implies", 2), ("impossible", 2))
+
+Group = tuple[clingo.Symbol, ...]
+Representatives = Mapping[clingo.Symbol, clingo.Symbol]
+"""Each entity that is not ground, with a ground entity of its group."""
+
+
+@dataclass(frozen=True)
+class EntityBound:
+    """The largest number of entities of a group that are named together.
+
+    By one action, by one invariant or fluent, by one fluent, and by all facts that one rule reads.
+    """
+
+    action: int
+    invariant: int
+    fluent: int
+    rule: int
+
+    def needed(self, length: int) -> int:
+        """Return how many entities a program needs to have all plans of a length up to renaming."""
+        return max(length * self.action + self.invariant, self.least)
+
+    @property
+    def least(self) -> int:
+        """The number of entities from which facts and symmetries are those of the whole program up to renaming."""
+        return max(self.rule, 2 * self.fluent + self.invariant, self.action + self.invariant)
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """The small-model reduction of a program.
+
+    `groups` are those of which not all entities are ground in the least program, each with its entry of `bounds`.
+    `checked` is the checked least program, `settings` the file of settings.
+    """
+
+    program: Program
+    settings: Source
+    alike: AlikeEntities
+    groups: tuple[Group, ...]
+    bounds: tuple[EntityBound, ...]
+    checked: Checked
+
+    @property
+    def facts(self) -> Facts:
+        """The facts of the least program."""
+        return self.checked.facts
+
+    @cached_property
+    def facts_with_all_entities(self) -> Facts:
+        """The facts of the least program, together with all entities of the whole one."""
+        return with_entities(self.facts, self._representatives([bound.least for bound in self.bounds]))
+
+    def whole_facts(self) -> Facts:
+        """Return the facts of the whole program, which is ground lazily, with a note to the user."""
+        program, settings = self.program, self.settings
+        groups = ", ".join(f"{len(group):,} like {group[0]}" for group in self.groups)
+
+        def ground() -> Facts:
+            note(f"note: all entities are ground ({groups}): this asks for more than a number of all plans or tasks")
+            return check(program, settings).facts
+
+        return ground_later(ground)
+
+    def sizes(self, length: int) -> tuple[int, ...]:
+        """Return how many entities of each group plans of a length need."""
+        pairs = zip(self.groups, self.bounds, strict=True)
+        return tuple(min(len(group), bound.needed(length)) for group, bound in pairs)
+
+    def reduced(self, length: int) -> tuple[Program, Facts] | None:
+        """Return the reduced program for plans of a length and its facts; None if these need all entities."""
+        representatives = self._representatives(self.sizes(length))
+        if not representatives:
+            return None
+        program = self.alike.without(representatives)
+        return program, check(program, self.settings, representatives).facts
+
+    @property
+    def size(self) -> int:
+        """The number of fluents, actions, conditions, effects and invariants of the whole program."""
+        facts = self.facts
+        tables = (facts.preconditions, facts.postconditions)
+        pairs = ((action, fluent) for table in tables for action, values in table.items() for fluent, _ in values)
+        invariants = chain(facts.exclusive, facts.implies, facts.impossible)
+        return self._total(chain(pairs, invariants)) + self.total((*facts.fluents, *facts.actions))
+
+    def total(self, terms: Iterable[clingo.Symbol]) -> int:
+        """Return the number of terms of the whole program, given the corresponding terms of the least one."""
+        return self._total((term,) for term in terms)
+
+    def _total(self, rows: Iterable[tuple[clingo.Symbol, ...]]) -> int:
+        ground = [[entity for entity in group if entity in self.facts.entities] for group in self.groups]
+        place = {entity: number for number, group in enumerate(ground) for entity in group}
+        names: dict[clingo.Symbol, set[clingo.Symbol]] = {}
+        numbers: dict[tuple[int, ...], int] = {}
+        for row in rows:
+            named: set[clingo.Symbol] = set()
+            for term in row:
+                named |= names.get(term) or names.setdefault(term, named_in(term, place))
+            groups = [place[entity] for entity in named]
+            key = tuple(map(groups.count, range(len(ground))))
+            numbers[key] = numbers.get(key, 0) + 1
+        return sum(
+            number * prod(map(perm, map(len, self.groups), key)) // prod(map(perm, map(len, ground), key))
+            for key, number in numbers.items()
+        )
+
+    def _representatives(self, sizes: Sequence[int]) -> Representatives:
+        return _representatives(self.groups, sizes, self.settings)
+
+
+def find_reduction(program: Program, settings: Source, *, fewest: int = FEWEST) -> Reduction | str | None:
+    """Return the reduction of a program, or the reason why none applies, or None for a program that is not large.
+
+    The least program has passed every check. The whole one would pass as well, because no check sees more than what a
+    few entities name.
+
+    Raises:
+        DomainError: something is wrong with the least program.
+    """
+    statements, problems = parse_sources(owned(program))
+    encodings = encodings_folder(program)
+    if problems or encodings is None or not _may_have(statements, fewest):
+        return None
+    try:
+        alike = find_alike(program, statements)
+        groups = [group for group in alike.groups if len(group) >= fewest]
+        if not groups:
+            return None
+        reason = objection(statements)
+        if encodings.resolve() != data_folder("encodings").resolve():
+            reason = f"{encodings}: these encodings are others than the shipped ones"
+        bounds = {} if reason else _bounds(alike, groups, settings, statements)
+    except DomainError:
+        return None  # the check of the whole program raises the same error
+    if not bounds:
+        return reason or "a few facts name too many of them together"
+    representatives = _representatives(bounds, [bound.least for bound in bounds.values()], settings)
+    checked = check(alike.without(representatives), settings, representatives)
+    if any(action in group for group in groups for action in checked.facts.declared_actions):
+        return "an action has the name of one of them"
+    reduction = Reduction(program, settings, alike, tuple(bounds), tuple(bounds.values()), checked)
+    return reduction if reduction.size >= MANY else None
+
+
+def is_large(facts: Facts) -> bool:
+    """Return whether a program states so much that the user is told why all of it is ground."""
+    tables = (facts.preconditions, facts.postconditions)
+    return sum(len(values) for table in tables for values in table.values()) >= MANY
+
+
+def named_in(term: clingo.Symbol, entities: Collection[clingo.Symbol]) -> set[clingo.Symbol]:
+    """Return the entities that a term names."""
+    named: set[clingo.Symbol] = set()
+    waiting = [term]
+    while waiting:
+        each = waiting.pop()
+        if each in entities:
+            named.add(each)
+        elif each.type == clingo.SymbolType.Function:
+            waiting += each.arguments
+    return named
+
+
+def _may_have(statements: Iterable[Statement], fewest: int) -> bool:
+    """Return whether at least `fewest` entities may be stated, without grounding their facts."""
+    stated = 0
+    for statement in statements:
+        if statement.own and statement.is_rule and any(atom.name == "entity" for atom in statement.heads):
+            text = statement.text
+            stated += fewest if ".." in text else 1 + text.count(";")
+    return stated >= fewest
+
+
+def _representatives(groups: Iterable[Group], sizes: Iterable[int], settings: Source) -> Representatives:
+    """Return the entities to drop so that each group keeps its size; those that the settings name are kept."""
+    words = set(re.findall(r"\w+", settings.text))
+    representatives: dict[clingo.Symbol, clingo.Symbol] = {}
+    for group, size in zip(groups, sizes, strict=True):
+        named = {each for each in group if str(each) in (settings.text if each.arguments else words)}
+        ordered = sorted(group, key=lambda each: each not in named)
+        representatives |= dict.fromkeys(ordered[max(size, len(named)) :], ordered[0])
+    return representatives
+
+
+def _bounds(
+    alike: AlikeEntities, groups: Iterable[Group], settings: Source, statements: Sequence[Statement]
+) -> dict[Group, EntityBound]:
+    """Return the bounds of the groups that are larger than their bounds.
+
+    A measured bound is that of the whole program as soon as the measured program has `least` entities of each group:
+    up to renaming, no rule then reads facts of the whole program that this program does not have.
+    """
+    sizes = {group: min(FIRST, len(group)) for group in groups}
+    while sizes:
+        grounder = Grounder(alike.without(_representatives(sizes, sizes.values(), settings)))
+        grounder.ground([("base", [])])
+        bounds = {group: _bound(grounder.control, group, statements) for group in sizes}
+        if all(bounds[group].least <= size for group, size in sizes.items()):
+            return bounds
+        sizes = {group: max(sizes[group], bounds[group].least) for group in sizes if bounds[group].least < len(group)}
+    return {}
+
+
+def _bound(control: clingo.Control, group: Group, statements: Sequence[Statement]) -> EntityBound:
+    members = set(group)
+
+    def most_named(signature: Signature) -> int:
+        atoms = control.symbolic_atoms.by_signature(*signature)
+        return max((len(named_in(atom.symbol, members)) for atom in atoms), default=0)
+
+    rules = [[atom.signature for atom in rule.body if not atom.negated] for rule in deriving_rules(statements)]
+    by_predicate = {each: most_named(each) for each in {("fluent", 1), ("action", 1), *INVARIANTS, *chain(*rules)}}
+    fluent = by_predicate["fluent", 1]
+    return EntityBound(
+        action=by_predicate["action", 1],
+        invariant=max(fluent, *(by_predicate[each] for each in INVARIANTS)),
+        fluent=fluent,
+        rule=max((sum(map(by_predicate.__getitem__, rule)) for rule in rules), default=0),
+    )
