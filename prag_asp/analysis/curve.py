@@ -30,7 +30,7 @@ SIZE, DOTS = (8.0, 5.5), 200
 """Inches of a picture, and pixels an inch."""
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#777777")
-"""Colours that colour-blind readers tell apart (Okabe and Ito 2008)."""
+"""Colours that colour-blind readers distinguish (Okabe and Ito 2008)."""
 
 MARKED = 60
 """Lengths up to which each has a mark of its own."""

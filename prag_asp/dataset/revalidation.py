@@ -101,17 +101,17 @@ def recheck(
         group = iter(several)
         first = next(group)
         own = load(first, folder) if domain is None else domain
-        told = _told(chain([first], group), TaskSpace(own, 0).where(*where))
+        checked = _with_faults(chain([first], group), TaskSpace(own, 0).where(*where))
         check, scene = _witnesses if witness_only else _anew, scene_of(own)
         if staging is not None:
             staging.cameras_of(scene)
-        for outcome in check(told, scene, search):
+        for outcome in check(checked, scene, search):
             number += 1
             recordings.write(number, outcome.demonstration)
             yield outcome
 
 
-def _told(records: Iterable[Record], space: TaskSpace) -> Iterator[CheckedRecord]:
+def _with_faults(records: Iterable[Record], space: TaskSpace) -> Iterator[CheckedRecord]:
     """Yield records with what is wrong with their tasks as values."""
     for batch in growing_batches(records, TOLD_TOGETHER):
         valid = [record.task in space.at(len(record.task)) for record in batch]
@@ -141,12 +141,12 @@ def _fault(task: Task, expected: Task) -> str:
     return f"its {', '.join(wrong)} {verb} not what its actions make" if wrong else ""
 
 
-def _anew(told: Iterator[CheckedRecord], scene: Scene, search: _RecheckOptions) -> Iterator[Outcome]:
+def _anew(records: Iterator[CheckedRecord], scene: Scene, search: _RecheckOptions) -> Iterator[Outcome]:
     """Yield the outcome of a new search for each task."""
     waiting: deque[CheckedRecord] = deque()
 
     def valid() -> Iterator[tuple[int, Task]]:
-        for record, fault in told:
+        for record, fault in records:
             waiting.append((record, fault))
             if not fault:
                 yield index_of(record), record.task
@@ -169,12 +169,12 @@ def _invalid(waiting: deque[CheckedRecord]) -> Iterator[Outcome]:
         yield Outcome(record, "invalid", fault)
 
 
-def _witnesses(told: Iterator[CheckedRecord], scene: Scene, search: _RecheckOptions) -> Iterator[Outcome]:
+def _witnesses(records: Iterator[CheckedRecord], scene: Scene, search: _RecheckOptions) -> Iterator[Outcome]:
     """Yield the outcome of checking the witness of each record, by the tiers of a budget."""
     waiting: deque[tuple[Record, Outcome | None]] = deque()
 
     def shown() -> Iterator[tuple[int, tuple[Task, Witness]]]:
-        for record, fault in told:
+        for record, fault in records:
             found = _shown(record, fault, scene)
             waiting.append((record, found if isinstance(found, Outcome) else None))
             if not isinstance(found, Outcome):

@@ -43,8 +43,8 @@ def action_problems(facts: Facts, statements: Iterable[Statement], origins: Orig
     if facts.actions:
         return
     if any(ACTION in (atom.signature for atom in each.heads) or _defines(each, ACTION) for each in _own(statements)):
-        told = "no rule states an action, so no plan has a step; change the bodies of its rules"
-        yield Problem(*origins.place(ACTION[0]), told, "no-plan")
+        subject = "no rule states an action, so no plan has a step; change the bodies of its rules"
+        yield Problem(*origins.place(ACTION[0]), subject, "no-plan")
     else:
         yield Problem(*origins.place(ACTION[0]), "the domain has no action; state one with action(...)")
 
@@ -105,11 +105,11 @@ class Findings:
             for row in rows
             if row[-2] not in fluents or str(row[-1]) not in allowed or (len(row) == 3 and row[0] not in actions)
         )
-        told: set[Symbol] = set()
+        subject: set[Symbol] = set()
         for *before, fluent, value in sorted(wrong):
             row = (*before, fluent, value)
-            if before and before[0] not in actions and before[0] not in told:
-                told.add(before[0])
+            if before and before[0] not in actions and before[0] not in subject:
+                subject.add(before[0])
                 self.undeclared("action", before[0], self._facts.actions, predicate, row)
             if fluent not in fluents:
                 self.undeclared("fluent", fluent, self._facts.fluents, predicate, row)

@@ -29,7 +29,7 @@ ACTION, PRECONDITION = ("action", 1), ("precondition", 3)
 ASKS = "_asks_ever"
 """The predicate of N, A and F: the N-th rule that reads `ever` makes action A only where fluent F may be true."""
 
-MISSING = "actions that ask for it would be missing"
+MISSING = "actions that require it would be missing"
 
 
 def ever_problems(
@@ -73,13 +73,13 @@ def _unknown(facts: Facts, statements: Sequence[Statement]) -> Callable[[clingo.
 
 def needless_problems(grounder: Grounder, facts: Facts, statements: Sequence[Statement]) -> Iterator[Problem]:
     """Yield a warning for each rule that requires by ``ever`` a fluent that its action does not need."""
-    asking = [each for each in statements if each.own and _makes_action(each) and any(_asked(each))]
+    asking = [each for each in statements if each.own and _makes_action(each) and any(_ever_queries(each))]
     stated = set(chain.from_iterable(map(_demanded, statements))) if asking else set()
     rules = [
         f"{ASKS}({number},{action},{fluent}) :- {', '.join(text for _, text in rule.literals)}."
         for number, rule in enumerate(asking)
         for action in rule.heads[0].arguments
-        for fluent in _asked(rule)
+        for fluent in _ever_queries(rule)
         if (action, fluent) not in stated
     ]
     if not rules:
@@ -102,7 +102,7 @@ def _makes_action(rule: Statement) -> bool:
     return rule.is_rule and len(rule.heads) == 1 and rule.heads[0].signature == ACTION and not rule.conditions
 
 
-def _asked(rule: Statement) -> Iterator[str]:
+def _ever_queries(rule: Statement) -> Iterator[str]:
     """Yield the fluents that a rule reads by ``ever``."""
     for node, text in rule.literals:
         atom = plain_atom(node, text)

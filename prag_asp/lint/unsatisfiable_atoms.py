@@ -71,7 +71,7 @@ class NameDemand(NamedTuple):
 
 
 def demand_problems(control: clingo.Control, statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the names in bodies of own rules that no atom can have there."""
+    """Yield the names in bodies of user rules that no atom can have there."""
     rules = [each for each in statements if each.is_rule]
     stated = {head.signature for each in rules if not each.timed for head in each.heads}
     timed = {head.signature for each in rules if each.timed for head in each.heads}
@@ -116,7 +116,7 @@ def _is_contract(statement: Statement) -> bool:
 def _demands(
     rules: Iterable[Statement], stated: Collection[Signature], defined: Collection[Signature]
 ) -> Iterator[NameDemand]:
-    """Yield what the bodies of own rules demand of the predicates that are `stated` before any step, and of others.
+    """Yield what the bodies of user rules demand of the predicates that are `stated` before any step, and of others.
 
     What nothing defines is told as such, or is said to be allowed to have no atom.
     """
@@ -177,11 +177,11 @@ Missing = Collection[tuple[ArgumentPlace, Signature]]
 
 
 def _missing(control: clingo.Control, demands: Iterable[NameDemand]) -> Missing:
-    wanted: dict[Signature, dict[ArgumentPlace, set[Signature]]] = {}
+    required: dict[Signature, dict[ArgumentPlace, set[Signature]]] = {}
     for each in demands:
         if each.place is not None:
-            wanted.setdefault(each.place.predicate, {}).setdefault(each.place, set()).add(each.name)
-    for predicate, places in wanted.items():
+            required.setdefault(each.place.predicate, {}).setdefault(each.place, set()).add(each.name)
+    for predicate, places in required.items():
         for atom in control.symbolic_atoms.by_signature(*predicate):
             for place, open_ in list(places.items()):
                 open_.discard(_name_at(atom.symbol, place))
@@ -189,7 +189,7 @@ def _missing(control: clingo.Control, demands: Iterable[NameDemand]) -> Missing:
                     del places[place]
             if not places:
                 break
-    return {(place, name) for places in wanted.values() for place, open_ in places.items() for name in open_}
+    return {(place, name) for places in required.values() for place, open_ in places.items() for name in open_}
 
 
 def _is_unmet(demand: NameDemand, missing: Missing) -> bool:

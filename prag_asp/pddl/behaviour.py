@@ -186,7 +186,7 @@ class Behaviour:
                     self._rules.add(part, f"#defined {name}/{len(rule.parameters) + 1}")
 
     def goal(self) -> list[str]:
-        """Return the facts of the goal; what is no value of a fluent becomes rules of the last state."""
+        """Return the facts of the goal; what is no value of a fluent becomes rules of the final state."""
         parts = [(part, self._guarded(part)) for part in conjuncts(self._goal)]
         fixed = self._words.static | self._words.derived
         plain = {part for part, _ in parts if isinstance(part, Literal) and part.predicate not in fixed}

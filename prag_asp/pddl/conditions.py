@@ -25,7 +25,7 @@ from prag_asp.pddl.formulas import (
 from prag_asp.pddl.line_map import File, FileLine, PlacedLine
 
 BASE, STEP, END = "base", "step(t)", "check(t)"
-"""The parts of a program: the static part, a step with the state before it, and the last state."""
+"""The parts of a program: the static part, a step with the state before it, and the final state."""
 
 TIMES = {STEP: "t-1", END: "t"}
 """The time of the state that a part reads."""

@@ -37,9 +37,9 @@ class _FileReader:
     def __init__(self, path: Path) -> None:
         self._path = path
 
-    def refuse(self, line: int, told: str) -> NoReturn:
+    def refuse(self, line: int, text: str) -> NoReturn:
         """Raise a DomainError at a line."""
-        raise DomainError(f"{self._path}:{line}: {told}")
+        raise DomainError(f"{self._path}:{line}: {text}")
 
     def check_new(self, kind: str, name: LocatedWord, known: Mapping[str, object]) -> None:
         """Refuse a second declaration of a name."""
@@ -247,20 +247,20 @@ class _DomainReader(_FileReader):
             name = rule.predicate
             for literal in literals(rule.formula):
                 if not literal.positive and name in _reached(literal.predicate, read):
-                    told = f"{name} depends on the negation of {literal.predicate}, which depends on {name}"
-                    self.refuse(literal.line, f"{told}; remove the negation")
+                    text = f"{name} depends on the negation of {literal.predicate}, which depends on {name}"
+                    self.refuse(literal.line, f"{text}; remove the negation")
             for literal in chain.from_iterable(map(literals, universals(rule.formula))):
                 if name in _reached(literal.predicate, read):
-                    told = f"{name} depends on {literal.predicate} below a 'forall', which depends on {name}"
-                    self.refuse(literal.line, f"{told}; remove the 'forall'")
+                    text = f"{name} depends on {literal.predicate} below a 'forall', which depends on {name}"
+                    self.refuse(literal.line, f"{text}; remove the 'forall'")
 
     def _check_not_changed(self, derived: set[str], actions: Mapping[str, Schema]) -> None:
         """Refuse effects on predicates that rules derive."""
         for action in actions.values():
             for effect in action.effects:
                 if effect.literal.predicate in derived:
-                    told = f"{effect.literal.predicate} is a derived predicate, which no effect may set"
-                    self.refuse(effect.literal.line, f"{told}; remove its rule, or the effect")
+                    text = f"{effect.literal.predicate} is a derived predicate, which no effect may set"
+                    self.refuse(effect.literal.line, f"{text}; remove its rule, or the effect")
 
 
 def _reached(predicate: str, read: Mapping[str, list[Literal]]) -> set[str]:
@@ -331,6 +331,6 @@ class _ProblemReader(_FileReader):
         stated: dict[tuple[str, tuple[Variable | str, ...]], bool] = {}
         for each in initial:
             if stated.setdefault((each.predicate, each.terms), each.positive) != each.positive:
-                told = " ".join([each.predicate, *map(str, each.terms)])
-                self.refuse(each.line, f"({told}) is both true and false at the start; state one of them")
+                text = " ".join([each.predicate, *map(str, each.terms)])
+                self.refuse(each.line, f"({text}) is both true and false at the start; state one of them")
         return tuple(each for each in initial if each.positive)

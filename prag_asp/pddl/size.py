@@ -47,15 +47,15 @@ def check_size(
 
 
 def fewest_instances(
-    action: Schema, domain: DomainFile, problem: ProblemFile, static: Collection[str], asked: Collection[str]
+    action: Schema, domain: DomainFile, problem: ProblemFile, static: Collection[str], required: Collection[str]
 ) -> int:
     """Return a number of instances that an action has at least if it has any; 0 where that takes more to know.
 
-    Each predicate of those `asked` that has to be true has no fewer rows than are so at the start. Parameters that none
+    Each predicate of those `required` that has to be true has no fewer rows than are so at the start. Parameters that none
     names have all objects of their types, but for one that each of those before them is. Where predicates or parameters
     are joined in other ways, nothing is known. What depends on the state otherwise rules no instance out.
     """
-    rows = [each for each in demanded(action.precondition) if each.predicate in asked]
+    rows = [each for each in demanded(action.precondition) if each.predicate in required]
     bound = [term for each in rows for term in variables(each)]
     free = [each for each in action.parameters if each not in bound]
     ranks: dict[Variable | str, int] = {term: rank for rank, term in enumerate([*bound, *free], 1)}

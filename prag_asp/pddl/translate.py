@@ -70,7 +70,7 @@ class Translation:
             lines += heading("What depends on the state before a step")
             lines += ["", "#program step(t).", *self._rules.parts[STEP]]
         if self._rules.parts[END]:
-            lines += [*heading("What the last state satisfies"), "", "#program check(t).", *self._rules.parts[END]]
+            lines += [*heading("What the final state satisfies"), "", "#program check(t).", *self._rules.parts[END]]
         return lines
 
     def _kinds(self) -> Mapping[str, tuple[tuple[str, ...], ...]]:

@@ -74,11 +74,11 @@ def first_of_each(warnings: Iterable[Problem]) -> Iterator[Problem]:
     """Yield the first warnings of each name; the last of them says how many more there are."""
     warnings = list(warnings)
     total = Counter(each.name for each in warnings)
-    told: Counter[str] = Counter()
+    texts: Counter[str] = Counter()
     for each in warnings:
-        told[each.name] += 1
-        if told[each.name] < SHOWN or (told[each.name] == SHOWN and total[each.name] == SHOWN):
+        texts[each.name] += 1
+        if texts[each.name] < SHOWN or (texts[each.name] == SHOWN and total[each.name] == SHOWN):
             yield each
-        elif told[each.name] == SHOWN:
+        elif texts[each.name] == SHOWN:
             more = plural(total[each.name] - SHOWN, "more warning")
             yield each._replace(text=f"{each.text} (and {more} like it)")

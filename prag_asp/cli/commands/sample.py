@@ -30,7 +30,7 @@ DRAWS_PER_TASK = 1000
 
 @click.command()
 @domain_options(*SPACES, options.trust)
-@click.option("--count", "wanted", type=whole(0), default=10, show_default=True, help="Number of tasks.")
+@click.option("--count", "requested_count", type=whole(0), default=10, show_default=True, help="Number of tasks.")
 @options.seed
 @options.weight_options
 @click.option(
@@ -55,7 +55,7 @@ DRAWS_PER_TASK = 1000
 def sample(
     *,
     request: DomainOptions,
-    wanted: int,
+    requested_count: int,
     seed: int,
     weighting: WeightOptions,
     over: Any,
@@ -92,19 +92,19 @@ def sample(
         drawing.update(weighting.arguments(space.domain))
         if not physics:
             validation.refuse_without_physics({"--max-draws": max_draws is not None})
-            drawn = space.stream(seed=seed, **drawing) if wanted else iter(())
+            drawn = space.stream(seed=seed, **drawing) if requested_count else iter(())
             found = 0
             with writer(output) as out:
-                for task in islice(drawn, wanted):
+                for task in islice(drawn, requested_count):
                     out.write(line(Record(task)))
                     found += 1
-            if found < wanted:
-                raise NotFound(f"only {found} of {plural(wanted, 'task')}: there are no others")
+            if found < requested_count:
+                raise NotFound(f"only {found} of {plural(requested_count, 'task')}: there are no others")
             return
         from prag_asp.dataset.scenes import scene_of
 
-        staging, limit = filming.staging(scene_of(space.domain)), max_draws or DRAWS_PER_TASK * wanted
-        sample_request = _SampleRequest(space, wanted, limit, seed, {**drawing, "staging": staging})
+        staging, limit = filming.staging(scene_of(space.domain)), max_draws or DRAWS_PER_TASK * requested_count
+        sample_request = _SampleRequest(space, requested_count, limit, seed, {**drawing, "staging": staging})
         _feasible(sample_request, validation, output, line, tell)
 
 
@@ -125,7 +125,7 @@ class _SampleRequest:
     """What to sample, how many feasible tasks, and from at most how many sampled tasks."""
 
     space: TaskSpace
-    wanted: int
+    requested_count: int
     limit: int
     seed: int
     how: Mapping[str, Any]
@@ -144,7 +144,7 @@ def _feasible(
     from prag_asp.dataset.pass_rates import Tally
     from prag_asp.dataset.physics_filter import draws_looked_at
 
-    tally, wanted, limit = Tally(), drawing.wanted, drawing.limit
+    tally, requested_count, limit = Tally(), drawing.requested_count, drawing.limit
 
     def summary() -> str:
         return tally_line(tally, ("sampled", "sampled"), f"budget {validation.parse_budget()}")
@@ -155,12 +155,12 @@ def _feasible(
             drawing.space, seed=drawing.seed, draws=limit, tally=tally, **arguments, **drawing.how
         )
         with closing(looked_at):
-            for record in looked_at if tally.passed < wanted else ():
+            for record in looked_at if tally.passed < requested_count else ():
                 if record is not None:
                     out.write(line(record), flush=True)
-                tell(summary(), tally.passed, wanted)
-                if tally.passed == wanted:
+                tell(summary(), tally.passed, requested_count)
+                if tally.passed == requested_count:
                     break
-    if tally.passed < wanted:
-        found = f"only {tally.passed} of {plural(wanted, 'task')} found in {plural(tally.seen, 'draw')}"
+    if tally.passed < requested_count:
+        found = f"only {tally.passed} of {plural(requested_count, 'task')} found in {plural(tally.seen, 'draw')}"
         raise NotFound(f"{found}; raise --max-draws" if tally.seen == limit else found)

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     "--hold-out", "held", metavar="WHAT", shell_complete=shell_completion.names,
     help="Entity, class, action or pair that occurs in the part test only.",
 )  # fmt: skip
-@click.option("--count", "wanted", type=whole(0), metavar="K", help="Write K distinct tasks per part.")
+@click.option("--count", "requested_count", type=whole(0), metavar="K", help="Write K distinct tasks per part.")
 @options.seed
 @format_options(LINE_FORMAT)
 @click.option(
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     help="With --count: folder for one file per part.",
 )  # fmt: skip
 def split(
-    *, request: DomainOptions, words: tuple[str, ...], skeletons: bool, held: str | None, wanted: int | None, seed: int,
+    *, request: DomainOptions, words: tuple[str, ...], skeletons: bool, held: str | None, requested_count: int | None, seed: int,
     task_format: TaskFormat, output: str | None,
 ) -> None:  # fmt: skip
     """Split the tasks of length N into disjoint parts.
@@ -62,7 +62,7 @@ def split(
     names, shares = domain_and_others(words)
     if (held is None) == (not shares):
         raise QueryError("give shares, such as train=0.8 test=0.2, or --hold-out WHAT")
-    if (wanted is None) != (output is None):
+    if (requested_count is None) != (output is None):
         raise QueryError("give --count and --output together")
     with progress() as tell:
         space = replace(request, names=names).space(tell)
@@ -70,14 +70,14 @@ def split(
         width = max(map(len, parts))
         for name, part in parts.items():
             say(f"{name:<{width}}  {part.count()}")
-        if wanted is None or output is None:
+        if requested_count is None or output is None:
             return
         line, folder = task_format.line(space.domain, seed), make_folder(output)
         with ExitStack() as files:
             for name, part in parts.items():
                 file = file_in(folder, f"{name}.{'jsonl' if task_format.form == 'jsonl' else 'txt'}")
                 out = files.enter_context(writer(str(file)))
-                for task in _sampled(part, min(wanted, part.count()), seed):
+                for task in _sampled(part, min(requested_count, part.count()), seed):
                     out.write(line(Record(task)))
 
 
@@ -90,12 +90,12 @@ def _parts(
     pairs = [share.partition("=") for share in shares]
     if not all(name.isidentifier() and equals for name, equals, _ in pairs) or len({p[0] for p in pairs}) < len(pairs):
         raise QueryError(f"{' '.join(shares)}: write different names with their shares, such as train=0.8 test=0.2")
-    wanted = {name: share for name, _, share in pairs}
+    requested_count = {name: share for name, _, share in pairs}
     if not skeletons:
-        return space.split(wanted, seed=seed)
+        return space.split(requested_count, seed=seed)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        parts = space.split_skeletons(wanted, seed=seed)
+        parts = space.split_skeletons(requested_count, seed=seed)
     for each in caught:
         tell_line(f"warning: {each.message}")
     return parts

@@ -69,7 +69,7 @@ def _described(found: Task, space: TaskSpace) -> list[str]:
     lines = [f"task {space.index(found)} of {space.count()}", f"start  {_state(found.initial, fluents)}"]
     width = max((len(str(action)) for action in found.actions), default=0)
     for number, (action, subgoal) in enumerate(zip(found.actions, found.subgoals, strict=True), 1):
-        lines.append(f"{number:>5}  {action!s:<{width}}  {_told(subgoal)}".rstrip())
+        lines.append(f"{number:>5}  {action!s:<{width}}  {_facts_text(subgoal)}".rstrip())
     lines.append(f"goal   {_state(found.goal, fluents)}")
     readings = space.readings(found) if space.domain.facts.composites else None
     if readings is not None:
@@ -93,8 +93,8 @@ def _told_to_somebody(found: Task, space: TaskSpace, language: str, seed: int) -
 
 def _state(state: State, fluents: int) -> str:
     """Return what is known of a state in words; of one that is known whole, what is true."""
-    return _told({fluent: value for fluent, value in state.items() if value or len(state) < fluents})
+    return _facts_text({fluent: value for fluent, value in state.items() if value or len(state) < fluents})
 
 
-def _told(state: State) -> str:
+def _facts_text(state: State) -> str:
     return ", ".join(f"{'' if value else 'not '}{fluent}" for fluent, value in state.items())

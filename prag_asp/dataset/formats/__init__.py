@@ -1,1 +1,1 @@
-"""Data sets in the forms of other programs: one file a form, behind one protocol."""
+"""Datasets in the formats of other programs: one file a form, behind one protocol."""

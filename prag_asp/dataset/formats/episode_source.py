@@ -85,7 +85,7 @@ class ExportEpisode:
 
     @property
     def rewards(self) -> Floats:
-        """1 for the action that ends with the last state of the task, whose facts were checked; otherwise 0."""
+        """1 for the action that ends with the final state of the task, whose facts were checked; otherwise 0."""
         found = np.zeros(self.length, dtype=np.float32)
         found[-1] = self.demonstration.success
         return found

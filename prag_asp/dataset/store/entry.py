@@ -46,7 +46,7 @@ def entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) ->
     Raises:
         QueryError: it lacks a value, or one has no meaning.
     """
-    with _told(row):
+    with _row_errors(row):
         return _entry_of(row, part, constants)
 
 
@@ -82,12 +82,12 @@ def task_of(row: Mapping[str, Any], constants: Mapping[str, str]) -> Task:
     Raises:
         QueryError: it lacks a value, or one has no meaning.
     """
-    with _told(row):
+    with _row_errors(row):
         return _task_of(row, constants)
 
 
 @contextmanager
-def _told(row: Mapping[str, Any]) -> Iterator[None]:
+def _row_errors(row: Mapping[str, Any]) -> Iterator[None]:
     """Report what is wrong with a row, by its draw."""
     try:
         yield
@@ -113,8 +113,8 @@ def _known(facts: Sequence[Mapping[str, Any]]) -> FrozenDict[Atom, bool]:
     return FrozenDict({parse_atom(fact["fluent"]): fact["value"] for fact in facts})
 
 
-def _verdict(told: Mapping[str, Any]) -> Verdict:
+def _verdict(row: Mapping[str, Any]) -> Verdict:
     from prag_asp.physics.verdict import Verdict
 
-    causes = {each["cause"]: each["count"] for each in told["causes"]}
-    return Verdict.from_json({**told, "causes": causes, "witness": None})
+    causes = {each["cause"]: each["count"] for each in row["causes"]}
+    return Verdict.from_json({**row, "causes": causes, "witness": None})

@@ -67,28 +67,28 @@ class PartWriter:
         """Whether there is nothing to be written."""
         return not self._draws
 
-    def add(self, placed: RankedDraw, task: Task, looked: DrawResult, words: TaskTexts) -> None:
+    def add(self, placed: RankedDraw, task: Task, result: DrawResult, words: TaskTexts) -> None:
         """Add a draw with its result and texts."""
-        row, witnesses = row_of(placed, task, looked, words), looked.witnesses
-        if looked.passed:
+        row, witnesses = row_of(placed, task, result, words), result.witnesses
+        if result.passed:
             self._rows["tasks"].add({**row, "task": self.tasks, "starts": witnesses})
         else:
             self._rows["refused"].add(row)
-        self._looked_at(looked, len(task))
+        self._looked_at(result, len(task))
 
-    def add_row(self, placed: RankedDraw, row: RowReference, looked: DrawResult) -> None:
+    def add_row(self, placed: RankedDraw, row: RowReference, result: DrawResult) -> None:
         """Add a draw whose row was made elsewhere, with its result."""
-        if looked.passed:
-            self._rows["tasks"].take(row, task=self.tasks, starts=looked.witnesses)
+        if result.passed:
+            self._rows["tasks"].take(row, task=self.tasks, starts=result.witnesses)
         else:
             self._rows["refused"].take(row)
-        self._looked_at(looked, len(placed.word))
+        self._looked_at(result, len(placed.word))
 
-    def _looked_at(self, looked: DrawResult, length: int) -> None:
+    def _looked_at(self, result: DrawResult, length: int) -> None:
         """Add the initial states of the draw whose row was added last, and count it."""
-        for start, each in enumerate(looked.starts) if looked.passed else ():
+        for start, each in enumerate(result.starts) if result.passed else ():
             self._add_start(self.tasks - 1, start, each)
-        self._tally(_tally(length, looked.verdict, looked.witnesses), self._ours)
+        self._tally(_tally(length, result.verdict, result.witnesses), self._ours)
         self._draws += 1
 
     def take(self, given: DrawRows) -> None:
@@ -165,10 +165,10 @@ class PartWriter:
             self._tallies = summed(self._tallies)
 
 
-def row_of(placed: RankedDraw, task: Task, looked: DrawResult, words: TaskTexts) -> dict[str, Any]:
+def row_of(placed: RankedDraw, task: Task, result: DrawResult, words: TaskTexts) -> dict[str, Any]:
     """Return the row of a draw in a table of tasks."""
     return {
-        "draw": looked.draw,
+        "draw": result.draw,
         "domain": task.domain,
         "length": len(task),
         "rank": digits_of(placed.rank),
@@ -183,13 +183,13 @@ def row_of(placed: RankedDraw, task: Task, looked: DrawResult, words: TaskTexts)
         "instruction": [{"level": level, "text": text} for level, text in words.whole],
         "subgoal_instructions": words.subgoals,
         "named": words.named,
-        "verdict": None if looked.verdict is None else _verdict_row(looked.verdict),
+        "verdict": None if result.verdict is None else _verdict_row(result.verdict),
     }
 
 
-def _tally(length: int, told: Mapping[str, Any] | None, witnesses: int) -> LengthTally:
+def _tally(length: int, caption: Mapping[str, Any] | None, witnesses: int) -> LengthTally:
     """Return the tally of a single draw."""
-    verdict = told or {"status": "feasible", "causes": {}, "reason": ""}
+    verdict = caption or {"status": "feasible", "causes": {}, "reason": ""}
     status, reason = verdict["status"], verdict["reason"]
     return LengthTally(
         length,

@@ -40,14 +40,16 @@ def write_shard(folder: Path, table: str, part: str, number: int, rows: pa.Table
     return ShardFile(name, rows.num_rows, len(content), sha256(content).hexdigest())
 
 
-def _require_groups(file: Path, told: pq.FileMetaData, rows: int) -> None:
+def _require_groups(file: Path, metadata: pq.FileMetaData, rows: int) -> None:
     """Check that the rows of a file are in groups of the right size, and that none claims to unpack to too much.
 
     Raises:
         QueryError: they are not.
     """
-    groups = [told.row_group(number) for number in range(told.num_row_groups)]
-    if [group.num_rows for group in groups] != [min(rows, told.num_rows - at) for at in range(0, told.num_rows, rows)]:
+    groups = [metadata.row_group(number) for number in range(metadata.num_row_groups)]
+    if [group.num_rows for group in groups] != [
+        min(rows, metadata.num_rows - at) for at in range(0, metadata.num_rows, rows)
+    ]:
         raise QueryError(f"{file}: its rows are not in groups of {rows}; {MEND}")
     if max((group.total_byte_size for group in groups), default=0) > LARGEST_GROUP:
         raise QueryError(f"{file}: {rows} of its rows are larger than {LARGEST_GROUP / 10**6:,.0f} MB; {MEND}")

@@ -56,15 +56,15 @@ class TableReader:
 
         Otherwise the ranks of the part are read once and cached: about a hundred bytes a task.
         """
-        wanted = (length, str(rank))
+        selection = (length, str(rank))
         if draw is not None:
             at = bisect_right([shard.end for shard in note.shards], draw)
             for shard in note.shards[at : at + 1]:
-                yield from (self.row("tasks", shard, place) for place in _places(self._ranks([shard]), wanted))
+                yield from (self.row("tasks", shard, place) for place in _places(self._ranks([shard]), selection))
             return
         if note.name not in self._kept:
             self._kept[note.name] = self._ranks(note.shards)
-        for number in _places(self._kept[note.name], wanted):
+        for number in _places(self._kept[note.name], selection):
             yield self.row("tasks", *self.place(note, "tasks", number))
 
     def _ranks(self, shards: Sequence[Shard]) -> list[tuple[int, str]]:
@@ -97,6 +97,6 @@ class TableReader:
             yield group * ROW_GROUP[table], found
 
 
-def _places(values: Sequence[object], wanted: object) -> Iterator[int]:
+def _places(values: Sequence[object], selection: object) -> Iterator[int]:
     """Yield the positions of a value."""
-    return (place for place, value in enumerate(values) if value == wanted)
+    return (place for place, value in enumerate(values) if value == selection)

@@ -61,7 +61,7 @@ def _wrong_suite(path: Path, trust: bool, physics: bool, workers: int, progress:
     """Yield what is wrong with a suite, as `verify` does."""
     note = SUITE.read(path)
     if note is None or not note.complete:
-        what = f"is no suite, for it has no {NAME}" if note is None else "the run that makes it has not ended"
+        what = f"is not a suite, because it has no {NAME}" if note is None else "the run that makes it has not ended"
         raise QueryError(f"{path}: {what}; prag-asp suite makes one, and goes on with it")
     yield from _wrong_files(path, note)
     try:

@@ -271,18 +271,18 @@ class Diagrams:
             known[first, second] = found
         return found
 
-    def _having(self, level: int, node: Node, wanted: int, mask: int) -> Node:
+    def _having(self, level: int, node: Node, target: int, mask: int) -> Node:
         if not node:
             return EMPTY
         known = self._known.setdefault("having", {})
-        key = (node, wanted, mask)
+        key = (node, target, mask)
         found = known.get(key)
         if found is None:
             below = self._children[node]
-            if level == wanted:
+            if level == target:
                 below = {digit: each for digit, each in below.items() if digit & mask}
             else:
-                below = {digit: self._having(level + 1, each, wanted, mask) for digit, each in below.items()}
+                below = {digit: self._having(level + 1, each, target, mask) for digit, each in below.items()}
             found = known[key] = self._node(level, below)
         return found
 

@@ -75,21 +75,21 @@ class ClauseBuilder:
         remaining.reverse()
         open_bounds = [{bound}]
         for place, (weight, _) in enumerate(terms):
-            wanted = {below for above in open_bounds[-1] for below in (above, above - weight)}
-            open_bounds.append({each for each in wanted if 0 < each <= remaining[place + 1]})
+            target = {below for above in open_bounds[-1] for below in (above, above - weight)}
+            open_bounds.append({each for each in target if 0 < each <= remaining[place + 1]})
         nodes: dict[int, Literal] = {}
         for place in reversed(range(len(terms))):
             weight, literal = terms[place]
 
-            def node(wanted: int, below: int = place + 1, known: dict[int, Literal] = nodes) -> Literal:
-                if wanted <= 0:
+            def node(target: int, below: int = place + 1, known: dict[int, Literal] = nodes) -> Literal:
+                if target <= 0:
                     return TRUE
-                return known[wanted] if wanted <= remaining[below] else -TRUE
+                return known[target] if target <= remaining[below] else -TRUE
 
             nodes = {
-                wanted: self._reached(literal, node(wanted - weight), node(wanted))
-                for wanted in sorted(open_bounds[place])
-                if 0 < wanted <= remaining[place]
+                target: self._reached(literal, node(target - weight), node(target))
+                for target in sorted(open_bounds[place])
+                if 0 < target <= remaining[place]
             }
         if bound <= 0:
             return TRUE

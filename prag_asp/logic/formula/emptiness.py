@@ -82,7 +82,7 @@ class LiftableLines:
         kept = self._all
         if smallest:
             kept = smallest_conflict(self._solver, [self._loose], kept)
-        return self._told(self._least(kept))
+        return self._lines_of(self._least(kept))
 
     def changes(self) -> tuple[tuple[RestrictingLine, ...], ...]:
         """Return the lines whose removal alone leaves a plan, or else one smallest set of lines whose removal does.
@@ -91,11 +91,11 @@ class LiftableLines:
         """
         single = [each for each in self._all if self._open([at for at in self._all if at != each], loose=False)]
         if single:
-            return tuple((line,) for line in self._told(single))
+            return tuple((line,) for line in self._lines_of(single))
         removed = self._fewest()
-        return () if removed is None else (self._told(removed),)
+        return () if removed is None else (self._lines_of(removed),)
 
-    def _told(self, literals: Sequence[Literal]) -> tuple[RestrictingLine, ...]:
+    def _lines_of(self, literals: Sequence[Literal]) -> tuple[RestrictingLine, ...]:
         """Return the lines of some literals, sorted by file and line."""
         return tuple(sorted((self._lines[each] for each in literals), key=lambda at: (at.path, at.line, at.text)))
 

@@ -70,7 +70,7 @@ def _guarded(source: Source, own: bool, program: Program, lines: list[Restrictin
     if composed:
         lines.append(composed)
     elif optional and any(map(_restricts, statements)):
-        lines.append(_asking(source, program))
+        lines.append(_restricting_line(source, program))
     texts = list[str]()
     for statement in statements:
         if _restricts(statement):
@@ -82,7 +82,7 @@ def _guarded(source: Source, own: bool, program: Program, lines: list[Restrictin
     return Source(source.path, "\n".join(texts))
 
 
-def _asking(source: Source, program: Program) -> RestrictingLine:
+def _restricting_line(source: Source, program: Program) -> RestrictingLine:
     """Return the line that includes a rule, or the rule itself if the user has named it."""
     for other in program.sources:
         for line, path in other.includes:

@@ -284,7 +284,7 @@ def _ground_start(program: Program, open_states: Iterable[clingo.Symbol], reads:
 
 
 def _ground_end(started: Grounding, reads: StepReads) -> GroundStep:
-    """Ground the checks of the last state, which may be the start."""
+    """Ground the checks of the final state, which may be the start."""
     started.recorder.part = "step"
     _open_start(started)
     _ground_parts(started.grounder, started.recorder, ("check", "ending"))

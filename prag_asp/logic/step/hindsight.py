@@ -65,7 +65,7 @@ class Hindsight:
 
     @cached_property
     def _parts(self) -> Mapping[str, tuple[Mapping[int, tuple[RuleBody, ...]], list[Stratum]]]:
-        """The rules for the last state and for an earlier state, with the strata to evaluate."""
+        """The rules for the final state and for an earlier state, with the strata to evaluate."""
         roots = {"ending": [atom for atom, *_ in self._rows], "hindsight": [before for _, before, *_ in self._rows]}
         parts = {}
         for part, needed in roots.items():
@@ -89,7 +89,7 @@ class Hindsight:
 
     @cached_property
     def last_read(self) -> tuple[clingo.Symbol, ...]:
-        """The timed atoms, without their time, on which ``state(F, V, t)`` of the last state depends."""
+        """The timed atoms, without their time, on which ``state(F, V, t)`` of the final state depends."""
         names = self.step.ground.names
         return tuple(timeless(names[atom]) for atom in self._read("ending"))
 
@@ -111,7 +111,7 @@ class Hindsight:
         return _rows_of(columns, self._carried.values(), size), _rows_of(columns, self._seen, size)
 
     def evaluate_last(self, seen: Truth) -> Truth:
-        """Return the known atoms of the last state, given what is seen of the last step."""
+        """Return the known atoms of the final state, given what is seen of the last step."""
         return self._tell(dict(zip(self._seen, seen, strict=True)), "ending", seen.shape[1])
 
     def evaluate_before(self, seen: Truth, known: Truth) -> Truth:
@@ -121,7 +121,7 @@ class Hindsight:
         return self._tell(columns, "hindsight", seen.shape[1])
 
     def end_values(self, read: Truth) -> FluentValues:
-        """Return the values in last states, given the truth of the atoms `last_read`; shape (fluents, plans)."""
+        """Return the values in final states, given the truth of the atoms `last_read`; shape (fluents, plans)."""
         columns = dict(zip(self._read("ending"), read, strict=True))
         return self.values(self._tell(columns, "ending", read.shape[1]))
 

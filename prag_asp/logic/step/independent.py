@@ -1,4 +1,4 @@
-"""The independent parts of a domain, which share no variable, action, rule or condition on the last state.
+"""The independent parts of a domain, which share no variable, action, rule or condition on the final state.
 
 All that depends on no variable is evaluated first, so that rules that count or name the actions of a step join no
 parts. An action then belongs to the variables that it reads or sets. A part must also stay as it is while another one
@@ -159,7 +159,7 @@ class _Parts:
         return nodes
 
     def _leaves(self, body: RuleBody) -> list[Node]:
-        """Return the variables that a constraint on the last state depends on."""
+        """Return the variables that a constraint on the final state depends on."""
         step = self._transition.step
         places = {step.ground.now.get(symbol): place for place, symbol in enumerate(self._transition.variables)}
         seen: set[int] = set()

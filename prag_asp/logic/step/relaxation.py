@@ -79,7 +79,7 @@ class Relaxation:
         return np.unpackbits(ended.view(np.uint8), count=len(states), bitorder="little").view(np.bool_), settled
 
     def _inputs(self, states: Rows) -> NDArray[np.uint64]:
-        """Return 64 states in each word, shape (inputs, words); bits beyond the last state repeat it."""
+        """Return 64 states in each word, shape (inputs, words); bits beyond the final state repeat it."""
         columns = unpack(states, self.variables)
         columns = np.pad(columns, ((0, 0), (0, -len(states) % 64)), mode="edge")
         true = np.packbits(columns, axis=1, bitorder="little").view(np.uint64)

@@ -123,19 +123,19 @@ class Transition:
         stays: Column = (before.after == states).all(axis=1) & (before.breaches == 0)
         return stays
 
-    def expand(self, states: Rows, wanted: NDArray[np.bool_] | None = None) -> Iterator[Successors]:
+    def expand(self, states: Rows, candidates: NDArray[np.bool_] | None = None) -> Iterator[Successors]:
         """Yield the successors of a frontier by each action that is valid somewhere, in the order of `actions`.
 
-        `wanted` restricts the actions of each state, shape (states, actions); without it, all are tried.
+        `candidates` restricts the actions of each state, shape (states, actions); without it, all are tried.
         """
         before = _Before.evaluated(self.rules, self._columns(states, self.step.ground.before), len(states))
-        asked = np.ones(len(self.actions), dtype=np.bool_)
-        if wanted is not None:
-            asked &= wanted.any(axis=0)
-        if len(asked) > MANY:
-            asked &= self._needs.met(before.read, len(states))
-        for letter in np.flatnonzero(asked).tolist():
-            sources = _unguarded(self.move(letter), before, None if wanted is None else wanted[:, letter])
+        tried = np.ones(len(self.actions), dtype=np.bool_)
+        if candidates is not None:
+            tried &= candidates.any(axis=0)
+        if len(tried) > MANY:
+            tried &= self._needs.met(before.read, len(states))
+        for letter in np.flatnonzero(tried).tolist():
+            sources = _unguarded(self.move(letter), before, None if candidates is None else candidates[:, letter])
             if len(sources):
                 yield _apply(self.move(letter), letter, before, sources)
 
@@ -204,7 +204,7 @@ def _apply(move: Move, letter: int, before: _Before, sources: NDArray[np.intp]) 
     return Successors(letter, sources, states, labels)
 
 
-def _unguarded(move: Move, before: _Before, asked: NDArray[np.bool_] | None) -> NDArray[np.intp]:
+def _unguarded(move: Move, before: _Before, tried: NDArray[np.bool_] | None) -> NDArray[np.intp]:
     """Return the rows in which neither a guard nor a constraint that does not read the action forbids it."""
     size = len(before.breaches)
     if move.impossible:
@@ -213,8 +213,8 @@ def _unguarded(move: Move, before: _Before, asked: NDArray[np.bool_] | None) -> 
     for number in move.touched & before.broken.keys():
         breaches = breaches - before.broken[number]
     valid = breaches == 0
-    if asked is not None:
-        valid &= asked
+    if tried is not None:
+        valid &= tried
     for guard in move.guards:
         if not valid.any():
             break

@@ -129,22 +129,22 @@ class Merging:
                 free[:, entity] = (guard != NEVER) & ((states[:, word] >> np.uint64(shift)) & np.uint64(1) == 1)
         return free
 
-    def wanted(self, states: Rows, twins: Twins) -> NDArray[np.bool_]:
+    def representatives(self, states: Rows, twins: Twins) -> NDArray[np.bool_]:
         """Return which actions are expanded in which states, shape (states, actions).
 
         One of the renamings by twins is expanded, and no action that names an entity before its turn.
         """
-        wanted = twins.wanted()
+        chosen = twins.representatives()
         if all(guard == ALWAYS for guard in self.guards):
-            return wanted
+            return chosen
         free, before = self.free(states), np.array(self.before)
         entities = self.actions.entities
         for place, entity in enumerate(entities.T):
             named = np.flatnonzero(entity >= 0)
             turn = before[entity[named]]
             led = (entities[named, :place] == turn[:, None]).any(axis=1) | (turn == entity[named])
-            wanted[:, named] &= led | free[:, entity[named]] | free[:, turn]
-        return wanted
+            chosen[:, named] &= led | free[:, entity[named]] | free[:, turn]
+        return chosen
 
     def _orders(self, states: Rows) -> Orders:
         orders = np.empty((len(states), self.size), dtype=np.int64)

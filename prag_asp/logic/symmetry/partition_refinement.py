@@ -11,18 +11,18 @@ from collections.abc import Hashable, Iterable, Mapping
 from prag_asp.logic.symmetry.renaming import Shaped
 
 
-def refine_partition(told: Mapping[int, Hashable], terms: Iterable[Shaped]) -> dict[int, int]:
-    """Return the kind of each entity, a number, given its initial value `told` and the terms that name entities."""
-    naming: dict[int, list[Shaped]] = {entity: [] for entity in told}
+def refine_partition(facts: Mapping[int, Hashable], terms: Iterable[Shaped]) -> dict[int, int]:
+    """Return the kind of each entity, a number, given its initial value `facts` and the terms that name entities."""
+    naming: dict[int, list[Shaped]] = {entity: [] for entity in facts}
     for term in dict.fromkeys(terms):
         for entity in dict.fromkeys(term[1]):
             naming[entity].append(term)
     numbers: dict[Hashable, int] = {}
-    kinds = {entity: numbers.setdefault(each, len(numbers)) for entity, each in told.items()}
+    kinds = {entity: numbers.setdefault(each, len(numbers)) for entity, each in facts.items()}
     members: dict[int, set[int]] = {kind: set() for kind in numbers.values()}
     for entity, kind in kinds.items():
         members[kind].add(entity)
-    touched = {entity: None for entity in told if len(members[kinds[entity]]) > 1}
+    touched = {entity: None for entity in facts if len(members[kinds[entity]]) > 1}
     while touched:
         parts: dict[int, dict[Hashable, list[int]]] = {}
         for entity in touched:

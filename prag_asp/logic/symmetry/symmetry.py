@@ -37,7 +37,7 @@ def find_symmetries(facts: Facts, ground: GroundStep, bare: Callable[[], GroundS
     With `bare`, renamings also have to keep the step that it returns; it is called only if entities are alike in
     `ground`.
     """
-    entities, told = sorted(facts.entities), _told(facts)
+    entities, told = sorted(facts.entities), _stated(facts)
     by_class: dict[Hashable, list[int]] = {}
     for number, each in enumerate(entities):
         by_class.setdefault(told[each], []).append(number)
@@ -72,7 +72,7 @@ def may_interchange(facts: Facts) -> bool:
 
     A step has an atom for each action: without such a renaming, the ground program needs no search.
     """
-    names_of_classes = list(_told(facts).values())
+    names_of_classes = list(_stated(facts).values())
     shapes = Shapes({entity: number for number, entity in enumerate(facts.entities)})
     actions = _Actions(dict.fromkeys(map(shapes.of, facts.actions)))
 
@@ -97,7 +97,7 @@ def may_interchange(facts: Facts) -> bool:
     return bool(joint_groups([(entity,) for entity in kinds], kinds, actions))
 
 
-def _told(facts: Facts) -> dict[clingo.Symbol, Hashable]:
+def _stated(facts: Facts) -> dict[clingo.Symbol, Hashable]:
     """Return the class of each entity, and its name if the entity is itself an action.
 
     Skeletons consist of names of actions, so that renamings have to keep them.

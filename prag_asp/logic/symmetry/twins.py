@@ -32,7 +32,7 @@ class Twins:
         np.add.at(count, (np.arange(len(first))[:, None], first), 1)
         return cls(actions, first, places - first, np.take_along_axis(count, first, axis=1))
 
-    def wanted(self) -> NDArray[np.bool_]:
+    def representatives(self) -> NDArray[np.bool_]:
         """Return which actions stand for their renamings by twins in which states, shape (states, actions).
 
         These are the actions that name the entities of each class in their order.
@@ -55,7 +55,7 @@ class Twins:
         return result
 
     def members(self, entity: int) -> range:
-        """Return all twins of an entity in the first state, with itself."""
+        """Return all twins of an entity in state 0, with itself."""
         first = int(self.first[0, entity])
         return range(first, first + int(self.count[0, entity]))
 

@@ -60,8 +60,8 @@ def parse(path: Path, kind: str) -> Node:
     _check_parentheses(path, text)
     ends = [found.start() for found in re.finditer("\n", text)]
 
-    def refuse(at: int, told: str) -> NoReturn:
-        raise DomainError(f"{path}:{bisect_left(ends, at) + 1}: {told}") from None
+    def refuse(at: int, message: str) -> NoReturn:
+        raise DomainError(f"{path}:{bisect_left(ends, at) + 1}: {message}") from None
 
     parser, given = grammar(), arranged(text, kind, refuse)
     from lark import UnexpectedInput
@@ -70,7 +70,7 @@ def parse(path: Path, kind: str) -> Node:
         return _node(parser.parse(given.text, start=kind), lambda at: bisect_left(ends, given.origin(at)) + 1)
     except UnexpectedInput as error:
         at = min(error.pos_in_stream or 0, len(given.text))
-        refuse(given.origin(at), _told(given.text, at, kind))
+        refuse(given.origin(at), _message(given.text, at, kind))
 
 
 def _node(tree: Tree[Token], line: Callable[[int], int]) -> Node:
@@ -86,7 +86,7 @@ def _node(tree: Tree[Token], line: Callable[[int], int]) -> Node:
     return Node(str(tree.data), tuple(found))
 
 
-def _told(text: str, at: int, kind: str) -> str:  # noqa: PLR0911 - one for each mistake
+def _message(text: str, at: int, kind: str) -> str:  # noqa: PLR0911 - one for each mistake
     """Return what is wrong at a place of a text, and what to do."""
     begin, around = WORDS.match(text, at), WORDS.match(text, max(text.rfind("(", 0, at), 0))
     words = begin.groups() if begin else ("", "")

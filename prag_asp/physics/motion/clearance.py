@@ -31,14 +31,14 @@ class ArmPassage(NamedTuple):
     carried: Sequence[str]
 
 
-def gaps(simulator: Simulator, passing: ArmPassage) -> Gaps:
+def gaps(simulator: Simulator, passage: ArmPassage) -> Gaps:
     """Return the distances of the acting arm, and what it carries, to all else and to each other.
 
     Contacts of the fingers with what they hold are ignored, and so are the base, which never moves, and pairs of links
     of one arm that cannot collide.
     """
     found: dict[tuple[str, str], float] = {}
-    for one, two, gap in _near(simulator, passing):
+    for one, two, gap in _near(simulator, passage):
         if gap < found.get((one, two), CLEARANCE):
             found[one, two] = gap
     return found
@@ -62,9 +62,9 @@ def _uneased(end: Gaps, way: Sequence[Gaps]) -> list[set[tuple[str, str]]]:
     return found
 
 
-def _near(simulator: Simulator, passing: ArmPassage) -> Iterator[tuple[str, str, float]]:
+def _near(simulator: Simulator, passage: ArmPassage) -> Iterator[tuple[str, str, float]]:
     """Yield pairs of bodies whose bounding boxes are close, and their distances in metres."""
-    situation, arm, carried = passing
+    situation, arm, carried = passage
     simulator.place(situation.poses, situation.openings)
     acting = simulator.arm
     whole = dict(zip(acting.robot.links, acting.link_boxes(arm.joints, arm.width), strict=True))
@@ -86,23 +86,23 @@ def _near(simulator: Simulator, passing: ArmPassage) -> Iterator[tuple[str, str,
             )
     for name, other in situation.arms.items():
         if name != simulator.acting:
-            yield from _near_arm(simulator, passing, name, other, boxes)
+            yield from _near_arm(simulator, passage, name, other, boxes)
     for entity in carried:
-        yield from _near_load(simulator, passing, entity)
+        yield from _near_load(simulator, passage, entity)
 
 
-def _near_load(simulator: Simulator, passing: ArmPassage, entity: str) -> Iterator[tuple[str, str, float]]:
+def _near_load(simulator: Simulator, passage: ArmPassage, entity: str) -> Iterator[tuple[str, str, float]]:
     """Yield the distances of a carried object to the table, and to what is not carried with it."""
-    body, own = simulator.body(entity), passing.situation.body(entity)
+    body, own = simulator.body(entity), passage.situation.body(entity)
     if own.low[2] < CLEARANCE:
         yield from ((entity, TABLE, gap) for gap in _distances(simulator, body, simulator.table))
-    for other, near in passing.situation.bodies:
-        if other not in passing.carried and _wide((own.low, own.high), (near.low, near.high)):
+    for other, near in passage.situation.bodies:
+        if other not in passage.carried and _wide((own.low, own.high), (near.low, near.high)):
             yield from ((entity, other, gap) for gap in _distances(simulator, body, simulator.body(other)))
 
 
 def _near_arm(
-    simulator: Simulator, passing: ArmPassage, name: str, other: Arm, boxes: Mapping[int, Corners]
+    simulator: Simulator, passage: ArmPassage, name: str, other: Arm, boxes: Mapping[int, Corners]
 ) -> Iterator[tuple[str, str, float]]:
     """Yield the distances of the acting arm, and what it carries, to another arm."""
     there = simulator.arms[name]
@@ -111,8 +111,8 @@ def _near_arm(
     reach = around(whole.values())
     links = [link for link in _beside(reach, boxes) if _beside(boxes[link], whole)]
     yield from (("the arm", name, gap) for gap in _distances(simulator, simulator.arm.body, there.body, links))
-    for entity in passing.carried:
-        body = passing.situation.body(entity)
+    for entity in passage.carried:
+        body = passage.situation.body(entity)
         links = _beside((body.low, body.high), whole)
         if entity == other.held:
             links = [link for link in links if link not in there.robot.finger_links]

@@ -151,10 +151,10 @@ def _is_free(simulator: Simulator, situation: Situation, arm: Arm, path: NDArray
     """Return whether the arm and what it holds keep clear on a path, shape (points, 7), apart from its ends."""
     carried = _carried(situation, arm)
     start, *between, goal = _check_points(path)
-    first, last = (gaps(simulator, _passing(simulator, situation, arm, carried, end)) for end in (start, goal))
+    first, last = (gaps(simulator, _passage(simulator, situation, arm, carried, end)) for end in (start, goal))
     found: list[Gaps] = []
     for joints in between:
-        here = gaps(simulator, _passing(simulator, situation, arm, carried, joints))
+        here = gaps(simulator, _passage(simulator, situation, arm, carried, joints))
         if here.keys() - first.keys() - last.keys():
             return False
         found.append(here)
@@ -186,7 +186,7 @@ def _carried(situation: Situation, arm: Arm) -> list[str]:
     return [] if held is None else [held, *riders(situation, held, [each for each in situation.poses if each != held])]
 
 
-def _passing(
+def _passage(
     simulator: Simulator, situation: Situation, arm: Arm, carried: Sequence[str], joints: Joints
 ) -> ArmPassage:
     """Return where everything is with the arm at joint angles."""

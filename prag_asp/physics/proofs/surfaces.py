@@ -38,7 +38,7 @@ def _contradictions(entity: str, on: Sequence[str], off: Sequence[str], scene: S
     for surface in on[1:]:
         common = within(common, outline_of(surface, scene))
     if not common:
-        yield f"{name} cannot be on {places} at once, for they have no part in common"
+        yield f"{name} cannot be on {places} at once, because they have no part in common"
         return
     for surface in off:
         outline = outline_of(surface, scene)

@@ -86,7 +86,7 @@ def _parts(path: str) -> tuple[Part, ...]:
 
 
 def state_of(path: str) -> tuple[int, int]:
-    """Return when a mesh was modified, in nanoseconds, and its size in bytes: they tell its contents apart.
+    """Return when a mesh was modified, in nanoseconds, and its size in bytes: they identify its contents.
 
     Raises:
         SceneError: the file cannot be read.
@@ -100,7 +100,7 @@ def state_of(path: str) -> tuple[int, int]:
 
 @lru_cache(maxsize=32)
 def _read(path: str, modified: int, size: int) -> tuple[Part, ...]:
-    """Return the parts of a mesh in its own unit; when it was modified and its size tell contents apart.
+    """Return the parts of a mesh in its own unit; when it was modified and its size identify the contents.
 
     Raises:
         SceneError: as for `mesh_parts`.

@@ -159,8 +159,8 @@ class _BreadthFirst:
             return
         rows = rows[places]
         twins = self._merging.classes(self._twins[-1][places]) if self._merging else None
-        wanted = self._merging.wanted(rows, twins) if self._merging and twins else None
-        found = list(self._transition.expand(rows, wanted))
+        candidates = self._merging.representatives(rows, twins) if self._merging and twins else None
+        found = list(self._transition.expand(rows, candidates))
         sources = np.concatenate([np.zeros(0, dtype=np.uint16), *(each.sources.astype(np.uint16) for each in found)])
         order = np.argsort(sources, kind="stable")
         self._degrees[-1][places] = np.bincount(sources, minlength=len(rows))
@@ -176,7 +176,7 @@ class _BreadthFirst:
     def _near(self, rows: Rows, left: int) -> NDArray[np.intp]:
         """Return the places of the states from which a plan may end in at most so many steps.
 
-        Where few of the first states of a layer are too far, the others are not looked at.
+        Where few of the leading states of a layer are too far, the others are not looked at.
         """
         if len(self.states) < MANY or self._relaxation is None or self._worth_a_look == (left, False):
             return np.arange(len(rows))

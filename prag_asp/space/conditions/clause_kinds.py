@@ -26,7 +26,7 @@ class Clause(Protocol):
 
     file: ClassVar[str]
 
-    def asked(self, number: int, facts: Facts) -> Iterator[str]:
+    def requests(self, number: int, facts: Facts) -> Iterator[str]:
         """Yield what the encoding is asked, as terms; `number` tells this condition from others.
 
         Raises:
@@ -45,7 +45,7 @@ class Begins:
     def __str__(self) -> str:
         return f"begins {', '.join(self.prefix)}"
 
-    def asked(self, number: int, facts: Facts) -> Iterator[str]:
+    def requests(self, number: int, facts: Facts) -> Iterator[str]:
         """Yield what the encoding is asked."""
         for step, item in enumerate(self.prefix):
             yield f"begins({number},{step})"
@@ -89,7 +89,7 @@ class Has:
     def __str__(self) -> str:
         return f"has {self.times} {self.pattern}"
 
-    def asked(self, number: int, facts: Facts) -> Iterator[str]:
+    def requests(self, number: int, facts: Facts) -> Iterator[str]:
         """Yield what the encoding is asked."""
         first, arrow, second = (part.strip() for part in self.pattern.partition(">"))
         if arrow:
@@ -117,7 +117,7 @@ class Uses:
     def __str__(self) -> str:
         return f"uses {self.number} {self.kind}"
 
-    def asked(self, number: int, facts: Facts) -> Iterator[str]:
+    def requests(self, number: int, facts: Facts) -> Iterator[str]:
         """Yield what the encoding is asked."""
         yield from _bounds(number, self.number, "fewest", "greatest")
         for entity in class_members(self.kind, facts):
@@ -135,7 +135,7 @@ class Names:
     def __str__(self) -> str:
         return f"{'uses' if self.some else 'avoids'} {self.kind}"
 
-    def asked(self, number: int, facts: Facts) -> Iterator[str]:
+    def requests(self, number: int, facts: Facts) -> Iterator[str]:
         """Yield what the encoding is asked."""
         actions = self.actions(facts)
         which = _named_by_all(actions, facts) or str(number)
@@ -158,7 +158,7 @@ class Matches:
     def __str__(self) -> str:
         return f"{'not ' if self.inverse else ''}matches {self.expression}"
 
-    def asked(self, number: int, facts: Facts) -> Iterator[str]:
+    def requests(self, number: int, facts: Facts) -> Iterator[str]:
         """Yield what the encoding is asked."""
         names = {action_name(action) for action in facts.actions}
         with not_too_deep(self.expression):
@@ -181,7 +181,7 @@ class Part:
     def __str__(self) -> str:
         return f"part {_intervals(self.residues)} of {self.modulus} by seed {self.seed}"
 
-    def asked(self, number: int, facts: Facts) -> Iterator[str]:
+    def requests(self, number: int, facts: Facts) -> Iterator[str]:
         """Yield what the encoding is asked."""
         rows: list[dict[str, int]] = [{} for _ in range(self.modulus)]
         for name in sorted({action_name(action) for action in facts.actions}):
@@ -203,7 +203,7 @@ class After:
     def __str__(self) -> str:
         return f"after {self.steps}: {self.formula}" if self.steps else f"starts {self.formula}"
 
-    def asked(self, number: int, facts: Facts) -> Iterator[str]:
+    def requests(self, number: int, facts: Facts) -> Iterator[str]:
         """Yield what the encoding is asked."""
         if self.steps:
             yield f"instant(1..{self.steps})"
@@ -217,7 +217,7 @@ class After:
 
 @dataclass(frozen=True)
 class Ends:
-    """The last state satisfies a formula, together with the goal of the domain."""
+    """The final state satisfies a formula, together with the goal of the domain."""
 
     formula: str
     file: ClassVar[str] = "ends"
@@ -225,20 +225,20 @@ class Ends:
     def __str__(self) -> str:
         return f"ends {self.formula}"
 
-    def asked(self, number: int, facts: Facts) -> Iterator[str]:
+    def requests(self, number: int, facts: Facts) -> Iterator[str]:
         """Yield what the encoding is asked."""
         yield from asked_end(number, self.conjunctions(facts))
 
     def conjunctions(self, facts: Facts) -> Sequence[Mapping[str, bool]]:
-        """Return the conjunctions, one of which the last state satisfies."""
+        """Return the conjunctions, one of which the final state satisfies."""
         return parse_formula(self.formula, map(str, facts.fluents))
 
 
 @dataclass(frozen=True)
 class Achieves(Ends):
-    """The last state satisfies a formula, of which the first is not known to satisfy it.
+    """The final state satisfies a formula, of which the first is not known to satisfy it.
 
-    Several ask for one first state, which may satisfy none of their formulas.
+    Several require one initial state, which may satisfy none of their formulas.
     """
 
     file: ClassVar[str] = "achieves"
@@ -249,14 +249,14 @@ class Achieves(Ends):
 
 @dataclass(frozen=True)
 class Nontrivial:
-    """What is known of the last state differs from what is known of the first."""
+    """What is known of the final state differs from what is known of the first."""
 
     file: ClassVar[str] = "nontrivial"
 
     def __str__(self) -> str:
         return "nontrivial"
 
-    def asked(self, number: int, facts: Facts) -> Iterator[str]:
+    def requests(self, number: int, facts: Facts) -> Iterator[str]:
         """Yield what the encoding is asked."""
         return iter(())
 
@@ -270,13 +270,13 @@ class LoopFree:
     def __str__(self) -> str:
         return "loop-free"
 
-    def asked(self, number: int, facts: Facts) -> Iterator[str]:
+    def requests(self, number: int, facts: Facts) -> Iterator[str]:
         """Yield what the encoding is asked."""
         return iter(())
 
 
 def asked_end(number: int, conjunctions: Iterable[Mapping[str, bool]]) -> Iterator[str]:
-    """Yield what ``ends.lp`` is asked where the last state satisfies one of some conjunctions."""
+    """Yield what ``ends.lp`` is asked where the final state satisfies one of some conjunctions."""
     yield f"ends({number})"
     for which, conjunction in enumerate(conjunctions):
         yield f"either({number},{which})"
@@ -285,7 +285,7 @@ def asked_end(number: int, conjunctions: Iterable[Mapping[str, bool]]) -> Iterat
 
 
 def asked_start(conjunctions: Iterable[Mapping[str, bool]]) -> Iterator[str]:
-    """Yield what ``achieves.lp`` is asked where one of some conjunctions must not be known of the first state."""
+    """Yield what ``achieves.lp`` is asked where one of some conjunctions must not be known of the initial state."""
     for which, conjunction in enumerate(conjunctions):
         yield f"known({which})"
         for fluent, value in conjunction.items():
@@ -302,11 +302,11 @@ def asked_language(number: int, machine: Recogniser) -> Iterator[str]:
     yield from (f"accepts({number},{state})" for state in sorted(machine.accepting))
 
 
-def _bounds(which: int | str, wanted: Range, lower: str, upper: str) -> Iterator[str]:
-    if wanted.low:
-        yield f"{lower}({which},{wanted.low})"
-    if wanted.high is not None:
-        yield f"{upper}({which},{wanted.high})"
+def _bounds(which: int | str, expected: Range, lower: str, upper: str) -> Iterator[str]:
+    if expected.low:
+        yield f"{lower}({which},{expected.low})"
+    if expected.high is not None:
+        yield f"{upper}({which},{expected.high})"
 
 
 def _counted(what: str, times: Range, counted: Iterable[object]) -> Iterator[str]:

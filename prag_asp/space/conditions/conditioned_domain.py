@@ -20,7 +20,7 @@ def conditioned(domain: Domain, condition: Condition) -> Domain:
     """Return a domain whose plans are those of `domain` that satisfy a condition.
 
     The condition becomes part of the program, so every engine answers for it as for any rule, and entities that it
-    tells apart are no longer interchangeable.
+    distinguishes are no longer interchangeable.
 
     Raises:
         QueryError: the condition speaks of something that the domain does not have.
@@ -43,7 +43,7 @@ def conditioned(domain: Domain, condition: Condition) -> Domain:
     for number, clause in enumerate(clauses):
         if not isinstance(clause, Ends):
             files.append(clause.file)
-            asked += [REQUEST.fact(term) for term in clause.asked(number, facts)]
+            asked += [REQUEST.fact(term) for term in clause.requests(number, facts)]
     facts = replace(facts, goal=tuple(dict.fromkeys((*facts.goal, *goal))))
     folder = domain.encodings / "conditions"
     read = (source for file in dict.fromkeys(files) for source in read_sources(folder / f"{file}.lp", domain.encodings))
@@ -53,9 +53,9 @@ def conditioned(domain: Domain, condition: Condition) -> Domain:
 
 
 def _last_state(ends: Sequence[Ends], facts: Facts) -> tuple[Assignment, Sequence[Conjunction] | None]:
-    """Return what is asked of the last state: a goal, and conjunctions one of which it satisfies as well, if any are.
+    """Return what is asked of the final state: a goal, and conjunctions one of which it satisfies as well, if any are.
 
-    All choices that the last state has are one, for one state has to satisfy them all. What is so with each of them is
+    All choices that the final state has are one, because one state has to satisfy them all. What is so with each of them is
     part of the goal.
     """
     asked = [(clause, clause.conjunctions(facts)) for clause in ends]
@@ -70,7 +70,7 @@ def _last_state(ends: Sequence[Ends], facts: Facts) -> tuple[Assignment, Sequenc
 
 
 def _first_state(achieved: Sequence[Achieves], clauses: Sequence[Clause], facts: Facts) -> Sequence[Conjunction]:
-    """Return the conjunctions one of which is known of a first state that is known to satisfy one of some formulas."""
+    """Return the conjunctions one of which is known of an initial state that is known to satisfy one of some formulas."""
     starts = [each for clause in clauses if isinstance(clause, After) and not clause.steps
               for each in _assigned(clause.conjunction(facts), facts)]  # fmt: skip
     asked = [each for clause in achieved for each in clause.conjunctions(facts)]

@@ -1,6 +1,6 @@
 """What conditions say, however they are spelled: what says nothing is left out, what says the same has one form.
 
-A formula about the last state is told by the weakest sets of values that entail it together with the invariants, each
+A formula about the final state is told by the weakest sets of values that entail it together with the invariants, each
 with all that follows from it. There is one such form of each formula: no other way to write it, and no invariant that
 follows from the others, makes another. It is found from the prime implicants of the formula
 or a violated invariant.
@@ -41,7 +41,7 @@ def simplest(clause: Clause, facts: Facts) -> Clause | None:
         elif (low, high) == (0, None):
             return None
     if isinstance(clause, Has) and clause.times == Range():
-        return None if list(clause.asked(0, facts)) else clause
+        return None if list(clause.requests(0, facts)) else clause
     if isinstance(clause, Names) and not clause.some and not clause.actions(facts):
         return None
     return clause

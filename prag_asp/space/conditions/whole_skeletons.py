@@ -49,7 +49,7 @@ def divide_skeletons(
         few = listed()
         parts = _of_skeletons(few, shares, seed) if few is not None else _of_classes(count, shares, seed, modulus)
         if _distance(parts, shares, count) > NEAR:
-            warnings.warn(_told(parts, shares, count), SharesWarning, stacklevel=3)
+            warnings.warn(_warning_text(parts, shares, count), SharesWarning, stacklevel=3)
     return parts
 
 
@@ -79,7 +79,7 @@ def _of_classes(count: Count, shares: Mapping[str, Fraction], seed: int, modulus
     return {name: _part(own, modulus, seed) for name, own in zip(shares, residues, strict=True)}
 
 
-def _told(parts: Mapping[str, Condition], shares: Mapping[str, Fraction], count: Count) -> str:
+def _warning_text(parts: Mapping[str, Condition], shares: Mapping[str, Fraction], count: Count) -> str:
     total = sum(map(count, parts.values()))
     have = ", ".join(f"{name} has {float(100 * count(part) / total):.1f} %" for name, part in parts.items())
     wanted = ", ".join(f"{float(100 * share):.4g} %" for share in shares.values())

@@ -171,14 +171,14 @@ class _UnrolledPlans:
         """Return whether some answer set satisfies the literals."""
         return self._true_literals(assumptions, ()) is not None
 
-    def following(self, word: Letters, wanted: Letters) -> Iterator[str]:
-        """Yield the letters, in order, that follow `word` in words that go on as `wanted`, each as soon as it is known.
+    def following(self, word: Letters, prefix: Letters) -> Iterator[str]:
+        """Yield the letters, in order, that follow `word` in words that go on as `prefix`, each as soon as it is known.
 
         A letter is tried by itself. Each time one fails, twice as many searches as before, one at first, find any
         others, or that there are none. So of n letters that follow, all take at most n + 1 searches that find some, and
         one that fails for each doubling.
         """
-        assumptions = self.assume((*word, *wanted))
+        assumptions = self.assume((*word, *prefix))
         if assumptions is None:
             return
         time = clingo.Number(len(word) + 1)

@@ -132,7 +132,7 @@ class IndependentParts:
     ) -> list[Reach] | None:
         """Return what each part reaches; None where `halt` says so, or one does not rest while another one acts.
 
-        Once a limit ended one, no more than the first state of the others is looked at.
+        Once a limit ended one, no more than the initial state of the others is looked at.
         """
         found: list[Reach] = []
         for part in self._parts or ():

@@ -35,9 +35,13 @@ class WordFormula:
         found = [self._known.get(place) or self._literal(*place) for place in enumerate(prefix, 1)]
         return None if -TRUE in found else found
 
-    def fits(self, letter: str, wanted: Sequence[str]) -> bool:
+    def fits(self, letter: str, prefix_names: Sequence[str]) -> bool:
         """Return whether a letter is the first of those wanted, or an action of that name, if any is wanted."""
-        return not wanted or letter == wanted[0] or _name(letter) == name_in_prefix(wanted[0], self.letters)
+        return (
+            not prefix_names
+            or letter == prefix_names[0]
+            or _name(letter) == name_in_prefix(prefix_names[0], self.letters)
+        )
 
     def word(self, model: Sequence[Literal]) -> Letters:
         """Return the word that a model is.

@@ -1,4 +1,4 @@
-"""Draws that are dealt to several, like cards: to each of them every so many-th."""
+"""Draws that are dealt to several, like cards: each of N workers gets every N-th."""
 
 from __future__ import annotations
 

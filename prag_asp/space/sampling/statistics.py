@@ -71,10 +71,10 @@ def statistics_of(engine: Engine, facts: Facts, by: Level, length: int, weights:
     name_of = letters if by == "skeleton" else tuple(_names(facts, letters))
     names = sorted(set(name_of))
     numbers = np.array([names.index(name) for name in name_of], dtype=np.int64)
-    passing = crossings(weighed.completions, length)
+    transitions = crossings(weighed.completions, length)
     total = weighed.total(length)
-    occurring = _summed(passing, weighed.automaton.letters, len(letters))
-    by_name = _summed(passing, numbers[weighed.automaton.letters], len(names))
+    occurring = _summed(transitions, weighed.automaton.letters, len(letters))
+    by_name = _summed(transitions, numbers[weighed.automaton.letters], len(names))
     pairs = consecutive(weighed.completions, length, numbers)
     own = {letter: {number} for number, letter in enumerate(letters)}
     entities, classes = ({}, {}) if by == "skeleton" else _mentions(facts, letters)
@@ -93,7 +93,7 @@ def statistics_of(engine: Engine, facts: Facts, by: Level, length: int, weights:
         length,
         int(Completions(replace(positive(weighed.automaton), weights=None)).last_row(length)[0]),
         total * weighed.unit,
-        entropy(weighed.automaton, passing, total),
+        entropy(weighed.automaton, transitions, total),
         actions,
         named,
         {(names[one], names[two]): Fraction(weight, total) for (one, two), weight in sorted(pairs.items())},
@@ -152,10 +152,10 @@ def _mentions(facts: Facts, letters: Sequence[str]) -> tuple[dict[str, set[int]]
 def crossings(completions: Completions, length: int) -> list[int]:
     """Return for each edge the weight of all words that pass it, as often as they do."""
     automaton = completions.automaton
-    passing = np.zeros(len(automaton.letters), dtype=object)
+    transitions = np.zeros(len(automaton.letters), dtype=object)
     for step, over in enumerate(_forward(automaton, length)):
-        passing += over * completions.row(length - step - 1)[automaton.targets].astype(object)
-    return list(passing)
+        transitions += over * completions.row(length - step - 1)[automaton.targets].astype(object)
+    return list(transitions)
 
 
 def consecutive(completions: Completions, length: int, names: NDArray[np.int64]) -> dict[tuple[int, int], int]:
@@ -196,7 +196,7 @@ def weight_without(
 ) -> int:
     """Return the weight of all words that have none of some `single` names, nor some `pairs` of consecutive ones.
 
-    `names` maps letters to numbers of names. States are told apart by the name that led to them, and by none at first.
+    `names` maps letters to numbers of names. States are distinguished by the name that led to them, and by none at first.
     """
     if not automaton.states:
         return 0
@@ -223,13 +223,13 @@ def weight_without(
     return int(Completions(apart).last_row(length)[0])
 
 
-def entropy(automaton: Automaton, passing: Sequence[int], total: int) -> Decimal:
+def entropy(automaton: Automaton, transitions: Sequence[int], total: int) -> Decimal:
     """Return the entropy in bits of a word drawn by weight: log2 of the total less the expected log2 of a weight.
 
-    `passing` are the `crossings`. The expected number of edges of each weight is exact; only logarithms are rounded.
+    `transitions` are the `crossings`. The expected number of edges of each weight is exact; only logarithms are rounded.
     """
     by_weight: dict[int, int] = {}
-    for weight, passed in zip(_factors(automaton).tolist(), passing, strict=True):
+    for weight, passed in zip(_factors(automaton).tolist(), transitions, strict=True):
         if passed:
             by_weight[weight] = by_weight.get(weight, 0) + passed
     with localcontext(Context(prec=2 * ENTROPY_PLACES + 20, Emax=MAX_EMAX, Emin=MIN_EMIN)):

@@ -168,7 +168,7 @@ def refuse_weights(level: str, weights: Weights, model: DomainLogic, length: int
 
 
 def refuse_unequal(weights: Weights, groups: Sequence[Sequence[clingo.Symbol]]) -> None:
-    """Refuse weights that tell interchangeable entities apart, because a task does not.
+    """Refuse weights that differ between interchangeable entities, because a task does not distinguish them.
 
     Raises:
         QueryError: two interchangeable entities weigh differently.
