@@ -48,7 +48,8 @@ if TYPE_CHECKING:
     help="With --count: folder for one file per part.",
 )  # fmt: skip
 def split(
-    *, request: DomainOptions, words: tuple[str, ...], skeletons: bool, held: str | None, requested_count: int | None, seed: int,
+    *, request: DomainOptions, words: tuple[str, ...], skeletons: bool, held: str | None, requested_count: int | None,
+    seed: int,
     task_format: TaskFormat, output: str | None,
 ) -> None:  # fmt: skip
     """Split the tasks of length N into disjoint parts.

@@ -53,7 +53,9 @@ class Dataset:
         path = Path(folder)
         manifest = DATASET.read(path)
         if manifest is None:
-            raise QueryError(f"{path}: is not a dataset, because it has no {NAME}; make one with prag-asp generate -o {path}")
+            raise QueryError(
+                f"{path}: is not a dataset, because it has no {NAME}; make one with prag-asp generate -o {path}"
+            )
         if not manifest.complete:
             raise QueryError(f"{path}: the run that makes it has not ended; resume it by the same command")
         return cls(path, manifest, trust, tuple(part.name for part in manifest.parts))

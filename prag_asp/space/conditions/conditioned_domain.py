@@ -55,7 +55,7 @@ def conditioned(domain: Domain, condition: Condition) -> Domain:
 def _last_state(ends: Sequence[Ends], facts: Facts) -> tuple[Assignment, Sequence[Conjunction] | None]:
     """Return what is asked of the final state: a goal, and conjunctions one of which it satisfies as well, if any are.
 
-    All choices that the final state has are one, because one state has to satisfy them all. What is so with each of them is
+    All choices of the final state are one, because one state has to satisfy them all. What is so with each of them is
     part of the goal.
     """
     asked = [(clause, clause.conjunctions(facts)) for clause in ends]
@@ -70,7 +70,7 @@ def _last_state(ends: Sequence[Ends], facts: Facts) -> tuple[Assignment, Sequenc
 
 
 def _first_state(achieved: Sequence[Achieves], clauses: Sequence[Clause], facts: Facts) -> Sequence[Conjunction]:
-    """Return the conjunctions one of which is known of an initial state that is known to satisfy one of some formulas."""
+    """Return the conjunctions one of which is known of an initial state that satisfies one of some formulas."""
     starts = [each for clause in clauses if isinstance(clause, After) and not clause.steps
               for each in _assigned(clause.conjunction(facts), facts)]  # fmt: skip
     asked = [each for clause in achieved for each in clause.conjunctions(facts)]

@@ -196,7 +196,7 @@ def weight_without(
 ) -> int:
     """Return the weight of all words that have none of some `single` names, nor some `pairs` of consecutive ones.
 
-    `names` maps letters to numbers of names. States are distinguished by the name that led to them, and by none at first.
+    `names` maps letters to numbers of names. States are distinguished by the name of the action before them.
     """
     if not automaton.states:
         return 0
@@ -226,7 +226,7 @@ def weight_without(
 def entropy(automaton: Automaton, transitions: Sequence[int], total: int) -> Decimal:
     """Return the entropy in bits of a word drawn by weight: log2 of the total less the expected log2 of a weight.
 
-    `transitions` are the `crossings`. The expected number of edges of each weight is exact; only logarithms are rounded.
+    `transitions` are the `crossings`. The expected numbers of edges are exact; only logarithms are rounded.
     """
     by_weight: dict[int, int] = {}
     for weight, passed in zip(_factors(automaton).tolist(), transitions, strict=True):
