@@ -51,7 +51,7 @@ def fewest_instances(
 ) -> int:
     """Return a number of instances that an action has at least if it has any; 0 where that takes more to know.
 
-    Each of the `required` predicates that has to be true has at least the rows of the initial state. Parameters that none
+    Each of the `required` predicates that must be true has at least the rows of the initial state. Parameters that none
     names have all objects of their types, but for one that each of those before them is. Where predicates or parameters
     are joined in other ways, nothing is known. What depends on the state otherwise rules no instance out.
     """

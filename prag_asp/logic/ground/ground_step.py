@@ -251,8 +251,10 @@ def extend_step(
     grounding.extended = True
     grounder, recorder = grounding.grounder, grounding.recorder
     grounder.add("base", [PART.sub(r"\1extended_\2", f"#program base. {rules.text}")])
-    recorder.part = "base"
+    # Besides facts, clingo now adds projections of atoms of the step, which no rule of the extension reads.
+    recorder.part = "extended_base"
     grounder.ground([("extended_base", [])])
+    recorder.rules.pop("extended_base", None)
     recorder.part = "step"
     _declare(grounder, carried, [])
     grounder.ground([("extended_step", [NOW])])
