@@ -137,7 +137,7 @@ WAYS: Mapping[str, Callable[[int], int]] = {"ours": ours, "cudd": cudd, "oxidd":
 
 
 def main() -> None:
-    """Print the table, each count from a separate process; with a method and a length as arguments, count in this process."""
+    """Print the table, each count from a separate process; with arguments METHOD LENGTH, count in this process."""
     if len(sys.argv) > 1:
         begun = process_time()
         count = WAYS[sys.argv[1]](int(sys.argv[2]))

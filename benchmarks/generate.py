@@ -94,9 +94,7 @@ def main() -> None:
             (note,) = Dataset.open(folder / str(number)).manifest.parts
             alone = computed(partial(validated, note.draws))  # including the infeasible tasks, which take longest
             pairs.append(along / alone)
-            say(
-                f"{options.tasks} tasks, processor seconds: {alone:.2f} for validation, {along:.2f} in total: {pairs[-1]:.3f}"
-            )
+            say(f"{options.tasks} tasks, CPU seconds: validation {alone:.2f}, total {along:.2f}, ratio {pairs[-1]:.3f}")
         say(f"median ratio {median(pairs):.3f}")
         say(f"a dataset of one task takes {computed(partial(one, folder / 'one')):.2f} s")
         for tasks in (options.large // 10, options.large):

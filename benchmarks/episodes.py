@@ -1,6 +1,6 @@
 """Check that demonstrations respect the joint limits of the robots and have no unwanted contacts.
 
-    python benchmarks/recordings.py --count 500
+    python benchmarks/episodes.py --count 500
 
 Samples random tasks of every domain with a scene (`tabletop` and `prag` also with the kuka) and demonstrates each at
 the default budget. Checks the speeds and accelerations of the simulated joints and of the commands from frame to frame.

@@ -1,4 +1,4 @@
-"""Compare sampling with clingo's random search: python benchmarks/drawing.py."""
+"""Compare sampling with clingo's random search: python benchmarks/sampling.py."""
 
 from __future__ import annotations
 
