@@ -142,7 +142,7 @@ def refuse_leaks(suite: Suite, figures: Figures) -> None:
     problems = []
     for leak in figures.leaks:
         what = f"{leak.one} and {leak.other} have {plural(number_of(leak.tasks), 'task')} in common"
-        mend = f'separate them by conditions, or add shares = "{leak.one}" to [parts.{leak.other}]'
-        problems.append(f"{suite.place('parts', leak.other)}: {what}; {mend}")
+        remedy = f'separate them by conditions, or add shares = "{leak.one}" to [parts.{leak.other}]'
+        problems.append(f"{suite.place('parts', leak.other)}: {what}; {remedy}")
     if problems:
         raise QueryError(*problems)
