@@ -50,7 +50,7 @@ def verify(
     task stands in two parts that do not say so, and no words in two whose phrasings are to differ.
 
     Raises:
-        QueryError: there is no dataset, its files cannot be read, or the run that makes it has not ended.
+        QueryError: there is not a dataset, its files cannot be read, or the run that makes it has not ended.
         DatasetsMissingError: pyarrow is not installed.
     """
     look = _wrong_suite if is_suite(folder) else wrong_dataset

@@ -301,7 +301,7 @@ def test_a_leak_is_refused_unless_it_is_declared(tmp_path: Path) -> None:
     refuse_leaks(declared, count_suite(declared))
     (tmp_path / "bench").mkdir()
     (tmp_path / "bench" / "mine").write_text("mine")
-    with pytest.raises(OutputError, match="holds mine, and is no suite"):
+    with pytest.raises(OutputError, match="holds mine, and is not a suite"):
         generate_suite(declared, tmp_path / "bench")
 
 
