@@ -1,4 +1,4 @@
-"""Effects of one action that may set the same fluent: one that is both added and deleted is added."""
+"""Effects of one action that may set the same fluent. An atom that an action both adds and deletes becomes true."""
 
 from __future__ import annotations
 
@@ -20,39 +20,40 @@ class ConflictingEffects:
     def __init__(self, domain: DomainFile, problem: ProblemFile) -> None:
         self._objects = problem.objects
         self._above = [domain.above(name) for name in domain.types]
-        self._known: dict[tuple[tuple[str, ...], tuple[str, ...]], bool] = {}
+        self._overlaps: dict[tuple[tuple[str, ...], tuple[str, ...]], bool] = {}
 
     def of(self, effect: SchemaEffect, others: Iterable[SchemaEffect]) -> list[SchemaEffect]:
         """Return the effects among others that may set the fluent of an effect."""
-        found = effect.literal
+        literal = effect.literal
         return [
             each
             for each in others
-            if each.literal.predicate == found.predicate and all(map(self._may_be_one, found.terms, each.literal.terms))
+            if each.literal.predicate == literal.predicate
+            and all(map(self._may_be_one, literal.terms, each.literal.terms))
         ]
 
     def _may_be_one(self, left: Variable | str, right: Variable | str) -> bool:
         if isinstance(left, str) and isinstance(right, str):
             return left == right
         types = self._types(left), self._types(right)
-        if types not in self._known:
+        if types not in self._overlaps:
             first, second = types
-            self._known[types] = any(
+            self._overlaps[types] = any(
                 not above.isdisjoint(first) and not above.isdisjoint(second) for above in self._above
             )
-        return self._known[types]
+        return self._overlaps[types]
 
     def _types(self, term: Variable | str) -> tuple[str, ...]:
         return term.types if isinstance(term, Variable) else (self._objects[term],)
 
 
 def is_overruled(effect: SchemaEffect, conflicting: Iterable[SchemaEffect]) -> bool:
-    """Return whether the fluent that an effect deletes is always added at the same time."""
+    """Return whether another effect always adds the fluent that an effect deletes."""
     return any(is_plain(each) and each.literal.terms == effect.literal.terms for each in conflicting)
 
 
 def differences(words: Vocabulary, effect: SchemaEffect, conflicting: Iterable[SchemaEffect]) -> Iterator[str]:
-    """Yield the comparisons by which a deletion differs from each plain effect that adds at the same time."""
+    """Yield the inequalities that separate a delete effect from each plain add effect of the same action."""
     for other in filter(is_plain, conflicting):
         pairs = zip(effect.literal.terms, other.literal.terms, strict=True)
         unlike = [(words.term(left), words.term(right)) for left, right in pairs if left != right]

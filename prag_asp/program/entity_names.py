@@ -38,11 +38,11 @@ def ambiguity(name: str, facts: Facts) -> str | None:
     return f"{name} could be {', '.join(kinds[:-1])} or {kinds[-1]} of that name; rename one in the domain"
 
 
-def no_action(name: str, known: Iterable[str], facts: Facts) -> str:
+def no_action(name: str, names: Iterable[str], facts: Facts) -> str:
     """Return the message for a name that is not among the `known` actions or names of actions."""
     if name in named(facts)["action"]:
         return f"{name} can never occur, so it is pruned; prag-asp check says why"
-    return unknown(name, known, "action")
+    return unknown(name, names, "action")
 
 
 def refuse_ambiguous(name: str, facts: Facts) -> None:

@@ -218,15 +218,15 @@ def _by_action(
     """
     ranks = {fluent: (rank, fluent) for rank, fluent in enumerate(fluents)}
     spelled = {clingo.Function(value): value for value in VALUES}
-    found: dict[clingo.Symbol, list[tuple[int, str, clingo.Symbol]]] = {action: [] for action in actions}
-    declared = len(found)
+    by_action: dict[clingo.Symbol, list[tuple[int, str, clingo.Symbol]]] = {action: [] for action in actions}
+    declared = len(by_action)
     for action, fluent, value in unsorted_rows(control, predicate, 3):
-        rank, known = ranks.get(fluent) or ranks.setdefault(fluent, (len(ranks), fluent))
+        rank, same_fluent = ranks.get(fluent) or ranks.setdefault(fluent, (len(ranks), fluent))
         word = spelled.get(value) or spelled.setdefault(value, str(value))
-        found.setdefault(action, []).append((rank, word, known))
+        by_action.setdefault(action, []).append((rank, word, same_fluent))
     table: dict[clingo.Symbol, Assignment] = {}
-    for action in found if len(found) == declared else sorted(found):
-        if found[action]:
-            found[action].sort(key=itemgetter(0, 1))
-            table[action] = tuple([(fluent, value) for _, value, fluent in found[action]])
+    for action in by_action if len(by_action) == declared else sorted(by_action):
+        if by_action[action]:
+            by_action[action].sort(key=itemgetter(0, 1))
+            table[action] = tuple([(fluent, value) for _, value, fluent in by_action[action]])
     return table

@@ -36,15 +36,15 @@ class Grounder:
         self._program, self._strict = program, strict
         self.notes: list[str] = []
         self._parts = 0
-        found = guard_program(program)
-        self._checks = Checks(found.sites)
+        guarded = guard_program(program)
+        self._checks = Checks(guarded.sites)
         self._messages: list[tuple[clingo.MessageCode, str]] = []
         self.control = clingo.Control(
             ["--warn=no-atom-undefined", *arguments],
             logger=lambda code, text: self._messages.append((code, text)),
             message_limit=100,
         )
-        self._run(lambda: self.control.add("base", [], found.text))
+        self._run(lambda: self.control.add("base", [], guarded.text))
 
     def ground(self, parts: Iterable[Part]) -> None:
         """Ground program parts.

@@ -122,12 +122,12 @@ class Checks:
 
     def summed(self, number: clingo.Symbol, group: clingo.Symbol, element: clingo.Symbol) -> clingo.Symbol:
         """Return 0 if the sum of the elements of a group stays in range, otherwise a term that no operation takes."""
-        found, total = self._sums.get((number.number, group), (set(), 0))
+        elements, total = self._sums.get((number.number, group), (set(), 0))
         weight = element.arguments[0]
-        if element not in found and weight.type == clingo.SymbolType.Number:
-            found.add(element)
+        if element not in elements and weight.type == clingo.SymbolType.Number:
+            elements.add(element)
             total += abs(weight.number)
-            self._sums[number.number, group] = (found, total)
+            self._sums[number.number, group] = (elements, total)
         if not fits(total):
             self.overflows.append(self.sites[number.number])
             return clingo.Function("out_of_range")
@@ -151,19 +151,19 @@ class Checks:
         return clingo.Number(0)
 
 
-def measure(symbol: clingo.Symbol, known: dict[clingo.Symbol, int], of: Callable[[Iterable[int]], int]) -> int:
+def measure(symbol: clingo.Symbol, cache: dict[clingo.Symbol, int], of: Callable[[Iterable[int]], int]) -> int:
     """Return a measure of a term, computed by `of` from those of its arguments; `known` is a cache."""
-    waiting = [] if symbol in known else [symbol]
+    waiting = [] if symbol in cache else [symbol]
     while waiting:
         each = waiting[-1]
         inner = each.arguments if each.type == clingo.SymbolType.Function else ()
-        unseen = [term for term in inner if term not in known]
+        unseen = [term for term in inner if term not in cache]
         if unseen:
             waiting += unseen
         else:
-            known[each] = of(known[term] for term in inner)
+            cache[each] = of(cache[term] for term in inner)
             waiting.pop()
-    return known[symbol]
+    return cache[symbol]
 
 
 def _depth(inner: Iterable[int]) -> int:

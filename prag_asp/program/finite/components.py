@@ -40,8 +40,8 @@ def components(roots: Iterable[Node], below: Callable[[Node], Iterable[Node]]) -
                     above = work[-1][0]
                     low[above] = min(low[above], low[node])
                 if low[node] == index[node]:
-                    found = [path.pop()]
-                    while found[-1] != node:
-                        found.append(path.pop())
-                    waiting.difference_update(found)
-                    yield found
+                    component = [path.pop()]
+                    while component[-1] != node:
+                        component.append(path.pop())
+                    waiting.difference_update(component)
+                    yield component

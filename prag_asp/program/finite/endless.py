@@ -90,14 +90,14 @@ class _Derivation:
     @cached_property
     def comparisons(self) -> tuple[tuple[AST, int, AST], ...]:
         """The comparisons of two terms, read from the left and from the right."""
-        found = []
+        comparisons = []
         for literal in self.literals:
             atom = literal.atom if literal.ast_type == ASTType.Literal else literal
             if atom.ast_type == ASTType.Comparison and literal.sign == Sign.NoSign:
                 terms = [atom.term, *(guard.term for guard in atom.guards)]
                 for left, guard, right in zip(terms, atom.guards, terms[1:], strict=False):
-                    found += [(left, guard.comparison, right), (right, MIRRORED[guard.comparison], left)]
-        return tuple(found)
+                    comparisons += [(left, guard.comparison, right), (right, MIRRORED[guard.comparison], left)]
+        return tuple(comparisons)
 
 
 MIRRORED = {
@@ -113,7 +113,7 @@ MIRRORED = {
 def endless_rules(statements: Iterable[Statement]) -> list[EndlessRule]:
     """Return the author's rules that may make new terms without end."""
     rules = [each for each in statements if each.is_rule and each.body]
-    found: list[EndlessRule] = []
+    endless: list[EndlessRule] = []
     for inside in _recursive(rules):
         derived = [
             each
@@ -125,8 +125,8 @@ def endless_rules(statements: Iterable[Statement]) -> list[EndlessRule]:
         for each in derived:
             grown = _grown(each, inside) if each.rule.own else ()
             if grown:
-                found.append(EndlessRule(each.rule, grown, _is_certain(each), each.element))
-    return found
+                endless.append(EndlessRule(each.rule, grown, _is_certain(each), each.element))
+    return endless
 
 
 def _recursive(rules: Iterable[Statement]) -> Iterator[set[Signature]]:
@@ -197,11 +197,11 @@ def _is_bounded(each: _Derivation, place: int, name: str) -> bool:
     if step is None:
         return False
     variable, number = step
-    wanted = UPPER if number > 0 else LOWER
+    bounding = UPPER if number > 0 else LOWER
     return any(
         left.ast_type == ASTType.Variable
         and left.name in (variable, name)
-        and comparison in wanted
+        and comparison in bounding
         and right.ast_type == ASTType.SymbolicTerm
         and right.symbol.type == clingo.SymbolType.Number
         for left, comparison, right in each.comparisons
@@ -248,15 +248,15 @@ def _is_certain(each: _Derivation) -> bool:
     own = [atom for atom in each.atoms if _signature(atom) == each.signature]
     if len(own) != 1:
         return False
-    read = [_substituted(each, term) for term in _arguments(each.head)]
+    results = [_substituted(each, term) for term in _arguments(each.head)]
     changed: set[str] = set()
-    for before, after in zip(_arguments(own[0]), read, strict=True):
+    for before, after in zip(_arguments(own[0]), results, strict=True):
         if before != after:
             if before.ast_type != ASTType.Variable or not _is_larger(before.name, after):
                 return False
             changed.add(before.name)
-    read_of = [name for atom in each.atoms for argument in _arguments(atom) for name, _ in _depths(argument, -1)]
-    return bool(changed) and all(read_of.count(name) == 1 for name in changed)
+    variables = [name for atom in each.atoms for argument in _arguments(atom) for name, _ in _depths(argument, -1)]
+    return bool(changed) and all(variables.count(name) == 1 for name in changed)
 
 
 def _is_larger(name: str, term: AST) -> bool:
@@ -266,13 +266,13 @@ def _is_larger(name: str, term: AST) -> bool:
         return step[0] == name
     inner = [node for node in below(term) if node.ast_type not in (ASTType.Function, ASTType.Variable)]
     inner = [node for node in inner if node.ast_type != ASTType.SymbolicTerm]
-    return term.ast_type == ASTType.Function and not inner and any(found == name for found, _ in _depths(term, 1))
+    return term.ast_type == ASTType.Function and not inner and any(variable == name for variable, _ in _depths(term, 1))
 
 
 def _is_hidden(name: str, term: AST) -> bool:
     """Return whether infinitely many values of a variable may give one value of a term, as in ``X/7``, not ``X+1``."""
     if term.ast_type == ASTType.BinaryOperation and term.operator_type not in SOLVED:
-        return any(found == name for found, _ in _depths(term, 1))
+        return any(variable == name for variable, _ in _depths(term, 1))
     return any(_is_hidden(name, child) for child in children_of(term))
 
 

@@ -55,16 +55,16 @@ def guard_program(program: Program) -> Guarded:
         problem = number_problem(source)
         if problem:
             raise BoundReached(problem)
-    read = {source: parse_sources([(source, own)])[0] for source, own in owned(program) if source.path != ADDED}
-    _require_no_scripts(chain.from_iterable(read.values()))
+    statements = {source: parse_sources([(source, own)])[0] for source, own in owned(program) if source.path != ADDED}
+    _require_no_scripts(chain.from_iterable(statements.values()))
     endless: dict[Statement, list[EndlessRule]] = {}
-    for each in endless_rules(chain.from_iterable(read.values())):
+    for each in endless_rules(chain.from_iterable(statements.values())):
         endless.setdefault(each.rule, []).append(each)
     sites: list[Site] = []
     sources = []
     for source in program.sources:
         writer = _CheckWriter(sites)
-        for statement in read.get(source, ()):
+        for statement in statements.get(source, ()):
             if statement.own and statement.is_rule:
                 writer.guard(statement, endless.get(statement, ()))
         sources.append(Source(source.path, writer.written(source.text)))
