@@ -9,9 +9,9 @@ Node = TypeVar("Node", bound=Hashable)
 
 
 def components(roots: Iterable[Node], below: Callable[[Node], Iterable[Node]]) -> Iterator[list[Node]]:
-    """Yield the strongly connected components that `roots` lead to (Tarjan 1972, without recursion).
+    """Yield the strongly connected components that are reachable from `roots` (Tarjan 1972, without recursion).
 
-    Each comes after those that it leads to; `below` gives the nodes that a node leads to.
+    `below` returns the successors of a node. Each component comes after all components that it reaches.
     """
     index: dict[Node, int] = {}
     low: dict[Node, int] = {}
