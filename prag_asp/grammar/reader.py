@@ -136,7 +136,7 @@ class GrammarReader:
     def _ways(self) -> Mapping[Signature, Mapping[int, str]]:
         """Return the arguments of actions that are a source (``from``) or a destination (``to``).
 
-        Each action of the signature makes a binary fluent false, or true, whose second argument this is, and whose first
+        Each action of the signature makes a binary fluent false, or true, whose second argument this is and whose first
         argument is an earlier argument of the action and no robot.
         """
         directions: dict[Signature, dict[int, str]] = {}
