@@ -93,8 +93,8 @@ def complete(rules: Iterable[Rule], *, copied: bool = False) -> Completion:
 
 
 def _value(values: Mapping[int, Literal], literal: int) -> Literal:
-    found = values.get(abs(literal), -TRUE)
-    return found if literal > 0 else -found
+    value = values.get(abs(literal), -TRUE)
+    return value if literal > 0 else -value
 
 
 def _is_fact(rule: Rule) -> bool:

@@ -22,7 +22,7 @@ class Cnf:
 
     `literals` has the literal of every atom; the first variable is true, and stands for what holds in all of them.
     `shown` are the variables of the atoms ``occurs(A,t)`` or ``_step_name(N,t)``, sorted: they distinguish words.
-    `plans` is the formula that this one shows in another way, if it does.
+    `plans` is the formula of which this one is another projection, if there is one.
     """
 
     variables: int
@@ -63,7 +63,7 @@ def _plans(program: Program, length: int) -> Cnf:
 
 
 def _variables(literals: Mapping[clingo.Symbol, Literal], shown: EncodingPredicate) -> tuple[int, ...]:
-    """Return the variables of the atoms of a predicate; clingo is slow to tell which these are, and most are facts."""
+    """Return the variables of the atoms of a predicate; clingo's own lookup is slow, and most atoms are facts."""
     return tuple(sorted(v for symbol, v in literals.items() if abs(v) != TRUE and symbol.match(*shown)))
 
 

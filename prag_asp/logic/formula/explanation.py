@@ -50,8 +50,8 @@ def explain(model: DomainLogic, plan: Sequence[clingo.Symbol]) -> Explanation | 
             return None
         step = next(k for k in range(len(plan) + 2) if not solver.satisfiable(search.until(k)))
         reasons = tuple(dict.fromkeys(search.reasons(step)))
-        found = smallest_conflict(solver, search.lawful(len(plan) + 1), search.actions)
-        conflict = tuple(k for k, literal in enumerate(search.actions, 1) if literal in found)
+        core = smallest_conflict(solver, search.lawful(len(plan) + 1), search.actions)
+        conflict = tuple(k for k, literal in enumerate(search.actions, 1) if literal in core)
         return Explanation(step, reasons, conflict)
 
 
@@ -67,7 +67,7 @@ class _ReasonSearch:
 
     def lawful(self, end: int) -> list[Literal]:
         """Return the literals of "no constraint is broken up to a time"."""
-        return [-literal for time, found in self._broken.items() if time <= end for literal in found.values()]
+        return [-literal for time, literals in self._broken.items() if time <= end for literal in literals.values()]
 
     def until(self, step: int) -> list[Literal]:
         """Return the literals of "the first steps occur and break no constraint"."""

@@ -128,5 +128,5 @@ def _with_any_value(head: AST) -> str:
     """Return the head of a postcondition, which may be a pool, with an unknown value."""
     symbol = head.atom.symbol
     functions = symbol.arguments if symbol.ast_type == ASTType.Pool else [symbol]
-    found = [f"{EFFECT[0]}({','.join([*map(str, list(each.arguments)[:2]), 'unknown'])})" for each in functions]
-    return f"({';'.join(found)})" if len(found) > 1 else found[0]
+    effects = [f"{EFFECT[0]}({','.join([*map(str, list(each.arguments)[:2]), 'unknown'])})" for each in functions]
+    return f"({';'.join(effects)})" if len(effects) > 1 else effects[0]

@@ -51,13 +51,13 @@ class Solver:
 
         They are a function of the clauses until the first call of `satisfiable`, because nothing is learned before.
         """
-        consistent, found = self._solver.propagate(assumptions=list(assumptions))
-        return list(found) if consistent else None
+        consistent, implied = self._solver.propagate(assumptions=list(assumptions))
+        return list(implied) if consistent else None
 
     def model(self) -> list[Literal]:
         """Return the model found last: the literal of variable v is at place v - 1."""
-        found: list[Literal] = self._solver.get_model()
-        return found
+        model: list[Literal] = self._solver.get_model()
+        return model
 
     def core(self) -> list[Literal]:
         """Return assumptions of the last query that no model satisfies together; the set need not be minimal."""
@@ -84,12 +84,12 @@ def smallest_conflict(solver: Solver, assumed: Sequence[Literal], literals: Sequ
 
 def _left_out(solver: Solver, assumed: Sequence[Literal], literals: Sequence[Literal]) -> list[Literal]:
     """Return the complement of a maximal satisfiable set that contains the true literals of the last model."""
-    kept, left = _split(solver.model(), literals)
+    satisfied, violated = _split(solver.model(), literals)
     missing = []
-    while left:
-        literal = left.pop(0)
-        if solver.satisfiable([*assumed, *kept, literal]):
-            kept, left = _split(solver.model(), [*kept, literal, *left])
+    while violated:
+        literal = violated.pop(0)
+        if solver.satisfiable([*assumed, *satisfied, literal]):
+            satisfied, violated = _split(solver.model(), [*satisfied, literal, *violated])
         else:
             missing.append(literal)
     return missing

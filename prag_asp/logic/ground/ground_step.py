@@ -192,12 +192,12 @@ def _add_carried(seeds: Seeds, program: Program, reads: StepReads) -> Signature 
         grounder.ground([("step", [clingo.Number(STEP + step)]) for step in range(steps, steps + more)])
         steps += more
         last = clingo.Number(STEP + steps - 1)
-        found = [atom.symbol for each in carried for atom in atoms.by_signature(*each)]
-        large = next((symbol for symbol in found if measure(symbol, sizes, _size) > MOST_SYMBOLS), None)
+        symbols = [atom.symbol for each in carried for atom in atoms.by_signature(*each)]
+        large = next((symbol for symbol in symbols if measure(symbol, sizes, _size) > MOST_SYMBOLS), None)
         if large is not None:
             return _signature(timeless(large))
-        seeds |= dict.fromkeys(timeless(symbol) for symbol in found if symbol.arguments[-1] != last)
-        new = {timeless(symbol) for symbol in found if symbol.arguments[-1] == last} - seeds.keys()
+        seeds |= dict.fromkeys(timeless(symbol) for symbol in symbols if symbol.arguments[-1] != last)
+        new = {timeless(symbol) for symbol in symbols if symbol.arguments[-1] == last} - seeds.keys()
         if not new:
             return None
         seeds |= dict.fromkeys(sorted(new))
@@ -301,12 +301,12 @@ def _ground_parts(grounder: Grounder, recorder: GroundRecorder, parts: Iterable[
 
 def _initial(grounder: Grounder, reads: StepReads) -> set[clingo.Symbol]:
     """Return the atoms of the start, without their time."""
-    found: set[clingo.Symbol] = set()
+    initial: set[clingo.Symbol] = set()
     for signature in reads.timed | reads.previous:
         for (*arguments, time), _, _ in ground_atoms(grounder.control, *signature):
             if time == START:
-                found.add(clingo.Function(signature[0], arguments))
-    return found
+                initial.add(clingo.Function(signature[0], arguments))
+    return initial
 
 
 def _open_start(started: Grounding) -> None:
@@ -370,7 +370,7 @@ def _recorded(grounder: Grounder, recorder: GroundRecorder, reads: StepReads) ->
     if Unsupported.THEORY in recorder.unsupported:
         obstacles.append(Obstacle(Unsupported.THEORY.value))
     names: dict[int, clingo.Symbol] = {}
-    found: dict[clingo.Symbol, dict[clingo.Symbol, int]] = {NOW: {}, BEFORE: {}}
+    by_time: dict[clingo.Symbol, dict[clingo.Symbol, int]] = {NOW: {}, BEFORE: {}}
     initial: set[clingo.Symbol] = set()
     always: list[clingo.Symbol] = []
     for name, arity in sorted(reads.timed | reads.previous | {STATE, FINAL}):
@@ -386,13 +386,13 @@ def _recorded(grounder: Grounder, recorder: GroundRecorder, reads: StepReads) ->
             if time == NOW and is_fact and (name, arity) in reads.timed & (reads.last | CONTRACT):
                 always.append(clingo.Function(name, others))
             names[literal] = symbol
-            if time in found:
-                found[time][clingo.Function(name, others)] = literal
+            if time in by_time:
+                by_time[time][clingo.Function(name, others)] = literal
     if any(rule.heads for rule in recorder.rules.get("base", [])):
         obstacles.append(Obstacle("the base part makes a choice"))
     return GroundStep(
         {part: tuple(rules) for part, rules in recorder.rules.items()},
-        names, found[BEFORE], found[NOW], frozenset(initial),
+        names, by_time[BEFORE], by_time[NOW], frozenset(initial),
         consistent=not any(not rule.heads for rule in recorder.rules.get("base", [])),
         obstacles=tuple(dict.fromkeys(obstacles)), after_steps_alone=any(each not in initial for each in always),
     )  # fmt: skip

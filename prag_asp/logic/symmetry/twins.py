@@ -67,7 +67,7 @@ class Twins:
         `entities` has shape (actions, most named), the result (states, actions).
         """
         first = self.first[states]
-        found = np.zeros((len(first), len(entities)), dtype=np.int64)
+        counts = np.zeros((len(first), len(entities)), dtype=np.int64)
         for earlier in range(place):
-            found += first[:, entities[:, earlier]] == first[:, entities[:, place]]
-        return found
+            counts += first[:, entities[:, earlier]] == first[:, entities[:, place]]
+        return counts
