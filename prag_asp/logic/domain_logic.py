@@ -143,7 +143,7 @@ class DomainLogic:
     def _without_loops(self) -> DomainLogic:
         """The logic without the rules that forbid loops, which reach back over all steps and treat all entities alike.
 
-        The unrolled program of a length is no replacement: clingo removes from it what the start decides.
+        The unrolled program of a length is no replacement: clingo simplifies it by the initial state.
         """
         sources = self.domain.program.sources
         remaining = tuple(source for source in sources if source.path.parts[-2:] != LOOP_FREE)
@@ -153,7 +153,7 @@ class DomainLogic:
 
     @cached_property
     def _task_step(self) -> NormalStep:
-        """One step of tasks in normal form, ground on top of the step of plans where that is possible."""
+        """One step of tasks in normal form, ground on top of the step of plans if possible."""
         program, symmetries = self.task_program(0), self.symmetries(0)
         extension = canonical_extension(self.domain, symmetries.groups, symmetries.joint)
         if extension is not None:
@@ -177,7 +177,7 @@ class DomainLogic:
         return stratified_step(ground_step(program, self.domain.facts, self._reads(program)))
 
     def _reads(self, program: Program) -> StepReads:
-        """Return what a step of a program reads, without the facts that the library adds."""
+        """Return the reads of a step of a program, without the facts that the library adds."""
         return read_step(Program(tuple(source for source in program.sources if source.path != ADDED)))
 
     def task_program(self, length: int) -> Program:

@@ -20,7 +20,7 @@ from prag_asp.program.sources import Program
 class Cnf:
     """A formula with exactly one model for each answer set of a program of some steps.
 
-    `literals` has the literal of every atom; the first variable is true, and stands for what holds in all of them.
+    `literals` has the literal of every atom; the first variable is true, and represents the facts.
     `shown` are the variables of the atoms ``occurs(A,t)`` or ``_step_name(N,t)``, sorted: they distinguish words.
     `plans` is the formula of which this one is another projection, if there is one.
     """
@@ -70,7 +70,7 @@ def _variables(literals: Mapping[clingo.Symbol, Literal], shown: EncodingPredica
 def dimacs(cnf: Cnf, comments: Sequence[str] = ()) -> Iterator[str]:
     """Yield the lines of a formula as model counters read it.
 
-    ``c t pmc`` and ``c p show`` ask for projected counting, as in the Model Counting Competition (2021 and later); each
+    ``c t pmc`` and ``c p show`` select projected counting, as in the Model Counting Competition (2021 and later); each
     line ``c V ATOM`` names the atom of variable V.
     """
     yield from (f"c {line}" for line in comments)

@@ -74,10 +74,10 @@ class LiftableLines:
         self._solver.close()
 
     def conflict(self, *, smallest: bool = False) -> tuple[RestrictingLine, ...]:
-        """Return a minimal set of lines that together leave no plan; there has to be no plan.
+        """Return a minimal set of lines that together exclude all plans; there must be no plan.
 
-        All other lines are lifted: the fluents that they change may have any value. With `smallest`, no set of fewer
-        lines leaves no plan, provided that a kept line never allows what it forbids if it is lifted.
+        All other lines are lifted: the fluents that they change may have any value. With `smallest`, no smaller set
+        excludes all plans, provided that lifting a line only adds plans.
         """
         literals = self._all
         if smallest:
@@ -85,7 +85,7 @@ class LiftableLines:
         return self._lines_of(self._least(literals))
 
     def changes(self) -> tuple[tuple[RestrictingLine, ...], ...]:
-        """Return the lines whose removal alone leaves a plan, or else one smallest set of lines whose removal does.
+        """Return the lines whose removal alone allows a plan, or else one smallest set of lines whose removal does.
 
         A removed line has no effect at all. The result is empty if there is no plan without all lines.
         """
@@ -110,9 +110,9 @@ class LiftableLines:
         return self._solver.satisfiable([loose_literal, *literals, *(-each for each in lifted)])
 
     def _least(self, literals: Sequence[Literal]) -> list[Literal]:
-        """Return a minimal subset of lines that leave no plan.
+        """Return a minimal subset of lines that exclude all plans.
 
-        The lines are removed one by one until none can be removed; one that could not be may be after others.
+        The lines are removed one by one until none can be removed. A line may become removable after others.
         """
         literals, again = list(literals), True
         while again:
@@ -129,8 +129,8 @@ class LiftableLines:
     def _fewest(self) -> list[Literal] | None:
         """Return a smallest set of lines without which there is a plan; None if there is no plan without all lines.
 
-        The set has a line of every set of lines that leave no plan. So a smallest hitting set of those found so far is
-        tried until there is a plan (Reiter, "A theory of diagnosis from first principles", 1987).
+        It hits every set of lines that excludes all plans. So a smallest hitting set of the known ones is tried until
+        there is a plan (Reiter, "A theory of diagnosis from first principles", 1987).
         """
         from pysat.examples.hitman import Hitman  # noqa: PLC0415
 

@@ -139,7 +139,7 @@ class _State:
         return (self._values[abs(literal) - 1] > 0) == (literal > 0)
 
     def known_since(self, fluent: clingo.Symbol, value: str, step: int) -> str | None:
-        """Return since when a fluent is known to have a value, or None where it is not known after the step."""
+        """Return the time since which a fluent is known to have a value, or None if it is not known after the step."""
         since = step + 1
         while since > 0 and self._holds(fluent, value, since - 1):
             since -= 1

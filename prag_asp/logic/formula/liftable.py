@@ -92,7 +92,7 @@ def _restricting_line(source: Source, program: Program) -> RestrictingLine:
 
 
 def _composing(program: Program) -> RestrictingLine | None:
-    """Return the first line that declares a composite, which stands for all of them; None where there is none."""
+    """Return the first line that declares a composite, which represents all of them, or None."""
     statements, _ = parse_sources((source, own) for source, own in owned(program) if own and source.path != ADDED)
     for statement in statements:
         if any(atom.signature == COMPOSITE for atom in statement.heads):

@@ -41,13 +41,13 @@ class Solver:
         """Return whether some model satisfies the literals."""
         while True:
             self._solver.conf_budget(CONFLICTS)
-            # With this flag, python-sat leaves signals to Python, which handles them between two calls.
+            # With this flag, python-sat does not handle signals; Python handles them between two calls.
             answer = self._solver.solve_limited(assumptions=list(assumptions), expect_interrupt=True)
             if answer is not None:
                 return bool(answer)
 
     def propagated(self, assumptions: Sequence[Literal]) -> list[Literal] | None:
-        """Return the literals assumed and those that unit propagation finds, or None where it finds a conflict.
+        """Return the assumptions and the literals that unit propagation derives, or None if it derives a conflict.
 
         They are a function of the clauses until the first call of `satisfiable`, because nothing is learned before.
         """

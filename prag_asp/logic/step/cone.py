@@ -1,7 +1,7 @@
 """The cone of influence: the part of a state that decides which plans are valid.
 
-A state needs only what some constraint reads, directly or through rules, now or later. An invariant that no action can
-break from a state that satisfies it constrains nothing, so that it adds nothing to the cone.
+A state needs only the atoms that constraints read, directly or through rules, now or later. An invariant that no
+action can break from a state that satisfies it constrains nothing, so it adds nothing to the cone.
 """
 
 from __future__ import annotations

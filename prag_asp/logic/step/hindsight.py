@@ -32,9 +32,9 @@ TRUE, FALSE, UNKNOWN = 1, 0, -1
 class Hindsight:
     """The rules of a step and of ``hindsight.lp`` as functions on columns, one column for each plan.
 
-    A *state* is what a step reads of the step before, shape (variables, plans); *seen* is what hindsight reads of a
-    step, shape (atoms, plans); *known* is the truth of each ``_state(F, V, t)``, shape (atoms, plans). All are boolean.
-    `fluents` are numbered in their order.
+    A *state* has the atoms that a step reads of the previous step, shape (variables, plans); *seen* has those that
+    hindsight reads of a step, shape (atoms, plans); *known* is the truth of each ``_state(F, V, t)``, shape (atoms,
+    plans). All are boolean. `fluents` are numbered in their order.
     """
 
     step: NormalStep
@@ -46,7 +46,7 @@ class Hindsight:
 
     @cached_property
     def _carried(self) -> Mapping[int, int]:
-        """For each variable, an atom of step t-1, its counterpart of step t; 0 where there is none."""
+        """For each variable, an atom of step t-1, its counterpart of step t, or 0."""
         ground = self.step.ground
         carried = {ground.before[symbol]: atom for symbol, atom in ground.now.items() if symbol in ground.before}
         return {**{ground.before[symbol]: 0 for symbol in ground.initial if symbol in ground.before}, **carried}

@@ -69,7 +69,7 @@ class Atoms:
         self._of_atom = {
             atom: self._named(shapes.of(symbol))
             for atom, symbol in ground.names.items()
-            if not symbol.match(*FINDING)  # a condition may number in it what is alike
+            if not symbol.match(*FINDING)  # a condition may assign different numbers to alike entities in it
         }
         step, facts = propagate_facts(ground.rules.get("step", ()))
         check, _ = propagate_facts(ground.rules.get("check", ()), facts)

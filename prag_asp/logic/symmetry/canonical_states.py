@@ -117,7 +117,7 @@ class Merging:
         return np.concatenate(columns)
 
     def classes(self, twins: NDArray[np.bool_]) -> Twins:
-        """Return the classes of twins in some states, where `twins` says which entities are those of the one before."""
+        """Return the classes of twins in some states; `twins` marks the entities that are twins of the previous one."""
         return Twins.between(self.actions, twins)
 
     def free(self, states: Rows) -> NDArray[np.bool_]:

@@ -43,7 +43,7 @@ class StateBits:
 
 
 def find_bits(rows: Rows, terms: Patterns, term_of: NDArray[np.int64]) -> StateBits:
-    """Return the bits set in packed states; `term_of` maps a variable to its term, -1 where it has none."""
+    """Return the bits set in packed states; `term_of` maps a variable to its term, or to -1."""
     state, word = np.nonzero(rows)
     octets = rows[state, word].astype("<u8")[:, None].view(np.uint8)
     place, shift = np.nonzero(np.unpackbits(octets, axis=1, bitorder="little"))

@@ -191,7 +191,7 @@ def _grown(each: _Derivation, inside: Collection[Signature]) -> tuple[str, ...]:
 
 
 def _is_bounded(each: _Derivation, place: int, name: str) -> bool:
-    """Return whether an argument of the head is a variable plus a number, and a comparison bounds this sum."""
+    """Return whether an argument of the head is a variable plus a number, and a comparison bounds its value."""
     term = _substituted(each, _arguments(each.head)[place])
     step = _step(term)
     if step is None:
