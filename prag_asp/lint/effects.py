@@ -42,15 +42,13 @@ def action_problems(facts: Facts, statements: Iterable[Statement], origins: Orig
     """Yield the problem of a domain without actions: an error if no rule states one, a warning if none fires."""
     if facts.actions:
         return
-    if any(ACTION in (atom.signature for atom in each.heads) or _defines(each, ACTION) for each in _own(statements)):
+    if any(
+        ACTION in (atom.signature for atom in each.heads) or _defines(each, ACTION) for each in statements if each.own
+    ):
         subject = "no rule states an action, so no plan has a step; change the bodies of its rules"
         yield Problem(*origins.place(ACTION[0]), subject, "no-plan")
     else:
         yield Problem(*origins.place(ACTION[0]), "the domain has no action; state one with action(...)")
-
-
-def _own(statements: Iterable[Statement]) -> Iterator[Statement]:
-    return (each for each in statements if each.own)
 
 
 def _defines(statement: Statement, signature: tuple[str, int]) -> bool:

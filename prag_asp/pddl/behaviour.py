@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from prag_asp.pddl.conditions import BASE, END, NEVER, STEP, Bodies, Rules, Vocabulary, applied
-from prag_asp.pddl.conflicting_effects import ConflictingEffects, differences, is_overruled, is_plain
 from prag_asp.pddl.definitions import OBJECT, DomainFile, ProblemFile, Schema, SchemaEffect
 from prag_asp.pddl.formulas import Formula, Junction, Literal, Quantified, Variable, conjuncts, demanded, negated
 from prag_asp.pddl.line_map import FileLine, PlacedLine
@@ -23,7 +22,7 @@ class Behaviour:
     ) -> None:
         self._domain = domain
         self._goal = problem.goal
-        self._conflicting = ConflictingEffects(domain, problem)
+        self._conflicting = _ConflictingEffects(domain, problem)
         self._large = large_actions(domain, problem)
         self._words = words
         self._actions = actions
@@ -121,15 +120,15 @@ class Behaviour:
                 if self.looks_ahead and effect.literal.positive:
                     rest += self._rules.placed(self._ever_made(term, effect))
                 continue
-            if is_overruled(effect, conflicting):
+            if _is_overruled(effect, conflicting):
                 continue
-            if is_plain(effect) and not conflicting:
+            if _is_plain(effect) and not conflicting:
                 plain[effect.literal.positive].append(self._words.atom(effect.literal))
                 continue
             atom, value = self._words.atom(effect.literal), TRUTH[effect.literal.positive]
             body = [f"action({term})", *map(self._words.belongs, effect.variables)]
-            body += [*self._bodies.body(effect.condition, BASE), *differences(self._words, effect, conflicting)]
-            if not all(map(is_plain, conflicting)):
+            body += [*self._bodies.body(effect.condition, BASE), *_differences(self._words, effect, conflicting)]
+            if not all(map(_is_plain, conflicting)):
                 body.append(f"not postcondition({term},{atom},true)")
             if NEVER not in body:
                 rest.append(PlacedLine(statement(f"postcondition({term}, {atom}, {value})", body), self._rules.at))
@@ -208,3 +207,58 @@ class Behaviour:
                 for body in self._bodies.bodies(negated(part), END):
                     self._rules.add(END, "", body)
         return list(dict.fromkeys(facts))
+
+
+def _is_plain(effect: SchemaEffect) -> bool:
+    """Return whether an effect has neither a condition nor quantified variables."""
+    return not effect.variables and next(conjuncts(effect.condition), None) is None
+
+
+class _ConflictingEffects:
+    """Finds effects that may set the same fluent, by the types of their terms.
+
+    An atom that an action both adds and deletes becomes true.
+    """
+
+    def __init__(self, domain: DomainFile, problem: ProblemFile) -> None:
+        self._objects = problem.objects
+        self._above = [domain.above(name) for name in domain.types]
+        self._overlaps: dict[tuple[tuple[str, ...], tuple[str, ...]], bool] = {}
+
+    def of(self, effect: SchemaEffect, others: Iterable[SchemaEffect]) -> list[SchemaEffect]:
+        """Return the effects among others that may set the fluent of an effect."""
+        literal = effect.literal
+        return [
+            each
+            for each in others
+            if each.literal.predicate == literal.predicate
+            and all(map(self._may_be_one, literal.terms, each.literal.terms))
+        ]
+
+    def _may_be_one(self, left: Variable | str, right: Variable | str) -> bool:
+        if isinstance(left, str) and isinstance(right, str):
+            return left == right
+        types = self._types(left), self._types(right)
+        if types not in self._overlaps:
+            first, second = types
+            self._overlaps[types] = any(
+                not above.isdisjoint(first) and not above.isdisjoint(second) for above in self._above
+            )
+        return self._overlaps[types]
+
+    def _types(self, term: Variable | str) -> tuple[str, ...]:
+        return term.types if isinstance(term, Variable) else (self._objects[term],)
+
+
+def _is_overruled(effect: SchemaEffect, conflicting: Iterable[SchemaEffect]) -> bool:
+    """Return whether another effect always adds the fluent that an effect deletes."""
+    return any(_is_plain(each) and each.literal.terms == effect.literal.terms for each in conflicting)
+
+
+def _differences(words: Vocabulary, effect: SchemaEffect, conflicting: Iterable[SchemaEffect]) -> Iterator[str]:
+    """Yield the inequalities that separate a delete effect from each plain add effect of the same action."""
+    for other in filter(_is_plain, conflicting):
+        pairs = zip(effect.literal.terms, other.literal.terms, strict=True)
+        unlike = [(words.term(left), words.term(right)) for left, right in pairs if left != right]
+        left, right = (",".join(side) for side in zip(*unlike, strict=True))
+        yield f"{left} != {right}" if len(unlike) == 1 else f"({left}) != ({right})"
