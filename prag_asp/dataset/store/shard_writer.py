@@ -76,7 +76,7 @@ class PartWriter:
         self._add_result(result, len(task))
 
     def add_row(self, placed: RankedDraw, row: RowReference, result: DrawResult) -> None:
-        """Add a draw with its result, source the row that another process built."""
+        """Add a draw with its result and the row that another process built."""
         if result.passed:
             self._rows["tasks"].take(row, task=self.tasks, starts=result.witnesses)
         else:
