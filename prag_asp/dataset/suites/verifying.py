@@ -140,7 +140,7 @@ def _wrong_note(suite: Suite, note: SuiteManifest, progress: Progress) -> Iterat
         if part.requested > right_part.requested:
             yield Finding(NAME, None, f"parts, {part.name}: wants more tasks than {SPELLED} says")
     for leak in figures.leaks:
-        yield Finding(NAME, None, f"{leak.one} and {leak.other} have {leak.tasks} tasks in common")
+        yield Finding(NAME, None, f"{leak.one} and {leak.other} have {leak.digits} tasks in common")
 
 
 def _wrong_part(suite: Suite, name: str, data: Dataset) -> Iterator[Finding]:
