@@ -110,9 +110,9 @@ class ReducedModel:
 
     @cached_property
     def whole_sizes(self) -> tuple[int, ...] | None:
-        """The size in the whole program of each group of interchangeable entities; None if the reduction does not apply.
+        """The size of each group of interchangeable entities in the whole program; None without a valid reduction.
 
-        It does not apply if entities of a group are not all interchangeable, or if units are interchangeable in only
+        There is none if entities of a group are not all interchangeable, or if units are interchangeable in only
         one of the reduced and the whole program.
         """
         sizes = list(map(len, self.alike))

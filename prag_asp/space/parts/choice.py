@@ -51,7 +51,7 @@ def _sums(parts: Sequence[int], pieces: Sequence[int], number: int) -> list[int]
 
 
 def _random_parts(pieces: Sequence[int], shares: Sequence[Fraction], chance: random.Random) -> list[int]:
-    """Return an assignment of the pieces, in random order, to parts with probabilities proportional to their deficit."""
+    """Return an assignment of the pieces, in random order, to parts in proportion to their deficits."""
     total = sum(pieces)
     lacking = [share * total for share in shares]
     parts = [0] * len(pieces)

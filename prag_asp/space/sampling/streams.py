@@ -101,7 +101,7 @@ def weighed_words(
 def sample_batches(sampler: Sampler, letters: Letters, seed: int) -> Iterator[list[Draw]]:
     """Yield words of one length with their probability, in growing batches, endlessly.
 
-    A draw depends on the seed and its number alone.
+    A draw depends only on the seed and its number.
     """
     stage("sampling")
     bits = SeededBits(seed)
@@ -124,7 +124,7 @@ def sample_batches_of_lengths(portions: Sequence[Portion], seed: int) -> Iterato
     """Yield words with their probability among all portions, in growing batches, endlessly.
 
     The length is sampled first, by its exact share of the weight. Lengths, and the words of each length, use
-    independent random bits, so all draws are independent; a draw depends on the seed and its number alone.
+    independent random bits, so all draws are independent; a draw depends only on the seed and its number.
     """
     stage("sampling")
     choose = _portion_chooser(portions, seed)
