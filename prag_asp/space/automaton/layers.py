@@ -211,7 +211,7 @@ class LayeredWords:
         return rank
 
     def walk(self, choose: Choice) -> tuple[Word, int]:
-        """Return a word and its weight; `choose` selects an edge of each step by the running totals of their weights."""
+        """Return a word and its weight; `choose` selects an edge per step by the running totals of the weights."""
         word, weight, state = [], 1, self._layers.start
         for step in range(self._length):
             edges = self._layers.onward(state)

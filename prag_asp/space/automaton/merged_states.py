@@ -221,7 +221,7 @@ class MergedRanking:
         return np.cumsum(exact if self._merged.own is None else exact * self._merged.own[branches.edges])
 
     def walk(self, choose: Choice) -> tuple[Word, int]:
-        """Return a word and its weight; `choose` selects a branch of each step by the running totals of their weights."""
+        """Return a word and its weight; `choose` selects a branch per step by the running totals of the weights."""
         word, weight, place = [], 1, self._merged.start
         for step in range(self._length):
             branches = self._merged.branches(place)

@@ -118,7 +118,7 @@ class ShuffledWords:
         return rank
 
     def walk(self, choose: Choice) -> tuple[Word, int]:
-        """Return a word and its weight; `choose` selects an edge of each step by the running totals of their weights."""
+        """Return a word and its weight; `choose` selects an edge per step by the running totals of the weights."""
         word, weight, state = [], 1, self._start
         for step in range(self._length):
             edge = self._onward(state)[choose(step, self._running(state, step))]

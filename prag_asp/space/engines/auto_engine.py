@@ -32,7 +32,7 @@ PATIENCE = 2.0
 """Seconds for which clingo enumerates alone, at about 100,000 words per second."""
 
 EARLY, SURE = 64, 4
-"""A forecast is used once states take 1/`EARLY` of the memory, if it exceeds the memory by a factor of `SURE`."""
+"""A forecast is used once states take 1/`EARLY` of the memory, if it exceeds the memory `SURE` times."""
 
 FAR = 1e18
 """Number of states at which a forecast stops."""

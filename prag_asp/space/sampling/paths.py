@@ -50,7 +50,7 @@ class PathSampler:
     def descend(
         self, states: Integers, words: Words, further: Callable[[int, int], Iterator[int]]
     ) -> NDArray[np.int64]:
-        """Return the edges of paths from states, chosen by random words of shape (paths, length); shape (length, paths).
+        """Return the edges of paths from states by random words of shape (paths, length); shape (length, paths).
 
         `further` returns more random words for the index of a path and a step.
         """

@@ -84,7 +84,7 @@ class _PathWalks:
         self.total = int(completions.row(length)[0]) if completions.automaton.states else 0
 
     def walk(self, choose: Choice) -> tuple[Word, int]:
-        """Return a word and its weight; `choose` selects an edge of each step by the running totals of their weights."""
+        """Return a word and its weight; `choose` selects an edge per step by the running totals of the weights."""
         automaton, state = self._completions.automaton, 0
         edges = []
         for step in range(self._length):
