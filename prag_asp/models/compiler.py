@@ -287,7 +287,7 @@ class _Compiler:
         return components
 
     def _key(self, part: _Part) -> bytes:
-        """Return the cache key of a component; binary clauses are implied, because they are open if both variables are."""
+        """Return the cache key of a component; a binary clause is open exactly if both variables are."""
         if any(variable in self._formula.copies for variable in part.variables):
             return self._key_of_copies(part)
         long = [clause for clause in part.clauses if len(self._variables_of[clause]) > 2]

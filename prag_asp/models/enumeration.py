@@ -42,16 +42,16 @@ class Enumeration:
         """Return the number of answer sets."""
         if self._repeats:
             return sum(1 for _ in self._enumerate_with_progress())
-        grounder, found = self._grounder("--stats"), 0
+        grounder, counted = self._grounder("--stats"), 0
 
         def one_more(_: clingo.Model) -> None:
-            nonlocal found
-            found += 1
+            nonlocal counted
+            counted += 1
 
         with grounder.control.solve(async_=True, on_model=one_more) as handle:
             try:
                 while not handle.wait(POLL):
-                    self._report(found)
+                    self._report(counted)
             finally:
                 handle.cancel()
         # clasp counts in doubles; an enumeration that reached 2**53 would take centuries.
@@ -117,9 +117,9 @@ class Enumeration:
                 self._report(number)
             yield answer_set
 
-    def _report(self, found: int) -> None:
-        if self.progress is not None and found:
-            self.progress(f"at least {found:,} answer set{'s' if found > 1 else ''}")
+    def _report(self, counted: int) -> None:
+        if self.progress is not None and counted:
+            self.progress(f"at least {counted:,} answer set{'s' if counted > 1 else ''}")
 
     def _enumerate(self) -> Iterator[tuple[Printed, Fraction]]:
         grounder = self._grounder()
