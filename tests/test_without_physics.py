@@ -19,8 +19,8 @@ LOGIC = (
 )  # fmt: skip
 COMPUTING = (
     "tests/logic/step/test_needs.py::test_of_thousands_of_moves_only_those_that_can_begin_are_prepared",
-    "tests/logic/ground/test_ground.py::test_a_counter_without_a_bound_is_told_with_its_line_and_left_to_clingo",
-    "tests/logic/ground/test_ground.py::test_a_counter_with_a_bound_is_carried_as_far_as_that",
+    "tests/logic/ground/test_ground_step.py::test_a_counter_without_a_bound_is_told_with_its_line_and_left_to_clingo",
+    "tests/logic/ground/test_ground_step.py::test_a_counter_with_a_bound_is_carried_as_far_as_that",
     "tests/logic/diagram/test_functions.py::test_a_function_of_too_many_conjunctions_is_refused_though_its_diagram_is_small",
     "tests/pruning/test_pruned.py::test_hundreds_of_actions_of_which_half_never_occur_are_left_out",
     "tests/pruning/test_reachability.py::test_two_thousand_actions_that_are_reached_one_after_the_other_are_all_kept",

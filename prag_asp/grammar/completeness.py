@@ -79,7 +79,7 @@ def _check_texts(words: TableEntry, table: Mapping[str, Any]) -> None:
         for key, names in keys.items():
             entry, value, like = words.at(part).at(key), table[part].get(key), shipped_table("en")[part][key]
             if not _is_like(value, like) or (key == "exact" and len(value) != 2):
-                entry.add("has to be of the same kind as in the table of English; mend it")
+                entry.add("has to be of the same kind as in the table of English; fix it")
                 continue
             texts = value if isinstance(value, list) else [value]
             for number, text in enumerate(texts):

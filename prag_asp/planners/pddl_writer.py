@@ -178,7 +178,7 @@ class _PddlWriter:
 
     def _predicate(self, proposition: Proposition) -> str:
         term, role = proposition
-        text = f"{role}-{term.name}" if role else term.name
+        text = f"{role}-{term.name.lstrip('_')}" if role else term.name
         return self._spelling.name(("predicate", role, term.name, len(term.arguments)), text)
 
     def _literal(self, proposition: Proposition, value: bool) -> Literal:

@@ -34,7 +34,7 @@ def parse_toml(path: Path, text: str) -> dict[str, Any]:
         words = str(error)
         place = re.search(r" \(at (?:line (\d+)|end of document).*\)", words)
         line = place[1] if place and place[1] else str(len(text.rstrip().split("\n")))
-        raise DomainError(f"{path}:{line}: not TOML: {words.split(' (at ', maxsplit=1)[0]}; mend the line") from None
+        raise DomainError(f"{path}:{line}: not TOML: {words.split(' (at ', maxsplit=1)[0]}; fix the line") from None
     except (ValueError, RecursionError, InvalidOperation) as error:
         raise DomainError(f"{path}:1: not TOML: {error}; shorten its numbers and nested lists") from None
     return table

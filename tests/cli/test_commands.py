@@ -181,7 +181,7 @@ def test_new_writes_a_domain_that_checks_counts_and_validates(tmp_path: Path) ->
         (["count", "prag", "-n", "3", "--rule", "no_redo"], "no such rule"),
         (["count", "prag", "-n", "3", "--rule", "../step"], "no such rule"),
         (["count", "prag", "-n", "3", "--rule", "at_most(grasp,x)"], "at most x times"),
-        (["count", "prag", "-n", "3", "--encodings", "/nowhere"], "no encodings"),
+        (["count", "prag", "-n", "3", "--encodings", "/nowhere"], "encodings has no contract.lp"),
         (["sample", "prag", "-n", "3", "--weight", "grasp"], "KEY=WEIGHT"),
         (["sample", "prag", "-n", "3", "--weight", "gras=2"], "did you mean grasp?"),
         (["sample", "prag", "-n", "3", "--weight", "grasp=-2"], "below 0"),

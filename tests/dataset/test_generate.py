@@ -314,7 +314,7 @@ def test_what_is_asked_for_wrongly_is_told_in_one_line(kitchen: TaskSpace, numbe
     refused("has 6 tasks already; ask for at least as many", numbers, seed=1, shard=4, weights=None)
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "letter.txt").write_text("dear")
-    refused("holds letter.txt, and is no dataset; give a new folder", tmp_path / "mine")
+    refused("holds letter.txt, and is not a dataset; give a new folder", tmp_path / "mine")
     refused("cannot be made", Path("/dev/null/folder"))
     refused("is no folder; give a new one", numbers / "dataset.json")
     with pytest.raises(OutputError, match="is a dataset of kitchen, not of blocks"):

@@ -205,11 +205,11 @@ def test_an_ambiguous_name_is_refused_alike_wherever_it_is_given(tmp_path: Path)
 
 
 def test_of_many_warnings_of_one_name_the_first_are_shown_with_the_number_of_the_others() -> None:
-    many = [Problem(Path("domain.lp"), line, f"strange {line}; mend it", "unused") for line in range(1, SHOWN + 4)]
-    other = Problem(Path("domain.lp"), 99, "odd; mend it", "same-name")
+    many = [Problem(Path("domain.lp"), line, f"strange {line}; fix it", "unused") for line in range(1, SHOWN + 4)]
+    other = Problem(Path("domain.lp"), 99, "odd; fix it", "same-name")
     shown = [each.text for each in first_of_each([*many, other])]
-    assert shown[-1] == "odd; mend it" and len(shown) == SHOWN + 1
-    assert shown[SHOWN - 1] == f"strange {SHOWN}; mend it (and 3 more warnings like it)"
+    assert shown[-1] == "odd; fix it" and len(shown) == SHOWN + 1
+    assert shown[SHOWN - 1] == f"strange {SHOWN}; fix it (and 3 more warnings like it)"
     assert [each.text for each in first_of_each(many[:SHOWN])] == [each.text for each in many[:SHOWN]]
 
 

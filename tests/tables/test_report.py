@@ -61,8 +61,8 @@ def test_what_is_no_number_is_reported(value: object) -> None:
 def test_errors_of_a_block_become_problems_of_its_key() -> None:
     report = TableReport()
     with report.errors_at("parts", "train"):
-        raise QueryError("one; mend it", "two; mend it")
-    assert list(map(str, report.problems)) == ["parts.train: one; mend it", "parts.train: two; mend it"]
+        raise QueryError("one; fix it", "two; mend it")
+    assert list(map(str, report.problems)) == ["parts.train: one; fix it", "parts.train: two; mend it"]
 
 
 def test_a_missing_value_and_one_of_another_kind_are_told_with_what_is_needed() -> None:

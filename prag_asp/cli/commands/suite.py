@@ -11,7 +11,6 @@ from prag_asp.cli.commands.generate import warnings_as_lines
 from prag_asp.cli.options import whole
 from prag_asp.cli.terminal import progress, say, tell_line
 from prag_asp.errors import NotFound, QueryError
-from prag_asp.integers import number_of
 
 if TYPE_CHECKING:
     from prag_asp.dataset.suites.counting import Figures
@@ -79,11 +78,12 @@ def _show(suite: Suite, figures: Figures) -> None:
         lengths = f"{part.lengths[0]}" if len(part.lengths) == 1 else f"{part.lengths[0]}..{part.lengths[-1]}"
         say(f"{name:<{width}}  {lengths:>6}  {part.tasks} of {figures.size(name)}")
     for each in figures.shared:
-        if number_of(each.tasks):
-            say(f"shared: {each.one}, {each.other}  {each.tasks}, {'as declared' if each.declared else 'not declared'}")
-    none = sum(not number_of(each.tasks) for each in figures.shared)
+        if each.tasks:
+            note = "as declared" if each.declared else "not declared"
+            say(f"shared: {each.one}, {each.other}  {each.digits}, {note}")
+    none = sum(not each.tasks for each in figures.shared)
     say(f"shared: 0 in {none} of {len(figures.shared)} pairs of parts")
     for held in suite.held:
         away = [each for each in figures.unseen if each.what == held.what]
-        tasks = sum(number_of(each.tasks) for each in away)
+        tasks = sum(each.tasks for each in away)
         say(f"held out: {held.what}  {tasks} in {', '.join(each.part for each in away)}")

@@ -232,7 +232,7 @@ class InstructionReader:
             effects = {str(fluent): value for fluent, value in known.get(symbol_of(action), ())}
             for fluent, value in aims.items():
                 if effects.get(str(fluent)) not in (str(value).lower(), None):
-                    raise QueryError(f"{action} does not make {fluent} {str(value).lower()}; mend the instruction")
+                    raise QueryError(f"{action} does not make {fluent} {str(value).lower()}; fix the instruction")
 
     def _why(self, view: View, text: str) -> str:
         """Return why a text has no meaning: a thing that it names, or a sentence."""

@@ -29,7 +29,7 @@ def require_dataset_folder(folder: Path) -> None:
         return
     other = sorted({path.name for path in folder.iterdir()} - {f"{DATASET.name}.part", JOURNAL})
     if other:
-        raise OutputError(f"{folder}: holds {other[0]}, and is no dataset; give a new folder")
+        raise OutputError(f"{folder}: holds {other[0]}, and is not a dataset; give a new folder")
 
 
 def difference(one: Manifest, other: Manifest) -> str:

@@ -29,8 +29,13 @@ class Overlap(msgspec.Struct, frozen=True):
 
     one: str
     other: str
-    tasks: Decimal
-    declared: bool
+    digits: Decimal = msgspec.field(name="tasks")
+    declared: bool = False
+
+    @property
+    def tasks(self) -> int:
+        """The number of tasks."""
+        return number_of(self.digits)
 
 
 class HeldOutCount(msgspec.Struct, frozen=True):
@@ -38,7 +43,12 @@ class HeldOutCount(msgspec.Struct, frozen=True):
 
     what: str
     part: str
-    tasks: Decimal
+    digits: Decimal = msgspec.field(name="tasks")
+
+    @property
+    def tasks(self) -> int:
+        """The number of tasks."""
+        return number_of(self.digits)
 
 
 @dataclass(frozen=True)
@@ -56,7 +66,7 @@ class Figures:
     @property
     def leaks(self) -> tuple[Overlap, ...]:
         """The pairs of parts that share tasks without declaring it."""
-        return tuple(each for each in self.shared if number_of(each.tasks) and not each.declared)
+        return tuple(each for each in self.shared if each.tasks and not each.declared)
 
 
 def space_of(suite: Suite, part: SuitePart, *, limits: Limits = UNLIMITED, engine: str = "auto") -> TaskSpace:
@@ -141,8 +151,8 @@ def refuse_leaks(suite: Suite, figures: Figures) -> None:
     """
     problems = []
     for leak in figures.leaks:
-        what = f"{leak.one} and {leak.other} have {plural(number_of(leak.tasks), 'task')} in common"
-        mend = f'separate them by conditions, or add shares = "{leak.one}" to [parts.{leak.other}]'
-        problems.append(f"{suite.place('parts', leak.other)}: {what}; {mend}")
+        what = f"{leak.one} and {leak.other} have {plural(leak.tasks, 'task')} in common"
+        remedy = f'separate them by conditions, or add shares = "{leak.one}" to [parts.{leak.other}]'
+        problems.append(f"{suite.place('parts', leak.other)}: {what}; {remedy}")
     if problems:
         raise QueryError(*problems)

@@ -120,7 +120,7 @@ def _require_suite_folder(folder: Path, suite: Suite, identity: str) -> None:
     if before is None:
         other = sorted(path.name for path in folder.iterdir() if path.name != f"{NAME}.part") if folder.is_dir() else []
         if other:
-            raise OutputError(f"{folder}: holds {other[0]}, and is no suite; give a new folder")
+            raise OutputError(f"{folder}: holds {other[0]}, and is not a suite; give a new folder")
     elif before.identity != identity or {part.name for part in before.parts} != {*suite.parts}:
         raise OutputError(f"{folder}: is another suite, or one of another state of its domain; give a new folder")
     else:

@@ -70,10 +70,10 @@ def _text(note: SuiteManifest) -> Iterator[str]:
 
 def _apart(note: SuiteManifest) -> Iterator[str]:
     """Yield how many tasks parts have in common, and what is unseen."""
-    none = sum(not number_of(each.tasks) for each in note.shared)
+    none = sum(not each.tasks for each in note.shared)
     yield f"Counted exactly: {plural(none, 'pair')} of {len(note.shared)} of parts have no task in common."
     for each in note.shared:
-        tasks = number_of(each.tasks)
+        tasks = each.tasks
         if tasks:
             yield f"{each.one} and {each.other} have {grouped(tasks)}, as {'' if each.declared else 'nobody '}said."
     yield ""
@@ -81,7 +81,7 @@ def _apart(note: SuiteManifest) -> Iterator[str]:
         yield "| held out | part | tasks of the part that have it |"
         yield "|---|---|---|"
         for every in note.unseen:
-            yield f"| `{every.what}` | {every.part} | {grouped(number_of(every.tasks))} |"
+            yield f"| `{every.what}` | {every.part} | {grouped(every.tasks)} |"
         yield ""
 
 

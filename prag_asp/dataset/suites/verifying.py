@@ -50,7 +50,7 @@ def verify(
     task stands in two parts that do not say so, and no words in two whose phrasings are to differ.
 
     Raises:
-        QueryError: there is no dataset, its files cannot be read, or the run that makes it has not ended.
+        QueryError: there is not a dataset, its files cannot be read, or the run that makes it has not ended.
         DatasetsMissingError: pyarrow is not installed.
     """
     look = _wrong_suite if is_suite(folder) else wrong_dataset
@@ -140,7 +140,7 @@ def _wrong_note(suite: Suite, note: SuiteManifest, progress: Progress) -> Iterat
         if found.requested > right_part.requested:
             yield Finding(NAME, None, f"parts, {found.name}: wants more tasks than {SPELLED} says")
     for leak in figures.leaks:
-        yield Finding(NAME, None, f"{leak.one} and {leak.other} have {leak.tasks} tasks in common")
+        yield Finding(NAME, None, f"{leak.one} and {leak.other} have {leak.digits} tasks in common")
 
 
 def _wrong_part(suite: Suite, name: str, data: Dataset) -> Iterator[Finding]:

@@ -68,7 +68,7 @@ def _run(file: str) -> Mapping[Any, Any]:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:
         del sys.modules[name]
-        raise SceneError(f"{_place(file, error)}: {_error_line(error)}; mend the file") from error
+        raise SceneError(f"{_place(file, error)}: {_error_line(error)}; fix the file") from error
     found = getattr(module, "PREDICATES", None)
     if not isinstance(found, Mapping):
         raise SceneError(f'{file}:1: defines no PREDICATES; write PREDICATES = {{"name": Predicate(...)}}')
@@ -103,10 +103,10 @@ def _guarded(own: Own, part: str, function: Callable[..., Any]) -> Callable[...,
         except PragError:
             raise
         except (Exception, SystemExit) as error:
-            raise SceneError(f"{_place(own.file, error)}: {own.name}: {_error_line(error)}; mend the file") from error
+            raise SceneError(f"{_place(own.file, error)}: {own.name}: {_error_line(error)}; fix the file") from error
         if not fine(result):
             got = " ".join(repr(result).split())
-            raise SceneError(f"{place}: {needed.format(own.name)}; got {got}; mend the function")
+            raise SceneError(f"{place}: {needed.format(own.name)}; got {got}; fix the function")
         return iter(result) if yielded else result
 
     return guarded

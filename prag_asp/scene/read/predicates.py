@@ -144,7 +144,7 @@ def _file(entry: TableEntry, folder: Path) -> str:
     elif not is_inside(folder / value, folder):
         entry.add(f"{value} lies outside of the folder of the domain; move it there")
     elif not (folder / value).is_file():
-        entry.add(f"{value} is not in the folder of the domain; write it, or mend the name")
+        entry.add(f"{value} is not in the folder of the domain; write it, or fix the name")
     else:
         return str((folder / value).resolve())
     return ""

@@ -90,7 +90,7 @@ def _parsed(path: Path, folder: Path) -> tuple[ElementTree.Element, dict[Element
     try:
         parser.Parse(content, True)
     except expat.ExpatError as error:
-        raise SceneError(f"{path}:{error.lineno}: not XML: {expat.ErrorString(error.code)}; mend the line") from error
+        raise SceneError(f"{path}:{error.lineno}: not XML: {expat.ErrorString(error.code)}; fix the line") from error
     except (LookupError, ValueError) as error:
         raise SceneError(f"{path}:1: not XML: its encoding cannot be read; save it as UTF-8") from error
     return builder.close(), lines

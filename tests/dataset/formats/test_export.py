@@ -224,6 +224,6 @@ def test_the_formula_of_a_task_space_needs_no_name_of_its_form() -> None:
     done = run("export", "blocks")
     assert done.returncode == 64 and "Missing option '-n'" in done.stderr
     done = run("export", "lerobt", "data", "-o", "out")
-    assert (done.returncode, done.stderr.partition(";")[0]) == (64, "prag-asp export: no form 'lerobt'")
+    assert (done.returncode, done.stderr.partition(";")[0]) == (64, "prag-asp export: no format 'lerobt'")
     assert "tabletp: no such domain" in run("export", "tabletp", "-n", "1").stderr
     assert {*FORMS, "dimacs"} <= {*ok("export", "--help").split()}

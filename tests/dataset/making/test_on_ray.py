@@ -97,7 +97,7 @@ def test_ctrl_c_leaves_no_process_of_a_cluster_on_this_machine(tmp_path: Path) -
     command = [*PRAG, "generate", "tabletop", "-n", "3", "--tasks", "100000", "--on", "ray", "-o", "data"]
     with interruptible(command, tmp_path) as running:
         until = time.monotonic() + 300
-        while not (tmp_path / "data" / "journal.jsonl.run").exists():
+        while not (tmp_path / "data" / "journal.part").exists():
             assert running.poll() is None and time.monotonic() < until
             time.sleep(0.1)
         processes = family(running.pid)

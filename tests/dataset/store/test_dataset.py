@@ -153,8 +153,8 @@ def test_what_is_no_data_set_is_told_in_one_line(copy: Path, tmp_path: Path) -> 
     for content, match in (
         ("", "it is not JSON"),
         (text[:500], "it is not JSON"),
-        ("[]", "is no dataset of prag_asp"),
-        ('{"format": "other"}', "is no dataset of prag_asp"),
+        ("[]", "is not a dataset of prag_asp"),
+        ('{"format": "other"}', "is not a dataset of prag_asp"),
         (text.replace('"version": 1', '"version": 7', 1), "has version 7, not 1"),
         (text.replace('"complete": true', '"complete": "yes"', 1), "complete: needs true or false"),
         (text.replace('"complete": true', '"complete": false', 1), "has not ended"),

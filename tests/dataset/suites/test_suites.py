@@ -122,8 +122,8 @@ def test_sizes_and_what_is_shared_are_those_of_lists_of_all_plans(small: Suite) 
     assert figures.sizes["words"] == figures.sizes["train"]
     shared = {(each.one, each.other): each for each in figures.shared}
     assert shared.pop(("train", "words")) == Overlap("train", "words", str(figures.size("train")), True)
-    assert len(shared) == 9 and {each.tasks for each in shared.values()} == {"0"}
-    assert figures.leaks == () and {each.tasks for each in figures.unseen} == {"0"} and len(figures.unseen) == 12
+    assert len(shared) == 9 and {each.tasks for each in shared.values()} == {0}
+    assert figures.leaks == () and {each.tasks for each in figures.unseen} == {0} and len(figures.unseen) == 12
 
 
 def test_no_task_of_a_part_has_what_is_held_out_and_each_of_its_own_part_has_it(made: Path) -> None:
@@ -301,7 +301,7 @@ def test_a_leak_is_refused_unless_it_is_declared(tmp_path: Path) -> None:
     refuse_leaks(declared, count_suite(declared))
     (tmp_path / "bench").mkdir()
     (tmp_path / "bench" / "mine").write_text("mine")
-    with pytest.raises(OutputError, match="holds mine, and is no suite"):
+    with pytest.raises(OutputError, match="holds mine, and is not a suite"):
         generate_suite(declared, tmp_path / "bench")
 
 

@@ -283,7 +283,7 @@ def test_a_command_prints_what_is_wrong_and_says_so_by_its_code(copied: Path, tm
         done.returncode == 1
         and done.stdout == "pictures/000.png: is not the file that was written: its SHA-256 is another\n"
     )
-    for folder, told in ((tmp_path, "is no dataset"), (copied / "data", "is no dataset")):
+    for folder, told in ((tmp_path, "is not a dataset"), (copied / "data", "is not a dataset")):
         done = run("verify", str(folder))
         assert done.returncode == 2 and told in done.stderr and done.stderr.count("\n") == 1
     (copied / "dataset.json").write_text("{")

@@ -51,9 +51,9 @@ def test_a_python_file_is_run_only_where_it_is_trusted(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("x = 1\ny = = 2\n", r"own\.py:2: SyntaxError: .*; mend the file"),
-        ("x = 1\n\nraise ValueError('no\\nway')\n", r"own\.py:3: ValueError: no way; mend the file"),
-        ("import sys\nsys.exit(3)\n", r"own\.py:2: SystemExit: 3; mend the file"),
+        ("x = 1\ny = = 2\n", r"own\.py:2: SyntaxError: .*; fix the file"),
+        ("x = 1\n\nraise ValueError('no\\nway')\n", r"own\.py:3: ValueError: no way; fix the file"),
+        ("import sys\nsys.exit(3)\n", r"own\.py:2: SystemExit: 3; fix the file"),
         ("import no_such_module\n", r"own\.py:1: ModuleNotFoundError: No module named 'no_such_module'"),
         ("x = 1\n", r"own\.py:1: defines no PREDICATES; write PREDICATES = "),
         ("PREDICATES = [1]\n", r"own\.py:1: defines no PREDICATES"),
@@ -97,10 +97,10 @@ PREDICATES = {{"odd": Predicate("odd", violations, volume, states("{{0}} {{is}} 
 @pytest.mark.parametrize(
     ("violation", "volume", "message"),
     [
-        ("1 / 0", "Volume()", r"own\.py:5: odd: ZeroDivisionError: division by zero; mend the file"),
-        ("__import__('sys').exit(0)", "Volume()", r"own\.py:5: odd: SystemExit: 0; mend the file"),
+        ("1 / 0", "Volume()", r"own\.py:5: odd: ZeroDivisionError: division by zero; fix the file"),
+        ("__import__('sys').exit(0)", "Volume()", r"own\.py:5: odd: SystemExit: 0; fix the file"),
         ("float('nan')", "Volume()", r"own\.py:4: the violations of odd have to be numbers, at least one; got \[nan\]"),
-        ("'near'", "Volume()", r"own\.py:4: the violations of odd have to be numbers, .* got \['near'\]; mend the fun"),
+        ("'near'", "Volume()", r"own\.py:4: the violations of odd have to be numbers, .* got \['near'\]; fix the fun"),
         ("0.0", "None", r"own\.py:7: the volume of odd has to be a Volume, with numbers as its bounds; got None"),
         ("0.0", "Volume(low=(float('nan'), 0.0, 0.0))", r"own\.py:7: the volume of odd has to be a Volume, .* got Vol"),
         ("0.0", "situation.pose(arguments[7])", r"own\.py:8: odd: IndexError: tuple index out of range"),
@@ -174,9 +174,9 @@ PREDICATES = {{"odd": Predicate("odd", violations, volume, states("{{0}} {{is}} 
         (
             "impossible",
             "[3]",
-            r"own\.py:10: the reasons why odd is impossible have to be strings; got \[3\]; mend the func",
+            r"own\.py:10: the reasons why odd is impossible have to be strings; got \[3\]; fix the func",
         ),
-        ("impossible", "1 / 0", r"own\.py:11: odd: ZeroDivisionError: division by zero; mend the file"),
+        ("impossible", "1 / 0", r"own\.py:11: odd: ZeroDivisionError: division by zero; fix the file"),
         (
             "demands",
             "[(0, 'far')]",

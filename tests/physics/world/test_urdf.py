@@ -213,7 +213,7 @@ def test_a_mesh_with_a_group_for_each_side_is_one_hull(tmp_path):
     [
         ("models/none.urdf", None, "there is no such file"),
         ("../elsewhere.urdf", "<robot/>", "lies outside the domain; copy it into"),
-        ("x.urdf", "<robot><link name='a'></robot>", "x.urdf:1: not XML: mismatched tag; mend the line"),
+        ("x.urdf", "<robot><link name='a'></robot>", "x.urdf:1: not XML: mismatched tag; fix the line"),
         ("x.urdf", "<?xml version='1.0' encoding='none'?><robot/>", "x.urdf:1: not XML: "),
         (
             "x.urdf",
