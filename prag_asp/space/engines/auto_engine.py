@@ -51,8 +51,8 @@ class Growth:
     def hopeless(self, extent: Extent, length: int) -> bool:
         """Return whether exploration is forecast to exceed the memory within `length` steps.
 
-        The forecast assumes that the ratio of the new states of successive steps keeps falling at the same rate, because
-        growth slows down as a space fills up, and that memory is proportional to the number of states.
+        The forecast assumes that the ratio of the new states of successive steps keeps falling at the same rate,
+        because growth slows down as a space fills up, and that memory is proportional to the number of states.
         """
         if self.states and extent.depth < max(self.states):
             self.states.clear()
