@@ -1,4 +1,4 @@
-"""What spaces of tasks look like: figures and pictures.
+"""Analyse task spaces: statistics and pictures.
 
 >>> from prag_asp import TaskSpace, load_domain
 >>> from prag_asp.analysis import counts_by_length

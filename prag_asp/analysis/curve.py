@@ -1,6 +1,6 @@
-"""The curve of the paper: how many plans, tasks and skeletons there are of each length, beside all sequences of names.
+"""Plot the numbers of plans, tasks and skeletons by length, with that of all sequences of names, as in the paper.
 
-Counts outgrow every float, so their decimal logarithms are drawn: they are exact to far more digits than a picture has.
+Counts exceed the range of floats, so their decimal logarithms are plotted, exact to far more digits than a pixel.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DATES = {".png": "Creation Time", ".svg": "Date", ".pdf": "CreationDate"}
-"""What each kind of picture calls its date, which is left out."""
+"""The metadata key of the date of each picture format; dates are omitted."""
 
 KINDS = (".html", *DATES)
 
 SIZE, DOTS = (8.0, 5.5), 200
-"""Inches of a picture, and pixels an inch."""
+"""Size of a picture in inches, and pixels per inch."""
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#777777")
-"""Colours that colour-blind readers distinguish (Okabe and Ito 2008)."""
+"""Colours for colour-blind readers (Okabe and Ito 2008)."""
 
 MARKED = 60
-"""Lengths up to which each has a mark of its own."""
+"""Maximum number of lengths with a marker at each."""
 
 STYLE = (
     "body{font:16px sans-serif;max-width:60em;margin:auto;padding:1em}svg{max-width:100%;height:auto}"
@@ -50,10 +50,10 @@ class Series:
     counts: tuple[int, ...]
 
     def points(self) -> tuple[tuple[int, ...], tuple[float, ...]]:
-        """Return the lengths of which there are any, and the decimal logarithms of their counts."""
+        """Return the lengths with a count above 0, and the decimal logarithms of their counts."""
         heights = enumerate(logarithms(self.counts), 1)
-        found = [(length, height) for length, height in heights if height is not None]
-        return tuple(length for length, _ in found), tuple(height for _, height in found)
+        points = [(length, height) for length, height in heights if height is not None]
+        return tuple(length for length, _ in points), tuple(height for _, height in points)
 
 
 @dataclass(frozen=True)
@@ -83,10 +83,10 @@ def counts_by_length(space: TaskSpace) -> Curve:
 
 
 def check_file(file: str) -> None:
-    """Refuse a file that no curve can be written to, before anything is counted.
+    """Check that a curve can be written to a file, before counting.
 
     Raises:
-        QueryError: its ending is none of those known.
+        QueryError: the file's ending is unknown.
         PicturesMissingError: matplotlib is not installed.
     """
     if Path(file).suffix.lower() not in KINDS:
@@ -96,7 +96,7 @@ def check_file(file: str) -> None:
 
 
 def draw_curve(curve: Curve, file: str) -> None:
-    """Write the curve as a picture, or as a web page with the picture and the counts, which needs no network.
+    """Write the curve as a picture, or as a self-contained web page with the picture and the counts.
 
     Raises:
         QueryError: the file's ending is unknown.
@@ -110,7 +110,7 @@ def draw_curve(curve: Curve, file: str) -> None:
 
 
 def figure(curve: Curve) -> Figure:
-    """Return the curve as a figure of matplotlib."""
+    """Return the curve as a matplotlib figure."""
     from matplotlib.figure import Figure  # noqa: PLC0415 - heavy
     from matplotlib.ticker import MaxNLocator  # noqa: PLC0415 - heavy
 
@@ -131,7 +131,7 @@ def figure(curve: Curve) -> Figure:
 
 
 def saved(drawn: Figure, kind: str) -> bytes:
-    """Return a figure as a picture of some kind; the same figure gives the same bytes."""
+    """Return a figure as a reproducible picture of some format."""
     from matplotlib import rc_context  # noqa: PLC0415 - heavy
 
     buffer = BytesIO()
@@ -167,6 +167,6 @@ def logarithms(counts: tuple[int, ...]) -> list[float | None]:
 
 
 def shown(count: int) -> str:
-    """Return a count in full where it has at most 30 digits, else how many it has."""
+    """Return a count of at most 30 digits in full, otherwise its number of digits."""
     height = logarithms((count,))[0] or 0
     return f"{count:,}" if height < 30 else f"{int(height) + 1:,} digits"

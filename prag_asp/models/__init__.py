@@ -1,6 +1,6 @@
-"""The answer sets of any logic program: counted, sampled and listed exactly."""
+"""Count, sample and list the answer sets of any logic program exactly."""
 
 from __future__ import annotations
 
 ENGINES = ("auto", "ganak", "diagram", "clingo")
-"""The fastest that fits; a #SAT counter, which only counts; a compiled diagram; and clingo's enumeration."""
+"""Automatic choice; a #SAT counter, which only counts; a compiled diagram; and enumeration by clingo."""

@@ -1,4 +1,4 @@
-"""The answer sets of a ground program as the models of a formula: exactly one for each, or for each projection."""
+"""The answer sets of a ground program, or their projections, as the projected models of a formula."""
 
 from __future__ import annotations
 
@@ -18,11 +18,10 @@ from prag_asp.processes.progress_events import stage
 
 @dataclass(frozen=True)
 class ModelFormula:
-    """A formula, and how its models are printed.
+    """A formula with the symbols that its models show.
 
-    `cnf.shown` are the projection variables: they distinguish answer sets, or their projections. `printed`
-    are the symbols of which those with a true literal are printed, sorted. With `whole`, all other variables are
-    functions of those.
+    `cnf.shown` are the projection variables, which distinguish answer sets or their projections. `printed` has each
+    symbol that may be shown with its literal, sorted. With `whole`, all other variables are functions of `cnf.shown`.
     """
 
     completion: Completion
@@ -34,8 +33,8 @@ class ModelFormula:
 def model_formula(ground: GroundModels, *, project: bool, copied: bool) -> ModelFormula:
     """Return the formula of a head-cycle-free program; with `copied`, answer sets are its models without open copies.
 
-    With `project`, answer sets that agree on the atoms of ``#project``, or without such a statement on what is shown,
-    are one: as clingo's option ``--project`` has it. What is printed are those atoms then.
+    With `project`, answer sets that agree on the atoms of ``#project``, or without such a statement on the shown
+    symbols, count as one, as with clingo's option ``--project``. These atoms are then the printed symbols.
     """
     stage("writing clauses")
     completion = complete(shift_disjunctions(ground.rules), copied=copied)

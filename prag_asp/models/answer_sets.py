@@ -1,4 +1,4 @@
-"""The answer sets of any logic program as one value: count, list, exact samples and marginals."""
+"""The answer sets of any logic program: exact counts, lists, samples and marginals."""
 
 from __future__ import annotations
 
@@ -42,11 +42,11 @@ AnswerSet = tuple[clingo.Symbol, ...]
 Tell = Callable[[str], None]
 
 PATIENCE = 2.0
-"""Seconds for which a program is compiled alone, before a counter counts as well."""
+"""Seconds of compilation before a counter starts in parallel."""
 
 
 class _Counted(Exception):
-    """A counter has finished before the diagram was compiled."""
+    """The parallel counter finished before the compilation."""
 
     def __init__(self, number: int) -> None:
         super().__init__(number)
@@ -66,36 +66,35 @@ def answer_sets(
     """Return the answer sets of a logic program, given as files, a text, or both.
 
     With `project`, answer sets that agree on the projection variables count as one: the atoms of ``#project`` or,
-    without such a statement, all that is shown. With `weighted`, facts ``weight(Atom, W)`` weigh them: each by the
-    product over its atoms. `tell` is called with notes, such as that another engine counts as well, and `progress` with
-    the progress of a long computation.
+    without such a statement, all shown symbols. With `weighted`, the weight of an answer set is the product over its
+    atoms of the facts ``weight(Atom, W)``. `tell` receives notes, such as that another engine counts in parallel, and
+    `progress` the progress of long computations.
 
     Raises:
-        DomainError: a file cannot be read or ground, or has what is not supported; each line of the message names one.
+        DomainError: a file cannot be read or ground, or has unsupported statements, one per line of the message.
         QueryError: there is no such engine, or no weight.
     """
     if engine not in ENGINES:
         raise QueryError(f"engine {engine!r}: there is none; choose {', '.join(ENGINES)}")
-    given = read_program([*files, *([] if text is None else [text_source("text", text)])], constants or {})
+    program = read_program([*files, *([] if text is None else [text_source("text", text)])], constants or {})
     stage("grounding the program")
-    ground = ground_models(given)
-    stated = stated_weights(ground, given.program) if weighted else {}
-    found = AnswerSets(given, ground, project, stated, engine, tell, progress)
+    ground = ground_models(program)
+    stated = stated_weights(ground, program.program) if weighted else {}
+    answers = AnswerSets(program, ground, project, stated, engine, tell, progress)
     for note in ground.notes:
-        found.note(f"{note}; clingo leaves this out")
-    unknown = unknown_weights(stated, ground, given.program)
+        answers.note(f"{note}; clingo leaves this out")
+    unknown = unknown_weights(stated, ground, program.program)
     if unknown:
-        found.note(unknown)
-    return found
+        answers.note(unknown)
+    return answers
 
 
 @dataclass(frozen=True)
 class AnswerSets:
-    """The answer sets of one program; what was compiled is kept for further questions.
+    """The answer sets of one program; compiled formulas are cached between queries.
 
-    ``for each in answer_sets(...)`` finds them lazily, in an order that is always the same: one answer set comes before
-    another if it has the first symbol, in clingo's order, that only one of them has. Where clingo enumerates, its order
-    is taken.
+    Iteration is lazy and in a fixed order: of two answer sets, that with the first symbol in clingo's order that only
+    one of them has comes first. If clingo enumerates, its own order is used.
     """
 
     given: GivenProgram
@@ -107,7 +106,7 @@ class AnswerSets:
     progress: Progress | None = None
 
     def count(self) -> int:
-        """Return their exact number, whatever they weigh.
+        """Return their exact number, regardless of weights.
 
         Raises:
             EngineError: the engine ganak is not installed, or fails.
@@ -121,9 +120,9 @@ class AnswerSets:
         return count_models(self._counting_formula.cnf, request="engine ganak")
 
     def _count_by_diagram(self) -> int:
-        """Return their number by a diagram or, with engine auto, by a counter that finishes earlier.
+        """Return their number by a diagram or, with engine auto, by a parallel counter if that finishes first.
 
-        For a program that is not tight, either may be faster by orders of magnitude.
+        For programs that are not tight, either may be faster by orders of magnitude.
         """
         if self.engine != "auto" or not has_ganak() or "_diagram" in self.__dict__:
             return WeightedDiagram(self._diagram.diagram, {}).total
@@ -132,24 +131,24 @@ class AnswerSets:
             self.note(f"ganak counts as well, because compiling takes longer than {PATIENCE:g} s; the first answers")
 
         def look() -> None:
-            found = beside()
-            if found is not None:
-                raise _Counted(found)
+            number = beside()
+            if number is not None:
+                raise _Counted(number)
 
         with CountBeside(lambda: (self._counting_formula.cnf, ()), PATIENCE, begins) as beside:
             try:
-                self.__dict__["_diagram"] = self._compile(look)  # as cached_property keeps it
+                self.__dict__["_diagram"] = self._compile(look)  # fills the cached_property
             except _Counted as counted:
                 return counted.number
         return WeightedDiagram(self._diagram.diagram, {}).total
 
     def estimate(self, epsilon: float = 0.8, delta: float = 0.2, seed: int = 0) -> Estimate:
-        """Return an estimate of their number, whatever they weigh.
+        """Return an estimate of their number, regardless of weights.
 
-        With a probability of at least 1 - `delta`, it is off by no more than a factor of 1 + `epsilon`.
+        With a probability of at least 1 - `delta`, it is within a factor of 1 + `epsilon` of the exact number.
 
         Raises:
-            QueryError: a number is out of range, or there are no clauses for the program.
+            QueryError: a number is out of range, or the program cannot be translated to clauses.
             EngineError: ApproxMC is not installed, or fails.
         """
         tolerance = Tolerance(epsilon, delta)
@@ -159,7 +158,7 @@ class AnswerSets:
         return estimate_models(self._counting_formula.cnf, tolerance, seed)
 
     def total(self) -> Fraction:
-        """Return the exact sum of their weights: without weights, their number."""
+        """Return the exact sum of their weights; without weights, their number."""
         if not self.stated:
             return Fraction(self.count())
         if self._way() == "clingo":
@@ -181,7 +180,7 @@ class AnswerSets:
         yield from map(self._print, islice(self._diagram.sample(seed), count))
 
     def marginals(self) -> dict[clingo.Symbol, Fraction]:
-        """Return for each symbol that may be shown the exact share of the answer sets, by weight, that have it.
+        """Return for each symbol that may be shown the exact probability, by weight, that an answer set has it.
 
         Raises:
             NotFound: there is none, or all have the weight 0.
@@ -211,16 +210,16 @@ class AnswerSets:
     def _print(self, literals: Sequence[Literal]) -> AnswerSet:
         """Return the shown symbols of a model with some true literals."""
         places, always = self._places
-        found = [*always]
+        shown = [*always]
         for literal in literals:
-            found += places.get(literal, ())
-        return tuple([self._symbols[place] for place in sorted(found)])
+            shown += places.get(literal, ())
+        return tuple([self._symbols[place] for place in sorted(shown)])
 
     def _way(self, *, counts: bool = False) -> str:
-        """Return the name of the engine that answers, and note an unexpected one.
+        """Return the name of the engine that answers, and note a fallback.
 
         Raises:
-            QueryError: the engine that was chosen has no answer.
+            QueryError: the chosen engine cannot answer.
         """
         if self.engine == "clingo":
             return "clingo"
@@ -236,23 +235,23 @@ class AnswerSets:
     @cached_property
     def _reason_to_enumerate(self) -> str:
         """The reason why there is no formula, or ""; with engine auto it is noted."""
-        found = self._no_clauses
-        if found and self.engine == "auto":
-            self.note(f"{found}: clingo enumerates, which takes time for each answer set")
-        return found
+        reason = self._no_clauses
+        if reason and self.engine == "auto":
+            self.note(f"{reason}: clingo enumerates, which takes time for each answer set")
+        return reason
 
     @cached_property
     def _no_clauses(self) -> str:
         """The reason why there is no formula, or ""."""
-        found = ""
+        reason = ""
         if self.ground.acyclic:
-            found = "#edge wants a graph without cycles"
+            reason = "#edge wants a graph without cycles"
         elif any(rule.is_disjunctive for rule in self.ground.rules) and not is_head_cycle_free(self.ground.rules):
-            found = "atoms of one disjunction depend on each other"
+            reason = "atoms of one disjunction depend on each other"
         elif self.ground.contested:
             first = min(symbol for symbol, atom in self.ground.names if atom in self.ground.contested)
-            found = f"a rule derives {first}, which is #external and not false"
-        return found
+            reason = f"a rule derives {first}, which is #external and not false"
+        return reason
 
     @cached_property
     def _formula(self) -> ModelFormula:
@@ -260,7 +259,7 @@ class AnswerSets:
 
     @property
     def _counting_formula(self) -> ModelFormula:
-        """The formula for a counter, without copies."""
+        """The formula for a counter, without copies of atoms."""
         return self._formula if not self._formula.completion.copies else self._formula_of(copied=False)
 
     def _formula_of(self, *, copied: bool) -> ModelFormula:
@@ -296,7 +295,7 @@ class AnswerSets:
 
     @cached_property
     def _places(self) -> tuple[dict[Literal, list[int]], list[int]]:
-        """The places of the symbols of each literal, and of those that all answer sets have."""
+        """The indices of the symbols of each literal, and those of the symbols that all answer sets have."""
         places: dict[Literal, list[int]] = {}
         for place, (_, literal) in enumerate(self._formula.printed):
             places.setdefault(literal, []).append(place)
@@ -314,7 +313,7 @@ class AnswerSets:
         return Enumeration(self.given, self.ground, self.project, self.stated, self.progress)
 
     def note(self, line: str) -> None:
-        """Pass a line to `tell`, if it is given."""
+        """Pass a line to `tell`, if there is one."""
         if self.tell is not None:
             self.tell(line)
 

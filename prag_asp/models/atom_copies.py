@@ -1,4 +1,4 @@
-"""Copies of atoms in loops that derive each other: where one is true, all are, so one of them can stand for all."""
+"""Equivalent copies of atoms in loops: copies that derive each other are equal, so one represents all."""
 
 from __future__ import annotations
 
@@ -12,11 +12,10 @@ from prag_asp.program.finite.components import components
 def merge_copies(
     copies: Container[int], clauses: Sequence[Sequence[Literal]]
 ) -> tuple[dict[Literal, Literal], set[int]]:
-    """Return for the literals of copies those that stand for them, where it is another, and what is read of all.
+    """Return the representatives of the literals of other copies, and the variables that further clauses read.
 
-    A copy derives another by a clause of these two; where no other clause derives that one, it is as good as the first.
-    Of those that derive each other, the least one stands for all that some other clause reads, so that copies that
-    nothing else reads leave no trace.
+    A copy derives another by a binary clause; if no other clause derives the latter, the two are equivalent. The least
+    copy that further clauses read represents its class, so that unread copies do not matter.
     """
     pairs: list[tuple[int, int]] = []
     read: set[int] = set()
@@ -34,7 +33,7 @@ def merge_copies(
             graph.setdefault(second, []).append(first)
     groups = [group for group in components(graph, lambda copy: graph.get(copy, ())) if len(group) > 1]
     group_of = {copy: place for place, group in enumerate(groups) for copy in group}
-    for first, second in pairs:  # between two groups, a clause reads both
+    for first, second in pairs:  # a clause between two groups reads both
         if first not in group_of or group_of[first] != group_of.get(second):
             read |= {first, second}
     one: dict[Literal, Literal] = {}

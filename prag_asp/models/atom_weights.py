@@ -1,4 +1,4 @@
-"""Exact weights of atoms, which a program states by facts ``weight(Atom, W)``."""
+"""Exact weights of atoms, stated by facts ``weight(Atom, W)``."""
 
 from __future__ import annotations
 
@@ -26,70 +26,72 @@ ADVICE = 'write a whole number such as 2, or a fraction such as (1,3) or "0.25"'
 
 @dataclass(frozen=True)
 class LiteralWeights:
-    """Whole numbers for literals; the weight of a model is their product, times `scale`."""
+    """Integer weights of literals; the weight of a model is their product, times `scale`."""
 
     weights: dict[Literal, int]
     scale: Fraction
 
 
 PLAIN = LiteralWeights({}, Fraction(1))
-"""All models are alike."""
+"""All models have weight 1."""
 
 
 def stated_weights(ground: GroundModels, program: Program) -> dict[clingo.Symbol, Fraction]:
     """Return the weights that a program states.
 
     Raises:
-        DomainError: one depends on a choice, is no number or negative, an atom has two, or all have other arguments.
-        QueryError: there is none.
+        DomainError: a weight is not a fact, no number, negative or ambiguous, or all have a wrong arity.
+        QueryError: there is no weight.
     """
-    found: dict[clingo.Symbol, Fraction] = {}
+    weights: dict[clingo.Symbol, Fraction] = {}
     for symbol, atom in ground.names:
         if not symbol.match("weight", 2) or symbol.negative:
             continue
-        weighed, given = symbol.arguments
+        weighed, value = symbol.arguments
         if atom not in ground.facts:
             raise DomainError(f"{place_of(symbol, program)}{symbol} depends on other atoms; a weight has to be a fact")
-        weight = _fraction(given)
+        weight = _fraction(value)
         if weight is None:
-            raise DomainError(f"{place_of(symbol, program)}{symbol}: {given} is no weight; {ADVICE}")
-        if found.setdefault(weighed, weight) != weight:
+            raise DomainError(f"{place_of(symbol, program)}{symbol}: {value} is no weight; {ADVICE}")
+        if weights.setdefault(weighed, weight) != weight:
             raise DomainError(f"{place_of(symbol, program)}{symbol}: {weighed} has another weight too; state one")
-    if not found:
+    if not weights:
         for symbol, _ in ground.names:
             if symbol.type == clingo.SymbolType.Function and symbol.name == "weight":
-                told = f"{symbol} has {plural(len(symbol.arguments), 'argument')}, and a weight has 2"
+                problem = f"{symbol} has {plural(len(symbol.arguments), 'argument')}, and a weight has 2"
                 if symbol.negative:
-                    told = f"{symbol} is negated, and no weight"
-                raise DomainError(f"{place_of(symbol, program)}{told}; write weight(Atom,W), such as weight(in(1),2)")
+                    problem = f"{symbol} is negated, and no weight"
+                raise DomainError(
+                    f"{place_of(symbol, program)}{problem}; write weight(Atom,W), such as weight(in(1),2)"
+                )
         raise QueryError("--weighted: the program states no weight; add facts such as weight(in(1),2).")
-    return found
+    return weights
 
 
 def unknown_weights(stated: Iterable[clingo.Symbol], ground: GroundModels, program: Program) -> str:
-    """Return a note on weighted atoms that no rule derives, with the place of the first, or nothing."""
-    known = {symbol for symbol, _ in ground.names}
-    missing = sorted(atom for atom in stated if atom not in known)
+    """Return a note on weighted atoms that no rule derives, with the place of the first, or an empty text."""
+    atoms = {symbol for symbol, _ in ground.names}
+    missing = sorted(atom for atom in stated if atom not in atoms)
     if not missing:
         return ""
     weights = (symbol for symbol, _ in ground.names if symbol.match("weight", 2) and symbol.arguments[0] == missing[0])
     others = plural(len(missing) - 1, "other weight")
-    more = f", and {others} weigh{'s' if len(missing) == 2 else ''} nothing either" if len(missing) > 1 else ""
-    hint = did_you_mean(str(missing[0]), map(str, known), "leave the weight out, or add a rule for the atom")
-    told = f"no rule derives {missing[0]}, so that its weight counts for nothing{more}"
-    return f"{place_of(next(weights), program)}{told}; {hint}"
+    others_text = f", and {others} weigh{'s' if len(missing) == 2 else ''} nothing either" if len(missing) > 1 else ""
+    hint = did_you_mean(str(missing[0]), map(str, atoms), "leave the weight out, or add a rule for the atom")
+    problem = f"no rule derives {missing[0]}, so that its weight counts for nothing{others_text}"
+    return f"{place_of(next(weights), program)}{problem}; {hint}"
 
 
 def _fraction(term: clingo.Symbol) -> Fraction | None:
-    """Return the weight that a term states, None where it states none."""
+    """Return the weight that a term states, or None if it is no weight."""
     if term.type == clingo.SymbolType.Number:
         return Fraction(term.number) if term.number >= 0 else None
     if term.type == clingo.SymbolType.String:
         return _read(term.string)
     numbers = term.arguments if term.type == clingo.SymbolType.Function and not term.name else []
-    if len(numbers) != 2 or any(each.type != clingo.SymbolType.Number for each in numbers):
+    if len(numbers) != 2 or any(number.type != clingo.SymbolType.Number for number in numbers):
         return None
-    over, under = (each.number for each in numbers)
+    over, under = (number.number for number in numbers)
     return Fraction(over, under) if over >= 0 and under > 0 else None
 
 
@@ -112,10 +114,10 @@ def projected_away(atom: clingo.Symbol, ground: GroundModels, program: Program) 
 def literal_weights(
     formula: ModelFormula, stated: Mapping[clingo.Symbol, Fraction], ground: GroundModels, program: Program
 ) -> LiteralWeights:
-    """Return the weights of literals; an atom that no answer set can have weighs on none.
+    """Return the weights of literals; impossible atoms are ignored.
 
     Raises:
-        QueryError: answer sets that count as one may have different weights.
+        QueryError: equivalent answer sets may have different weights.
     """
     projection = frozenset(formula.cnf.shown)
     weights: dict[Literal, int] = {}
@@ -145,13 +147,13 @@ def place_of(symbol: clingo.Symbol, program: Program) -> str:
     """
     statements, _ = parse_sources((source, True) for source in program.sources)
     signature = ("-" * symbol.negative + symbol.name, len(symbol.arguments))
-    found = [
+    places = [
         (not _derives(head, symbol), place, f"{statement.path}:{statement.line}: ")
         for place, statement in enumerate(statements)
         for head in statement.heads
         if head.signature == signature
     ]
-    return min(found)[2] if found else ""
+    return min(places)[2] if places else ""
 
 
 def _derives(head: AtomNode, symbol: clingo.Symbol) -> bool:
@@ -159,7 +161,7 @@ def _derives(head: AtomNode, symbol: clingo.Symbol) -> bool:
 
 
 def _may_be(term: AST, symbol: clingo.Symbol) -> bool:
-    """Return whether a term may stand for a ground one; what is computed may be anything."""
+    """Return whether a term may match a ground one; computed terms match everything."""
     if term.ast_type == ASTType.SymbolicTerm:
         return bool(term.symbol == symbol)
     if term.ast_type != ASTType.Function or term.external:

@@ -1,13 +1,11 @@
-"""Compile a formula into a diagram: case by case, with parts that share no variable compiled alone, and once.
+"""Compile a formula into a diagram by exhaustive search with component caching.
 
-This is exhaustive search with component caching (Bayardo and Pehoushek 2000; Sang et al. 2004), whose trace is a
-deterministic decomposable negation normal form (Huang and Darwiche 2005). A SAT solver that learns says of each case
-whether it has an answer set, so no case is looked at that leads nowhere. Variables that are not projected on are not
-decided: where only they are left, there is one projected model (as in Lagniez and Marquis 2019). Neither are copies of
-atoms in loops, which unit propagation derives.
+The trace of the search (Bayardo and Pehoushek 2000; Sang et al. 2004) is a deterministic decomposable negation normal
+form (Huang and Darwiche 2005). A learning SAT solver tests each case for an answer set, so that only satisfiable cases
+are explored. Only projection variables are decided: if none is left, there is one projected model (as in Lagniez and
+Marquis 2019). Copies of atoms in loops are not decided either, because unit propagation derives them.
 
-A case is closed under unit propagation of the clauses given, never of learned ones: the diagram is a function of the
-formula alone.
+Unit propagation uses only the given clauses, never learned ones, so that the diagram depends only on the formula.
 """
 
 from __future__ import annotations
@@ -27,10 +25,10 @@ from prag_asp.models.foundedness import FoundednessOracle
 from prag_asp.models.variable_order import DecisionOrder, decision_order
 
 REPORTED = 1000
-"""Nodes between two reports of progress."""
+"""Number of nodes between two progress reports."""
 
 LOOK = 64
-"""Visits of nodes between two looks at what else goes on."""
+"""Number of node visits between two calls of `look`."""
 
 Progress = Callable[[str], None]
 Node = int
@@ -38,7 +36,7 @@ Node = int
 
 @dataclass(frozen=True)
 class _Part:
-    """Variables and clauses of a part of the formula, both sorted."""
+    """Variables and clauses of a component of the formula, both sorted."""
 
     variables: tuple[int, ...]
     clauses: tuple[int, ...]
@@ -46,24 +44,24 @@ class _Part:
 
 @dataclass(frozen=True)
 class _Case:
-    """The decisions that lead to a case, and a model of all of them."""
+    """The decisions that lead to a case, and a model that satisfies them."""
 
     decisions: tuple[Literal, ...]
     model: Sequence[Literal]
 
 
 _Work = Generator[tuple[_Part, _Case], Node, Node]
-"""Asks for the nodes of parts, and returns that of a whole."""
+"""Yields components, receives their nodes, and returns the node of the whole."""
 
 
 @dataclass(frozen=True)
 class PreparedFormula:
-    """A formula as it is compiled: units are propagated, and variables numbered in the order they are decided in.
+    """A formula before compilation: units are propagated, and variables numbered in decision order.
 
-    `names` has the variable of each number, from 1; `projection` are the numbers of those that may be decided, and
-    `kept` the names of those whose values the diagram has. `copies` has the atom of each copy, 0 for one that is fixed,
-    and None for a gate. All models have the literals `fixed`; no clause reads the variables `free`. If the formula is
-    `contradictory`, the other fields have no meaning.
+    `names` has the variable of each number, from 1; `projection` has the numbers of decision variables, and `kept` the
+    names of the variables whose values the diagram has. `copies` has the atom of each copy, 0 for a fixed one, and None
+    for a gate. All models have the literals `fixed`; no clause has the variables `free`. If the formula is
+    `contradictory`, the other fields are meaningless.
     """
 
     clauses: tuple[tuple[Literal, ...], ...]
@@ -78,14 +76,14 @@ class PreparedFormula:
 
     @property
     def cost(self) -> str:
-        """The size of the formula, as messages name it."""
+        """The size of the formula as text."""
         clauses, variables = len(self.clauses), len(self.names) - 1
         over = f"{variables:,} variable{'s' if variables > 1 else ''}"
         return f"{clauses:,} clause{'s' if clauses > 1 else ''} over {over}, width {self.order.width}"
 
 
 def prepare(formula: ModelFormula, kept: Iterable[int]) -> PreparedFormula:
-    """Return a formula as it is compiled, for a diagram that has the values of some variables."""
+    """Return a formula prepared for a diagram that has the values of the variables `kept`."""
     cnf, copies = formula.cnf, formula.completion.copies
     fixed, clauses = _propagate(cnf.clauses)
     order = decision_order(clauses or (), swept=bool(copies))
@@ -94,7 +92,9 @@ def prepare(formula: ModelFormula, kept: Iterable[int]) -> PreparedFormula:
     projection = [variable for variable in variables if variable not in copies]
     known = {abs(literal) for literal in fixed}
     return PreparedFormula(
-        tuple(tuple(number[abs(each)] * (1 if each > 0 else -1) for each in clause) for clause in clauses or ()),
+        tuple(
+            tuple(number[abs(literal)] * (1 if literal > 0 else -1) for literal in clause) for clause in clauses or ()
+        ),
         (0, *order.variables),
         tuple(sorted(fixed, key=abs)),
         tuple(variable for variable in projection if variable not in number and variable not in known),
@@ -116,7 +116,7 @@ def compile_formula(
     progress: Progress | None = None,
     look: Callable[[], None] = lambda: None,
 ) -> Diagram:
-    """Return the diagram of a formula; `look` is called every now and then, and ends it by an error."""
+    """Return the diagram of a formula; `look` is called periodically, and may abort by an error."""
     if prepared.contradictory:
         return Diagram(())
     with closing(FoundednessOracle(formula.completion)) as oracle, _propagation(prepared) as propagation:
@@ -124,18 +124,18 @@ def compile_formula(
 
 
 def _propagation(prepared: PreparedFormula) -> Solver:
-    """Return a solver of the clauses that is never asked to solve, so that it learns nothing."""
+    """Return a solver of the clauses that only propagates, so that it learns nothing."""
     return Solver(max(len(prepared.names) - 1, 1), prepared.clauses)
 
 
 def _propagate(
     clauses: Iterable[Sequence[Literal]],
 ) -> tuple[set[Literal], list[tuple[Literal, ...]] | None]:
-    """Return the literals that unit clauses lead to and the clauses that are left, None where one has no literal."""
+    """Return the literals implied by unit propagation and the remaining clauses, or None at a contradiction."""
     fixed: set[Literal] = set()
     left: list[tuple[Literal, ...]] = [tuple(dict.fromkeys(clause)) for clause in clauses]
     while True:
-        kept, before = [], len(fixed)
+        reduced, before = [], len(fixed)
         for clause in left:
             if any(literal in fixed for literal in clause):
                 continue
@@ -145,8 +145,8 @@ def _propagate(
             if len(open_literals) == 1:
                 fixed.add(open_literals[0])
             else:
-                kept.append(open_literals)
-        left = kept
+                reduced.append(open_literals)
+        left = reduced
         if len(fixed) == before:
             return fixed, list(dict.fromkeys(left))
 
@@ -162,7 +162,7 @@ class _Compiler:
         progress: Progress | None,
         look: Callable[[], None],
     ) -> None:
-        self._given, self._oracle, self._propagation = prepared, oracle, propagation
+        self._formula, self._oracle, self._propagation = prepared, oracle, propagation
         self._progress, self._look = progress, look
         clauses, variables = prepared.clauses, len(prepared.names) - 1
         self._variables_of = [tuple(sorted({abs(literal) for literal in clause})) for clause in clauses]
@@ -182,14 +182,16 @@ class _Compiler:
         if model is None:
             return Diagram(())
         case = _Case((), model)
-        parts = self._parts(range(1, len(self._given.names)), range(len(self._given.clauses)))
-        children = [self._compile_part(part, case) for part in parts] + [self._free(name) for name in self._given.free]
-        kept = (each for each in self._given.fixed if abs(each) in self._given.kept)
+        parts = self._parts(range(1, len(self._formula.names)), range(len(self._formula.clauses)))
+        children = [self._compile_part(part, case) for part in parts] + [
+            self._free(name) for name in self._formula.free
+        ]
+        kept = (each for each in self._formula.fixed if abs(each) in self._formula.kept)
         self._nodes.append((Branch(tuple(kept), tuple(each for each in children if each)),))
         return Diagram(tuple(self._nodes))
 
     def _compile_part(self, part: _Part, case: _Case) -> Node:
-        """Return the node of a part, without recursion: formulas are deeper than Python's stack."""
+        """Return the node of a component, without recursion because formulas are deeper than Python's stack."""
         waiting = [self._node(part, case)]
         answer: Node | None = None
         for visit in count(1):
@@ -198,19 +200,19 @@ class _Compiler:
             if visit % LOOK == 0:
                 self._look()
             try:
-                asked = waiting[-1].send(answer)  # type: ignore[arg-type]  # a generator begins with None
+                subproblem = waiting[-1].send(answer)  # type: ignore[arg-type]  # generators start with None
             except StopIteration as done:
                 waiting.pop()
                 answer = done.value
             else:
-                waiting.append(self._node(*asked))
+                waiting.append(self._node(*subproblem))
                 answer = None
         assert answer is not None
         return answer
 
     def _node(self, part: _Part, case: _Case) -> _Work:
-        """Find the node of a part whose variables a case leaves open; the case has a model."""
-        chosen = next((variable for variable in part.variables if variable in self._given.projection), 0)
+        """Compute the node of a component whose variables are open in a case; the case has a model."""
+        chosen = next((variable for variable in part.variables if variable in self._formula.projection), 0)
         if not chosen:
             return 0
         key = self._key(part)
@@ -228,7 +230,7 @@ class _Compiler:
             children = []
             for inner in parts:
                 children.append((yield inner, below))
-            children += [self._free(self._given.names[each]) for each in free]
+            children += [self._free(self._formula.names[each]) for each in free]
             branches.append(Branch(self._kept_literals(new), tuple(each for each in children if each)))
         self._known[key] = self._add_node(tuple(branches))
         return self._known[key]
@@ -240,39 +242,39 @@ class _Compiler:
         return len(self._nodes) - 1
 
     def _decide(self, case: _Case, literal: Literal) -> tuple[_Case, list[Literal]] | None:
-        """Return the case with one more decision and what it implies, None where it has no model."""
+        """Return the case with one more decision and the implied literals, or None if it has no model."""
         decisions = (*case.decisions, literal)
         implied = self._propagation.propagated(decisions)
         if implied is None:
             return None
-        if (case.model[self._given.names[abs(literal)] - 1] > 0) == (literal > 0):
+        if (case.model[self._formula.names[abs(literal)] - 1] > 0) == (literal > 0):
             return _Case(decisions, case.model), implied
-        model = self._oracle.model([self._name(each) for each in decisions])
+        model = self._oracle.model(list(map(self._name, decisions)))
         return None if model is None else (_Case(decisions, model), implied)
 
     def _name(self, literal: Literal) -> Literal:
-        return self._given.names[literal] if literal > 0 else -self._given.names[-literal]
+        return self._formula.names[literal] if literal > 0 else -self._formula.names[-literal]
 
     def _split(self, part: _Part, own: set[int], new: Sequence[Literal]) -> tuple[list[_Part], list[int]]:
-        """Return the parts that are left of one where literals are true, and its variables that nothing reads now."""
+        """Return the components of a component after literals become true, and its variables without open clauses."""
         satisfied = {clause for literal in new for clause in self._with.get(literal, ())}
         left = own.difference(map(abs, new))
         parts = self._parts(sorted(left), [clause for clause in part.clauses if clause not in satisfied])
-        for each in parts:
-            left.difference_update(each.variables)
-        return parts, sorted(left & self._given.projection)
+        for remaining in parts:
+            left.difference_update(remaining.variables)
+        return parts, sorted(left & self._formula.projection)
 
     def _parts(self, variables: Sequence[int], clauses: Sequence[int]) -> list[_Part]:
-        """Return the parts that variables fall into by clauses that are open; what no clause reads is in none."""
+        """Return the connected components of variables by open clauses; variables without clauses are in none."""
         unseen, waiting = set(clauses), set(variables)
-        found = []
+        components = []
         for variable in variables:
             if variable not in waiting:
                 continue
             waiting.discard(variable)
             own_variables, own_clauses = [variable], []
-            for each in own_variables:  # grows on the way
-                for clause in self._where[each]:
+            for member in own_variables:  # grows during the iteration
+                for clause in self._where[member]:
                     if clause in unseen:
                         unseen.discard(clause)
                         own_clauses.append(clause)
@@ -281,42 +283,42 @@ class _Compiler:
                                 waiting.discard(other)
                                 own_variables.append(other)
             if own_clauses:
-                found.append(_Part(tuple(sorted(own_variables)), tuple(sorted(own_clauses))))
-        return found
+                components.append(_Part(tuple(sorted(own_variables)), tuple(sorted(own_clauses))))
+        return components
 
     def _key(self, part: _Part) -> bytes:
-        """Return what tells the part from others: a clause of two literals is open where both variables are."""
-        if any(variable in self._given.copies for variable in part.variables):
+        """Return the cache key of a component; a binary clause is open exactly if both variables are."""
+        if any(variable in self._formula.copies for variable in part.variables):
             return self._key_of_copies(part)
         long = [clause for clause in part.clauses if len(self._variables_of[clause]) > 2]
         return array("i", [*part.variables, 0, *long]).tobytes()
 
     def _key_of_copies(self, part: _Part) -> bytes:
-        """Return what tells a part with copies from others; copies that derive each other are one, whichever.
+        """Return the cache key of a component with copies, in which equivalent copies are merged.
 
-        So it is told what is connected, but not how.
+        So the key has which copies are connected, but not how.
         """
-        own, given = set(part.variables), self._given
-        left = [[each for each in given.clauses[clause] if abs(each) in own] for clause in part.clauses]
-        one, read = merge_copies(given.copies, left)
-        told = {tuple(sorted({one.get(each, each) for each in clause})) for clause in left}
-        clauses = sorted(clause for clause in told if not any(-each in clause for each in clause))
-        # Where its atom is true already, a copy has to be derived.
-        atoms = {copy: given.copies[copy] for copy in part.variables if copy in given.copies}
+        own, formula = set(part.variables), self._formula
+        left = [[literal for literal in formula.clauses[clause] if abs(literal) in own] for clause in part.clauses]
+        one, read = merge_copies(formula.copies, left)
+        merged = {tuple(sorted({one.get(literal, literal) for literal in clause})) for clause in left}
+        clauses = sorted(clause for clause in merged if not any(-literal in clause for literal in clause))
+        # A copy has to be derived if its atom is true already.
+        atoms = {copy: formula.copies[copy] for copy in part.variables if copy in formula.copies}
         needed = {one.get(copy, copy) for copy, atom in atoms.items() if atom is not None and atom not in own}
         clauses += [(copy,) for copy in sorted(needed & read)]
-        decided = [variable for variable in part.variables if variable not in given.copies]
+        decided = [variable for variable in part.variables if variable not in formula.copies]
         return array("i", [*decided, 0, *chain.from_iterable((*clause, 0) for clause in clauses)]).tobytes()
 
     def _kept_literals(self, literals: Sequence[Literal]) -> tuple[Literal, ...]:
-        """Return the literals of a branch that the diagram is asked for, by their names."""
-        names, kept = self._given.names, self._given.kept
+        """Return the literals of a branch with kept variables, by their names."""
+        names, kept = self._formula.names, self._formula.kept
         named = sorted((names[abs(each)], each > 0) for each in literals)
         return tuple(name if true else -name for name, true in named if name in kept)
 
     def _free(self, name: int) -> Node:
-        """Return the node of a variable that may have either value."""
+        """Return the node of a variable without constraints."""
         if name not in self._either:
-            both = ((name,), (-name,)) if name in self._given.kept else ((), ())
+            both = ((name,), (-name,)) if name in self._formula.kept else ((), ())
             self._either[name] = self._add_node(tuple(Branch(literals, ()) for literals in both))
         return self._either[name]

@@ -1,8 +1,8 @@
-"""A compiled formula: totals, marginals and samples in time linear in its size, all of them exact.
+"""A compiled formula with exact totals, marginals and samples in time linear in its size.
 
-A node is a choice among branches that exclude each other; a branch is literals and further nodes that share no variable
-(a deterministic decomposable negation normal form; Darwiche 2001). So totals are sums of products, and a model is
-sampled from the top by choosing each branch with the share of its total.
+A node is a disjunction of mutually exclusive branches; a branch is a conjunction of literals and nodes that share no
+variable (a deterministic decomposable negation normal form; Darwiche 2001). So totals are sums of products, and models
+are sampled top-down by choosing each branch in proportion to its total.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from prag_asp.logic.formula.clause_builder import Literal
 from prag_asp.random_bits import WORD, SeededBits
 
 MOST_WORDS = 2**18
-"""Random words that are generated at once."""
+"""Maximum number of random words per batch."""
 
 
 class Branch(NamedTuple):
-    """One way on: literals, and the numbers of nodes that all follow; each comes before the node of the branch."""
+    """A branch of a node: literals and the numbers of child nodes, which precede the node."""
 
     literals: tuple[Literal, ...]
     children: tuple[int, ...]
@@ -29,7 +29,7 @@ class Branch(NamedTuple):
 
 @dataclass(frozen=True)
 class Diagram:
-    """Nodes, each a tuple of branches, the last one the root; without nodes, there is no model."""
+    """Nodes as tuples of branches, of which the last is the root; without nodes, there is no model."""
 
     nodes: tuple[tuple[Branch, ...], ...]
 
@@ -39,57 +39,58 @@ _Choice = tuple[int, Branch, Branch, Callable[[Iterator[int]], bool]]
 
 @dataclass(frozen=True)
 class WeightedDiagram:
-    """A diagram whose models have weights: the product of a whole number for each literal that has one, otherwise 1."""
+    """A diagram with model weights: the product of the integer weights of literals, by default 1."""
 
     diagram: Diagram
     weights: Mapping[Literal, int]
 
     @property
     def total(self) -> int:
-        """The sum of the weights of all models: without weights, their number."""
+        """The sum of the weights of all models; without weights, their number."""
         return self._totals[-1] if self._totals else 0
 
     @cached_property
     def _totals(self) -> list[int]:
-        """The sum of each node."""
+        """The total weight of each node."""
         totals: list[int] = []
         for branches in self.diagram.nodes:
             totals.append(
-                sum(self._weight(branch) * prod(totals[each] for each in branch.children) for branch in branches)
+                sum(self._weight(branch) * prod(totals[child] for child in branch.children) for branch in branches)
             )
         return totals
 
     def _weight(self, branch: Branch) -> int:
-        return prod(self.weights[each] for each in branch.literals if each in self.weights) if self.weights else 1
+        return prod(self.weights.get(literal, 1) for literal in branch.literals) if self.weights else 1
 
     def marginals(self) -> dict[Literal, int]:
-        """Return for each literal the sum of the weights of the models that have it; what none has is left out.
+        """Return for each literal the total weight of the models that have it, if it is positive.
 
-        What surrounds a node weighs as much as all models through it, divided by its own total (Darwiche 2003).
+        The context weight of a node is the total weight of the models through it, divided by its own total
+        (Darwiche 2003).
         """
         totals, around = self._totals, [0] * len(self._totals)
-        found: dict[Literal, int] = {}
+        marginals: dict[Literal, int] = {}
         if around:
             around[-1] = 1
         for node in reversed(range(len(around))):
             for branch in self.diagram.nodes[node] if around[node] else ():
                 outside = around[node] * self._weight(branch)
-                through = outside * prod(totals[each] for each in branch.children)
+                through = outside * prod(totals[child] for child in branch.children)
                 if not through:
                     continue
                 for literal in branch.literals:
-                    found[literal] = found.get(literal, 0) + through
+                    marginals[literal] = marginals.get(literal, 0) + through
                 for child in branch.children:
                     around[child] += through // totals[child]
-        return found
+        return marginals
 
     def sample(self, seed: int) -> Iterator[list[Literal]]:
-        """Yield models without end, each sampled with a probability proportional to its weight; the total is above 0.
+        """Yield models endlessly, with probabilities proportional to their weights; the total must be above 0.
 
-        Each sample has its own random words, whose number is the same for all samples.
+        Each sample has its own random words, the same number for all samples.
         """
         bits = SeededBits(seed, "models")
-        known: dict[int, _Choice] = {}
+        choices: dict[int, _Choice] = {}
         most = max(self._most_choices, 1)
         root, batch, first = len(self.diagram.nodes) - 1, max(MOST_WORDS // most, 1), 0
         while True:
@@ -98,9 +99,9 @@ class WeightedDiagram:
                 literals: list[Literal] = []
                 while waiting:
                     node = waiting.pop()
-                    if node not in known:
-                        known[node] = self._choice(node)
-                    threshold, one, other, exactly = known[node]
+                    if node not in choices:
+                        choices[node] = self._choice(node)
+                    threshold, one, other, exactly = choices[node]
                     if threshold >= 0:
                         word = words[step]
                         step += 1
@@ -112,13 +113,15 @@ class WeightedDiagram:
             first += batch
 
     def _choice(self, node: int) -> _Choice:
-        """Return how a node is left: by its first branch where a random word is below a threshold, else by the other.
+        """Return the choice of a node: its first branch if a random word is below a threshold, otherwise the second.
 
-        Where it can be left in one way only, the threshold is negative.
+        A negative threshold means that only one branch is possible.
         """
         totals, branches = self._totals, self.diagram.nodes[node]
-        weighed = [(self._weight(each) * prod(totals[child] for child in each.children), each) for each in branches]
-        ways = [(weight, each) for weight, each in weighed if weight]
+        weighed = [
+            (self._weight(branch) * prod(totals[child] for child in branch.children), branch) for branch in branches
+        ]
+        ways = [(weight, branch) for weight, branch in weighed if weight]
         if len(ways) == 1:
             return -1, ways[0][1], ways[0][1], _never
         (first, one), (_, other) = ways
@@ -127,10 +130,10 @@ class WeightedDiagram:
 
     @property
     def _most_choices(self) -> int:
-        """The most choices that a sample takes."""
+        """The maximum number of choices of a sample."""
         most: list[int] = []
         for branches in self.diagram.nodes:
-            most.append(max(sum(most[each] for each in branch.children) for branch in branches) + (len(branches) > 1))
+            most.append(max(sum(most[child] for child in branch.children) for branch in branches) + (len(branches) > 1))
         return most[-1]
 
 
@@ -139,7 +142,7 @@ def _never(words: Iterator[int]) -> bool:
 
 
 def _among(rest: int, total: int) -> Callable[[Iterator[int]], bool]:
-    """Return what decides where a word is the threshold: whether the words after it lie below the rest of the share."""
+    """Return the tie-breaker at the threshold: whether the following words lie below the rest of the share."""
 
     def below(words: Iterator[int]) -> bool:
         left = rest

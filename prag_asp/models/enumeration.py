@@ -1,4 +1,4 @@
-"""clingo's own enumeration, where there is no formula: cyclic disjunctions, acyclic graphs, externals with rules."""
+"""Enumeration by clingo for programs without a formula: cyclic disjunctions, acyclic graphs, derived externals."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from prag_asp.program.grounding import Grounder
 from prag_asp.random_bits import SeededBits
 
 POLL = 0.05
-"""Seconds between two checks for an interruption."""
+"""Seconds between two checks for interrupts."""
 
 Printed = tuple[clingo.Symbol, ...]
 
 
 @dataclass(frozen=True)
 class Enumeration:
-    """The answer sets of a program, enumerated again for every question.
+    """The answer sets of a program, enumerated anew for each query.
 
-    Memory does not grow with their number, unless clingo repeats answer sets that count as one (`_repeats`).
+    Memory does not grow with their number, unless clingo repeats equivalent answer sets (`_repeats`).
     """
 
     given: GivenProgram
@@ -42,38 +42,38 @@ class Enumeration:
         """Return the number of answer sets."""
         if self._repeats:
             return sum(1 for _ in self._enumerate_with_progress())
-        grounder, found = self._grounder("--stats"), 0
+        grounder, counted = self._grounder("--stats"), 0
 
         def one_more(_: clingo.Model) -> None:
-            nonlocal found
-            found += 1
+            nonlocal counted
+            counted += 1
 
         with grounder.control.solve(async_=True, on_model=one_more) as handle:
             try:
                 while not handle.wait(POLL):
-                    self._report(found)
+                    self._report(counted)
             finally:
                 handle.cancel()
         # clasp counts in doubles; an enumeration that reached 2**53 would take centuries.
         return int(grounder.control.statistics["summary"]["models"]["enumerated"])
 
     def total(self) -> Fraction:
-        """Return the sum of the weights of all answer sets: without weights, their number."""
+        """Return the sum of the weights of all answer sets; without weights, their number."""
         return sum((weight for _, weight in self._enumerate_with_progress()), start=Fraction(0))
 
     def marginals(self) -> dict[clingo.Symbol, Fraction]:
-        """Return for each symbol the sum of the weights of the answer sets that print it."""
-        found: dict[clingo.Symbol, Fraction] = {}
+        """Return for each symbol the total weight of the answer sets that show it."""
+        weights: dict[clingo.Symbol, Fraction] = {}
         for printed, weight in self._enumerate_with_progress():
             for symbol in printed:
-                found[symbol] = found.get(symbol, Fraction(0)) + weight
-        return found
+                weights[symbol] = weights.get(symbol, Fraction(0)) + weight
+        return weights
 
     def sample(self, seed: int, number: int, total: Fraction) -> list[Printed]:
         """Return a number of answer sets, each sampled with a probability proportional to its weight.
 
-        Each sample is a point between 0 and the total of all weights; one more enumeration finds the answer sets that
-        the points fall on.
+        Each sample is a point between 0 and the total weight; another enumeration finds the answer sets of the points
+        by cumulative weight.
         """
         bits, scale = SeededBits(seed, "models"), self._scale()
         points = [(bits.randrange(int(total * scale)), place) for place in range(number)]
@@ -89,7 +89,7 @@ class Enumeration:
         return samples
 
     def _scale(self) -> int:
-        """Return a factor that makes the weight of every answer set a whole number."""
+        """Return a factor that makes the weight of every answer set an integer."""
         scale = 1
         for weight in self.stated.values():
             scale *= weight.denominator
@@ -97,7 +97,7 @@ class Enumeration:
 
     @property
     def _repeats(self) -> bool:
-        """True if a symbol is shown under several conditions, which clingo distinguishes where it projects."""
+        """True if a symbol is shown under several conditions, which clingo distinguishes under projection."""
         by_output = self.project and self.ground.projected is None
         return by_output and any(len(conditions) > 1 for _, conditions in self.ground.shown)
 
@@ -109,17 +109,17 @@ class Enumeration:
         return grounder
 
     def _enumerate_with_progress(self) -> Iterator[tuple[Printed, Fraction]]:
-        """Yield the answer sets, and report their number now and then."""
+        """Yield the answer sets, and report their number periodically."""
         latest = monotonic()
-        for number, each in enumerate(self._enumerate(), 1):
+        for number, answer_set in enumerate(self._enumerate(), 1):
             if monotonic() > latest + POLL:
                 latest = monotonic()
                 self._report(number)
-            yield each
+            yield answer_set
 
-    def _report(self, found: int) -> None:
-        if self.progress is not None and found:
-            self.progress(f"at least {found:,} answer set{'s' if found > 1 else ''}")
+    def _report(self, counted: int) -> None:
+        if self.progress is not None and counted:
+            self.progress(f"at least {counted:,} answer set{'s' if counted > 1 else ''}")
 
     def _enumerate(self) -> Iterator[tuple[Printed, Fraction]]:
         grounder = self._grounder()
@@ -136,8 +136,8 @@ class Enumeration:
                     if model is None:
                         return
                     atoms = model.symbols(atoms=True)
-                    found = (each for each in atoms if each in projected) if by_statement else model.symbols(shown=True)
-                    printed = tuple(sorted(set(found)))  # clingo repeats what is an atom and a term
+                    shown = projected.intersection(atoms) if by_statement else set(model.symbols(shown=True))
+                    printed = tuple(sorted(shown))  # clingo repeats a symbol that is both an atom and a term
                     if seen is None or printed not in seen:
                         yield printed, weight_of(self.stated, iter(atoms))
                     if seen is not None:

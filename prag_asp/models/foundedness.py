@@ -1,7 +1,7 @@
-"""Search for models of a completion that are answer sets, by a SAT solver that learns why atoms are unfounded.
+"""Search for models of a completion that are answer sets, by a SAT solver with loop formulas.
 
-The solver is asked for a model of the completion. Where some of its atoms support each other and nothing else does,
-the formula of that set, which all answer sets satisfy, is added, and the solver is asked again (Lin and Zhao 2004).
+If a model of the completion has an unfounded set, the loop formula of this set, which all answer sets satisfy, is added
+to the solver, and the search is repeated (Lin and Zhao 2004).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ Loop = Mapping[int, tuple[Rule, ...]]
 
 
 class FoundednessOracle:
-    """Finds answer sets under assumptions, and keeps what it learns on the way."""
+    """A search for answer sets under assumptions that keeps its loop formulas."""
 
     def __init__(self, completion: Completion) -> None:
         self._completion = completion
@@ -30,25 +30,25 @@ class FoundednessOracle:
         self._solver.close()
 
     def model(self, assumptions: Sequence[Literal] = ()) -> list[Literal] | None:
-        """Return a model with the literals assumed that is an answer set, None where there is none.
+        """Return an answer set that satisfies the assumptions as a model, or None if there is none.
 
         The literal of variable v is at place v - 1.
         """
         while self._solver.satisfiable(assumptions):
-            found = self._solver.model()
-            unfounded = [(loop, atoms) for loop in self._completion.loops if (atoms := self._unfounded(loop, found))]
+            model = self._solver.model()
+            unfounded = [(loop, atoms) for loop in self._completion.loops if (atoms := self._unfounded(loop, model))]
             if not unfounded:
-                return found
+                return model
             for loop, atoms in unfounded:
                 self._forbid(loop, atoms)
         return None
 
     def _unfounded(self, loop: Loop, model: Sequence[Literal]) -> set[int]:
-        """Return the true atoms of a component that no rules derive from atoms outside of it."""
+        """Return the unfounded true atoms of a component."""
 
         def true(literal: int) -> bool:
-            found = self._completion.value(literal)
-            return (model[abs(found) - 1] > 0) == (found > 0)
+            value = self._completion.value(literal)
+            return (model[abs(value) - 1] > 0) == (value > 0)
 
         left = {atom for atom in loop if true(atom)}
         readers: dict[int, list[int]] = {}
@@ -62,11 +62,11 @@ class FoundednessOracle:
             atom = waiting.pop()
             if atom in left and any(_holds(rule, left, true) for rule in loop[atom]):
                 left.discard(atom)
-                waiting += [each for each in readers.get(atom, ()) if each in left]
+                waiting += [reader for reader in readers.get(atom, ()) if reader in left]
         return left
 
     def _forbid(self, loop: Loop, atoms: set[int]) -> None:
-        """State that a set of atoms has support from outside of it where one of them is true."""
+        """Add the loop formula of a set: if one of its atoms is true, a rule supports the set from outside."""
 
         def outside(literal: int) -> Literal:
             return -TRUE if literal in atoms else self._completion.value(literal)
@@ -80,12 +80,12 @@ class FoundednessOracle:
 
 
 def _holds(rule: Rule, unfounded: set[int], true: Callable[[int], bool]) -> bool:
-    """Return whether the body of a rule is true without atoms that are not derived."""
+    """Return whether the body of a rule is true without unfounded atoms."""
     if not rule.weights:
         return all(literal not in unfounded and true(literal) for literal in rule.body)
-    held = (
+    true_weights = (
         weight
         for literal, weight in zip(rule.body, rule.weights, strict=True)
         if literal not in unfounded and true(literal)
     )
-    return sum(held) >= rule.bound
+    return sum(true_weights) >= rule.bound

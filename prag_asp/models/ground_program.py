@@ -1,4 +1,4 @@
-"""A program as ground rules, exactly as clingo made them, with what it shows and what it projects on."""
+"""A program as the ground rules of clingo, with its shown symbols and projection atoms."""
 
 from __future__ import annotations
 
@@ -16,11 +16,10 @@ from prag_asp.program.grounding import Grounder
 class GroundModels:
     """The ground rules of a program.
 
-    `names` are its atoms by their symbols, sorted, and `shown` what is printed of an answer set, sorted, each with the
-    conditions of which one has to hold. `projected` are the atoms of ``#project``, None where there is no such
-    statement. `acyclic` says whether a graph has to be (``#edge``), which no rule expresses; `contested` are the
-    externals that are not false, but that rules derive, too. `notes` are what clingo remarks: instances that it leaves
-    out since an operation has no value.
+    `names` has the atoms by their symbols, sorted, and `shown` the shown symbols, sorted, each with alternative
+    conditions. `projected` has the atoms of ``#project``, or is None without such a statement. `acyclic` is true if a
+    graph has to be acyclic (``#edge``), which rules do not express; `contested` has the externals that are not false
+    but also derived by rules. `notes` are clingo's notes on instances dropped because an operation is undefined.
     """
 
     rules: tuple[Rule, ...]
@@ -33,24 +32,25 @@ class GroundModels:
 
     @cached_property
     def facts(self) -> frozenset[int]:
-        """The atoms that every answer set has, by a rule without a body."""
+        """The atoms of facts."""
         single = (rule for rule in self.rules if not rule.body and not rule.choice and len(rule.heads) == 1)
         return frozenset(rule.heads[0] for rule in single)
 
     @property
     def projection_variables(self) -> frozenset[int]:
-        """The projection variables, and facts, which have one value anyhow."""
+        """The projection variables and the facts, which are constant."""
         if self.projected is not None:
             return self.projected | self.facts
-        shown = {abs(found[0][0]) for _, found in self.shown if len(found) == 1 and len(found[0]) == 1}
+        single = (conditions[0] for _, conditions in self.shown if len(conditions) == 1)
+        shown = {abs(condition[0]) for condition in single if len(condition) == 1}
         return self.facts | shown
 
 
 def ground_models(given: GivenProgram) -> GroundModels:
-    """Ground the part `base` of a program, as clingo does where it is run on its files.
+    """Ground the part `base` of a program, as clingo does by default.
 
-    An ``#external`` is false, as clingo takes it, unless it says ``[true]`` or ``[free]``. One that a rule derives is
-    none to clingo, but where it simplifies that rule away, even for another that stands before it.
+    An ``#external`` is false unless it is declared ``[true]`` or ``[free]``. clingo ignores it if a rule derives the
+    atom, but not if that rule is simplified away, even because of an earlier rule.
 
     Raises:
         DomainError: clingo cannot ground it.
@@ -58,9 +58,9 @@ def ground_models(given: GivenProgram) -> GroundModels:
     grounder, recorder = Grounder(given.program, *given.arguments, strict=False), GroundRecorder()
     grounder.control.register_observer(recorder)
     grounder.ground([("base", [])])
-    # What clingo has come across, but no rule can derive, is atom 0.
+    # Atom 0 stands for symbols that no rule can derive.
     names = sorted((atom.symbol, atom.literal) for atom in grounder.control.symbolic_atoms if atom.literal)
-    shown = sorted((symbol, tuple(dict.fromkeys(found))) for symbol, found in recorder.shown.items())
+    shown = sorted((symbol, tuple(dict.fromkeys(conditions))) for symbol, conditions in recorder.shown.items())
     projected = None if recorder.projected is None else frozenset(recorder.projected)
     values = {clingo.TruthValue.True_: False, clingo.TruthValue.Free: True}
     either = {atom: values[value] for atom, value in recorder.externals.items() if value in values}

@@ -13,22 +13,22 @@ from prag_asp.models.foundedness import FoundednessOracle
 def list_models(formula: ModelFormula, order: Sequence[Literal]) -> Iterator[list[Literal]]:
     """Yield the values of the literals of `order` in models, each combination once, true before false.
 
-    One question to a solver tells for each literal of a model whether there is one that differs there first.
+    Each literal of a model takes one solver call to decide whether another model first differs there.
     """
-    # One of a literal and its negation, because a symbol may be shown where another is not.
+    # Keep one of a literal and its negation, because a symbol may be shown exactly if another is not.
     first = {abs(literal): literal for literal in reversed(order) if abs(literal) != TRUE}
     order = [literal for literal in dict.fromkeys(order) if first.get(abs(literal)) == literal]
     with closing(FoundednessOracle(formula.completion)) as oracle:
-        found = oracle.model()
-        if found is None:
+        model = oracle.model()
+        if model is None:
             return
         chosen: list[Literal] = []
         while True:
-            while len(chosen) < len(order):  # the first of all models that begin so
+            while len(chosen) < len(order):  # find the first model with this prefix
                 literal = order[len(chosen)]
-                if (found[abs(literal) - 1] > 0) != (literal > 0):
-                    found = oracle.model([*chosen, literal]) or found
-                true = (found[abs(literal) - 1] > 0) == (literal > 0)
+                if (model[abs(literal) - 1] > 0) != (literal > 0):
+                    model = oracle.model([*chosen, literal]) or model
+                true = (model[abs(literal) - 1] > 0) == (literal > 0)
                 chosen.append(literal if true else -literal)
             yield [*chosen]
             following = None
@@ -40,4 +40,4 @@ def list_models(formula: ModelFormula, order: Sequence[Literal]) -> Iterator[lis
                         chosen.append(-literal)
             if following is None:
                 return
-            found = following
+            model = following

@@ -1,4 +1,4 @@
-"""Read the files of any logic program, and refuse by name and line what has no exact number of answer sets here."""
+"""Read the files of any logic program, and refuse unsupported statements by name and line."""
 
 from __future__ import annotations
 
@@ -36,31 +36,31 @@ class GivenProgram:
 
 
 def read_program(files: Sequence[str | Path | Source], constants: Mapping[str, Constant]) -> GivenProgram:
-    """Return a program as it is given, with the values of constants.
+    """Return the program of some files with the values of constants.
 
     Raises:
-        DomainError: a file cannot be read or parsed, has what is not supported, or nothing reads a constant.
+        DomainError: a file cannot be read or parsed, has an unsupported statement, or a constant is not used.
     """
-    entries = [each if isinstance(each, Source) else Path(each) for each in dict.fromkeys(files)]
+    entries = [file if isinstance(file, Source) else Path(file) for file in dict.fromkeys(files)]
     if not entries:
         raise DomainError("no program; give one or more files, such as queens.lp")
-    found: dict[Path, Source] = {}
+    by_path: dict[Path, Source] = {}
     for entry in entries:
         folder = (entry.path if isinstance(entry, Source) else entry).parent
-        found.update({source.path.resolve(): source for source in read_sources(entry, folder)})
-    sources = tuple(found.values())
+        by_path.update({source.path.resolve(): source for source in read_sources(entry, folder)})
+    sources = tuple(by_path.values())
     statements, problems = parse_sources((source, True) for source in sources)
     suspects = {source.path for source in sources if re.search("[&@]", blanked(source.text))}
     raise_problems([*problems, *_refusals(statements, suspects)])
     values = parse_constants(constants)
-    declared = {each.node.name for each in statements if each.kind == ASTType.Definition}
-    told = " ".join(str(source.path) for source in sources)
-    sources = set_constants(sources, {name: text for name, text in values.items() if name in declared}, told)
+    declared = {statement.node.name for statement in statements if statement.kind == ASTType.Definition}
+    paths = " ".join(str(source.path) for source in sources)
+    sources = set_constants(sources, {name: text for name, text in values.items() if name in declared}, paths)
     return GivenProgram(Program(sources), tuple(_options(statements, values, declared)))
 
 
 def _options(statements: Sequence[Statement], values: Mapping[str, str], declared: set[str]) -> Iterator[str]:
-    """Yield clingo's options for the constants that no statement declares; each has to stand somewhere as a term."""
+    """Yield clingo's options for the constants that no statement declares; each must occur as a term."""
     read = _constants(statements) if any(name not in declared for name in values) else set()
     for name, text in values.items():
         if name in declared:
@@ -72,14 +72,16 @@ def _options(statements: Sequence[Statement], values: Mapping[str, str], declare
 
 
 def _constants(statements: Iterable[Statement]) -> set[str]:
-    """Return the constants in terms; a predicate or a function of the same name is none."""
-    terms = (node for each in statements for node in below(each.node) if node.ast_type == ASTType.SymbolicTerm)
+    """Return the constants that occur as terms, without predicates and functions."""
+    terms = (
+        node for statement in statements for node in below(statement.node) if node.ast_type == ASTType.SymbolicTerm
+    )
     symbols = (term.symbol for term in terms)
     return {each.name for each in symbols if each.type == clingo.SymbolType.Function and not each.arguments}
 
 
 def _refusals(statements: Sequence[Statement], suspects: Collection[Path]) -> Iterator[Problem]:
-    """Yield what is not supported; only some files can have it within statements, and to look for that takes long."""
+    """Yield unsupported statements; terms are searched only in `suspects` because the search is slow."""
     for statement in statements:
         if statement.kind in REFUSED:
             wrong, todo = REFUSED[statement.kind]

@@ -1,7 +1,7 @@
-"""Disjunctive heads as rules without them, where no two atoms of one head depend on each other positively.
+"""Shift the disjunctions of head-cycle-free programs, in which no two head atoms depend positively on each other.
 
-Such a program is head-cycle-free: each rule ``a ; b :- B`` may be replaced by ``a :- B, not b`` and ``b :- B, not a``
-without a change to its answer sets (Ben-Eliyahu and Dechter 1994).
+Each rule ``a ; b :- B`` may be replaced by ``a :- B, not b`` and ``b :- B, not a`` without changing the answer sets
+(Ben-Eliyahu and Dechter 1994).
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ def shift_disjunctions(rules: Iterable[Rule]) -> list[Rule]:
     rules = list(rules)
     used = (abs(atom) for rule in rules for atom in (*rule.heads, *rule.body))
     fresh = count(max(used, default=0) + 1)
-    return [each for rule in rules for each in (_split(rule, fresh) if rule.is_disjunctive else [rule])]
+    return [part for rule in rules for part in (_split(rule, fresh) if rule.is_disjunctive else [rule])]
 
 
 def _split(rule: Rule, fresh: Iterator[int]) -> Iterator[Rule]:
     body = rule.body
-    if rule.weights:  # a sum stays one, as the body of a rule for a fresh atom
+    if rule.weights:  # a fresh atom replaces a weighted body
         atom = next(fresh)
         yield Rule((atom,), rule.body, bound=rule.bound, weights=rule.weights)
         body = (atom,)

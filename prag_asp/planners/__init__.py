@@ -1,8 +1,8 @@
-"""PDDL out: a domain or a task as two files that other planners read.
+"""Export a domain or a task as two PDDL files for other planners.
 
 >>> from prag_asp import load_domain
->>> found = write(load_domain("blocks"))
->>> found.problem.splitlines()[0]
+>>> export = write(load_domain("blocks"))
+>>> export.problem.splitlines()[0]
 '(define (problem blocks-task)'
 """
 

@@ -1,8 +1,8 @@
-"""The rules of a step with Boolean functions in place of states: what is so after it, as a function of what is before.
+"""Evaluate the rules of a step symbolically: the state after it as Boolean functions of the state before.
 
-The ground rules are evaluated as the engines evaluate them. A fluent that is known in every state is one proposition;
-of another, that it is known to be true is one, and that it is known to be false another. What else the rules carry from
-step to step are further propositions.
+The ground rules are evaluated as in the engines. A fluent that is known in every state is one proposition; any other
+fluent has one proposition for "known to be true" and one for "known to be false". Other state variables of the rules
+are further propositions.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from prag_asp.program.predicates import HOLDS
 
 Read = Callable[[int], Node]
 After = Mapping[int, Node]
-"""The functions of variables after a step, where they are not just those before it."""
+"""The functions of the variables that a step may change."""
 
 
 @dataclass(frozen=True)
@@ -35,19 +35,19 @@ class ActionFunctions:
 
 
 class StepFunctions:
-    """A step as functions of the state before it; `unknown` are the fluents that need not be known in it.
+    """A step as functions of the state before it; `unknown` has the fluents that may be unknown.
 
     Raises:
-        TooLarge: a function has too many variables, or too many nodes.
+        TooLarge: a function has too many variables or too many nodes.
     """
 
     def __init__(self, transition: Transition, unknown: Collection[clingo.Symbol], functions: Functions) -> None:
         self._transition = transition
         self._functions = functions
         self._literals = [_proposition(symbol, unknown) for symbol in transition.variables]
-        self.propositions = list(dict.fromkeys(each for each, _ in self._literals))
-        numbers = {each: number for number, each in enumerate(self.propositions)}
-        self._own = [(numbers[each], value) for each, value in self._literals]
+        self.propositions = list(dict.fromkeys(proposition for proposition, _ in self._literals))
+        numbers = {proposition: number for number, proposition in enumerate(self.propositions)}
+        self._own = [(numbers[proposition], value) for proposition, value in self._literals]
         self._variables: list[dict[bool, int]] = [{} for _ in self.propositions]
         for variable, (number, value) in enumerate(self._own):
             self._variables[number][value] = variable
@@ -62,24 +62,24 @@ class StepFunctions:
 
     @property
     def first(self) -> dict[int, bool]:
-        """The values of all propositions at first, by their numbers."""
+        """The initial values of all propositions, by number."""
         start = self._transition.step.ground.initial
         symbols = self._transition.variables
         return {number: (symbols[variable] in start) == value for variable, (number, value) in enumerate(self._own)}
 
     def opposed(self, fluent: clingo.Symbol, value: str) -> tuple[int, bool] | None:
-        """Return the value of a proposition that says that a fluent is not known to have a value.
+        """Return the literal of a proposition for "the fluent is not known to have the value".
 
-        None where it never has the value.
+        The result is None if the fluent never has the value.
         """
         symbol = holds(fluent, value)
         if symbol not in self._transition.variables:
             return None
-        number, so = self._own[self._transition.variables.index(symbol)]
-        return number, not so
+        number, value_if_true = self._own[self._transition.variables.index(symbol)]
+        return number, not value_if_true
 
     def tried(self, letter: int) -> ActionFunctions | None:
-        """Return what the action of a number makes, None where it never occurs."""
+        """Return the functions of an action by number, or None if it never occurs."""
         move = self._transition.move(letter)
         if move.impossible:
             return None
@@ -90,27 +90,27 @@ class StepFunctions:
             return values.get(atom, self._before(atom))
 
         refused = [self._body(body, read) for body in (*move.guards, *move.constraints)]
-        refused += [each for number, each in self._refusing.items() if number not in move.touched]
-        kept, put = (unpack(np.atleast_2d(each), len(self._own))[:, 0] for each in (move.keep, move.put))
+        refused += [function for number, function in self._refusing.items() if number not in move.touched]
+        unchanged, put = (unpack(np.atleast_2d(mask), len(self._own))[:, 0] for mask in (move.keep, move.put))
         changed = dict(move.changed)
         after = dict(self._moving)
-        for variable in np.flatnonzero(~kept).tolist():
+        for variable in np.flatnonzero(~unchanged).tolist():
             constant = TRUE if put[variable] else FALSE
             after[variable] = read(changed[variable]) if variable in changed else constant
         return ActionFunctions(tuple(refused), after)
 
     def changed(self, after: After) -> list[int]:
-        """Return the numbers of propositions that may change."""
+        """Return the numbers of the propositions that may change."""
         return sorted({self._own[variable][0] for variable in after})
 
     def becomes(self, number: int, after: After) -> Node:
-        """Return where a proposition is true after a step."""
+        """Return the function that is true where a proposition is true after a step."""
         value, variable = next(iter(self._variables[number].items()))
-        found = after.get(variable, self._left(variable))
-        return found if value else self._functions.opposite(found)
+        function = after.get(variable, self._left(variable))
+        return function if value else self._functions.opposite(function)
 
     def undecided(self, number: int, after: After) -> Node:
-        """Return where a fluent that is one proposition is not either true or false after a step."""
+        """Return the function that is true where a fluent is unknown after a step."""
         variables = self._variables[number]
         if len(variables) < 2:
             return FALSE
@@ -118,7 +118,7 @@ class StepFunctions:
         return self._functions.choice(true, false, self._functions.opposite(false))
 
     def refused_at_end(self) -> list[Node]:
-        """Return what forbids a state as the last one: each function, where it is true."""
+        """Return the functions that forbid a final state where they are true."""
         step = self._transition.step
         values = self._state(step.ground.now)
         self._evaluate(self._transition.final_strata, step.final_bodies.__getitem__, values, {})
@@ -131,7 +131,7 @@ class StepFunctions:
     def _state(self, atoms: Mapping[clingo.Symbol, int]) -> dict[int, Node]:
         """Return the functions of the atoms of a state."""
         symbols = self._transition.variables
-        return {atoms[each]: self._left(variable) for variable, each in enumerate(symbols) if each in atoms}
+        return {atoms[symbol]: self._left(variable) for variable, symbol in enumerate(symbols) if symbol in atoms}
 
     def _before(self, atom: int) -> Node:
         return self._idle.get(atom, FALSE)
@@ -143,7 +143,7 @@ class StepFunctions:
         values: dict[int, Node],
         under: Mapping[int, Node],
     ) -> None:
-        """Add the functions of the atoms of some strata to `values`; those that derive each other, until none grows."""
+        """Add the functions of the atoms of some strata to `values`; recursive strata are iterated to a fixed point."""
 
         def read(atom: int) -> Node:
             return values.get(atom, under.get(atom, FALSE))
@@ -155,9 +155,9 @@ class StepFunctions:
             while grows:
                 grows = False
                 for atom in stratum.atoms:
-                    found = self._functions.any(self._body(body, read) for body in bodies(atom))
-                    grows |= stratum.recursive and found != values[atom]
-                    values[atom] = found
+                    function = self._functions.any(self._body(body, read) for body in bodies(atom))
+                    grows |= stratum.recursive and function != values[atom]
+                    values[atom] = function
 
     def _body(self, body: RuleBody, read: Read) -> Node:
         literals = [
@@ -169,12 +169,12 @@ class StepFunctions:
 
 
 def holds(fluent: clingo.Symbol, value: str) -> clingo.Symbol:
-    """Return how a variable of a state is called that says what is known of a fluent."""
+    """Return the state variable for a known value of a fluent."""
     return HOLDS.timeless(fluent, clingo.Function(value))
 
 
 def _proposition(symbol: clingo.Symbol, unknown: Collection[clingo.Symbol]) -> tuple[Proposition, bool]:
-    """Return the proposition that a variable of a state is, with the value that it has where the variable is true."""
+    """Return the proposition of a state variable, with the value that it has if the variable is true."""
     if not symbol.match(*HOLDS.without_time):
         return Proposition(symbol, CARRIED), True
     fluent, value = symbol.arguments

@@ -1,7 +1,7 @@
 """Mutex pairs: an upper bound on the pairs of fluent values in one reachable state (h^2 of Haslum and Geffner).
 
-A pair is reached if the initial state has it, or if an action that may occur makes one of it and makes or leaves the
-other. What is never reached is known, and need not be asked of a state.
+A pair is reached if the initial state has it, or if a reachable action makes one of its values and makes or preserves
+the other. Conditions that exclude unreachable pairs are redundant.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 import clingo
 
 MOST = 400
-"""Fluents up to which pairs are looked for; there are four times the square of them."""
+"""Maximum number of fluents for which pairs are computed; their number is four times its square."""
 
 Values = Mapping[clingo.Symbol, bool]
 
@@ -25,7 +25,7 @@ class FactPairs:
         self._with = [start if start >> bit & 1 else 0 for bit in range(2 * len(state))]
         self._reached = start
         masks = [(self._bits(before), self._bits(after), self._changed(after)) for before, after in actions]
-        while sum(self._apply(*each) for each in masks):
+        while sum(self._apply(*mask) for mask in masks):
             pass
 
     def excludes(self, before: Values, fluent: clingo.Symbol, value: bool) -> bool:
@@ -39,23 +39,23 @@ class FactPairs:
             return False
         added = sum(1 << bit for bit in after)
         there = (beside & ~changed) | added
-        found = False
+        is_new = False
         for bit in after:
             new = there & ~self._with[bit]
             if new:
-                found = True
+                is_new = True
                 self._with[bit] |= new
                 for other in _bits_of(new):
                     self._with[other] |= 1 << bit
         self._reached |= added
-        return found
+        return is_new
 
     def _beside(self, bits: Iterable[int]) -> int:
-        """Return the values that may be so beside each of some."""
-        found = self._reached
+        """Return the values that may hold together with each of some values."""
+        compatible = self._reached
         for bit in bits:
-            found &= self._with[bit]
-        return found
+            compatible &= self._with[bit]
+        return compatible
 
     def _bit(self, fluent: clingo.Symbol, value: bool) -> int:
         return self._number[fluent] + value

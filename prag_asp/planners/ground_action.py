@@ -9,14 +9,14 @@ from typing import NamedTuple
 import clingo
 
 NOT_TRUE = "known-not"
-"""The role of the proposition that a fluent is known to be false, for fluents that may be unknown."""
+"""The role of the proposition "known to be false" of a fluent that may be unknown."""
 
 CARRIED = "carried"
 """The role of a proposition that is no fluent."""
 
 
 class Proposition(NamedTuple):
-    """A proposition of a state: a fluent, or with a `role` a value that rules over time carry along beside them."""
+    """A proposition of a state: a fluent, or with a `role` another state variable of rules over time."""
 
     term: clingo.Symbol
     role: str = ""
@@ -27,7 +27,7 @@ Values = Mapping[Proposition, bool]
 
 
 class ConditionalEffect(NamedTuple):
-    """A value that an action sets if all values of its condition hold before."""
+    """A value that an action sets if its condition holds before."""
 
     condition: tuple[Value, ...]
     value: Value
@@ -35,9 +35,9 @@ class ConditionalEffect(NamedTuple):
 
 @dataclass(frozen=True)
 class Case:
-    """A precondition, which is a conjunction of values and of clauses, and conditional effects.
+    """A precondition, which is a conjunction of values and clauses, and conditional effects.
 
-    No two effects whose conditions may hold at once make a proposition true and false.
+    Effects whose conditions may hold together do not contradict each other.
     """
 
     precondition: Values
@@ -47,7 +47,7 @@ class Case:
 
 @dataclass(frozen=True)
 class GroundAction:
-    """An action with its cases, no two of which are possible in one state."""
+    """An action with its mutually exclusive cases."""
 
     term: clingo.Symbol
     cases: tuple[Case, ...]

@@ -1,7 +1,7 @@
 """A domain without rules over time as ground actions with preconditions and effects.
 
-An invariant that an action might break becomes a condition on the state before it: where the action makes one of two
-literals false that may not both be, it needs the other one, unless it makes that true itself.
+An invariant that an action might break becomes a precondition: if the action makes one literal of a binary clause
+false, it requires the other one, unless it makes that true itself.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from prag_asp.program.sources import Program, owned
 from prag_asp.task import Task
 
 NOT_OVER_TIME = ("closed_world", "ever", "canonical_names", "joint_names", "closed_invariants", "weights")
-"""Rules of the encodings that say nothing about which plans there are."""
+"""Rules of the encodings that do not restrict plans."""
 
 Outcomes = Mapping[tuple[clingo.Symbol, clingo.Symbol], bool]
-"""The values that actions give to fluents that they may change."""
+"""The values of unknown effects, by action and fluent."""
 
 
 class _StripsAction(NamedTuple):
@@ -38,20 +38,20 @@ class _StripsAction(NamedTuple):
 
 
 def ground_plain(facts: Facts, state: Values, goal: Values, outcomes: Outcomes | None = None) -> PlanningTask:
-    """Return all actions that may occur from an initial state on; what it does not name is false.
+    """Return the planning task with all applicable actions; fluents that `state` does not name are false.
 
-    With `outcomes`, effects that are unknown have these values, false where there is none.
+    With `outcomes`, unknown effects have these values, by default false.
 
     Raises:
         DomainError: an effect is unknown, and there are no `outcomes`.
     """
-    found = [each for action in facts.actions if (each := _strips_action(action, facts, outcomes)) is not None]
+    actions = [each for action in facts.actions if (each := _strips_action(action, facts, outcomes)) is not None]
     pairs = None
     if len(facts.fluents) <= MOST:
         whole = {fluent: state.get(fluent, False) for fluent in facts.fluents}
-        pairs = FactPairs(whole, [(each.precondition, each.effects) for each in found])
+        pairs = FactPairs(whole, [(each.precondition, each.effects) for each in actions])
     graph, clauses = invariant_graph(facts, impossible=True), _clauses(facts)
-    safe = (each for stated in found if (each := _safe(stated, graph, clauses, pairs)) is not None)
+    safe = (each for stated in actions if (each := _safe(stated, graph, clauses, pairs)) is not None)
     initial = frozenset(Proposition(fluent) for fluent, value in state.items() if value)
     goal_values = {Proposition(fluent): value for fluent, value in goal.items()}
     return PlanningTask(tuple(map(Proposition, facts.fluents)), initial, tuple(map(_action, safe)), goal_values)
@@ -64,25 +64,25 @@ def _action(stated: _StripsAction) -> GroundAction:
 
 
 def outcomes_of(task: Task, facts: Facts) -> Outcomes:
-    """Return what the actions of a task make of fluents that they may change, where that is known.
+    """Return the known outcomes of the unknown effects of a task's actions.
 
     Raises:
-        DomainError: an action occurs twice, and has to make something else of a fluent each time.
+        DomainError: an action occurs twice with different outcomes.
     """
-    found: dict[tuple[clingo.Symbol, clingo.Symbol], bool] = {}
+    outcomes: dict[tuple[clingo.Symbol, clingo.Symbol], bool] = {}
     for atom, state in zip(task.actions, task.states, strict=True):
-        action, known = symbol_of(atom), values_of(state)
+        action, values = symbol_of(atom), values_of(state)
         for fluent, value in facts.postconditions.get(action, ()):
-            if value != "unknown" or fluent not in known:
+            if value != "unknown" or fluent not in values:
                 continue
-            if found.setdefault((action, fluent), known[fluent]) != known[fluent]:
+            if outcomes.setdefault((action, fluent), values[fluent]) != values[fluent]:
                 problem = f"{action} occurs twice, and {fluent} is true after one and false after the other"
                 raise DomainError(f"{problem}, which PDDL cannot say; choose another task")
-    return found
+    return outcomes
 
 
 def broken_invariant(facts: Facts, state: Mapping[clingo.Symbol, bool]) -> bool:
-    """Return whether a state breaks an invariant; what it does not name is false."""
+    """Return whether a state violates an invariant; fluents that it does not name are false."""
     both = (*facts.exclusive, *facts.impossible)
     return any(state.get(f) and state.get(g) for f, g in both) or any(
         state.get(f) and not state.get(g) for f, g in facts.implies
@@ -90,7 +90,7 @@ def broken_invariant(facts: Facts, state: Mapping[clingo.Symbol, bool]) -> bool:
 
 
 def rules_over_time(program: Program) -> Iterator[tuple[Path, int]]:
-    """Yield where rules stand that say which plans there are beside what each action states."""
+    """Yield the places of rules that restrict plans beyond the statements of actions."""
     for source, own in owned(program):
         if own or (source.path.parent.name == "rules" and source.path.stem not in NOT_OVER_TIME):
             statements, _ = parse_sources([(source, own)])
@@ -98,21 +98,21 @@ def rules_over_time(program: Program) -> Iterator[tuple[Path, int]]:
 
 
 def _clauses(facts: Facts) -> Mapping[FluentValue, list[FluentValue]]:
-    """Return for each value the values one of which, by an invariant, holds wherever it does not."""
-    found: dict[FluentValue, list[FluentValue]] = {}
+    """Return for each value the values that an invariant requires if it does not hold."""
+    others: dict[FluentValue, list[FluentValue]] = {}
     pairs = [((f, False), (g, False)) for f, g in (*facts.exclusive, *facts.impossible)]
     pairs += [((f, False), (g, True)) for f, g in facts.implies if f != g]
     for one, other in pairs:
-        found.setdefault(one, []).append(other)
-        found.setdefault(other, []).append(one)
-    return found
+        others.setdefault(one, []).append(other)
+        others.setdefault(other, []).append(one)
+    return others
 
 
 def _strips_action(action: clingo.Symbol, facts: Facts, outcomes: Outcomes | None) -> _StripsAction | None:
-    """Return an action as the domain states it, None where it contradicts itself.
+    """Return an action as the domain states it, or None if it contradicts itself.
 
     Raises:
-        DomainError: an effect of it is unknown.
+        DomainError: an effect is unknown and there are no `outcomes`.
     """
     after: dict[clingo.Symbol, bool] = {}
     for fluent, value in facts.postconditions.get(action, ()):
@@ -138,7 +138,7 @@ def _safe(
     clauses: Mapping[FluentValue, list[FluentValue]],
     pairs: FactPairs | None,
 ) -> _StripsAction | None:
-    """Return an action that also needs what keeps the invariants, None where it always breaks one."""
+    """Return an action with preconditions that preserve the invariants, or None if it always breaks one."""
     before = dict(action.precondition)
     known = entailed(before.items(), graph)
     for fluent, value in action.effects.items():
@@ -155,10 +155,10 @@ def _safe(
 
 
 def known_values(values: Iterable[tuple[clingo.Symbol, str]]) -> dict[clingo.Symbol, bool]:
-    """Return what the contract states of fluents as truths."""
+    """Return the values of the contract as Booleans."""
     return {fluent: value == "true" for fluent, value in values}
 
 
 def values_of(state: Mapping[Atom, bool]) -> dict[clingo.Symbol, bool]:
-    """Return a state of a task by clingo's terms."""
+    """Return a state of a task with clingo's terms as keys."""
     return {symbol_of(fluent): value for fluent, value in state.items()}

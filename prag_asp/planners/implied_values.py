@@ -1,4 +1,4 @@
-"""Values that contradict each other or follow from others by the invariants of a domain."""
+"""Contradictions and consequences of values under the invariants of a domain."""
 
 from __future__ import annotations
 
@@ -12,43 +12,43 @@ from prag_asp.program.invariants import FluentValue, conflict, entailed, invaria
 
 
 class ImpliedValues:
-    """The invariants; `unknown` are the fluents that need not be known, whose propositions say what is."""
+    """The invariants; `unknown` has the fluents that may be unknown, which have propositions for known values."""
 
     def __init__(self, facts: Facts, unknown: Collection[clingo.Symbol]) -> None:
         self._graph = invariant_graph(facts, impossible=True)
         self._unknown = unknown
 
     def possible(self, values: Iterable[Value]) -> bool:
-        """Return whether some values do not contradict each other."""
+        """Return whether some values are consistent."""
         return conflict(self._known(values)) is None
 
     def fixed(self, before: Mapping[Proposition, bool], propositions: Iterable[Proposition]) -> dict[int, bool]:
-        """Return the values, by number, of those of some propositions that are given, or follow."""
-        known = self._known(before.items())
-        found = {}
-        for number, each in enumerate(propositions):
-            if each in before:
-                found[number] = before[each]
-            elif not each.role and each.term not in self._unknown:
-                follows = [value for value in (True, False) if (each.term, value) in known]
-                found.update((number, value) for value in follows)
-        return found
+        """Return the values, by number, of the propositions that `before` states or entails."""
+        entailed_values = self._known(before.items())
+        values = {}
+        for number, proposition in enumerate(propositions):
+            if proposition in before:
+                values[number] = before[proposition]
+            elif not proposition.role and proposition.term not in self._unknown:
+                follows = [value for value in (True, False) if (proposition.term, value) in entailed_values]
+                values.update((number, value) for value in follows)
+        return values
 
     def needed(self, before: Mapping[Proposition, bool], stated: Collection[Value]) -> dict[Proposition, bool]:
-        """Return the values that a precondition has to name: those stated, and those that do not follow from others."""
-        found = dict(before)
+        """Return the values of a precondition that are stated or do not follow from the others."""
+        precondition = dict(before)
         for each in reversed([*before.items()]):
             (term, role), value = each
             if each not in stated and not role and term not in self._unknown:
-                others = ((one, so) for one, so in found.items() if one != each[0])
+                others = ((other, truth) for other, truth in precondition.items() if other != each[0])
                 if (term, value) in self._known(others):
-                    del found[each[0]]
-        return found
+                    del precondition[each[0]]
+        return precondition
 
     def units(
         self, clauses: Iterable[Sequence[Value]]
     ) -> tuple[dict[Proposition, bool], tuple[tuple[Value, ...], ...]]:
-        """Return the values that clauses demand, and the clauses that are left: an empty one if there is no way."""
+        """Return the values from unit propagation, and the remaining clauses; an empty clause is a contradiction."""
         before: dict[Proposition, bool] = {}
         left = [*dict.fromkeys(map(tuple, clauses))]
         while True:
@@ -64,7 +64,7 @@ class ImpliedValues:
             before |= new
 
     def _fails(self, value: Value, before: Mapping[Proposition, bool], known: Collection[FluentValue]) -> bool:
-        """Return whether a value contradicts others, of which the fluents' values are known."""
+        """Return whether a value contradicts others, given the values of fluents that they entail."""
         proposition, demanded = value
         meaning = self._meaning(value)
         return before.get(proposition, demanded) != demanded or (
@@ -72,15 +72,15 @@ class ImpliedValues:
         )
 
     def _known(self, values: Iterable[Value]) -> Mapping[FluentValue, FluentValue]:
-        """Return what some values, and the invariants, tell of fluents."""
+        """Return the values of fluents that some values entail under the invariants."""
         return entailed((meaning for each in values if (meaning := self._meaning(each)) is not None), self._graph)
 
     def _meaning(self, value: Value) -> FluentValue | None:
-        """Return what a value tells of a fluent, if it does."""
-        (term, role), so = value
-        if role == CARRIED or (term in self._unknown and not so):
+        """Return the fluent value that a value of a proposition means, if any."""
+        (term, role), truth = value
+        if role == CARRIED or (term in self._unknown and not truth):
             return None
-        return term, so == (role == "")
+        return term, truth == (role == "")
 
 
 def _both(clause: Iterable[Value]) -> Iterable[Value]:

@@ -1,4 +1,4 @@
-"""Ground actions that are alike up to their arguments as one action with parameters."""
+"""Lift ground actions that are equal up to their arguments to an action with parameters."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import NamedTuple
 import clingo
 
 FEW = 4
-"""Most schemas that the actions of one name become."""
+"""Maximum number of schemas for the actions of one name."""
 
 Literal = tuple[str, tuple[str, ...], bool]
 """A predicate, its terms, and whether it is asserted; a term is the name of an object or a variable."""
@@ -17,7 +17,7 @@ Clause = tuple[Literal, ...]
 
 
 class PddlCase(NamedTuple):
-    """A case of an action in the names of PDDL: the precondition, its clauses, and conditional effects."""
+    """A case of an action in PDDL names: the precondition, its clauses, and conditional effects."""
 
     precondition: Clause
     clauses: tuple[Clause, ...]
@@ -25,7 +25,7 @@ class PddlCase(NamedTuple):
 
     @property
     def key(self) -> Hashable:
-        """A value that is the same for cases that differ in the order alone."""
+        """A value that is equal for cases that differ only in order."""
         after = frozenset((frozenset(where), effect) for where, effect in self.effects)
         return frozenset(self.precondition), frozenset(map(frozenset, self.clauses)), after
 
@@ -50,7 +50,7 @@ class PddlCase(NamedTuple):
 
 
 class Instance(NamedTuple):
-    """A ground action: the objects that stand for its arguments, and its cases."""
+    """A ground action: the objects of its arguments, and its cases."""
 
     term: clingo.Symbol
     arguments: tuple[str, ...]
@@ -63,19 +63,19 @@ def variable(number: int) -> str:
 
 
 def group_alike(instances: Sequence[Instance]) -> list[list[Instance]]:
-    """Return actions in groups: one if they are alike, else those that are the same with variables for arguments.
+    """Return groups of actions: one group if all have a common schema, else groups that are equal with variables.
 
-    Where that makes many groups, whose numbers would say nothing to a reader, each action is one of its own.
+    If there are more than `FEW` groups, whose numbers would not help readers, each action is a group.
     """
     if lift(instances) is not None:
         return [list(instances)]
     groups: dict[Hashable, list[Instance]] = {}
-    for each in instances:
-        pattern = tuple(each.arguments.index(argument) for argument in each.arguments)
-        own = each._replace(arguments=tuple(dict.fromkeys(each.arguments)))
+    for instance in instances:
+        pattern = tuple(instance.arguments.index(argument) for argument in instance.arguments)
+        own = instance._replace(arguments=tuple(dict.fromkeys(instance.arguments)))
         form = tuple(case.key for case in _with_variables(own))
         groups.setdefault((pattern, frozenset(form)), []).append(own)
-    return list(groups.values()) if len(groups) <= FEW else [[each] for each in instances]
+    return list(groups.values()) if len(groups) <= FEW else [[instance] for instance in instances]
 
 
 def _with_variables(instance: Instance) -> tuple[PddlCase, ...]:
@@ -84,19 +84,19 @@ def _with_variables(instance: Instance) -> tuple[PddlCase, ...]:
 
 
 def lift(instances: Sequence[Instance]) -> tuple[PddlCase, ...] | None:
-    """Return the cases with variables that all of some actions have, None where there are none."""
+    """Return the common cases of some actions with variables, or None if they have no common schema."""
     arity = len(instances[0].arguments)
-    model = next((each for each in instances if len(set(each.arguments)) == arity), None)
+    model = next((instance for instance in instances if len(set(instance.arguments)) == arity), None)
     if model is None:
         return None
-    found, names = _with_variables(model), [*map(variable, range(arity))]
-    for each in instances:
-        images = [case.rename(dict(zip(names, each.arguments, strict=True))) for case in found]
-        if {case.key for case in images} != {case.key for case in each.cases} or any(map(_collapsed, images)):
+    cases, names = _with_variables(model), [*map(variable, range(arity))]
+    for instance in instances:
+        images = [case.rename(dict(zip(names, instance.arguments, strict=True))) for case in cases]
+        if {case.key for case in images} != {case.key for case in instance.cases} or any(map(_collapsed, images)):
             return None
-    return found
+    return cases
 
 
 def _collapsed(case: PddlCase) -> bool:
-    """Return whether two effects have become one: a variable stands for the same object as another."""
+    """Return whether two effects coincide because two variables stand for the same object."""
     return len(set(case.effects)) < len(case.effects)

@@ -27,27 +27,27 @@ from prag_asp.planners.grounding import rules_over_time
 from prag_asp.planners.implied_values import ImpliedValues
 
 MOST_NODES = 1_000_000
-"""Nodes of diagrams that are made at most."""
+"""Maximum number of diagram nodes."""
 
 MOST_CASES = 1000
-"""Copies of one action that are made at most, one for each case of its conditions."""
+"""Maximum number of copies of one action, one for each case of its conditions."""
 
 REACHED = Proposition(clingo.Function("goal-reached"), CARRIED)
-"""That the goal holds, where it is no conjunction."""
+"""The proposition that the goal holds, for a goal that is no conjunction."""
 
 OPPOSITE = {True: "false", False: "true"}
 
 Change = tuple[Value, Node]
-"""A value that an action makes, and in which states before it."""
+"""A value that an action sets, and the states before it in which it does."""
 
 
 def ground_over_time(
     domain: Domain, stated: Mapping[clingo.Symbol, bool], goal: Mapping[clingo.Symbol, bool] | None, *, whole: bool
 ) -> PlanningTask:
-    """Return a domain from an initial state on, of which `stated` names what is not false.
+    """Return the planning task of a domain from the initial state `stated`, in which other fluents are false.
 
-    With a `goal`, the final state has these values as well. Where `whole`, no effect has a condition and no condition a
-    disjunction: an action has as many cases as there are ways in which they come out (Nebel 2000).
+    With a `goal`, the final state has these values as well. With `whole`, there are no conditional effects and no
+    disjunctions: an action has a case for each combination of truth values of its conditions (Nebel 2000).
 
     Raises:
         EngineError: a step is not a function of the state and the action.
@@ -62,14 +62,14 @@ def ground_over_time(
     unknown: set[clingo.Symbol] = set()
     while True:
         step = _Step(domain, transition, frozenset(unknown))
-        found = step.ground(goal or {}, whole=whole)
+        task = step.ground(goal or {}, whole=whole)
         if not step.unknown:
-            return found
+            return task
         unknown |= step.unknown
 
 
 class _Step:
-    """The actions of a step; in `unknown` are fluents, taken for known, that some of them may leave unknown."""
+    """The actions of a step; `unknown` collects fluents assumed known that an action may leave unknown."""
 
     def __init__(self, domain: Domain, transition: Transition, unknown: frozenset[clingo.Symbol]) -> None:
         self._domain = domain
@@ -82,11 +82,11 @@ class _Step:
         except TooLarge:
             raise self._too_large("a step") from None
         self._propositions = self._step.propositions
-        self._numbers = {each: number for number, each in enumerate(self._propositions)}
+        self._numbers = {proposition: number for number, proposition in enumerate(self._propositions)}
         self.unknown: set[clingo.Symbol] = set()
 
     def ground(self, goal: Mapping[clingo.Symbol, bool], *, whole: bool) -> PlanningTask:
-        """Return what is written of the domain, if no fluent is left unknown that was taken for known."""
+        """Return the planning task, which is valid if `unknown` stays empty."""
         first = self._step.first
         initial = {self._propositions[number] for number, value in first.items() if value}
         propositions = [*self._propositions]
@@ -118,11 +118,11 @@ class _Step:
         return DomainError(f"{self._place()}: {problem}; let its rules read fewer fluents at once")
 
     def _place(self) -> str:
-        """Return the line of the first rule over time, where there is one; which of them is at fault is not known."""
+        """Return the line of the first rule over time, if any, because the rule at fault is unknown."""
         return next((f"{path}:{line}" for path, line in rules_over_time(self._domain.program)), self._domain.name)
 
     def _cases(self, letter: int, end: Node | None, *, whole: bool) -> Iterator[Case]:
-        """Yield the cases of an action, none where it never occurs."""
+        """Yield the cases of an action; none if it never occurs."""
         tried = self._step.tried(letter)
         if tried is None:
             return
@@ -146,32 +146,35 @@ class _Step:
         )
 
     def _left_unknown(self, after: After, refused: Iterable[Node]) -> set[clingo.Symbol]:
-        """Return the fluents that are not either true or false after a step."""
-        found = {each: self._step.undecided(each, after) for each in self._step.changed(after)}
-        wrong = {each: where for each, where in found.items() if where != FALSE}
+        """Return the fluents that may be unknown after a step."""
+        functions = {number: self._step.undecided(number, after) for number in self._step.changed(after)}
+        wrong = {number: where for number, where in functions.items() if where != FALSE}
         if not wrong:
             return set()
         allowed = self._functions.all(map(self._functions.opposite, refused))
         return {
-            self._propositions[each].term
-            for each, where in wrong.items()
+            self._propositions[number].term
+            for number, where in wrong.items()
             if self._where(self._functions.choice(where, allowed, FALSE), {}) != FALSE
         }
 
     def _changes(self, after: After, fixed: Mapping[int, bool]) -> Iterator[Change]:
-        """Yield where each proposition becomes true, and where false.
+        """Yield the states in which each proposition becomes true, and those in which it becomes false.
 
-        No state is in both, because planners disagree on what then happens.
+        The two are disjoint, because planners disagree on contradictory effects.
         """
         functions = self._functions
         for number in self._step.changed(after):
             proposition, own = self._propositions[number], functions.variable(number)
-            found = functions.where(self._step.becomes(number, after), fixed)
+            becomes_true = functions.where(self._step.becomes(number, after), fixed)
             if number in fixed:
                 changed = not fixed[number]
-                yield (proposition, changed), self._where(found if changed else functions.opposite(found), fixed)
+                yield (
+                    (proposition, changed),
+                    self._where(becomes_true if changed else functions.opposite(becomes_true), fixed),
+                )
                 continue
-            was_false, was_true = (functions.where(found, {number: value}) for value in (False, True))
+            was_false, was_true = (functions.where(becomes_true, {number: value}) for value in (False, True))
             gained = self._where(was_false, {**fixed, number: False})
             lost = self._where(functions.opposite(was_true), {**fixed, number: True})
             if functions.choice(gained, lost, FALSE) != FALSE:
@@ -180,7 +183,7 @@ class _Step:
             yield (proposition, False), lost
 
     def _reaching(self, after: After, end: Node, fixed: Mapping[int, bool]) -> Iterator[Change]:
-        """Yield where an action reaches the goal, which `end` tells of a state, and where it does not."""
+        """Yield the states in which an action reaches the goal, the function `end`, and those in which it does not."""
         states = {number: self._step.becomes(number, after) for number in self._functions.variables([end])}
         reached = self._functions.where(self._functions.composed(end, states), fixed)
         yield (REACHED, True), self._where(reached, fixed)
@@ -193,7 +196,7 @@ class _Step:
         clauses: Iterable[Sequence[Value]],
         changes: Sequence[Change],
     ) -> Iterator[Case]:
-        """Yield a case for each way in which the conditions of an action come out."""
+        """Yield a case for each combination of truth values of the conditions of an action."""
         functions = self._functions
         may = functions.all(map(self._clause, clauses))
         restricted = [(value, functions.choice(may, where, FALSE)) for value, where in changes]
@@ -215,7 +218,7 @@ class _Step:
                 yield Case(case, (), tuple(ConditionalEffect((), each) for each in effects))
 
     def _where(self, function: Node, fixed: Mapping[int, bool]) -> Node:
-        """Return where a function is true, without states that contradict some values by the invariants."""
+        """Return a function without states that contradict some values under the invariants."""
         fixed_values = [*map(self._value, fixed.items())]
         functions = self._functions
         return functions.any(
@@ -225,7 +228,7 @@ class _Step:
         )
 
     def _clauses(self, refused: Iterable[Node]) -> Iterator[tuple[Value, ...]]:
-        """Yield clauses that say together that no function of some is true, without what invariants say."""
+        """Yield clauses that make all `refused` functions false, without those that the invariants entail."""
         for function in refused:
             for cube in self._functions.cubes(function):
                 values = [*map(self._value, cube)]

@@ -1,6 +1,6 @@
 """The names of a domain and its formulas as PDDL text.
 
-Where negative conditions are not allowed, `opposites` has for a predicate the one that stands for its negation.
+If negative conditions are not allowed, `opposites` maps a predicate to the one for its negation.
 """
 
 from __future__ import annotations
@@ -19,56 +19,56 @@ KEYWORDS = frozenset([
 
 
 class Spelling:
-    """Gives each thing one name; no two things share a name, because some readers refuse that."""
+    """Unique names of things, because some parsers refuse shared names."""
 
     def __init__(self) -> None:
         self._names: dict[Hashable, str] = {}
         self._taken: set[str] = set(KEYWORDS)
 
     def name(self, thing: Hashable, text: str) -> str:
-        """Return the name of a thing, which is like a text."""
+        """Return the name of a thing, derived from a text."""
         if thing not in self._names:
             plain = re.sub(r"[^a-z0-9_]+", "-", text.lower()).strip("-_")
             first = plain if re.match("[a-z]", plain) else f"n{plain}"
-            found, number = first, 2
-            while found in self._taken:
-                found, number = f"{first}-{number}", number + 1
-            self._taken.add(found)
-            self._names[thing] = found
+            name, number = first, 2
+            while name in self._taken:
+                name, number = f"{first}-{number}", number + 1
+            self._taken.add(name)
+            self._names[thing] = name
         return self._names[thing]
 
 
 def positive(literal: Literal, opposites: Mapping[str, str]) -> Literal:
-    """Return a literal whose negation has a predicate of its own as that predicate."""
+    """Return a literal with a negative one replaced by the predicate of the negation, if there is one."""
     name, terms, value = literal
     return literal if value or name not in opposites else (opposites[name], terms, True)
 
 
 def mirror(literals: Iterable[Literal], opposites: Mapping[str, str]) -> list[Literal]:
-    """Return what literals say of the predicates of their negations, where there are some."""
+    """Return the literals of the predicates of negations, for predicates that have one."""
     return [(opposites[name], terms, not value) for name, terms, value in literals if name in opposites]
 
 
 def all_of(literals: Clause, clauses: Iterable[Clause], opposites: Mapping[str, str]) -> str:
-    """Return literals, and of each clause one, as texts of PDDL that are side by side, each after a blank."""
+    """Return literals and clauses as PDDL formulas, each after a blank."""
     formulas = [[positive(each, opposites) for each in several] for several in (literals, *clauses)]
     return as_text(formulas[0]) + "".join(f" (or{as_text(clause)})" for clause in formulas[1:])
 
 
 def effects(case: PddlCase, opposites: Mapping[str, str]) -> str:
-    """Return the effects of a case as text of PDDL, each after a blank."""
+    """Return the effects of a case as PDDL text, each after a blank."""
     by_condition: dict[Clause, list[Literal]] = {}
     for where, each in case.effects:
         by_condition.setdefault(where, []).append(each)
-    found = ""
+    formulas = ""
     for where, after in by_condition.items():
         text = as_text([*after, *mirror(after, opposites)])
-        found += f" (when (and{all_of(where, (), opposites)}) (and{text}))" if where else text
-    return found
+        formulas += f" (when (and{all_of(where, (), opposites)}) (and{text}))" if where else text
+    return formulas
 
 
 def as_text(literals: Iterable[Literal]) -> str:
-    """Return literals as a text of PDDL, each after a blank."""
+    """Return literals as PDDL text, each after a blank."""
     texts = (
         f"({' '.join([name, *terms])})" if value else f"(not ({' '.join([name, *terms])}))"
         for name, terms, value in literals

@@ -1,7 +1,7 @@
-"""Write a domain, or one task of it, as a domain and a problem of PDDL.
+"""Write a domain, or one of its tasks, as a PDDL domain and problem.
 
-Actions of one name whose conditions and effects are the same up to their arguments become one action with parameters,
-and a predicate says of which objects there is one; others are written one by one, without parameters.
+Actions of one name that are equal up to their arguments become one action with parameters, and a predicate that states
+for which objects it exists; other actions are written without parameters.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from prag_asp.wording import plural
 
 @dataclass(frozen=True)
 class PddlExport:
-    """The texts of a domain and of a problem, and the steps of the plan of the task, if there is one."""
+    """The texts of a domain and a problem, and the steps of the task's plan, if any."""
 
     domain: str
     problem: str
@@ -41,7 +41,7 @@ class PddlExport:
 
 @dataclass(frozen=True)
 class _Schema:
-    """An action schema: parameters and a case; `allowed` is the predicate of the objects that it applies to, or ""."""
+    """An action schema: parameters and a case; `allowed` is the predicate of its possible arguments, or ""."""
 
     name: str
     variables: tuple[str, ...]
@@ -50,16 +50,16 @@ class _Schema:
 
 
 def write(domain: Domain, task: Task | None = None, *, negative: bool = True, conditional: bool = True) -> PddlExport:
-    """Write a domain as PDDL, or one task of it: its initial state, and as its goal what is known of its final state.
+    """Write a domain or a task as PDDL; the goal of a task is the known part of its final state.
 
-    Fluents that a task leaves open in its initial state are false in PDDL. Without rules over time, an unknown effect
-    has the value that the task needs, and is false in all other actions: PDDL then has the plans of the domain for
-    which that holds. Comments of the problem say both.
+    Fluents that are unknown in the initial state of a task are false in PDDL. Without rules over time, an unknown
+    effect has the value that the task needs, and is false in all other actions, so that PDDL has the plans of the
+    domain that agree with these values. Comments in the problem state both.
 
-    Rules over time become preconditions and conditional effects. Without `conditional`, no effect has a condition and
-    no precondition a disjunction: an action has a copy for each combination of its conditions, so that plans keep their
-    length and their number (Nebel 2000). Without `negative`, no precondition and no goal is negative: a separate
-    predicate stands for each negation.
+    Rules over time become preconditions and conditional effects. Without `conditional`, there are no conditional
+    effects and no disjunctions: an action has a copy for each combination of its conditions, so that plans keep their
+    length and their number (Nebel 2000). Without `negative`, preconditions and goals are positive: a separate predicate
+    stands for each negation.
 
     Raises:
         DomainError: the domain cannot be expressed in PDDL, its initial state breaks an invariant, its world is
@@ -91,10 +91,10 @@ def _over_time(
     *,
     conditional: bool,
 ) -> PlanningTask:
-    """Return a domain whose rules look at steps.
+    """Return the planning task of a domain with rules over time.
 
     Raises:
-        DomainError: they say what PDDL cannot, or there are too many cases.
+        DomainError: PDDL cannot express a rule, or there are too many cases.
     """
     from prag_asp.planners.over_time import ground_over_time
 
@@ -119,7 +119,7 @@ def _comment(left_open: int, open_effects: bool) -> str:
 
 
 class _PddlWriter:
-    """The names of PDDL for a domain, and the texts that use them."""
+    """The PDDL names of a domain, and the texts that use them."""
 
     def __init__(self, name: str, facts: Facts, ground: PlanningTask, negative: bool) -> None:
         self._ground = ground
@@ -130,28 +130,28 @@ class _PddlWriter:
             self._predicate(Proposition(fluent))
         self._entities = [self._object(entity) for entity in facts.entities]
         self._terms = {self._object(term): None for fluent in facts.fluents for term in fluent.arguments}
-        self._told = {each: self._literal(each, True) for each in ground.propositions}
-        self._terms.update((term, None) for _, terms, _ in self._told.values() for term in terms)
+        self._positive = {proposition: self._literal(proposition, True) for proposition in ground.propositions}
+        self._terms.update((term, None) for _, terms, _ in self._positive.values() for term in terms)
         self._allowed: list[Literal] = []
         self._steps: dict[clingo.Symbol, tuple[str, ...]] = {}
         by_name: dict[tuple[str, int], list[GroundAction]] = {}
         for action in ground.actions:
             by_name.setdefault((action.term.name, len(action.term.arguments)), []).append(action)
-        self._schemas = [schema for key, found in by_name.items() for schema in self._schemas_of(key, found)]
+        self._schemas = [schema for key, actions in by_name.items() for schema in self._schemas_of(key, actions)]
 
     def write(self, task: Task | None, comment: str) -> PddlExport:
         """Return the texts for the whole domain, or for a task."""
         goal, clauses = self._literals(self._ground.goal.items()), self._clauses(self._ground.clauses)
         negated = [] if self._negative else [name for name, _, so in self._conditions(goal, clauses) if not so]
         opposites = {name: self._spelling.name(("opposite", name), f"not-{name}") for name in negated}
-        first = [(*each[:2], proposition in self._ground.initial) for proposition, each in self._told.items()]
-        initial = [each for each in (*first, *mirror(first, opposites)) if each[2]]
+        first = [(*literal[:2], proposition in self._ground.initial) for proposition, literal in self._positive.items()]
+        initial = [literal for literal in (*first, *mirror(first, opposites)) if literal[2]]
         steps = tuple(self._plan(map(symbol_of, task.actions))) if task is not None else ()
         goal_text = all_of(goal, clauses, opposites)
         return PddlExport(self._domain(opposites), self._problem([*initial, *self._allowed], goal_text, comment), steps)
 
     def _plan(self, actions: Iterable[clingo.Symbol]) -> Iterator[str]:
-        """Yield the steps of a plan: of an action with several cases, the one whose precondition holds."""
+        """Yield the steps of a plan, with the case whose precondition holds for each action."""
         state = set(self._ground.initial)
 
         def so(value: Value) -> bool:
@@ -159,8 +159,8 @@ class _PddlWriter:
 
         cases = {action.term: action.cases for action in self._ground.actions}
         for action in actions:
-            found = [number for number, case in enumerate(cases[action]) if _possible(case, so)]
-            number = found[0] if len(cases[action]) > 1 else 0
+            possible = [number for number, case in enumerate(cases[action]) if _possible(case, so)]
+            number = possible[0] if len(cases[action]) > 1 else 0
             effects = cases[action][number].effects
             values = [effect.value for effect in effects if all(map(so, effect.condition))]
             state -= {each for each, _ in values}
@@ -195,7 +195,7 @@ class _PddlWriter:
         return PddlCase(self._literals(case.precondition.items()), self._clauses(case.clauses), tuple(after))
 
     def _schemas_of(self, key: tuple[str, int], actions: Sequence[GroundAction]) -> Iterator[_Schema]:
-        """Yield the schemas of the actions of a name: actions that are alike become one schema with parameters."""
+        """Yield the schemas of the actions of a name; actions with a common schema share it."""
         instances = [
             Instance(each.term, tuple(map(self._object, each.term.arguments)), tuple(map(self._case, each.cases)))
             for each in actions
@@ -232,15 +232,17 @@ class _PddlWriter:
 
     def _requirements(self) -> str:
         cases = [schema.case for schema in self._schemas]
-        found = [":strips"]
-        found += [":negative-preconditions"] * self._negative
-        found += [":disjunctive-preconditions"] * (bool(self._ground.clauses) or any(case.clauses for case in cases))
-        found += [":conditional-effects"] * any(where for case in cases for where, _ in case.effects)
-        return " ".join(found)
+        requirements = [":strips"]
+        requirements += [":negative-preconditions"] * self._negative
+        requirements += [":disjunctive-preconditions"] * (
+            bool(self._ground.clauses) or any(case.clauses for case in cases)
+        )
+        requirements += [":conditional-effects"] * any(where for case in cases for where, _ in case.effects)
+        return " ".join(requirements)
 
     def _domain(self, opposites: Mapping[str, str]) -> str:
         """Return the text of the domain."""
-        predicates = {each[0]: len(each[1]) for each in self._told.values()}
+        predicates = {name: len(terms) for name, terms, _ in self._positive.values()}
         own = {opposites[name]: arity for name, arity in predicates.items() if name in opposites}
         allowed = {schema.allowed: len(schema.variables) for schema in self._schemas if schema.allowed}
         lines = [

@@ -1,4 +1,4 @@
-"""Task spaces: counted, enumerated, drawn."""
+"""Count, enumerate and sample task spaces."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ ENGINES: Mapping[str, str] = {
     "sharp": "prag_asp.space.engines.sharp_engine.SharpEngine",
     "symbolic": "prag_asp.space.engines.symbolic_engine.SymbolicEngine",
 }
-"""Every engine by its name: the class that answers as `prag_asp.space.engines.engine.Engine` says.
+"""The class of each engine by its name, which implements `prag_asp.space.engines.engine.Engine`.
 
-It is loaded when it is first asked for, so that naming engines costs nothing.
+Classes are loaded lazily, so that listing the names costs nothing.
 """

@@ -1,7 +1,7 @@
-"""Sampling without replacement: different tasks in an order of which any number of tasks is a prefix.
+"""Sampling without replacement: distinct tasks in an order whose prefixes are the samples of each size.
 
-The order depends on the request and the seed alone. Uniform sampling shuffles ranks, so that the k-th task needs no
-others. Sampling by weight takes each task by its weight among those that are left (successive sampling).
+The order depends only on the request and the seed. Uniform sampling shuffles ranks, so that the k-th task can be
+computed alone. Sampling by weight chooses each task by its weight among the remaining ones (successive sampling).
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ from prag_asp.space.task_sampling import TaskSampling
 from prag_asp.space.word_set import WordSet
 
 BATCH = 512
-"""Tasks whose states are computed together at most."""
+"""Maximum number of tasks whose states are computed together."""
 
 MISSES = 50_000
-"""Draws in a row without a new task, after which tasks are no longer sampled by rejection."""
+"""Consecutive draws without a new task after which rejection sampling ends."""
 
 
 class RankedDraw(NamedTuple):
-    """A task as the texts of its actions, its rank among all of its length, and the probability of a single draw."""
+    """A task as the texts of its actions, its rank in its length, and the probability of a single draw."""
 
     word: Letters
     rank: int
@@ -42,7 +42,7 @@ class RankedDraw(NamedTuple):
 
 
 class TaskOrder(Protocol):
-    """Different tasks in the order of sampling without replacement."""
+    """Distinct tasks in the order of sampling without replacement."""
 
     @property
     def size(self) -> int:
@@ -60,7 +60,7 @@ class TaskOrder(Protocol):
 
 @dataclass(frozen=True)
 class UniformOrder:
-    """Tasks in uniformly random order; the k-th is computed without the others.
+    """Tasks in uniformly random order with random access.
 
     `order` numbers the words of `sets`, one set for each length; ranks are those of the same words in `whole`.
     """
@@ -96,13 +96,13 @@ class UniformOrder:
 
 @dataclass(frozen=True)
 class WeightedOrder:
-    """Tasks of some lengths, each sampled by its weight among those that are left.
+    """Tasks of some lengths, each sampled by its weight among the remaining ones.
 
-    Draws from all words are rejected while enough of them bring a new task; after `MISSES` misses in a row, tasks are
-    sampled from what is left, exactly. Both give the same distribution. Tasks of weight 0 are never sampled.
+    Repeated draws are rejected; after `MISSES` misses in a row, tasks are sampled exactly from the remaining words.
+    Both give the same distribution. Tasks of weight 0 are never sampled.
 
-    `whole` has the words of each length of `sampling` that has some. The order is that of `sets`, some or all of these
-    words, or of those that `accepts` accepts, given the place of their set and the word.
+    `whole` has the words of each nonempty length of `sampling`, and `sets` the subset to order. `accepts` selects some
+    of these words by the index of their set and the word; None accepts all.
 
     Raises:
         QueryError: no task weighs more than 0, or weights distinguish interchangeable entities.
@@ -123,7 +123,7 @@ class WeightedOrder:
         return self.pick(count(first))
 
     def pick(self, numbers: Iterable[int]) -> Iterator[RankedDraw]:
-        """Yield the tasks of ascending numbers; all tasks before the last of them are sampled."""
+        """Yield the tasks of ascending numbers; all tasks before the last one are sampled on the way."""
         requested = iter(numbers)
         following = next(requested, None)
         if following is None:
@@ -136,7 +136,7 @@ class WeightedOrder:
                     return
 
     def _draws(self) -> Iterator[tuple[int, Draw]]:
-        """Yield all tasks that weigh more than 0, with the place of their set."""
+        """Yield all tasks of positive weight, with the index of their set."""
         seen: set[Letters] = set()
         weight_seen, misses = Fraction(0), 0
         places = {words.length: place for place, words in enumerate(self.whole)}
@@ -156,15 +156,15 @@ class WeightedOrder:
                 return
 
     def _remaining(self, seen: set[Letters]) -> Iterator[tuple[int, Draw]]:
-        """Yield the tasks that are left after those seen.
+        """Yield the tasks that remain after those seen.
 
-        A word that was seen, or is not accepted, is taken away when it is sampled: at most once.
+        Words that were seen or are not accepted are removed when they are sampled, at most once.
         """
         total = self.sampling.total_weight()
         weighed = [words.engine.weighed(words.length, self.sampling.weights) for words in self.sets]
-        left = [RemainingWords(each, words.length) for each, words in zip(weighed, self.sets, strict=True)]
-        scale = lcm(*(each.unit.denominator for each in weighed))
-        factors = [int(each.unit * scale) for each in weighed]
+        left = [RemainingWords(weights, words.length) for weights, words in zip(weighed, self.sets, strict=True)]
+        scale = lcm(*(weights.unit.denominator for weights in weighed))
+        factors = [int(weights.unit * scale) for weights in weighed]
         lengths, choices = SeededBits(self.seed, " remaining lengths"), SeededBits(self.seed, " remaining words")
         while any(words.weight for words in left):
             number = sum(words.taken for words in left)
@@ -181,10 +181,10 @@ class WeightedOrder:
 
 
 def distinct_order(sampling: TaskSampling, seed: int) -> UniformOrder | WeightedOrder:
-    """Return the different plans or tasks of a sampling, in the order of sampling without replacement.
+    """Return the distinct plans or tasks of a distribution, in the order of sampling without replacement.
 
     Raises:
-        QueryError: there is nothing to sample, or something else is to be sampled first.
+        QueryError: there is nothing to sample, or skeletons or goals are to be sampled first.
     """
     if sampling.over:
         raise QueryError(f"distinct tasks are sampled among those that are left; leave over={sampling.over!r} out")
@@ -197,13 +197,13 @@ def distinct_order(sampling: TaskSampling, seed: int) -> UniformOrder | Weighted
 
 
 def nonempty_sets(sampling: TaskSampling) -> tuple[WordSet, ...]:
-    """Return the words of each length that has some.
+    """Return the words of each nonempty length.
 
     Raises:
-        QueryError: no length has any.
+        QueryError: all lengths are empty.
     """
     engines, by = sampling.engines, sampling.by
-    for length in sorted(sampling.lengths, reverse=True):  # exploration for the longest serves all
+    for length in sorted(sampling.lengths, reverse=True):  # the exploration for the longest covers all
         engines.count(by, length)
     sets = tuple(WordSet(engines, by, length) for length in sampling.lengths if engines.count(by, length))
     if not sets:

@@ -1,4 +1,4 @@
-"""The engines of a domain, each made lazily, and what task spaces of its lengths share: counts, samplers, tasks."""
+"""The engines of a domain, created lazily, and what its task spaces share: counts, samplers, task builder."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Value = TypeVar("Value")
 class DomainEngines:
     """The engines of a domain under some conditions, by level and length.
 
-    No plan is shorter than `fewest_actions`: questions about shorter ones are answered without an engine.
+    No plan has fewer than `fewest_actions` actions; shorter lengths need no engine.
     """
 
     model: DomainLogic
@@ -55,13 +55,13 @@ class DomainEngines:
 
     @cached_property
     def _needs_a_step(self) -> bool:
-        """Whether the engine would judge a plan without actions as if there had been a step."""
+        """True if the engine would check rules after a step on the plan without actions."""
         if self.name not in ONE_STEP or self.model.obstacles:
             return False
         return self.model.ground.after_steps_alone
 
     def _report_all_ground(self) -> None:
-        """Report the statement for which all entities of a large domain are ground."""
+        """Report the statement that prevents the reduction of a large domain."""
         domain = self.model.domain
         if not domain.irreducible or not self.progress:
             return
@@ -71,7 +71,7 @@ class DomainEngines:
             self.progress(Note(f"note: all entities are ground, though many are alike: {domain.irreducible}"))
 
     def count(self, by: Level, length: int, prefix: Letters = ()) -> int:
-        """Return the number of words, which is cached."""
+        """Return the number of words, and cache it."""
         key = (by, length, prefix)
         if key not in self._counts:
             reduced = self._reduced.count(by, length, prefix) if self._reduced else None
@@ -80,7 +80,7 @@ class DomainEngines:
 
     @cached_property
     def _reduced(self) -> ReducedCounter | None:
-        """The counter of the small-model reduction, where a domain has more entities than it needs."""
+        """The counter of the small-model reduction; None for a domain without one."""
         domain = self.model.domain
         if domain.reduction is None:
             return None
@@ -89,7 +89,7 @@ class DomainEngines:
         return ReducedCounter(domain, domain.reduction, self.name, self.progress, self.limits)
 
     def latest(self, kind: str, key: Any, make: Callable[[], Value]) -> Value:
-        """Return the value of a key; only the latest value of each kind is kept, because samplers are large."""
+        """Return the value of a key; only the latest value of each kind is cached because samplers are large."""
         if kind not in self._latest or self._latest[kind][0] != key:
             self._latest[kind] = (key, make())
         value: Value = self._latest[kind][1]

@@ -1,4 +1,4 @@
-"""Why a task space is empty, and what would have to change."""
+"""Explain why a task space is empty, and which changes would make it nonempty."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Reasons:
-    """What together leaves a space no task: conditions of the space, and lines of the domain.
+    """A minimal set of conditions of a space and lines of its domain that together leave no task.
 
-    Without any one of them, and of all lines that restrict plans just the others, there is a task. Without lines, what
-    the domain declares has none, whatever its lines forbid.
+    Removing any one of them, with only the others as restrictions, leaves a task. Without lines, the declarations of
+    the domain alone allow no task.
     """
 
     conditions: tuple[Clause, ...]
@@ -38,22 +38,22 @@ class Reasons:
 def why_empty(
     space: TaskSpace, *, action: str | Atom | None = None, step: int | None = None, smallest: bool = False
 ) -> Reasons | None:
-    """Return why a space has no task, None where it has one.
+    """Return why a space has no task, or None if it has one.
 
-    With `action`, an action or the name of some, only tasks count that have it, with `step` as their action of that
-    number, from 1. What a line does to a fluent that is not among the reasons may be anything: a postcondition that is
-    not among them changes its fluent to any value. With `smallest`, there are as few lines as can be.
+    With `action`, an action or a name of actions, only tasks that contain it count; with `step`, from 1, only those
+    that have it at that step. A postcondition that is not among the reasons may change its fluent to any value. With
+    `smallest`, the number of lines is minimal.
 
     Raises:
         QueryError: there is no such action or step.
-        EngineError: the program has no counterpart in clauses.
+        EngineError: the program cannot be translated to clauses.
     """
     occurring = _occurring(space, action, step)
     clauses: Sequence[Clause] = space.condition.clauses
     if has_plan(_program(space, clauses), space.length, occurring):
         return None
     for clause in space.condition.clauses:
-        rest = [each for each in clauses if each != clause]
+        rest = [other for other in clauses if other != clause]
         if not has_plan(_program(space, rest), space.length, occurring):
             clauses = rest
     with LiftableLines(_program(space, clauses), space.length, occurring) as lines:
@@ -63,14 +63,14 @@ def why_empty(
 def fewest_changes(
     space: TaskSpace, *, action: str | Atom | None = None, step: int | None = None
 ) -> tuple[tuple[RestrictingLine, ...], ...]:
-    """Return the lines of the domain each of which, removed, leaves an empty space a task, all its conditions kept.
+    """Return the single lines of the domain whose removal gives an empty space a task; all its conditions stay.
 
-    Where no single line does, it is one smallest set of lines; where all lines together do not, there is none. A space
-    that has a task needs no change: the only set is the empty one. Of `action` and `step`, see `why_empty`.
+    If no single line suffices, the result is one smallest set of lines; if all lines together do not, it is empty. For
+    a space with a task, it is the empty set of lines alone. For `action` and `step`, see `why_empty`.
 
     Raises:
         QueryError: there is no such action or step.
-        EngineError: the program has no counterpart in clauses.
+        EngineError: the program cannot be translated to clauses.
     """
     program, occurring = _program(space, space.condition.clauses), _occurring(space, action, step)
     if has_plan(program, space.length, occurring):
@@ -80,13 +80,13 @@ def fewest_changes(
 
 
 def _program(space: TaskSpace, clauses: Sequence[Clause]) -> Program:
-    """Return the program of a space's domain under some conditions, none of its actions left out beforehand."""
+    """Return the program of a space's domain under some conditions, without pruning any actions."""
     domain = conditioned(space.domain, Condition(tuple(clauses)))
     return whole_program(replace(domain, facts=replace(domain.facts, pruned=(), unreachable=(), static=())))
 
 
 def _occurring(space: TaskSpace, action: str | Atom | None, step: int | None) -> Occurring | None:
-    """Return which actions are asked for, and when; None where no action is.
+    """Return the requested actions with their possible steps; None if no action is requested.
 
     Raises:
         QueryError: there is no such action or step.
@@ -96,11 +96,11 @@ def _occurring(space: TaskSpace, action: str | Atom | None, step: int | None) ->
             raise QueryError(f"step {step} of which action? name the action, too")
         return None
     if step is not None and not 1 <= step <= space.length:
-        known = f"its steps are 1 to {space.length}" if space.length else "it has none"
-        raise QueryError(f"a task of length {space.length} has no step {step}; {known}")
+        steps_text = f"its steps are 1 to {space.length}" if space.length else "it has none"
+        raise QueryError(f"a task of length {space.length} has no step {step}; {steps_text}")
     facts: Facts = space.domain.facts
     text = str(action)
     parse_prefix([text], "plan", facts)
-    asked = {each for each in facts.actions if text in (action_name(each), str(each))}
     steps = range(1, space.length + 1) if step is None else (step,)
-    return [(each, at) for each in facts.actions if each in asked for at in steps]
+    actions = [candidate for candidate in facts.actions if text in (action_name(candidate), str(candidate))]
+    return [(candidate, at) for candidate in actions for at in steps]

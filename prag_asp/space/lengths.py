@@ -10,14 +10,14 @@ from prag_asp.errors import QueryError
 RANGE = re.compile(r"\s*(?P<first>[0-9]{1,9})\s*(\.\.\s*(?P<last>[0-9]{1,9})\s*)?", re.ASCII)
 
 MOST = 100_000
-"""Lengths of one space at most: the command line and the tables of suites allow no more either."""
+"""Maximum number of lengths of one space, on the command line and in suite tables as well."""
 
 
 def parse_lengths(length: int | str | Iterable[int]) -> tuple[int, ...]:
     """Return the lengths that a value states, in its order.
 
     Raises:
-        QueryError: there is none, one is no whole number of at least 0, or one is given twice.
+        QueryError: there is none, one is no whole number of at least 0, or one is repeated.
     """
     if isinstance(length, int):
         return (checked_length(length),)
@@ -31,7 +31,7 @@ def parse_lengths(length: int | str | Iterable[int]) -> tuple[int, ...]:
             raise QueryError(f"length {first}..{length[-1]}: more than {MOST:,} lengths; give fewer")
     if not isinstance(length, Iterable):
         return (checked_length(length),)
-    lengths = tuple(checked_length(each) for each in length)
+    lengths = tuple(map(checked_length, length))
     if not lengths or len(set(lengths)) < len(lengths):
         raise QueryError(f"lengths {lengths}: give at least one, and each once")
     return lengths

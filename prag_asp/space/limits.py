@@ -17,18 +17,18 @@ BINARY = {"ki": 2**10, "mi": 2**20, "gi": 2**30, "ti": 2**40}
 DURATIONS = {"": 1, "s": 1, "m": 60, "min": 60, "h": 3600}
 QUANTITY = r"(?P<number>\d+(\.\d+)?)\s*(?P<unit>[a-z]*)"
 LEAST_CLOSING, MOST_CLOSING = 0.1, 5.0
-"""Least and most seconds after the limit for counting what was found until then; between them, 5 % of the limit."""
+"""Bounds in seconds on the extra time for counting partial results after a limit; between them, 5 % of the limit."""
 
-Found = TypeVar("Found")
+Item = TypeVar("Item")
 
 
 @dataclass(frozen=True)
 class Limits:
-    """The limits of a question: memory of the whole process in bytes, and seconds; None is without limit.
+    """The limits of a query: memory of the whole process in bytes, and seconds; None means unlimited.
 
-    They are checked between two pieces of work in Python; clingo's grounder, for one, does not check them. `cached`
-    says whether results that took long are cached for the next run. `since` is when the seconds of all questions
-    together began, on the monotonic clock; with None, each question has its own.
+    They are checked between steps in Python; clingo's grounder, for example, does not check them. With `cached`,
+    expensive results are cached for the next run. `since` is the common start of all queries on the monotonic clock;
+    with None, each query has its own start.
     """
 
     memory_bytes: int | None = None
@@ -37,7 +37,7 @@ class Limits:
     since: float | None = None
 
     def begin(self) -> Budget:
-        """Start the clock for one question."""
+        """Start the clock for one query."""
         return Budget(self, monotonic() if self.since is None else self.since)
 
 
@@ -46,7 +46,7 @@ UNLIMITED = Limits()
 
 @dataclass(frozen=True)
 class Budget:
-    """The limits of a question that was begun at a time of the monotonic clock."""
+    """The limits of a query that began at a time of the monotonic clock."""
 
     limits: Limits
     begun: float
@@ -62,45 +62,45 @@ class Budget:
         return None
 
     def left(self) -> float | None:
-        """Return the seconds that are left, or None where they are not limited."""
+        """Return the remaining seconds, or None without a time limit."""
         seconds = self.limits.seconds
         return None if seconds is None else max(self.begun + seconds - monotonic(), 0.0)
 
     def to_close(self) -> Budget:
-        """Return the budget for counting what was found until a limit: the time that is left, and a little more.
+        """Return the budget for counting partial results at a limit: the remaining time, and a little more.
 
-        It has no limit on memory because counting takes little.
+        It has no memory limit because counting needs little memory.
         """
         seconds = self.limits.seconds
         if seconds is None:
             return Budget(UNLIMITED, self.begun)
-        own = min(max(seconds / 20, LEAST_CLOSING), MOST_CLOSING)
+        extra = min(max(seconds / 20, LEAST_CLOSING), MOST_CLOSING)
         late = max(monotonic() - self.begun - seconds, 0)
-        return Budget(Limits(seconds=seconds), self.begun, late + own)
+        return Budget(Limits(seconds=seconds), self.begun, late + extra)
 
     def to_report(self) -> Budget:
-        """Return the same, or `MOST_CLOSING` seconds where a limit on memory alone was reached."""
+        """Return the budget of `to_close`, or `MOST_CLOSING` seconds if there is only a memory limit."""
         return Limits(seconds=MOST_CLOSING).begin() if self.limits.seconds is None else self.to_close()
 
 
-def within(limits: Limits, words: Iterator[Found], level: str, length: int) -> Iterator[Found]:
+def within(limits: Limits, words: Iterator[Item], level: str, length: int) -> Iterator[Item]:
     """Yield words until a limit is reached.
 
     Raises:
-        LimitReached: a limit is reached; the error has the number of words that were found.
+        LimitReached: a limit is reached; the error has the number of words yielded so far.
     """
     budget = limits.begin()
-    for found, word in enumerate(words):
+    for number, word in enumerate(words):
         reason = budget.reached_limit()
         if reason:
-            raise limit_error(reason, found, level, length)
+            raise limit_error(reason, number, level, length)
         yield word
 
 
 def limit_error(reason: StopReason, found: int, level: str, length: int, states: int = 0) -> LimitReached:
-    """Return the error for a limit that ended a count when `found` words were found.
+    """Return the error for a limit that ended a count after `found` words.
 
-    The message names the number of explored states where there are any.
+    The message gives the number of explored states, if there are any.
     """
     explored = f" with {states:,} states explored" if states else ""
     option = "time" if reason.kind == StopKind.TIME else "memory"
@@ -139,6 +139,6 @@ def parse_time(text: str) -> float:
 
 
 def _quantity(text: str) -> tuple[float | None, str]:
-    found = re.fullmatch(QUANTITY, text.strip().lower())
-    number = float(found["number"]) if found else 0.0
-    return (number, found["unit"]) if found and number else (None, "")
+    match = re.fullmatch(QUANTITY, text.strip().lower())
+    number = float(match["number"]) if match else 0.0
+    return (number, match["unit"]) if match and number else (None, "")

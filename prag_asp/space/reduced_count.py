@@ -1,9 +1,9 @@
 """Counts with the small-model reduction (see `prag_asp.reduction`).
 
 Tasks and skeletons are those of the reduced program. A task whose plan names j of a group of m interchangeable entities
-stands for m (m - 1) ... (m - j + 1) plans. The numbers of plans that name j entities, for all j, are the digits of one
-sum of weights: each entity that a plan uses weighs a power of two that exceeds all counts (Kronecker's substitution).
-Such weights treat entities alike, so that states still merge. docs/explanations/needed.md has the proof.
+stands for m (m - 1) ... (m - j + 1) plans. The numbers of plans that name j entities, for all j, are the digits of a
+single weighted count: each entity that a plan uses weighs a power of two above all counts (Kronecker substitution).
+These weights are symmetric in the entities, so that states still merge. docs/explanations/needed.md has the proof.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ Group = tuple[clingo.Symbol, ...]
 
 @dataclass
 class ReducedCounter:
-    """Counts the words of a domain with its small-model reduction; `engine` is the name of an engine."""
+    """Count the words of a domain with its small-model reduction; `engine` is the name of an engine."""
 
     domain: Domain
     reduction: Reduction
@@ -47,7 +47,7 @@ class ReducedCounter:
     _models: dict[tuple[int, ...], ReducedModel] = field(default_factory=dict)
 
     def count(self, by: Level, length: int, prefix: Letters = ()) -> int | None:
-        """Return the number of words of a length, or None if the reduction does not give it.
+        """Return the number of words of a length, or None if the reduction does not apply.
 
         Raises:
             LimitReached: a limit ended the count; the error has the number of words counted so far.
@@ -80,7 +80,7 @@ class ReducedCounter:
 
 @dataclass
 class ReducedModel:
-    """The logic of the reduced program, and the `groups` of entities of the whole one; `name` is that of an engine."""
+    """The logic of the reduced program, and the `groups` of entities of the whole one; `name` names the engine."""
 
     model: DomainLogic
     groups: Sequence[Group]
@@ -90,7 +90,7 @@ class ReducedModel:
     _engines: dict[Level, Engine] = field(default_factory=dict)
 
     def takes(self, prefix: Letters) -> bool:
-        """Return whether a prefix has only names of actions: an action may name an entity that is not ground."""
+        """Return whether a prefix has only names; a ground action may use an entity outside the reduction."""
         actions = self.model.domain.facts.actions
         names, spelled = set(map(action_name, actions)), set(map(str, actions))
         return all(name_in_prefix(item, spelled) in names for item in prefix)
@@ -110,30 +110,30 @@ class ReducedModel:
 
     @cached_property
     def whole_sizes(self) -> tuple[int, ...] | None:
-        """The size in the whole program of each group of interchangeable entities; None if the reduction is no use.
+        """The size of each group of interchangeable entities in the whole program; None without a valid reduction.
 
-        That is so if entities of a group are not all interchangeable, or if units are interchangeable either in the
-        reduced program or in the whole one, but not in both.
+        There is none if entities of a group are not all interchangeable, or if units are interchangeable in only
+        one of the reduced and the whole program.
         """
         sizes = list(map(len, self.alike))
         for group in self.groups:
             ground = set(group) & self.model.domain.facts.entities.keys()
-            places = [place for place, each in enumerate(self.alike) if ground.issubset(each)]
+            places = [place for place, members in enumerate(self.alike) if ground.issubset(members)]
             if not places:
                 return None
             sizes[places[0]] += len(group) - len(ground)
         return tuple(sizes) if self._keep_units(sizes) else None
 
     def _keep_units(self, sizes: Sequence[int]) -> bool:
-        """Return whether the same units are interchangeable in the whole program, given its sizes of groups.
+        """Return whether the same units are interchangeable in the whole program, given the sizes of its groups.
 
-        Their groups need the same size in the whole program exactly where they have the same size in the reduced one.
+        Groups must have equal sizes in the whole program exactly if they have equal sizes in the reduced one.
         """
         size_of = {entity: size for group, size in zip(self.alike, sizes, strict=True) for entity in group}
-        here: dict[object, set[int]] = {}
+        ground_sizes: dict[object, set[int]] = {}
         for group, size in zip(self.alike, sizes, strict=True):
-            here.setdefault((self.model.domain.facts.entities[group[0]], size), set()).add(len(group))
-        return all(len(found) == 1 for found in here.values()) and all(
+            ground_sizes.setdefault((self.model.domain.facts.entities[group[0]], size), set()).add(len(group))
+        return all(len(sizes) == 1 for sizes in ground_sizes.values()) and all(
             len({size_of.get(entity) for entity in row}) == 1
             for units in self.model.symmetries(0).joint
             for row in zip(*units, strict=True)
@@ -154,31 +154,31 @@ class ReducedModel:
         )
         assert unit == 1
         stage("counting")
-        found, stop = self._weight(reach, length, prefix)
+        weight, stop = self._weight(reach, length, prefix)
         reason = reach.stop or stop
         if reason:
             raise limit_error(reason, 0, "plan", length, reach.states)
         pairs = [(len(group), len(members)) for group, members in zip(self.groups, ground, strict=True)]
-        return _renamed(found, [*zip(pairs, places, strict=False)])
+        return _renamed(weight, [*zip(pairs, places, strict=False)])
 
     def _weight(self, reach: Reach, length: int, prefix: Letters) -> tuple[int, StopReason | None]:
         """Return the weight of all words, and the limit that ended the sum, if any."""
         if not prefix:
             return count_within(reach.completions, length, self.limits.begin().reached_limit)
         names = [name_in_prefix(item, ()) for item in prefix]
-        sets = [frozenset(letter for letter, own in enumerate(reach.names) if own == name) for name in names]
+        sets = [frozenset(letter for letter, text in enumerate(reach.names) if text == name) for name in names]
         if reach.merged:
             return count_merged(reach.merged, reach.completions, length, sets), None
-        return count_words(reach.completions, length, [each.__contains__ for each in sets]), None
+        return count_words(reach.completions, length, [letters.__contains__ for letters in sets]), None
 
     def listed_plans(self, length: int, prefix: Letters) -> int:
-        """Return the number of plans of a length: enumerate the tasks, each of which stands for its renamings."""
+        """Return the number of plans of a length: enumerate the tasks and count the renamings of each."""
         actions = {str(action): action for action in self.model.domain.facts.actions}
-        found = 0
+        plans = 0
         try:
             for word in self.engine("task").words(length, prefix):
                 named = set[clingo.Symbol]().union(*(named_in(actions[letter], self._members) for letter in word))
-                found += prod(
+                plans += prod(
                     perm(size, len(named.intersection(group)))
                     for group, size in zip(self.alike, self.whole_sizes or (), strict=True)
                 ) * prod(
@@ -186,8 +186,8 @@ class ReducedModel:
                     for units in self.model.symmetries(0).joint
                 )
         except LimitReached as limit:
-            raise limit_error(limit.reason, found, "plan", length) from None
-        return found
+            raise limit_error(limit.reason, plans, "plan", length) from None
+        return plans
 
     @cached_property
     def _members(self) -> frozenset[clingo.Symbol]:
@@ -195,9 +195,9 @@ class ReducedModel:
 
 
 def _renamed(weight: int, groups: Sequence[tuple[tuple[int, int], int]]) -> int:
-    """Return the number of plans of the whole program, given the sum of the weights of those of the reduced one.
+    """Return the number of plans of the whole program, given the weighted count of the reduced one.
 
-    Each group has its size in the whole program, its size in the reduced one, and the number of bits of a digit.
+    Each group has its size in the whole and in the reduced program, and the number of bits of a digit.
     """
     if not groups:
         return weight
@@ -205,7 +205,7 @@ def _renamed(weight: int, groups: Sequence[tuple[tuple[int, int], int]]) -> int:
     total, named = 0, 0
     while weight:
         digit = weight & ((1 << bits) - 1)
-        found, rest = divmod(_renamed(digit, others) * perm(many, named), perm(few, named))
+        renamings, rest = divmod(_renamed(digit, others) * perm(many, named), perm(few, named))
         assert not rest, "a plan has renamings that were not counted"
-        total, named, weight = total + found, named + 1, weight >> bits
+        total, named, weight = total + renamings, named + 1, weight >> bits
     return total

@@ -1,4 +1,4 @@
-"""How the tasks of a space are sampled: by which weights, as tasks or plans, and what is sampled first."""
+"""The distribution of sampled tasks: the weights, the level, and an optional first choice of skeletons or goals."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class TaskSampling:
-    """Random plans, tasks or (uniformly) skeletons of some lengths, and exact figures on them.
+    """Random plans, tasks or (uniformly) skeletons of some lengths, and exact statistics of them.
 
-    With `over`, a skeleton or a goal is sampled uniformly first. A draw depends on the seed and its number alone.
+    With `over`, a skeleton or a goal is sampled uniformly first. A draw depends only on the seed and its number.
     """
 
     engines: DomainEngines
@@ -36,10 +36,10 @@ class TaskSampling:
     over: Over | None = None
 
     def batches(self, *, seed: int) -> Iterator[list[Draw]]:
-        """Return draws as texts with their exact probability, in batches that grow, without end.
+        """Return draws as texts with their exact probability, in growing batches, endlessly.
 
         Raises:
-            QueryError: there is nothing to sample, or goals of several lengths are to be sampled first.
+            QueryError: there is nothing to sample, or goals are to be sampled first over several lengths.
         """
         if len(self.lengths) == 1:
             letters = self.engines.engine(self.by, self.lengths[0]).letters
@@ -53,7 +53,7 @@ class TaskSampling:
         return sample_batches_of_lengths(portions, seed)
 
     def draws(self, *, seed: int) -> Iterator[Draw]:
-        """Return draws as texts with their exact probability, without end.
+        """Return draws as texts with their exact probability, endlessly.
 
         Raises:
             QueryError: as `batches` does.
@@ -63,7 +63,7 @@ class TaskSampling:
     def array(self, count: int, *, seed: int, first: int = 0) -> NDArray[np.int32]:
         """Return draws of one length from number `first` on, as an array of shape (count, length).
 
-        It holds places in `action_texts` of the space. Portions may be made separately.
+        Its values index `action_texts` of the space. Ranges of draws may be computed separately.
 
         Raises:
             QueryError: there is nothing to sample, or `count` is negative.
@@ -73,7 +73,7 @@ class TaskSampling:
         return self.sampler().sample(SeededBits(seed), first, count, with_probabilities=False).letters
 
     def sampler(self, length: int | None = None) -> Sampler:
-        """Return the sampler of a length, by default of the only one; the latest one is cached.
+        """Return the sampler of a length, by default the only one; the latest sampler is cached.
 
         Raises:
             QueryError: there is nothing to sample.
@@ -94,14 +94,14 @@ class TaskSampling:
         """Return the exact weight of all words of one length without some names and pairs of names (``grasp>move``).
 
         Raises:
-            QueryError: one of them is no action's name, nor a pair of such.
+            QueryError: an item is neither an action's name nor a pair of names.
         """
         engine = self.engines.engine(self.by, self._only_length)
         facts = self.engines.model.domain.facts
         return weight_of_words_without(engine, facts, self.by, self._only_length, self.weights, what)
 
     def statistics(self) -> Statistics:
-        """Return exact figures on the words of one length.
+        """Return exact statistics of the words of one length.
 
         Raises:
             QueryError: there is nothing to sample.
@@ -123,7 +123,7 @@ class TaskSampling:
     def _portions(self) -> list[Portion]:
         """Return the samplers of all lengths with a weight above 0, shortest first."""
         portions = []
-        for length in sorted(self.lengths, reverse=True):  # exploration for the longest serves all
+        for length in sorted(self.lengths, reverse=True):  # the exploration for the longest covers all
             weight = self._weight(length)
             if weight:
                 sampler = self.sampler(length)

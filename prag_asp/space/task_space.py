@@ -1,15 +1,14 @@
-"""The task space of a domain at one or several lengths: the one face that users see.
+"""The task space of a domain at one or several lengths: the public interface to its tasks.
 
-Modules that only some questions need are imported by their methods, so that a count starts at once.
+Modules that only some methods need are imported there, so that counting starts fast.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import copy
-from fractions import Fraction
 from itertools import chain, islice
-from typing import TYPE_CHECKING, Any, Protocol, overload
+from typing import TYPE_CHECKING, Any, overload
 
 from prag_asp.atom import Atom
 from prag_asp.batches import growing_batches
@@ -17,15 +16,13 @@ from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.symmetry.symmetries import Symmetries
-from prag_asp.program.entity_names import action_name
 from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.domain_engines import DomainEngines
-from prag_asp.space.engines import LEVELS, Level
+from prag_asp.space.engines import Level
 from prag_asp.space.engines.engine import Progress
-from prag_asp.space.engines.prefix import parse_plan, parse_prefix
+from prag_asp.space.engines.prefix import Prefix, checked_level, engine_prefix, parse_plan
 from prag_asp.space.lengths import checked_length, parse_lengths, spelled_lengths
 from prag_asp.space.limits import UNLIMITED, Limits
-from prag_asp.space.plans.canonical_plan import canonical_prefix
 from prag_asp.space.weights.weights import Number, Weights, parse_weights
 from prag_asp.space.word_set import WordSet
 from prag_asp.task import Task
@@ -36,40 +33,24 @@ if TYPE_CHECKING:
     from prag_asp.space.plans.readings import Readings
     from prag_asp.space.sampling.samplers import Over
     from prag_asp.space.sampling.statistics import Statistics
+    from prag_asp.space.sampling.streams import ProbablePlan
     from prag_asp.space.task_sampling import TaskSampling
     from prag_asp.space.weights.temperature import Temperature
 
-Prefix = Sequence[str | Atom]
-"""What a plan begins with: for each of the first steps an action or the name of one."""
-
 GivenWeights = Mapping[str, Number] | Weights | None
-"""Weights by action names, pairs (``grasp>move``), entities and classes; None are those of the domain."""
-
-
-class ProbablePlan(Protocol):
-    """A plan that was sampled, as the texts of its actions, with its probability."""
-
-    @property
-    def word(self) -> tuple[str, ...]:
-        """The texts of its actions."""
-        ...
-
-    @property
-    def probability(self) -> Fraction:
-        """The probability of the draw."""
-        ...
+"""Weights by action names, pairs (``grasp>move``), entities and classes; None means those of the domain."""
 
 
 class TaskSpace:
     """All tasks of a domain with a given number of actions: counted, enumerated, tested and sampled exactly.
 
-    `length` is that number, several (``range(3, 7)``), or a text (``"3..6"``). `engine` is ``automaton``, ``clingo``,
-    ``sat``, ``sharp``, ``symbolic`` or ``auto``; `limits` say what each question may take. Ranks, statistics, splits
-    and estimates are those of one length. There is no ``len()``: counts outgrow it.
+    `length` is that number, several numbers (``range(3, 7)``), or a text (``"3..6"``). `engine` is ``automaton``,
+    ``clingo``, ``sat``, ``sharp``, ``symbolic`` or ``auto``; `limits` bound the time and memory of each query. Ranks,
+    statistics, splits and estimates need a single length. There is no ``len()`` because counts exceed its range.
 
     Raises:
-        QueryError: a length is no whole number or negative, there is none, or there is no such engine.
-        EngineError: the engine cannot express the domain; it is raised by the first question.
+        QueryError: a length is negative or not a whole number, there is no length, or no such engine.
+        EngineError: the engine cannot express the domain; the first query raises it.
     """
 
     def __init__(
@@ -95,7 +76,7 @@ class TaskSpace:
         return space
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Allow pickling; the copy computes anew and reports no progress."""
+        """Support pickling; the copy recomputes its results and reports no progress."""
         engines = self.engines
         return _unpickled, (self.domain, self.lengths, engines.name, engines.limits, self.condition, self._part_of)
 
@@ -113,13 +94,13 @@ class TaskSpace:
 
     @property
     def title(self) -> str:
-        """The domain, the lengths and the conditions in words."""
+        """The domain, the lengths and the conditions as text."""
         where = "".join(f", where {clause}" for clause in self.condition.clauses)
         return f"{self.domain.label} of length {spelled_lengths(self.lengths)}{where}"
 
     @property
     def symmetries(self) -> Symmetries:
-        """The interchangeable entities, alone and in units: tasks are plans up to the renamings that they generate."""
+        """The interchangeable entities and units; tasks are plans up to the renamings that these generate."""
         return self.engines.model.symmetries(self.length)
 
     def __repr__(self) -> str:
@@ -128,23 +109,23 @@ class TaskSpace:
         return f"TaskSpace({self.domain.label!r}, length={length!r}){where}"
 
     def at(self, length: int) -> TaskSpace:
-        """Return the space of one length, which may be another one, with the same conditions and engines."""
+        """Return the space of a single length, in this space or not, with the same conditions and engines."""
         space = copy(self)
         space.lengths = (checked_length(length),)
         return space
 
     def where(self, *conditions: str | Condition) -> TaskSpace:
-        """Return the space of the tasks that satisfy all of some conditions, each a value or its text.
+        """Return the space of the tasks that satisfy all `conditions`, given as values or texts.
 
-        Entities that a condition distinguishes are not interchangeable in that space; none become so by it.
+        Entities that a condition distinguishes are no longer interchangeable in that space.
 
         Raises:
-            QueryError: a condition cannot be read, or names something that the domain does not have.
+            QueryError: a condition cannot be parsed, or names something that the domain does not have.
         """
         return self._restricted(conditions, None)
 
     def _restricted(self, conditions: Iterable[str | Condition], part_of: TaskSpace | None) -> TaskSpace:
-        """Return the space under further conditions; with `part_of`, up to the renamings of that space."""
+        """Return the space with further conditions; `part_of` is the space whose renamings define its tasks."""
         space = copy(self)
         for condition in conditions:
             space.condition &= condition if isinstance(condition, Condition) else Condition.parse(condition)
@@ -160,14 +141,14 @@ class TaskSpace:
         return space
 
     def part(self, condition: str | Condition) -> TaskSpace:
-        """Return the tasks that satisfy a condition which all renamings of tasks keep, up to the same renamings.
+        """Return the tasks that satisfy a condition invariant under renamings, up to the renamings of this space.
 
-        `where` would find more entities interchangeable: where one is on b and one on a, these are.
+        `where` may make more entities interchangeable: if one entity is on b and one on a, then a and b become so.
         """
         return self._restricted([condition], self)
 
     def same_tasks(self, other: object) -> bool:
-        """Return whether another space has the same domain, lengths and conditions, so that its ranks are the same."""
+        """Return whether another space has the same domain, lengths and conditions, and so the same ranks."""
         if not isinstance(other, TaskSpace):
             return False
         request = self.domain, self.lengths, self.condition
@@ -178,50 +159,55 @@ class TaskSpace:
         )
 
     def count(self, by: Level = "task", prefix: Prefix = ()) -> int:
-        """Return the exact number of plans, tasks or skeletons that begin with `prefix`, of all lengths together.
+        """Return the exact number of plans, tasks or skeletons that begin with `prefix`, summed over all lengths.
 
         Raises:
-            QueryError: no such level, or the prefix names no action of the domain.
-            LimitReached: a limit ended the count of a length; the error has the number that was found of that one.
+            QueryError: there is no such level, or the prefix names no action of the domain.
+            LimitReached: a limit ended the count of a length; the error has the number counted for that length.
         """
         checked_level(by)
-        return sum(self.engines.count(by, length, self._prefix(by, prefix, length)) for length in self.lengths)
+        return sum(
+            self.engines.count(by, length, engine_prefix(prefix, by, length, self.domain, self.engines.model))
+            for length in self.lengths
+        )
 
     def estimate(
         self, by: Level = "task", prefix: Prefix = (), *, epsilon: float = 0.8, delta: float = 0.2, seed: int = 0
     ) -> Estimate:
-        """Return about how many plans, tasks or skeletons begin with `prefix`, whatever the engine: no exact number.
+        """Return an approximate number of plans, tasks or skeletons that begin with `prefix`; the engine is ApproxMC.
 
-        With a probability of at least 1 - `delta`, it is off by no more than a factor of 1 + `epsilon`.
+        With a probability of at least 1 - `delta`, it is within a factor of 1 + `epsilon` of the exact number.
 
         Raises:
-            QueryError: no such level, the prefix names no action of the domain, or a number is out of range.
-            EngineError: ApproxMC is not installed or fails, or the program has no counterpart in clauses.
-            LimitReached: it takes too long.
+            QueryError: there is no such level, the prefix names no action of the domain, or a number is out of range.
+            EngineError: ApproxMC is not installed or fails, or the program cannot be translated to clauses.
+            LimitReached: the time limit is reached.
         """
         from prag_asp.logic.formula.approximate import Estimate, Tolerance
         from prag_asp.space.engines.sharp_engine import estimate_words
 
         tolerance, engines = Tolerance(epsilon, delta), self.engines
         level, length = checked_level(by), self.length
-        first = self._prefix(by, prefix, length)
+        first = engine_prefix(prefix, by, length, self.domain, self.engines.model)
         if length < engines.fewest_actions:
             return Estimate(0, tolerance)
         return estimate_words(engines.model, level, length, first, tolerance, seed, engines.limits)
 
     def enumerate(self, by: Level = "task", prefix: Prefix = ()) -> Iterator[tuple[str, ...]]:
-        """Yield plans, tasks or skeletons as texts of actions or as names, length by length in rank order, lazily.
+        """Yield plans and tasks as texts of actions, skeletons as names, length by length in rank order, lazily.
 
         Raises:
-            QueryError: no such level, or the prefix names no action of the domain.
+            QueryError: there is no such level, or the prefix names no action of the domain.
         """
         checked_level(by)
-        prefixes = {length: self._prefix(by, prefix, length) for length in self.lengths}
-        each = (self.engines.engine(by, length).words(length, first) for length, first in prefixes.items())
-        return chain(next(each), chain.from_iterable(each))
+        prefixes = {
+            length: engine_prefix(prefix, by, length, self.domain, self.engines.model) for length in self.lengths
+        }
+        words = (self.engines.engine(by, length).words(length, first) for length, first in prefixes.items())
+        return chain(next(words), chain.from_iterable(words))
 
     def tasks(self, prefix: Prefix = ()) -> Iterator[Task]:
-        """Yield the tasks that begin with `prefix`, length by length in rank order, lazily, each once."""
+        """Yield each task that begins with `prefix` once, length by length in rank order, lazily."""
         return self.tasks_of_plans(self.enumerate("task", prefix))
 
     def __iter__(self) -> Iterator[Task]:
@@ -238,10 +224,10 @@ class TaskSpace:
     @overload
     def __getitem__(self, rank: slice) -> RankedTasks: ...
     def __getitem__(self, rank: int | slice) -> Task | RankedTasks:
-        """Return the task of a rank, or a lazy range: actions in clingo's order of terms, tasks lexicographically.
+        """Return the task of a rank, or a lazy range; tasks are in lexicographic order, actions in clingo's order.
 
         Raises:
-            IndexError: the rank is not below the number of tasks; a negative one counts from the end.
+            IndexError: the rank is out of range; negative ranks count from the end.
         """
         from prag_asp.space.parts.ranked_tasks import RankedTasks, RankRange
 
@@ -253,10 +239,10 @@ class TaskSpace:
         return self._tasks.word(rank)
 
     def index(self, task: Task | Sequence[str | Atom]) -> int:
-        """Return the rank of a task, or of its plan; interchangeable entities may have any of their names.
+        """Return the rank of a task or a plan; the names of interchangeable entities do not matter.
 
         Raises:
-            QueryError: it is no task of this space, or has something that is no action.
+            QueryError: it is no task of this space, or contains something that is no action.
         """
         plan = parse_plan(task.actions if isinstance(task, Task) else task, self.domain.facts)
         rank = self._tasks.rank(tuple(map(str, plan)))
@@ -270,21 +256,21 @@ class TaskSpace:
         return WordSet(self.engines, "task", self.length)
 
     def action_texts(self, by: Level = "task") -> tuple[str, ...]:
-        """Return what the numbers of ``sampling().array`` stand for: the texts of actions, or names for skeletons."""
+        """Return the texts of actions, or names for skeletons, that the numbers of ``sampling().array`` index."""
         return self.engines.engine(checked_level(by), self.lengths[0]).letters
 
     def readings(self, task: Task) -> Readings:
-        """Return the ways to read a task's plan as whole composites and free actions; its validity is not checked."""
+        """Return the decompositions of a task's plan into composites and free actions; the plan is not validated."""
         from prag_asp.space.plans.readings import Readings
 
         return Readings(task.actions, self.engines.hierarchy)
 
     def tasks_of_plans(self, plans: Iterable[Sequence[str]]) -> Iterator[Task]:
-        """Yield the task of each of some valid plans, given as texts of actions, lazily."""
+        """Yield the task of each valid plan, given as texts of actions, lazily."""
         return self.engines.task_builder.tasks((plan, None) for plan in plans)
 
     def tasks_of_draws(self, draws: Sequence[ProbablePlan]) -> list[Task]:
-        """Return the task of each of some draws, with the logarithm of its probability: faster than one by one."""
+        """Return the task of each draw, with the logarithm of its probability; a batch is faster than single draws."""
         from prag_asp.space.sampling.streams import log_probability
 
         return self.engines.task_builder.build([(draw.word, log_probability(draw.probability)) for draw in draws])
@@ -300,18 +286,18 @@ class TaskSpace:
         over: Over | None = None,
         distinct: bool = False,
     ) -> list[Task]:
-        """Return random tasks, each with a probability proportional to its weight, exactly.
+        """Return random tasks with probabilities exactly proportional to their weights.
 
         `weights` maps action names, pairs (``grasp>move``), entities and classes to exact numbers; None takes those
         of the domain, and an empty mapping samples uniformly. A task's weight is a product over its actions, so among
-        several lengths weights above 1 favour long tasks. At `temperature` T each weight w becomes about w^(1/T):
-        ``"inf"`` makes all alike. With ``over="skeletons"`` (or ``"goals"``, at one length), a skeleton (or what is
-        known of the final state) is sampled uniformly, and then a task that has it by weight. With ``by="plan"``,
-        plans are sampled in place of tasks. Tasks are independent; with `distinct`, each is sampled among those that
-        are left.
+        several lengths weights above 1 favour long tasks. At `temperature` T each weight w becomes about w^(1/T);
+        ``"inf"`` makes all weights equal. With ``over="skeletons"`` (or ``"goals"``, at one length), a skeleton (or
+        the known part of a final state) is sampled uniformly, and then one of its tasks by weight. With
+        ``by="plan"``, plans are sampled instead of tasks. Samples are independent; with `distinct`, they are drawn
+        without replacement.
 
         Raises:
-            QueryError: there is nothing to sample, fewer distinct tasks than `count`, or a weight fits nothing.
+            QueryError: there is nothing to sample, fewer distinct tasks than `count`, or a weight matches nothing.
         """
         if count < 0:
             raise QueryError(f"cannot sample {count} tasks; give a number of at least 0")
@@ -335,7 +321,7 @@ class TaskSpace:
         over: Over | None = None,
         distinct: bool = False,
     ) -> Iterator[Task]:
-        """Yield tasks as `sample` returns them, without end; with `distinct`, until all were sampled."""
+        """Yield tasks as `sample` returns them, endlessly; with `distinct`, until all tasks are sampled."""
         if by == "skeleton":
             raise QueryError("tasks and plans are sampled, skeletons are not; choose task or plan")
         sampling = self.sampling(weights=weights, by=by, temperature=temperature, over=over)
@@ -354,20 +340,20 @@ class TaskSpace:
         temperature: Temperature = 1,
         over: Over | None = None,
     ) -> TaskSampling:
-        """Return what `sample` samples as one value: its draws as texts and arrays, its total weight, its statistics.
+        """Return the distribution that `sample` samples: draws as texts and arrays, total weight, statistics.
 
         Raises:
-            QueryError: no such level, or a weight fits nothing in the domain.
+            QueryError: there is no such level, or a weight matches nothing in the domain.
         """
         from prag_asp.space.task_sampling import TaskSampling
 
         return TaskSampling(self.engines, checked_level(by), self.lengths, self.weights(weights, temperature), over)
 
     def weights(self, weights: GivenWeights = None, temperature: Temperature = 1) -> Weights:
-        """Return weights as one parsed value, at a temperature.
+        """Return parsed weights at a temperature.
 
         Raises:
-            QueryError: a weight fits nothing in the domain, or is no exact number of at least 0.
+            QueryError: a weight matches nothing in the domain, or is no exact number of at least 0.
         """
         from prag_asp.space.weights.temperature import tempered
 
@@ -379,65 +365,43 @@ class TaskSpace:
     def statistics(
         self, *, weights: GivenWeights = None, by: Level = "task", temperature: Temperature = 1
     ) -> Statistics:
-        """Return exact figures on the tasks of one length, where they are sampled by weight.
+        """Return exact statistics of the tasks of one length when they are sampled by weight.
 
         Raises:
-            QueryError: there is nothing to sample, or a weight fits nothing.
+            QueryError: there is nothing to sample, or a weight matches nothing.
         """
         return self.sampling(weights=weights, by=by, temperature=temperature).statistics()
 
     def split(self, shares: Mapping[str, Number | float], *, seed: int = 0) -> dict[str, RankedTasks]:
-        """Return disjoint random parts that have these shares of the tasks, each rounded by less than one task.
+        """Return disjoint random parts with these shares of the tasks, each rounded by less than one task.
 
         Raises:
             QueryError: the shares do not add up to 1.
         """
-        from prag_asp.space.parts.ranked_tasks import RankedTasks, RankRange, ShuffledRanks
-        from prag_asp.space.parts.shares import divided, parse_shares
-        from prag_asp.space.parts.shuffle import Shuffle
+        from prag_asp.space.parts.ranked_tasks import RankedTasks
+        from prag_asp.space.splits import split_ranks
 
         self.length  # noqa: B018  ranks are those of one length
-        order = Shuffle(self.count(), seed)
-        parts = divided(order.size, parse_shares(shares))
-        return {name: RankedTasks(ShuffledRanks(order, RankRange(places)), self) for name, places in parts.items()}
+        return {name: RankedTasks(ranks, self) for name, ranks in split_ranks(self.count(), shares, seed).items()}
 
     def split_skeletons(self, shares: Mapping[str, Number | float], *, seed: int = 0) -> dict[str, TaskSpace]:
-        """Return disjoint random parts without a common skeleton, each a task space of this length.
+        """Return disjoint random parts that share no skeleton, each a task space of this length.
 
-        Their shares of the tasks are within two points of those requested, or, where whole skeletons allow no such
-        choice, as near as one was found; a warning says so.
+        Their shares of the tasks are within two percentage points of the requested ones. Where whole skeletons do not
+        allow that, the parts have the nearest shares that the search finds, with a `SharesWarning`.
 
         Raises:
             QueryError: the shares do not add up to 1.
         """
-        from prag_asp.space.conditions.whole_skeletons import divide_skeletons
-        from prag_asp.space.parts.shares import parse_shares
+        from prag_asp.space.splits import split_skeletons
 
-        spaces: dict[Condition, TaskSpace] = {}
-
-        def count(condition: Condition) -> int:
-            if condition not in spaces:
-                spaces[condition] = self.part(condition)
-            return spaces[condition].count()
-
-        parts = divide_skeletons(parse_shares(shares), seed, count, self._tasks_by_skeleton)
-        return {name: spaces[condition] for name, condition in parts.items()}
-
-    def _tasks_by_skeleton(self) -> dict[tuple[str, ...], int] | None:
-        """Return the number of tasks of each skeleton, None where they are many or cannot be spelled."""
-        from prag_asp.space.conditions.whole_skeletons import LONGEST, MOST_SKELETONS, SPELLABLE
-
-        if self.length > LONGEST or self.count("skeleton") > MOST_SKELETONS:
-            return None
-        if not all(map(SPELLABLE.fullmatch, self.action_texts("skeleton"))):
-            return None
-        return {skeleton: self.count("task", skeleton) for skeleton in self.enumerate("skeleton")}
+        return split_skeletons(self, shares, seed)
 
     def hold_out(self, what: str) -> tuple[TaskSpace, TaskSpace]:
-        """Return the tasks without and those with something: an entity, a class, an action's name or a pair of names.
+        """Return the tasks without and with `what`: an entity, a class, an action's name or a pair of names.
 
-        The first part is for training; the second has a composition that training never showed. Their tasks are those
-        of this space, whatever is interchangeable in a part alone.
+        The first part is for training; the second has a composition that training never shows. Both keep the
+        symmetries of this space, even if more entities are interchangeable within a part.
 
         Raises:
             QueryError: there is no such thing, or the entity is interchangeable with one that training shows.
@@ -448,31 +412,17 @@ class TaskSpace:
         return self.part(without), self.part(having)
 
     def dimacs(self, by: Level = "task") -> Iterator[str]:
-        """Yield the lines of a formula with one model for each word, projected on what it shows, for model counters.
+        """Yield the lines of a DIMACS formula with one projected model for each word, for model counters.
 
         Raises:
-            QueryError: no such level.
-            EngineError: the domain has no counterpart in clauses.
+            QueryError: there is no such level.
+            EngineError: the domain cannot be translated to clauses.
         """
         from prag_asp.logic.formula.cnf import dimacs
         from prag_asp.space.engines.word_formula import word_formula
 
         formula = word_formula(self.engines.model, checked_level(by), self.length)
         return dimacs(formula.cnf, [f"the {by}s of {self.title}, by prag_asp"])
-
-    def _prefix(self, by: Level, prefix: Prefix, length: int) -> tuple[str, ...]:
-        if isinstance(prefix, str):
-            raise QueryError(f"prefix {prefix!r}: give a list, such as [{prefix!r}]")
-        if not prefix:
-            return ()
-        items = [str(item) for item in prefix]
-        reduction = self.domain.reduction
-        if reduction and {*items} <= {action_name(action) for action in reduction.facts.actions}:
-            return parse_prefix(items, by, reduction.facts)
-        parsed = parse_prefix(items, by, self.domain.facts)
-        if by != "task" or not parsed:
-            return parsed
-        return canonical_prefix(parsed, self.engines.actions, self.engines.model.symmetries(length))
 
 
 def _unpickled(
@@ -483,16 +433,5 @@ def _unpickled(
     condition: Condition,
     part_of: TaskSpace | None,
 ) -> TaskSpace:
-    """Return the space that another process has pickled."""
+    """Return a space from its pickled fields."""
     return TaskSpace(domain, lengths, engine=engine, limits=limits)._restricted([condition], part_of)
-
-
-def checked_level(by: Level) -> Level:
-    """Return a level.
-
-    Raises:
-        QueryError: there is no such level.
-    """
-    if by not in LEVELS:
-        raise QueryError(f"no level {by!r}; there are {', '.join(LEVELS)}")
-    return by

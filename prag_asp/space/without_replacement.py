@@ -28,12 +28,12 @@ from prag_asp.space.word_set import WordSet
 from prag_asp.task import Task
 
 WHOLE = "train"
-"""The name of the only part of tasks that are not split: loaders of datasets expect this one."""
+"""The name of the only part of tasks that are not split, as dataset loaders expect it."""
 
 
 @dataclass(frozen=True)
 class DealtOrder:
-    """The tasks that are dealt to one of several makers of a dataset, numbered from 0 among themselves."""
+    """The share of tasks of one of several workers that generate a dataset, renumbered from 0."""
 
     order: TaskOrder
     deal: Deal
@@ -54,7 +54,7 @@ class DealtOrder:
 
 @dataclass(frozen=True)
 class Division:
-    """How tasks are divided into parts: by `shares`, of tasks or of whole skeletons, or by what only a part has."""
+    """A division of tasks into parts: by `shares` of tasks or of whole skeletons, or by a held-out feature."""
 
     shares: Mapping[str, Fraction]
     skeletons: bool = False
@@ -64,10 +64,10 @@ class Division:
     def parse(
         cls, shares: Mapping[str, Number | float] | None, *, skeletons: bool = False, hold_out: str | None = None
     ) -> Division:
-        """Return the division with some shares: one part by default, or four fifths for training with `hold_out`.
+        """Return the division with some shares: one part by default, or with `hold_out` 4/5 for training.
 
         Raises:
-            QueryError: the shares do not add up to 1, or do not fit the rest.
+            QueryError: the shares do not add up to 1, or do not fit the other options.
         """
         if hold_out is not None and skeletons:
             raise QueryError("tasks are split by whole skeletons, or by what is held out; leave one of them out")
@@ -83,7 +83,7 @@ class Division:
 
     @property
     def by_tasks(self) -> bool:
-        """Whether any two tasks may be in different parts."""
+        """True if any two tasks may be in different parts."""
         return not self.skeletons and self.hold_out is None
 
 
@@ -98,8 +98,8 @@ def ordered_parts(
 ) -> dict[str, TaskOrder]:
     """Return the tasks of each part of a space, in the order of sampling without replacement.
 
-    Without weights, lengths have their exact shares, or with `evenly` alternate. With a `deal`, only the tasks that
-    are dealt to one of several makers are returned.
+    Without weights, lengths have their exact shares, or alternate with `evenly`. A `deal` selects the tasks of one of
+    several workers.
 
     Raises:
         QueryError: a part is empty, there is nothing to sample, or weights are given `evenly`.
@@ -130,30 +130,30 @@ def ordered_parts(
 def with_tasks(
     space: TaskSpace, draws: Iterable[RankedDraw], *, together: int = 1
 ) -> Iterator[tuple[RankedDraw, Task]]:
-    """Yield each draw with its task, lazily, in batches that grow from `together` draws."""
+    """Yield each draw with its task, lazily, in batches that start with `together` draws and grow."""
     for batch in growing_batches(draws, BATCH, first=together):
         yield from zip(batch, space.tasks_of_draws(batch), strict=True)
 
 
 def _sets(space: TaskSpace, whole: Sequence[WordSet], division: Division, seed: int) -> dict[str, Sequence[WordSet]]:
-    """Return the words of each part, one set for each length of `whole`."""
+    """Return the words of each part, one set per length of `whole`."""
     lengths = [words.length for words in whole]
     if division.by_tasks:
         return dict.fromkeys(division.shares, whole)
     if division.hold_out is not None:
         train, test = space.at(max(lengths)).hold_out(division.hold_out)
         parts = {WHOLE: train, "test": test}
-        return {name: [WordSet(parts[name].engines, "task", each) for each in lengths] for name in division.shares}
+        return {name: [WordSet(parts[name].engines, "task", length) for length in lengths] for name in division.shares}
     shares = {name: str(share) for name, share in division.shares.items()}
     split = [space.at(length).split_skeletons(shares, seed=seed) for length in lengths]
     return {
-        name: [WordSet(each[name].engines, "task", length) for each, length in zip(split, lengths, strict=True)]
+        name: [WordSet(spaces[name].engines, "task", length) for spaces, length in zip(split, lengths, strict=True)]
         for name in division.shares
     }
 
 
 def order_of(sizes: Sequence[int], division: Division, name: str, seed: int, *, evenly: bool) -> RankOrder:
-    """Return the order of the ranks of a part, given the number of tasks of each length in all that is divided."""
+    """Return the order of the ranks of a part, given the number of tasks of each length in the divided whole."""
 
     def ranks(total: int) -> ShuffledRanks:
         places = divided(total, division.shares)[name] if division.by_tasks else range(total)
@@ -170,7 +170,7 @@ def _probabilities(sizes: Sequence[int], *, evenly: bool) -> list[Fraction]:
 def _acceptance(
     division: Division, sets: Sequence[WordSet], order: RankOrder
 ) -> Callable[[int, tuple[str, ...]], bool] | None:
-    """Return the function that tells whether a word is one of a part, None where all are."""
+    """Return the membership test of a part, or None if it contains all words."""
     if len(division.shares) == 1:
         return None
     if division.by_tasks:

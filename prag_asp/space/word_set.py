@@ -14,7 +14,7 @@ from prag_asp.space.plans.canonical_plan import canonical_names
 
 @dataclass(frozen=True)
 class WordSet:
-    """The words of one level and one length: counted, by rank, and ranked."""
+    """The words of one level and one length, with their count and ranks."""
 
     engines: DomainEngines
     by: Level
@@ -22,7 +22,7 @@ class WordSet:
 
     @property
     def engine(self) -> Engine:
-        """The engine that answers for them."""
+        """The engine of the level and length."""
         return self.engines.engine(self.by, self.length)
 
     def count(self) -> int:
@@ -34,9 +34,9 @@ class WordSet:
         return self.engine.unrank(self.length, rank)
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word, None where it is no word of the set.
+        """Return the rank of a word, or None if it is not in the set.
 
-        A task may have any names of interchangeable entities; with its canonical names it is found at once.
+        A task may use any names of interchangeable entities; canonical names are faster.
         """
         if len(word) != self.length:
             return None

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from prag_asp.space.automaton.walks import words_along
 
 KEPT_BYTES = 1 << 30
-"""Memory for the rows of one automaton, about."""
+"""Approximate memory for the cached rows of one automaton, in bytes."""
 
 Word = tuple[int, ...]
 """Letters of an automaton, by number."""
@@ -29,9 +29,9 @@ class Automaton:
     """A deterministic automaton whose words are the paths from state 0 to an accepting state.
 
     The edges of state s are the rows ``offsets[s]:offsets[s + 1]`` of `letters` and `targets`, in order of the letters,
-    which are numbers. `accepting` has shape (states,), `weights` (edges,) with a positive or zero int for each edge, or
-    is None where all weigh 1. An automaton without states has no words. `horizon` is the length up to which its words
-    are complete, None where all are.
+    which are numbers. `accepting` has shape (states,), and `weights` has shape (edges,) with a nonnegative integer for
+    each edge, or is None if all weights are 1. An automaton without states has no words. `horizon` is the length up to
+    which the words are complete, or None if all are.
     """
 
     offsets: NDArray[np.int64]
@@ -53,24 +53,24 @@ class Automaton:
 
     @cached_property
     def edges(self) -> list[tuple[list[int], list[int]]]:
-        """The letters and the targets of the edges of each state, as lists: those are read one by one fast."""
+        """The letters and the targets of the edges of each state, as lists, which are faster for single accesses."""
         letters, targets, offsets = self.letters.tolist(), self.targets.tolist(), self.offsets.tolist()
         return [(letters[begin:end], targets[begin:end]) for begin, end in pairwise(offsets)]
 
     def step(self, state: int, letter: int) -> int | None:
-        """Return the edge that a state has for a letter, if any."""
+        """Return the edge of a state with a letter, if any."""
         first, last = int(self.offsets[state]), int(self.offsets[state + 1])
         edge = first + int(np.searchsorted(self.letters[first:last], letter))
         return edge if edge < last and self.letters[edge] == letter else None
 
-    def with_edges(self, kept: NDArray[np.int64]) -> Automaton:
-        """Return the automaton with some of its edges alone, given by number in ascending order."""
+    def with_edges(self, edges: NDArray[np.int64]) -> Automaton:
+        """Return the automaton with only some of its edges, given by number in ascending order."""
         return replace(
             self,
-            offsets=np.searchsorted(self.sources[kept], np.arange(self.states + 1)).astype(np.int64),
-            letters=self.letters[kept],
-            targets=self.targets[kept],
-            weights=None if self.weights is None else self.weights[kept],
+            offsets=np.searchsorted(self.sources[edges], np.arange(self.states + 1)).astype(np.int64),
+            letters=self.letters[edges],
+            targets=self.targets[edges],
+            weights=None if self.weights is None else self.weights[edges],
         )
 
 
@@ -85,7 +85,7 @@ def positive(automaton: Automaton) -> Automaton:
 
 
 def avoiding(automaton: Automaton, letters: Collection[int]) -> Automaton:
-    """Return the automaton of the words without any of some letters."""
+    """Return the automaton of the words without some letters."""
     return automaton.with_edges(np.flatnonzero(~np.isin(automaton.letters, list(letters))))
 
 
@@ -103,10 +103,10 @@ def accepts(automaton: Automaton, word: Sequence[int]) -> bool:
 
 
 class Completions:
-    """For each number of letters left, the weight of all words that complete a path from each state.
+    """For each number of remaining letters, the total weight of the completions from each state.
 
-    Exact: 64-bit integers as long as nothing can overflow them, Python integers from then on. All rows are kept while
-    they fit into `KEPT_BYTES`; then every second, fourth, ... is, and those between are made again when asked for.
+    Values are exact: 64-bit integers while overflow is impossible, Python integers from then on. All rows are cached
+    while they fit into `KEPT_BYTES`; then every second, fourth, ... row is, and those between are recomputed.
     """
 
     def __init__(self, automaton: Automaton) -> None:
@@ -122,25 +122,25 @@ class Completions:
 
     def row(self, left: int) -> NDArray[Any]:
         """Return the weights for `left` letters, shape (states,), of dtype int64 or object."""
-        found = self._kept.get(left)
-        if found is None:
-            found = self._between.get(left)
-        return self._climb(left) if found is None else found
+        row = self._kept.get(left)
+        if row is None:
+            row = self._between.get(left)
+        return self._climb(left) if row is None else row
 
     def _climb(self, left: int) -> NDArray[Any]:
-        """Return a row by way of those after the last one kept before it."""
+        """Return a row, computed from the last cached row before it."""
         place = left - left % self._every
         while place not in self._kept:
             place -= self._every
         row = self._kept[place]
         self._between = {}
-        for each in range(place + 1, left + 1):
+        for number in range(place + 1, left + 1):
             row = self.following(row)
-            if each % self._every:
-                self._between[each] = row
+            if number % self._every:
+                self._between[number] = row
             else:
                 self._between = {}
-                self._keep(each, row)
+                self._keep(number, row)
         return row
 
     def _keep(self, left: int, row: NDArray[Any]) -> None:
@@ -150,12 +150,12 @@ class Completions:
             self._bytes += sum(map(getsizeof, row.tolist()))
         if self._bytes > KEPT_BYTES:
             self._every *= 2
-            self._kept = {each: kept for each, kept in self._kept.items() if each % self._every == 0}
+            self._kept = {number: row for number, row in self._kept.items() if number % self._every == 0}
             self._bytes //= 2
 
     def last_row(self, left: int) -> NDArray[Any]:
-        """Return the same as `row` without keeping the rows before it."""
-        place = max(each for each in self._kept if each <= left)
+        """Return the same as `row` without caching the rows before it."""
+        place = max(number for number in self._kept if number <= left)
         row = self._kept[place]
         for _ in range(left - place):
             row = self.following(row)
@@ -176,7 +176,7 @@ class Completions:
 
 
 NO_PATHS = Completions(NOTHING)
-"""Of what is never listed."""
+"""The completions of an automaton whose states are not listed."""
 
 
 def count_words(completions: Completions, length: int, prefix: Sequence[Callable[[int], bool]] = ()) -> int:
@@ -216,7 +216,7 @@ def words(completions: Completions, length: int, prefix: Sequence[Callable[[int]
 class Ranking:
     """The words of one length in lexicographic order of their letters (Nijenhuis and Wilf 1978), without weights.
 
-    Rows of completions are all that is kept, so that memory does not grow with the words asked for.
+    Only rows of completions are cached, so that memory does not grow with the number of queries.
     """
 
     def __init__(self, completions: Completions, length: int) -> None:

@@ -11,7 +11,7 @@ from prag_asp.space.automaton.automaton import Automaton, Completions
 from prag_asp.stop_reason import LimitCheck, StopReason
 
 REPORTED = 4096
-"""Letters between two reports of progress."""
+"""Number of letters between two progress reports."""
 
 
 def count_within(
@@ -20,10 +20,10 @@ def count_within(
     check: LimitCheck,
     tell: Callable[[str], None] = lambda words: None,
 ) -> tuple[int, StopReason | None]:
-    """Return the weight of all words of a length, and None; or what is known of it at a limit, and which limit it is.
+    """Return the weight of all words of a length, and None; or at a limit a lower bound, and the limit.
 
-    What is known then is no more than the weight of the words that begin with one path, to where the completions are
-    known. `tell` hears now and then how far it is.
+    The lower bound is the weight of the words that begin with one path up to where the completions are known. `tell` is
+    called periodically with the progress.
     """
     automaton = completions.automaton
     if not automaton.states:
@@ -40,10 +40,10 @@ def count_within(
 
 
 def _along_one_path(automaton: Automaton, steps: int, row: NDArray[Any]) -> int:
-    """Return a weight of words that begin with one path of `steps` steps, where `row` has what completes it.
+    """Return the weight of the words that begin with one path of `steps` steps, or less; `row` has the completions.
 
-    In each state the path goes on in the same way, so that it soon goes around; rounds that are left out count once,
-    which is a lower bound because weights are whole numbers.
+    The path leaves each state by the same edge, so that it soon cycles. Skipped cycles count as factor 1, which is a
+    lower bound because weights are integers.
     """
     state, weight, left = 0, 1, steps
     seen: dict[int, int] = {}

@@ -1,7 +1,7 @@
-"""From a step function to the automaton of its plans: breadth-first, all states of a layer at once.
+"""Explore the automaton of the plans of a step function breadth-first, many states of a layer at once.
 
-States are numbered in the order in which a breadth-first search finds them that takes states by their number and the
-actions of a state in their order. So numbers depend on the step function alone.
+States are numbered in the order of a breadth-first search that expands states by number and actions in their order, so
+that numbers depend only on the step function.
 """
 
 from __future__ import annotations
@@ -26,21 +26,21 @@ if TYPE_CHECKING:
     from prag_asp.logic.symmetry.twins import Twins
 
 MOST, FEWEST = 16_384, 64
-"""States that are expanded together: enough to amortise the overhead of NumPy, few enough for the memory."""
+"""Bounds on the states expanded together: enough to amortise the overhead of NumPy, few enough for the memory."""
 
 MANY = 4096
-"""Number of states from which those too far from the end of a plan are not expanded; fewer are expanded as fast."""
+"""Number of states from which states too far from the end of a plan are pruned; below, pruning gains nothing."""
 
 FEW = 1 / 16
-"""The least share of states too far from the end for which it pays to look for them."""
+"""Minimum share of states too far from the end for which pruning pays off."""
 
 ROOM = 2**26
-"""Bytes that the states after those expanded together should take at most."""
+"""Target for the maximum memory of the successors of states expanded together, in bytes."""
 
 
 @dataclass(frozen=True)
 class Extent:
-    """The extent of an exploration; `nbytes` is the memory in use, including what concatenating the edges takes."""
+    """The extent of an exploration; `nbytes` is its memory, including that for concatenating the edges."""
 
     depth: int
     states: int
@@ -49,16 +49,16 @@ class Extent:
 
 
 Watch = Callable[[Extent], "StopReason | None"]
-"""Called now and then with the extent of the exploration; returns why it has to stop, None as long as it may go on."""
+"""Called periodically with the extent of the exploration; returns a reason to stop, or None to continue."""
 
 
 @dataclass(frozen=True)
 class Renamings:
     """The meaning of edges and states of an automaton with merged states.
 
-    An edge stands for `multiplicities` actions, shape (edges,); its letter is the first of them. The state after it,
-    renamed, is the target: entity ``orders[order_of[edge], j]`` of the one is entity j of the other. `twins` says of
-    each state which entities cannot be told from the one before, shape (states, entities).
+    An edge stands for `multiplicities` actions, shape (edges,); its letter is the first of them. Its target is the
+    renamed successor: entity ``orders[order_of[edge], j]`` of the successor is entity j of the target. `twins` marks
+    for each state the entities that are indistinguishable from the previous one, shape (states, entities).
     """
 
     multiplicities: NDArray[np.int64]
@@ -71,8 +71,8 @@ class Renamings:
 class Exploration:
     """The automaton of the plans of a step function.
 
-    `labels` has shape (edges, number of labels). `stop` is why exploration ended early, if it did: some states
-    then have no edges, so that words are missing, none wrong.
+    `labels` has shape (edges, number of labels). `stop` is the reason if exploration ended early; then some states lack
+    edges, so that words are missing but none is wrong.
     """
 
     automaton: Automaton
@@ -91,10 +91,10 @@ def explore(
 ) -> Exploration:
     """Return the automaton of all plans of up to `length` actions, with states merged as `merging` allows.
 
-    Letters are numbers of `transition.actions`. Where plans end in some states alone, and there are `MANY` states, a
-    state is not expanded from which no plan ends within the steps left. A state is found first where most steps are
-    left, so words of more than `length` actions alone may be missing. `object_to` sees all states, and
-    returns why exploration has to stop, if it has to.
+    Letters are numbers of `transition.actions`. If plans can end only in some states, and there are `MANY` states, a
+    state is not expanded if no plan can end within the remaining steps. Since a state is first reached with the most
+    remaining steps, only words of more than `length` actions may be missing. `object_to` receives all states, and may
+    return a reason to stop.
     """
     search = _BreadthFirst(transition, merging)
     first, depth = 0, 0
@@ -136,7 +136,7 @@ class _BreadthFirst:
 
     @cached_property
     def _relaxation(self) -> Relaxation | None:
-        """The relaxation that bounds the distance of states to the end of a plan; None if plans end anywhere."""
+        """The relaxation that bounds the distance of states to the end of a plan; None if plans may end anywhere."""
         if not self._transition.step.final:
             return None
         from prag_asp.logic.step.relaxation import relax
@@ -145,11 +145,11 @@ class _BreadthFirst:
 
     @property
     def nbytes(self) -> int:
-        """The memory in use in bytes, including what concatenating the edges takes."""
+        """The memory in bytes, including that for concatenating the edges."""
         return self.states.nbytes + 2 * self._bytes
 
     def take(self, rows: Rows, left: int) -> None:
-        """Add the next states and, where steps are left, their edges and the states that these lead to."""
+        """Add the next states and, if steps remain, their edges and successors."""
         self._accepting.append(self._transition.accepts(rows))
         if self._merging:
             self._twins.append(self._merging.twins(rows))
@@ -160,12 +160,14 @@ class _BreadthFirst:
         rows = rows[places]
         twins = self._merging.classes(self._twins[-1][places]) if self._merging else None
         candidates = self._merging.representatives(rows, twins) if self._merging and twins else None
-        found = list(self._transition.expand(rows, candidates))
-        sources = np.concatenate([np.zeros(0, dtype=np.uint16), *(each.sources.astype(np.uint16) for each in found)])
+        successors = list(self._transition.expand(rows, candidates))
+        sources = np.concatenate(
+            [np.zeros(0, dtype=np.uint16), *(some.sources.astype(np.uint16) for some in successors)]
+        )
         order = np.argsort(sources, kind="stable")
         self._degrees[-1][places] = np.bincount(sources, minlength=len(rows))
         if len(order):
-            edges = self._number_edges(found, order, twins)
+            edges = self._number_edges(successors, order, twins)
             self._edges.append(edges)
             self._bytes += edges.nbytes
             self.edges += len(edges.letters)
@@ -174,9 +176,9 @@ class _BreadthFirst:
         self.together = max(FEWEST, min(MOST, 4 * self.together, room))
 
     def _near(self, rows: Rows, left: int) -> NDArray[np.intp]:
-        """Return the places of the states from which a plan may end in at most so many steps.
+        """Return the indices of the states from which a plan may end within `left` steps.
 
-        Where few of the leading states of a layer are too far, the others are not looked at.
+        If few of the first states of a layer are too far from the end, the others are not tested.
         """
         if len(self.states) < MANY or self._relaxation is None or self._worth_a_look == (left, False):
             return np.arange(len(rows))
@@ -186,36 +188,38 @@ class _BreadthFirst:
         self._worth_a_look = (left, len(rows) - len(places) > len(rows) * FEW)
         return places
 
-    def _number_edges(self, found: list[Successors], order: NDArray[np.intp], twins: Twins | None) -> _Edges:
-        """Return the edges of some successors in order of source and letter, and number the states that they reach."""
-        letters = np.concatenate([np.full(len(each.sources), each.letter, dtype=np.int32) for each in found])[order]
-        states = np.concatenate([each.states for each in found])[order]
-        labels = np.concatenate([each.labels for each in found])[order]
+    def _number_edges(self, successors: list[Successors], order: NDArray[np.intp], twins: Twins | None) -> _Edges:
+        """Return the edges of some successors in order of source and letter, and number their targets."""
+        letters = np.concatenate([np.full(len(some.sources), some.letter, dtype=np.int32) for some in successors])[
+            order
+        ]
+        states = np.concatenate([some.states for some in successors])[order]
+        labels = np.concatenate([some.labels for some in successors])[order]
         if self._merging is None or self._orders is None or twins is None:
             nothing = _Edges.none(0)
             targets = self.states.add(states).astype(np.int32)
             return _Edges(letters, targets, labels, nothing.multiplicities, nothing.order_of)
         states, orders = self._merging.canonical(states)
         targets = self.states.add(states).astype(np.int32)
-        multiplicities = np.concatenate([twins.multiplicity(each.letter, each.sources) for each in found])[order]
+        multiplicities = np.concatenate([twins.multiplicity(some.letter, some.sources) for some in successors])[order]
         return _Edges(letters, targets, labels, multiplicities, self._orders.add(_pack(orders)).astype(np.int32))
 
     def result(self, horizon: int | None, stop: StopReason | None) -> Exploration:
-        """Return all that was found; without a horizon, every word is."""
+        """Return the exploration; without a horizon, it has all words."""
         offsets = np.zeros(len(self.states) + 1, dtype=np.int64)
         if self._degrees:
             np.cumsum(np.concatenate(self._degrees), out=offsets[1:])
         ends = np.concatenate([np.zeros(0, dtype=np.bool_), *self._accepting])
         empty = _Edges.none(len(self._transition.labels))
         edges = [empty, *self._edges]
-        letters, targets = (np.concatenate([getattr(each, key) for each in edges]) for key in ("letters", "targets"))
+        letters, targets = (np.concatenate([getattr(some, key) for some in edges]) for key in ("letters", "targets"))
         automaton = Automaton(offsets, letters, targets, ends, horizon=horizon)
-        labels = np.concatenate([each.labels for each in edges])
+        labels = np.concatenate([some.labels for some in edges])
         if self._merging is None or self._orders is None:
             return Exploration(automaton, labels, stop)
         renamings = Renamings(
-            np.concatenate([each.multiplicities for each in edges]),
-            np.concatenate([each.order_of for each in edges]),
+            np.concatenate([some.multiplicities for some in edges]),
+            np.concatenate([some.order_of for some in edges]),
             _unpack(self._orders.rows, self._merging.size),
             np.concatenate([np.zeros((0, self._merging.size), dtype=np.bool_), *self._twins]),
         )
@@ -253,4 +257,4 @@ class _Edges:
     def nbytes(self) -> int:
         """The memory in use, in bytes."""
         arrays = (self.letters, self.targets, self.labels, self.multiplicities, self.order_of)
-        return sum(each.nbytes for each in arrays)
+        return sum(array.nbytes for array in arrays)

@@ -1,8 +1,8 @@
-"""The words of a step function whose states are never listed: how many complete a path, as diagrams over the states.
+"""The words of a step function by decision diagrams over its states, which are not listed.
 
-Forward, the states that are reached within n - 1 steps are gathered, and where each action is valid among them. Then
-backward: with k letters left, a state has the sum, over the actions valid in it, of what the state after it has with
-k - 1 left. Each of these functions is one diagram. All numbers are exact.
+The forward pass collects the states reached within n - 1 steps, and where each action is valid among them. The backward
+pass computes completions: with k letters left, that of a state is the sum, over its valid actions, of that of the
+successor with k - 1 left. Each of these functions is one diagram. All numbers are exact.
 """
 
 from __future__ import annotations
@@ -24,21 +24,21 @@ from prag_asp.space.automaton.walks import Choice, owner_of, words_along
 from prag_asp.stop_reason import LimitCheck
 
 Look = Callable[[], None]
-"""Called now and then; raises an error at a limit."""
+"""Called periodically; raises an error at a limit."""
 
 Key = tuple[int, tuple[tuple[int, tuple[int, int]], ...], tuple[int, ...]]
 """The letter, the changes and the labels of a piece, which all its states share."""
 
 REMEMBERED = 1 << 14
-"""Number of states whose successors are remembered."""
+"""Number of states whose successors are cached."""
 
 WIDER = 4
-"""Factor by which the beam of `count_along` grows from round to round, as long as there is time."""
+"""Factor by which the beam of `count_along` grows from round to round, while time remains."""
 
 
 @dataclass(frozen=True)
 class DiagramEdge:
-    """One edge of a state: its letter, what it weighs, and the state after it."""
+    """One edge of a state: its letter, its weight, and the successor."""
 
     letter: int
     weight: int
@@ -46,9 +46,9 @@ class DiagramEdge:
 
 
 class Layers:
-    """The words of a step function, by their length; what was computed is kept for the next question.
+    """The words of a step function by length, with results cached between queries.
 
-    `weigh` gives the weight of an edge, a whole number, by its letter and the numbers of its true labels.
+    `weigh` returns the weight of an edge, an integer, for its letter and the numbers of its true labels.
     """
 
     def __init__(
@@ -83,7 +83,7 @@ class Layers:
         return not self._frontier
 
     def row(self, length: int, left: int) -> Node:
-        """Return what the states reached within ``length - left`` steps have with `left` letters left."""
+        """Return the completions with `left` letters of the states reached within ``length - left`` steps."""
         self.extend(length)
         if self._covered < length:
             self._rows = [self._step.accepted(self.reached)]
@@ -94,26 +94,26 @@ class Layers:
         return self._rows[left]
 
     def rows_so_far(self, length: int) -> list[Node]:
-        """Return the rows of a length for 0, 1, ... letters left, as far as they are known; where none is, the first.
+        """Return the computed rows of a length for 0, 1, ... letters left, at least the first.
 
-        They are right for what has been found: no number in them is too large.
+        They are lower bounds from the states and rows computed so far.
         """
         return self._rows if self._covered >= length else [self._step.accepted(self.reached)]
 
     def back(self, row: Node, letters: Collection[int] | None = None) -> Node:
-        """Return what states have by the edges with some letters, or all, if those after them have `row`."""
-        found = []
+        """Return the completions through edges with some letters, or all, if the successors have `row`."""
+        terms = []
         for (letter, changes, labels), states in self._pieces.items():
             if letters is None or letter in letters:
                 self._look()
                 weighed = self.diagrams.everywhere(states, self._weigh(letter, labels))
-                found.append(self.diagrams.before(weighed, dict(changes), row))
-        summed = self.diagrams.sum(found)
+                terms.append(self.diagrams.before(weighed, dict(changes), row))
+        summed = self.diagrams.sum(terms)
         self._clean(row, summed)
         return summed
 
     def extend(self, length: int) -> None:
-        """Find what is reached within `length` steps."""
+        """Explore the states within `length` steps."""
         while self._depth < length and self._frontier:
             pieces: list[Piece] = []
             for piece in self._step.pieces(self._frontier, self._look):
@@ -132,14 +132,14 @@ class Layers:
             self._tell(f"depth {self._depth}: {states:,} states, {len(self.diagrams):,} nodes")
 
     def images(self, states: Node) -> Iterator[tuple[int, Node]]:
-        """Yield letters with some of the states that they lead to from a set of states reached."""
+        """Yield letters with sets of successors of a set of reached states."""
         for (letter, changes, _), where in self._pieces.items():
-            found = self.diagrams.image(self.diagrams.within(states, where), dict(changes))
-            if found:
-                yield letter, found
+            image = self.diagrams.image(self.diagrams.within(states, where), dict(changes))
+            if image:
+                yield letter, image
 
     def only_start(self) -> Node:
-        """Return the set of the state that words start from."""
+        """Return the set of the initial state."""
         return self.diagrams.word(self.start)
 
     def accepts(self, states: Node) -> bool:
@@ -147,18 +147,18 @@ class Layers:
         return bool(self._step.accepted(states))
 
     def onward(self, state: State) -> list[DiagramEdge]:
-        """Return the edges of a state reached, in order of their letters."""
+        """Return the edges of a reached state, in order of their letters."""
         if state not in self._onward:
             while len(self._onward) >= REMEMBERED:
                 del self._onward[next(iter(self._onward))]
-            found = []
+            edges = []
             for (letter, changes, labels), where in self._pieces.items():
                 if self.diagrams.value(where, state):
                     after = list(state)
                     for level, (keep, put) in changes:
                         after[level] = (after[level] & keep) | put
-                    found.append(DiagramEdge(letter, self._weigh(letter, labels), tuple(after)))
-            self._onward[state] = sorted(found, key=lambda edge: edge.letter)
+                    edges.append(DiagramEdge(letter, self._weigh(letter, labels), tuple(after)))
+            self._onward[state] = sorted(edges, key=lambda edge: edge.letter)
         return self._onward[state]
 
     def _clean(self, *rows: Node) -> None:
@@ -188,16 +188,16 @@ class LayeredWords:
         self.total = layers.diagrams.value(row, layers.start)
 
     def __iter__(self) -> Iterator[Word]:
-        """Yield the words in order, lazily; each once, whatever it weighs above 0."""
+        """Yield each word of positive weight once, in order, lazily."""
         if self.total:
             yield from words_along(self._layers.start, self._length, self._ways)
 
     def unrank(self, rank: int) -> Word:
-        """Return the word that owns a rank from 0 to total - 1, where all weigh 1."""
+        """Return the word of a rank from 0 to total - 1, if all weights are 1."""
         return self.walk(owner_of(rank))[0]
 
     def rank(self, word: Sequence[int]) -> int | None:
-        """Return the rank of a word where all weigh 1, or None where it is no word."""
+        """Return the rank of a word if all weights are 1, or None if it is no word."""
         if not self.total or len(word) != self._length:
             return None
         rank, state = 0, self._layers.start
@@ -211,11 +211,11 @@ class LayeredWords:
         return rank
 
     def walk(self, choose: Choice) -> tuple[Word, int]:
-        """Return a word and its weight; `choose` takes an edge of each step by the running totals of their weights."""
+        """Return a word and its weight; `choose` selects an edge per step by the running totals of the weights."""
         word, weight, state = [], 1, self._layers.start
         for step in range(self._length):
             edges = self._layers.onward(state)
-            edge = edges[choose(step, list(accumulate(self._behind(each, step) for each in edges)))]
+            edge = edges[choose(step, list(accumulate(self._behind(edge, step) for edge in edges)))]
             word.append(edge.letter)
             weight *= edge.weight
             state = edge.state
@@ -228,7 +228,7 @@ class LayeredWords:
                 yield edge.letter, edge.state
 
     def _behind(self, edge: DiagramEdge, step: int) -> int:
-        """Return the weight of all words that go on over an edge, from it on."""
+        """Return the total weight of the suffixes that start with an edge."""
         left = self._length - step - 1
         early = len(self._prefix) - step - 1
         row = self.early[early - 1] if early > 0 else self._layers.row(self._length, left)
@@ -236,11 +236,10 @@ class LayeredWords:
 
 
 def count_along(layers: Layers, length: int, prefix: Sequence[Collection[int]], check: LimitCheck) -> int:
-    """Return a number of words of a length that there are at least, found until `check` says that a limit is reached.
+    """Return a lower bound on the number of words of a length, computed until `check` reports a limit.
 
-    From step to step, those states go on that most ways lead to: first one, then four, and so on (beam search). Where
-    it is known what completes them, that is taken. What diagrams have found is true, if not all, and each way that is
-    counted is a word.
+    A beam search keeps the states with the most prefixes at each step: one in the first round, then four, and so on.
+    Where completions are known, they are used. Partial diagrams are sound, and each counted path is a word.
     """
     rows = layers.rows_so_far(length)
     left = min(len(rows) - 1, length - len(prefix))
@@ -257,7 +256,7 @@ def count_along(layers: Layers, length: int, prefix: Sequence[Collection[int]], 
                     if step >= len(prefix) or edge.letter in prefix[step]:
                         following[edge.state] = following.get(edge.state, 0) + number * edge.weight
             dropped = dropped or len(following) > width
-            ways = dict(nlargest(width, following.items(), key=lambda each: each[1]))
+            ways = dict(nlargest(width, following.items(), key=lambda item: item[1]))
         best = max(best, sum(number * layers.diagrams.value(rows[left], state) for state, number in ways.items()))
         width *= WIDER
     return best

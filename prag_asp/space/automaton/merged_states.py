@@ -1,8 +1,8 @@
-"""Words, ranks and samples of an automaton whose states were merged up to renaming of interchangeable entities.
+"""Words, ranks and samples of an automaton with states merged up to renaming of interchangeable entities.
 
-A path of the merged automaton stands for many words. Walking along it, the names of its entities are composed edge by
-edge, and each edge is spread into the actions that it stands for. So words come in the order that they have in the
-automaton that was never merged. A unit of a joint group counts as an entity here, as in `Merging`.
+A path of the merged automaton stands for many words. A walk composes the renamings edge by edge, and expands each edge
+into the actions that it stands for. So words have the same order as in the automaton without merging. A unit of a joint
+group counts as an entity here, as in `Merging`.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from prag_asp.space.automaton.exploration import Renamings
 from prag_asp.space.automaton.walks import Choice, owner_of, words_along
 
 Names = NDArray[np.int64]
-"""For each entity of a merged state, the entity that it stands for, and -1 at the end for none."""
+"""For each entity of a merged state, the entity that it stands for, and a final -1 for none."""
 
 
 @dataclass(frozen=True)
 class UnmergedState:
-    """A state before merging: a merged one, with the names of its entities."""
+    """A state before merging: a merged state with the names of its entities."""
 
     state: int
     names: Names
@@ -36,7 +36,7 @@ class UnmergedState:
 
 @dataclass(frozen=True)
 class _Branches:
-    """The edges of a place before merging, in order of their letters: the merged edge of each, and who is named."""
+    """The edges of a state before merging, in order of their letters, with their merged edges and entities."""
 
     edges: NDArray[np.intp]
     entities: NDArray[np.int64]
@@ -45,10 +45,10 @@ class _Branches:
 
 @dataclass(frozen=True)
 class MergedAutomaton:
-    """An automaton whose states were merged.
+    """An automaton with merged states.
 
-    `base` has no weights; `own` has the weight of each edge, which each of the actions that it stands for has, or is
-    None where all weigh 1.
+    `base` has no weights; `own` has the weight of each action that an edge stands for, shape (edges,), or is None if
+    all weights are 1.
     """
 
     base: Automaton
@@ -60,9 +60,9 @@ class MergedAutomaton:
 
     @property
     def automaton(self) -> Automaton:
-        """The merged automaton; an edge weighs as much as all the actions that it stands for."""
-        found = self.renamings.multiplicities
-        weights = found if self.own is None else self.own * found.astype(object)
+        """The merged automaton; the weight of an edge is the total of the actions that it stands for."""
+        numbers = self.renamings.multiplicities
+        weights = numbers if self.own is None else self.own * numbers.astype(object)
         return replace(self.base, weights=weights)
 
     @property
@@ -71,7 +71,7 @@ class MergedAutomaton:
         return UnmergedState(0, np.array([*range(self.actions.places), -1]))
 
     def branches(self, place: UnmergedState) -> _Branches:
-        """Return the edges of a place in order of their letters."""
+        """Return the edges of a state in order of their letters."""
         edges, entities = self._orbit(place.state)
         patterns = self.actions.pattern[self.base.letters[edges]]
         letters = self.actions.find(patterns, place.names[entities])
@@ -79,7 +79,7 @@ class MergedAutomaton:
         return _Branches(edges[order], entities[order], letters[order])
 
     def after(self, place: UnmergedState, branches: _Branches, branch: int) -> UnmergedState:
-        """Return the place that a branch leads to."""
+        """Return the successor through a branch."""
         edge = int(branches.edges[branch])
         swapped = np.arange(self.actions.places)
         first = self.actions.entities[self.base.letters[edge]]
@@ -91,7 +91,7 @@ class MergedAutomaton:
         return UnmergedState(int(self.base.targets[edge]), np.append(place.names[swapped[order]], -1))
 
     def _orbit(self, state: int) -> tuple[NDArray[np.intp], NDArray[np.int64]]:
-        """Return each edge of a state as often as it has renamings by twins, and the entities named in each."""
+        """Return each edge of a state once for each of its renamings by twins, and the entities of each renaming."""
         if state not in self._orbits:
             automaton, actions = self.base, self.actions
             twins = Twins.between(actions, self.renamings.twins[state : state + 1])
@@ -106,8 +106,8 @@ class MergedAutomaton:
                         edges.append(edge)
                         entities.append((*chosen, *rest))
             shape = (len(edges), actions.entities.shape[1])
-            found = np.array(edges, dtype=np.intp), np.array(entities, dtype=np.int64).reshape(shape)
-            self._orbits[state] = found
+            entity_rows = np.array(entities, dtype=np.int64).reshape(shape)
+            self._orbits[state] = np.array(edges, dtype=np.intp), entity_rows
         return self._orbits[state]
 
 
@@ -131,13 +131,13 @@ def count_merged(
 ) -> int:
     """Return the weight of all words of a length whose first letters are among those of `prefix`.
 
-    Places that differ only in who stands for entities that no later letter of the prefix names count as one.
+    States that differ only in entities that the rest of the prefix does not distinguish are counted together.
     """
     if not completions.automaton.states or len(prefix) > length:
         return 0
     reached: dict[tuple[int, ...], tuple[int, UnmergedState]] = {(): (1, merged.start)}
     for number, allowed in enumerate(prefix):
-        told = _told_apart(merged.actions, prefix[number + 1 :])
+        distinguished = _distinguished(merged.actions, prefix[number + 1 :])
         following: dict[tuple[int, ...], tuple[int, UnmergedState]] = {}
         for weight, place in reached.values():
             branches = merged.branches(place)
@@ -147,25 +147,25 @@ def count_merged(
                 after = merged.after(place, branches, branch)
                 own = 1 if merged.own is None else int(merged.own[branches.edges[branch]])
                 roles = np.argsort(after.names[:-1])
-                key = (after.state, *roles[told].tolist())
-                sofar, kept = following.get(key, (0, after))
-                following[key] = (sofar + weight * own, kept)
+                key = (after.state, *roles[distinguished].tolist())
+                sofar, representative = following.get(key, (0, after))
+                following[key] = (sofar + weight * own, representative)
         reached = following
     row = completions.last_row(length - len(prefix))
     return sum(weight * int(row[place.state]) for weight, place in reached.values())
 
 
-def _told_apart(actions: Patterns, prefix: Sequence[frozenset[int]]) -> list[int]:
-    """Return the entities that some of these sets of letters distinguish from others of their group."""
-    found: set[int] = set()
+def _distinguished(actions: Patterns, prefix: Sequence[frozenset[int]]) -> list[int]:
+    """Return the entities that some of these sets of letters distinguish from others of their groups."""
+    entities: set[int] = set()
     for allowed in prefix:
         letters = np.array(sorted(allowed), dtype=np.intp)
         patterns, counts = np.unique(actions.pattern[letters], return_counts=True)
         for pattern, number in zip(patterns, counts, strict=True):
             if number < (actions.pattern == pattern).sum():
                 named = actions.entities[letters[actions.pattern[letters] == pattern]]
-                found.update(named[named >= 0].tolist())
-    return sorted(found)
+                entities.update(named[named >= 0].tolist())
+    return sorted(entities)
 
 
 def merged_words(
@@ -188,7 +188,7 @@ def merged_words(
 
 
 class MergedRanking:
-    """The words of one length in the order and with the ranks that they have before merging; see `Ranking`."""
+    """The words of one length with the order and ranks of the automaton before merging; see `Ranking`."""
 
     def __init__(self, merged: MergedAutomaton, completions: Completions, length: int) -> None:
         self._merged = merged
@@ -198,11 +198,11 @@ class MergedRanking:
         completions.row(length)
 
     def unrank(self, rank: int) -> Word:
-        """Return the word that owns a rank from 0 to total - 1."""
+        """Return the word of a rank from 0 to total - 1."""
         return self.walk(owner_of(rank))[0]
 
     def rank(self, word: Sequence[int]) -> int | None:
-        """Return the rank of a word in an automaton without weights, or None where it is no word of it."""
+        """Return the rank of a word in an automaton without weights, or None if it is no word."""
         if len(word) != self._length or not accepts_merged(self._merged, word):
             return None
         rank, place = 0, self._merged.start
@@ -215,13 +215,13 @@ class MergedRanking:
         return rank
 
     def _totals(self, place: UnmergedState, branches: _Branches, left: int) -> NDArray[Any]:
-        """Return the running totals of the weights behind the branches of a place with `left` letters to go."""
+        """Return the running totals of the weights through the branches of a state with `left` letters left."""
         behind = self._completions.row(left - 1)[self._merged.base.targets[branches.edges]]
         exact = behind.astype(self._completions.row(left).dtype)
         return np.cumsum(exact if self._merged.own is None else exact * self._merged.own[branches.edges])
 
     def walk(self, choose: Choice) -> tuple[Word, int]:
-        """Return a word and its weight; `choose` takes a branch of each step by the running totals of their weights."""
+        """Return a word and its weight; `choose` selects a branch per step by the running totals of the weights."""
         word, weight, place = [], 1, self._merged.start
         for step in range(self._length):
             branches = self._merged.branches(place)

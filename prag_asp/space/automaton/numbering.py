@@ -1,4 +1,4 @@
-"""Numbers for rows of words: a hash table in arrays, with open addressing, that never takes a hash for the row."""
+"""Number rows of words by a vectorised hash table with open addressing that compares whole rows."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from prag_asp.logic.step.packed import Rows
 EMPTY = -1
 SMALLEST = 1024
 FULLEST = 0.5
-"""The share of the table that may be taken: beyond it, probing grows slow."""
+"""Maximum load factor, above which probing becomes slow."""
 
 MULTIPLIER = np.uint64(0x9E3779B97F4A7C15)
 SHIFT = np.uint64(32)
 
 
 class Numbering:
-    """Rows numbered from 0 in the order in which they are first seen."""
+    """Distinct rows, numbered from 0 in the order of their first occurrence."""
 
     def __init__(self, words: int) -> None:
         self._rows = np.zeros((SMALLEST, words), dtype=np.uint64)
@@ -42,24 +42,24 @@ class Numbering:
         self._make_slots(self._size + len(rows))
         mask = len(self._table) - 1
         numbers = np.empty(len(rows), dtype=np.int64)
-        known = self._size
+        size = self._size
         waiting = np.arange(len(rows))
         slots = (_hash(rows) & np.uint64(mask)).astype(np.int64)
         first_seen: list[NDArray[np.int64]] = []
         taken: list[NDArray[np.int64]] = []
         while len(waiting):
-            found = self._table[slots]
-            empty = np.flatnonzero(found == EMPTY)
+            occupants = self._table[slots]
+            empty = np.flatnonzero(occupants == EMPTY)
             if len(empty):
-                # The first of several rows that want a slot gets it: of equal assignments the last one counts.
+                # The first of several rows gets a slot, because the last of equal assignments counts.
                 last_first = empty[::-1]
-                self._table[slots[last_first]] = known + waiting[last_first]
-                found[empty] = self._table[slots[empty]]
-                won = empty[found[empty] == known + waiting[empty]]
+                self._table[slots[last_first]] = size + waiting[last_first]
+                occupants[empty] = self._table[slots[empty]]
+                won = empty[occupants[empty] == size + waiting[empty]]
                 first_seen.append(waiting[won])
                 taken.append(slots[won])
-            numbers[waiting] = found
-            differs = self._differs(found, rows, waiting, known)
+            numbers[waiting] = occupants
+            differs = self._differs(occupants, rows, waiting, size)
             waiting = waiting[differs]
             slots = (slots[differs] + 1) & mask
         if first_seen:
@@ -67,14 +67,14 @@ class Numbering:
         return numbers
 
     def _differs(
-        self, found: NDArray[np.int64], rows: Rows, waiting: NDArray[np.int64], known: int
+        self, occupants: NDArray[np.int64], rows: Rows, waiting: NDArray[np.int64], size: int
     ) -> NDArray[np.bool_]:
-        """Return which waiting rows found another row in their slot; numbers from `known` on are places in `rows`."""
-        result = np.empty(len(found), dtype=np.bool_)
-        old = found < known
-        result[old] = (self._rows[found[old]] != rows[waiting[old]]).any(axis=1)
+        """Return which waiting rows differ from that in their slot; numbers from `size` on index `rows`."""
+        result = np.empty(len(occupants), dtype=np.bool_)
+        old = occupants < size
+        result[old] = (self._rows[occupants[old]] != rows[waiting[old]]).any(axis=1)
         new = ~old
-        result[new] = (rows[found[new] - known] != rows[waiting[new]]).any(axis=1)
+        result[new] = (rows[occupants[new] - size] != rows[waiting[new]]).any(axis=1)
         return result
 
     def _settle(
@@ -82,18 +82,18 @@ class Numbering:
     ) -> None:
         """Give the new rows their numbers, in the order of `rows`."""
         order = np.argsort(fresh)
-        known, fresh = self._size, fresh[order]
+        size, fresh = self._size, fresh[order]
         final = np.zeros(len(rows), dtype=np.int64)
-        final[fresh] = known + np.arange(len(fresh))
+        final[fresh] = size + np.arange(len(fresh))
         self._table[slots[order]] = final[fresh]
-        new = numbers >= known
-        numbers[new] = final[numbers[new] - known]
-        self._size = known + len(fresh)
+        new = numbers >= size
+        numbers[new] = final[numbers[new] - size]
+        self._size = size + len(fresh)
         if self._size > len(self._rows):
-            larger = np.zeros((max(self._size, 2 * known), self._rows.shape[1]), dtype=np.uint64)
-            larger[:known] = self._rows[:known]
+            larger = np.zeros((max(self._size, 2 * size), self._rows.shape[1]), dtype=np.uint64)
+            larger[:size] = self._rows[:size]
             self._rows = larger
-        self._rows[known : self._size] = rows[fresh]
+        self._rows[size : self._size] = rows[fresh]
 
     def _make_slots(self, size: int) -> None:
         """Enlarge the table for a number of rows."""

@@ -1,11 +1,12 @@
 """Counts of very long words, by the linear recurrence that they satisfy, exactly.
 
 The numbers c(0), c(1), ... of words of an automaton with s states satisfy the recurrence of its characteristic
-polynomial (Cayley and Hamilton), so their shortest recurrence has an order d of at most s, and whole coefficients, for
-the minimal polynomial of a sequence divides every monic one of it (Gauss). It is found modulo a prime (Massey,
-Shift-register synthesis and BCH decoding, 1969) and then proved over the integers: what a recurrence leaves of c is a
-sequence of the same kind, and therefore 0 everywhere once it is 0 for s terms. The n-th number then follows from x^n
-modulo the polynomial (Fiduccia, An efficient formula for linear recurrences, 1985).
+polynomial (Cayley and Hamilton), so their shortest recurrence has an order d of at most s. Its coefficients are
+integers because the minimal polynomial divides every monic integer polynomial that annihilates the sequence (Gauss). It
+is computed modulo a prime (Massey, Shift-register synthesis and BCH decoding, 1969) and then proved over the integers:
+the residual of c under a recurrence satisfies the characteristic recurrence too, and is 0 everywhere once it is 0 for s
+terms. The n-th number then follows from x^n modulo the polynomial (Fiduccia, An efficient formula for linear
+recurrences, 1985).
 """
 
 from __future__ import annotations
@@ -16,22 +17,22 @@ from prag_asp.space.automaton.automaton import Completions
 from prag_asp.stop_reason import LimitCheck
 
 SHORTEST = 2_000
-"""Lengths up to which words are counted step by step: that is as fast."""
+"""Maximum length for which counting step by step is as fast."""
 
 HIGHEST_ORDER = 64
-"""The order up to which a recurrence is faster than the steps."""
+"""Maximum order for which a recurrence is faster than counting step by step."""
 
 MOST_WORK = 20_000_000
-"""Edges that may be walked, over all steps, to prove a recurrence."""
+"""Maximum number of edge traversals to prove a recurrence."""
 
 PRIMES = (2**127 - 1, 2**1279 - 1)
-"""Primes (Mersenne's) that coefficients are found with; where they are too small for these, the proof fails."""
+"""Mersenne primes for computing coefficients; if they are too small for the coefficients, the proof fails."""
 
 
 def count_by_recurrence(completions: Completions, length: int, check: LimitCheck = lambda: None) -> int | None:
-    """Return the weight of all words of a length, None where that is not known to be faster than step by step.
+    """Return the weight of all words of a length, or None if counting step by step may be faster.
 
-    Also None where `check` says that a limit is reached.
+    The result is also None if `check` reports a limit.
     """
     automaton = completions.automaton
     states = automaton.states
@@ -40,13 +41,13 @@ def count_by_recurrence(completions: Completions, length: int, check: LimitCheck
         return None
     terms = _terms(completions, 2 * HIGHEST_ORDER + 2)
     for prime in PRIMES:
-        found = shortest_recurrence(terms, prime)
-        if found is None:
+        recurrence = shortest_recurrence(terms, prime)
+        if recurrence is None:
             return None
         if len(terms) < terms_needed:
             terms = _terms(completions, terms_needed)
-        if _holds(found, terms, states):
-            return _nth(found, terms, length, check)
+        if _holds(recurrence, terms, states):
+            return _nth(recurrence, terms, length, check)
     return None
 
 
@@ -62,19 +63,19 @@ def _terms(completions: Completions, number: int) -> list[int]:
 def shortest_recurrence(terms: Sequence[int], prime: int) -> list[int] | None:
     """Return a[1], ..., a[d] with c(n) = a[1] c(n-1) + ... + a[d] c(n-d) modulo a prime, as small whole numbers.
 
-    None where there is none of an order that so many terms can tell.
+    The result is None if there is none of an order that these terms determine.
     """
     current, previous = [1], [1]
     order, shift, last = 0, 1, 1
     for place in range(len(terms)):
-        gap = sum(each * terms[place - back] for back, each in enumerate(current)) % prime
+        gap = sum(coefficient * terms[place - back] for back, coefficient in enumerate(current)) % prime
         if not gap:
             shift += 1
             continue
         factor = gap * pow(last, -1, prime) % prime
         longer = current + [0] * (len(previous) + shift - len(current))
-        for back, each in enumerate(previous):
-            longer[back + shift] = (longer[back + shift] - factor * each) % prime
+        for back, coefficient in enumerate(previous):
+            longer[back + shift] = (longer[back + shift] - factor * coefficient) % prime
         if 2 * order <= place:
             order, previous, last, shift = place + 1 - order, current, gap, 1
         else:
@@ -83,14 +84,15 @@ def shortest_recurrence(terms: Sequence[int], prime: int) -> list[int] | None:
     if 2 * order + 2 > len(terms):
         return None
     current = (current + [0] * order)[1 : order + 1]
-    return [each - prime if each > prime // 2 else each for each in (-each % prime for each in current)]
+    negated = (-coefficient % prime for coefficient in current)
+    return [coefficient - prime if coefficient > prime // 2 else coefficient for coefficient in negated]
 
 
 def _holds(recurrence: Sequence[int], terms: Sequence[int], states: int) -> bool:
-    """Return whether a recurrence holds for as many terms, exactly, as there are states."""
+    """Return whether a recurrence holds exactly for as many terms as there are states."""
     order = len(recurrence)
     return all(
-        terms[place] == sum(each * terms[place - back] for back, each in enumerate(recurrence, 1))
+        terms[place] == sum(coefficient * terms[place - back] for back, coefficient in enumerate(recurrence, 1))
         for place in range(order, order + states)
     )
 
@@ -107,16 +109,16 @@ def _nth(recurrence: Sequence[int], terms: Sequence[int], place: int, check: Lim
         power = _remainder(_square(power), recurrence)
         if bit == "1":
             power = _remainder([0, *power], recurrence)
-    return sum(each * term for each, term in zip(power, terms, strict=False))
+    return sum(coefficient * term for coefficient, term in zip(power, terms, strict=False))
 
 
 def _square(polynomial: Sequence[int]) -> list[int]:
     product = [0] * (2 * len(polynomial) - 1)
-    for place, each in enumerate(polynomial):
-        if each:
-            product[2 * place] += each * each
+    for place, coefficient in enumerate(polynomial):
+        if coefficient:
+            product[2 * place] += coefficient * coefficient
             for other in range(place):
-                product[place + other] += 2 * each * polynomial[other]
+                product[place + other] += 2 * coefficient * polynomial[other]
     return product
 
 
@@ -125,7 +127,7 @@ def _remainder(polynomial: list[int], recurrence: Sequence[int]) -> list[int]:
     order = len(recurrence)
     while len(polynomial) > order:
         highest = polynomial.pop()
-        for back, each in enumerate(recurrence, 1):
-            if each:
-                polynomial[len(polynomial) - back] += each * highest
+        for back, coefficient in enumerate(recurrence, 1):
+            if coefficient:
+                polynomial[len(polynomial) - back] += coefficient * highest
     return polynomial

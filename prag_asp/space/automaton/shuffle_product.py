@@ -1,9 +1,9 @@
-"""The words of several automata, shuffled: in order, by rank and as samples, without their product automaton.
+"""Shuffles of the words of several automata: in order, by rank and as samples, without their product automaton.
 
-A state of the whole is a state of each part. The words that complete it are the shuffles of words that complete these:
-with n letters to come, the sum over the ways to write n as a sum of one length for each part, of the multinomial
-coefficient and the product of what the parts have (Stanley, Enumerative Combinatorics 2, 5.1). So memory grows with
-the sum of the parts' states, and not with their product.
+A state of the whole is a state of each part. Its completions are the shuffles of completions of the parts: for n
+letters, their number is the sum, over all compositions of n into one length per part, of the multinomial coefficient
+times the product of the parts' numbers (Stanley, Enumerative Combinatorics 2, 5.1). So memory grows with the sum of the
+parts' states, not with their product.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from prag_asp.space.automaton.automaton import Completions, Word
 from prag_asp.space.automaton.walks import Choice, owner_of, words_along
 
 REMEMBERED = 1 << 12
-"""Number of states whose completions are remembered."""
+"""Number of states whose completions are cached."""
 
 Ways = tuple[int, ...]
-"""Weights of words by their length, from 0 on; what is not there is 0."""
+"""Total weights of words by length, from 0 on; missing entries are 0."""
 
 NOTHING: Ways = (1,)
 """The weight of the empty word."""
@@ -35,7 +35,7 @@ State = tuple[int, ...]
 
 @dataclass(frozen=True)
 class PartEdge:
-    """One edge of a state: its letter, what it weighs, the part that acts, and the state of the part after it."""
+    """One edge of a state: its letter, its weight, the acting part, and the successor of this part."""
 
     letter: int
     weight: int
@@ -44,10 +44,10 @@ class PartEdge:
 
 
 class ShuffledWords:
-    """The words of one length that are shuffles of one word of each part; `total` is the sum of their weights.
+    """The shuffles of one length of one word of each part; `total` is the sum of their weights.
 
-    `letters` has the numbers in the whole of the letters of each part; no letter is one of two parts. Without weights
-    on the parts, words come in the order and with the ranks that the automaton of the whole would give them.
+    `letters` maps the letters of each part to numbers in the whole; parts share no letters. Without weights, words have
+    the order and the ranks of the automaton of the whole.
     """
 
     def __init__(self, parts: Sequence[Completions], letters: Sequence[Sequence[int]], length: int) -> None:
@@ -63,7 +63,7 @@ class ShuffledWords:
         self.total = self._completions(self._start, length) if inhabited else 0
 
     def weighing(self, weights: Sequence[int]) -> ShuffledWords:
-        """Return the same words, where the letters of the whole weigh so much."""
+        """Return the same words with `weights` of the letters of the whole."""
         parts = []
         for part, letters in zip(self._parts, self._letters, strict=True):
             by_letter = np.array([weights[letter] for letter in letters], dtype=object)
@@ -99,11 +99,11 @@ class ShuffledWords:
         return sum(weight * self._completions(state, left) for state, weight in reached.items())
 
     def unrank(self, rank: int) -> Word:
-        """Return the word that owns a rank from 0 to total - 1."""
+        """Return the word of a rank from 0 to total - 1."""
         return self.walk(owner_of(rank))[0]
 
     def rank(self, word: Sequence[int]) -> int | None:
-        """Return the rank of a word where all weigh 1, or None where it is no word."""
+        """Return the rank of a word if all weights are 1, or None if it is no word."""
         if not self.total or len(word) != self._length:
             return None
         rank, state = 0, self._start
@@ -118,7 +118,7 @@ class ShuffledWords:
         return rank
 
     def walk(self, choose: Choice) -> tuple[Word, int]:
-        """Return a word and its weight; `choose` takes an edge of each step by the running totals of their weights."""
+        """Return a word and its weight; `choose` selects an edge per step by the running totals of the weights."""
         word, weight, state = [], 1, self._start
         for step in range(self._length):
             edge = self._onward(state)[choose(step, self._running(state, step))]
@@ -146,18 +146,18 @@ class ShuffledWords:
         ]
 
     def _compute_ways(self, part: int, state: int) -> Ways:
-        """Return the weight of the words of a part that complete a state of it, by their length."""
+        """Return the total weight of the completions of a state of a part, by length."""
         return tuple([int(self._parts[part].row(left)[state]) for left in range(self._length + 1)])
 
     def _completions(self, state: State, left: int) -> int:
-        """Return the weight of all words of a length that complete a state."""
-        found: Ways = NOTHING
+        """Return the total weight of the completions of a state with `left` letters."""
+        shuffled: Ways = NOTHING
         for part, own in enumerate(state):
-            found = _shuffle(found, self._ways(part, own), left)
-        return found[left]
+            shuffled = _shuffle(shuffled, self._ways(part, own), left)
+        return shuffled[left]
 
     def _compute_behind(self, state: State, left: int) -> list[int]:
-        """Return the weight of all words that go on over each edge of a state, with `left` letters after it."""
+        """Return the total weight through each edge of a state, with `left` letters after the edge."""
         ways = [self._ways(part, own) for part, own in enumerate(state)]
         beside = self._beside(tuple(sorted(ways)), left)
         return [
@@ -167,19 +167,19 @@ class ShuffledWords:
 
 
 def _beside_each(ways: Sequence[Ways], left: int) -> dict[Ways, list[int]]:
-    """Return how many times each number of words of a part counts in the whole, by the length of that word.
+    """Return the factor of each part in the completions of the whole, by the length of the word of this part.
 
-    That is the weight of the shuffles of one word of each other part, times the ways to put them and the word together
-    to `left` letters. Parts that have the same have the same beside them.
+    The factor is the weight of the shuffles of one word of each other part, times the number of ways to shuffle them
+    with the word of the part to `left` letters. Parts with equal completions have equal factors.
     """
     before = list(accumulate(ways[:-1], partial(_shuffle, length=left), initial=NOTHING))
     behind = list(accumulate(ways[:0:-1], partial(_shuffle, length=left), initial=NOTHING))
-    found = {}
+    factors = {}
     for own, sooner, later in zip(ways, before, reversed(behind), strict=True):
-        if own not in found:
+        if own not in factors:
             rest = _shuffle(sooner, later, left)
-            found[own] = [number * each for number, each in zip(_binomials(left), reversed(rest), strict=True)]
-    return found
+            factors[own] = [number * weight for number, weight in zip(_binomials(left), reversed(rest), strict=True)]
+    return factors
 
 
 def _move(state: State, edge: PartEdge) -> State:
@@ -187,7 +187,7 @@ def _move(state: State, edge: PartEdge) -> State:
 
 
 def _shuffle(first: Ways, second: Ways, length: int) -> Ways:
-    """Return the weight of the shuffles of two words by their length, up to one (binomial convolution)."""
+    """Return the total weight of the shuffles of two words by length, up to `length` (binomial convolution)."""
     second = second + (0,) * (length + 1 - len(second))
     return tuple([sum(map(mul, map(mul, _binomials(n), first), reversed(second[: n + 1]))) for n in range(length + 1)])
 

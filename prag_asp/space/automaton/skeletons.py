@@ -16,7 +16,7 @@ from prag_asp.space.automaton.numbering import Numbering
 from prag_asp.stop_reason import LimitCheck, StopReason
 
 LOOK = 1024
-"""Subsets between two checks of the limits."""
+"""Number of subsets between two checks of the limits."""
 
 
 def skeleton_automaton(
@@ -24,8 +24,8 @@ def skeleton_automaton(
 ) -> tuple[Automaton, StopReason | None]:
     """Return the deterministic automaton of the words of `automaton` with each letter replaced by its name.
 
-    `names` maps letters to numbers of names, shape (number of letters,). Where a limit is reached on the way, it is
-    returned as well: some states then have no edges, so that words are missing, none wrong.
+    `names` maps letters to numbers of names, shape (number of letters,). A limit that is reached
+    is returned as well; then some states lack edges, so that words are missing but none is wrong.
     """
     if not automaton.states:
         return automaton, None
@@ -48,18 +48,18 @@ def _quotient(
     while True:
         edges = _distinct(sources, letters, blocks[automaton.targets])
         refined = _refine(blocks, *edges)
-        found = int(refined.max()) + 1
-        if found == number:
+        count = int(refined.max()) + 1
+        if count == number:
             first, letter, target = _distinct(blocks[edges[0]], edges[1], edges[2])
             return blocks, letter, first, target
-        blocks, number = refined, found
+        blocks, number = refined, count
 
 
 def _distinct(*columns: NDArray[np.int64]) -> tuple[NDArray[np.int64], ...]:
-    """Return the different rows of some columns, sorted."""
+    """Return the distinct rows of some columns, sorted."""
     sizes = [int(column.max(initial=0)) + 1 for column in columns]
     if prod(sizes) < 2**62:
-        # Sorted by hand: np.unique would load numpy.ma, a tenth of what a small count takes.
+        # np.unique would import numpy.ma, which takes a tenth of the time of a small count.
         codes = np.sort(np.ravel_multi_index(columns, sizes))
         codes = codes[np.append(True, codes[1:] != codes[:-1])[: len(codes)]]
         return tuple(np.asarray(column, dtype=np.int64) for column in np.unravel_index(codes, sizes))
@@ -69,7 +69,7 @@ def _distinct(*columns: NDArray[np.int64]) -> tuple[NDArray[np.int64], ...]:
 def _refine(
     blocks: NDArray[np.int64], sources: NDArray[np.int64], letters: NDArray[np.int64], targets: NDArray[np.int64]
 ) -> NDArray[np.int64]:
-    """Return the blocks refined by their edges, which are sorted: edge by edge, all states at once."""
+    """Return the blocks refined by their sorted edges: the k-th edges of all states at once, for each k."""
     starts = np.searchsorted(sources, np.arange(len(blocks) + 1))
     degrees = np.diff(starts)
     kinds = blocks.copy()
@@ -101,8 +101,8 @@ def _determinise(
             stop = check()
         union: dict[int, set[int]] = {}
         for state in () if stop else subset:
-            for letter, found in moves.get(state, {}).items():
-                union.setdefault(letter, set()).update(found)
+            for letter, successors in moves.get(state, {}).items():
+                union.setdefault(letter, set()).update(successors)
         for letter in sorted(union):
             target = frozenset(union[letter])
             if target not in numbers:

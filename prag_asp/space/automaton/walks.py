@@ -1,4 +1,4 @@
-"""Words along the edges of states, whatever states are: in order, and by rank."""
+"""Walks along the edges of any kind of states: words in order, and by rank."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from typing import TypeVar
 State = TypeVar("State")
 
 Choice = Callable[[int, Sequence[int]], int]
-"""Takes an edge of each step, by the number of the step and the running totals of what is behind each edge."""
+"""Select an edge by the number of the step and the running totals of the weights through each edge."""
 
 
 def words_along(
     start: State, length: int, onward: Callable[[State, int], Iterator[tuple[int, State]]]
 ) -> Iterator[tuple[int, ...]]:
-    """Yield the words of a length that begin in a state, lazily, one that is completed before the next is begun.
+    """Yield the words of a length from a state, lazily and depth-first.
 
-    `onward` yields the letters with which words go on from a state at a step, in order, each with the state after it.
+    `onward` yields the letters that continue words from a state at a step, in order, each with the successor.
     """
     if not length:
         yield ()
@@ -38,7 +38,7 @@ def words_along(
 
 
 def owner_of(rank: int) -> Choice:
-    """Return the choice that leads to the word of a rank, from 0 on: of the edge that has it, at each step."""
+    """Return the choice of the edges that lead to the word of a rank, from 0 on."""
 
     def owner(_: int, totals: Sequence[int]) -> int:
         nonlocal rank

@@ -1,4 +1,4 @@
-"""The kinds of conditions, and the facts by which each asks the encodings in ``encodings/conditions``."""
+"""The kinds of clauses, and the request facts of each for the encodings in ``encodings/conditions``."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from prag_asp.wording import not_too_deep
 
 
 class Clause(Protocol):
-    """One condition; as text, it is the words that a user writes for it.
+    """One clause of a condition; its text is what a user writes.
 
     `file` names the encoding that tests it.
     """
@@ -27,10 +27,10 @@ class Clause(Protocol):
     file: ClassVar[str]
 
     def requests(self, number: int, facts: Facts) -> Iterator[str]:
-        """Yield what the encoding is asked, as terms; `number` tells this condition from others.
+        """Yield the request terms for the encoding; `number` identifies this clause.
 
         Raises:
-            QueryError: it speaks of something that the domain does not have.
+            QueryError: it names something that the domain does not have.
         """
         ...
 
@@ -46,7 +46,7 @@ class Begins:
         return f"begins {', '.join(self.prefix)}"
 
     def requests(self, number: int, facts: Facts) -> Iterator[str]:
-        """Yield what the encoding is asked."""
+        """Yield the request terms for the encoding."""
         for step, item in enumerate(self.prefix):
             yield f"begins({number},{step})"
             yield f"instant({step + 1})"
@@ -55,7 +55,7 @@ class Begins:
 
 
 def fewest_actions(clause: Clause) -> int:
-    """Return how many actions a plan has at least that satisfies a clause, as far as the clause itself says so."""
+    """Return a lower bound on the number of actions of a plan that satisfies a clause."""
     if isinstance(clause, After):
         return clause.steps
     if isinstance(clause, Begins):
@@ -80,7 +80,7 @@ class Range:
 
 @dataclass(frozen=True)
 class Has:
-    """Actions that fit a pattern, or pairs of consecutive names, occur so often."""
+    """Actions that match a pattern, or pairs of consecutive names, occur `times` times."""
 
     pattern: str
     times: Range
@@ -90,25 +90,25 @@ class Has:
         return f"has {self.times} {self.pattern}"
 
     def requests(self, number: int, facts: Facts) -> Iterator[str]:
-        """Yield what the encoding is asked."""
+        """Yield the request terms for the encoding."""
         first, arrow, second = (part.strip() for part in self.pattern.partition(">"))
         if arrow:
-            known = {action_name(action) for action in facts.actions}
+            names = {action_name(action) for action in facts.actions}
             for name in (first, second):
-                if name not in known:
-                    raise QueryError(no_action(name, known, facts))
+                if name not in names:
+                    raise QueryError(no_action(name, names, facts))
             yield from _counted(str(number), self.times, [f"{first},{second}"])
         else:
             actions = Pattern.parse(self.pattern).matches(facts)
-            # Several patterns may fit one action alone, and say the same then.
+            # Different patterns that match a single action are equivalent.
             pattern = str(actions[0]) if len(actions) == 1 else self.pattern
-            which = _named_by_all(actions, facts) or _told_of(pattern, number)
+            which = _named_by_all(actions, facts) or _pattern_term(pattern, number)
             yield from _counted(which, self.times, actions)
 
 
 @dataclass(frozen=True)
 class Uses:
-    """The actions name so many entities that are this one or belong to this class."""
+    """The actions use `number` entities of this name or class."""
 
     kind: str
     number: Range
@@ -118,7 +118,7 @@ class Uses:
         return f"uses {self.number} {self.kind}"
 
     def requests(self, number: int, facts: Facts) -> Iterator[str]:
-        """Yield what the encoding is asked."""
+        """Yield the request terms for the encoding."""
         yield from _bounds(number, self.number, "fewest", "greatest")
         for entity in class_members(self.kind, facts):
             yield f"uses({number},{entity})"
@@ -126,7 +126,7 @@ class Uses:
 
 @dataclass(frozen=True)
 class Names:
-    """Some action names an entity of this kind, or none does: as `Uses`, with a smaller state."""
+    """Some action, or none, uses an entity of this kind: a special case of `Uses` with a smaller state."""
 
     kind: str
     some: bool
@@ -136,20 +136,20 @@ class Names:
         return f"{'uses' if self.some else 'avoids'} {self.kind}"
 
     def requests(self, number: int, facts: Facts) -> Iterator[str]:
-        """Yield what the encoding is asked."""
+        """Yield the request terms for the encoding."""
         actions = self.actions(facts)
         which = _named_by_all(actions, facts) or str(number)
         yield from _counted(which, Range(1) if self.some else Range(0, 0), actions)
 
     def actions(self, facts: Facts) -> tuple[clingo.Symbol, ...]:
-        """Return the actions that name an entity of this kind."""
+        """Return the actions that use an entity of this kind."""
         members = set(class_members(self.kind, facts))
         return tuple(action for action in facts.actions if any(mentioned_entities(action, members)))
 
 
 @dataclass(frozen=True)
 class Matches:
-    """The names of the actions make a word of a regular expression, or, inverse, do not."""
+    """The sequence of action names matches a regular expression, or with `inverse` does not."""
 
     expression: str
     inverse: bool = False
@@ -159,18 +159,18 @@ class Matches:
         return f"{'not ' if self.inverse else ''}matches {self.expression}"
 
     def requests(self, number: int, facts: Facts) -> Iterator[str]:
-        """Yield what the encoding is asked."""
+        """Yield the request terms for the encoding."""
         names = {action_name(action) for action in facts.actions}
         with not_too_deep(self.expression):
-            found = recogniser(parse_expression(self.expression, names), names, inverse=self.inverse)
-        yield from asked_language(number, found)
+            machine = recogniser(parse_expression(self.expression, names), names, inverse=self.inverse)
+        yield from language_requests(number, machine)
 
 
 @dataclass(frozen=True)
 class Part:
     """The skeleton belongs to one part of all skeletons, divided evenly by a random automaton.
 
-    Each name permutes the numbers below `modulus`, drawn from `seed`; a skeleton belongs where its names send 0.
+    Each name permutes the numbers below `modulus`, at random by `seed`; the class of a skeleton is the image of 0.
     """
 
     residues: tuple[int, ...]
@@ -182,19 +182,19 @@ class Part:
         return f"part {_intervals(self.residues)} of {self.modulus} by seed {self.seed}"
 
     def requests(self, number: int, facts: Facts) -> Iterator[str]:
-        """Yield what the encoding is asked."""
+        """Yield the request terms for the encoding."""
         rows: list[dict[str, int]] = [{} for _ in range(self.modulus)]
         for name in sorted({action_name(action) for action in facts.actions}):
             numbers = list(range(self.modulus))
             random.Random(f"{self.seed} {name}").shuffle(numbers)
             for state, target in enumerate(numbers):
                 rows[state][name] = target
-        yield from asked_language(number, Recogniser(rows, frozenset(self.residues)))
+        yield from language_requests(number, Recogniser(rows, frozenset(self.residues)))
 
 
 @dataclass(frozen=True)
 class After:
-    """After so many actions, fluents have these values, learned where they are unknown; after 0, at the start."""
+    """After `steps` actions, fluents have these values, in hindsight if unknown; 0 steps mean the initial state."""
 
     steps: int
     formula: str
@@ -204,14 +204,14 @@ class After:
         return f"after {self.steps}: {self.formula}" if self.steps else f"starts {self.formula}"
 
     def requests(self, number: int, facts: Facts) -> Iterator[str]:
-        """Yield what the encoding is asked."""
+        """Yield the request terms for the encoding."""
         if self.steps:
             yield f"instant(1..{self.steps})"
         for fluent, value in self.conjunction(facts).items():
             yield f"after({self.steps},{fluent},{_spelled(value)})"
 
     def conjunction(self, facts: Facts) -> Mapping[str, bool]:
-        """Return the values that the fluents have."""
+        """Return the required values of fluents."""
         return parse_conjunction(self.formula, map(str, facts.fluents))
 
 
@@ -226,19 +226,19 @@ class Ends:
         return f"ends {self.formula}"
 
     def requests(self, number: int, facts: Facts) -> Iterator[str]:
-        """Yield what the encoding is asked."""
-        yield from asked_end(number, self.conjunctions(facts))
+        """Yield the request terms for the encoding."""
+        yield from end_requests(number, self.conjunctions(facts))
 
     def conjunctions(self, facts: Facts) -> Sequence[Mapping[str, bool]]:
-        """Return the conjunctions, one of which the final state satisfies."""
+        """Return the conjunctions, of which the final state satisfies at least one."""
         return parse_formula(self.formula, map(str, facts.fluents))
 
 
 @dataclass(frozen=True)
 class Achieves(Ends):
-    """The final state satisfies a formula, of which the first is not known to satisfy it.
+    """The final state satisfies a formula that the initial state is not known to satisfy.
 
-    Several require one initial state, which may satisfy none of their formulas.
+    Several such clauses share one initial state, which may satisfy none of their formulas.
     """
 
     file: ClassVar[str] = "achieves"
@@ -249,7 +249,7 @@ class Achieves(Ends):
 
 @dataclass(frozen=True)
 class Nontrivial:
-    """What is known of the final state differs from what is known of the first."""
+    """The known part of the final state differs from that of the initial state."""
 
     file: ClassVar[str] = "nontrivial"
 
@@ -257,13 +257,13 @@ class Nontrivial:
         return "nontrivial"
 
     def requests(self, number: int, facts: Facts) -> Iterator[str]:
-        """Yield what the encoding is asked."""
+        """Yield the request terms for the encoding."""
         return iter(())
 
 
 @dataclass(frozen=True)
 class LoopFree:
-    """No two states of a task are the same, as far as they are known."""
+    """No two states of a task have the same known part."""
 
     file: ClassVar[str] = "loop_free"
 
@@ -271,12 +271,12 @@ class LoopFree:
         return "loop-free"
 
     def requests(self, number: int, facts: Facts) -> Iterator[str]:
-        """Yield what the encoding is asked."""
+        """Yield the request terms for the encoding."""
         return iter(())
 
 
-def asked_end(number: int, conjunctions: Iterable[Mapping[str, bool]]) -> Iterator[str]:
-    """Yield what ``ends.lp`` is asked where the final state satisfies one of some conjunctions."""
+def end_requests(number: int, conjunctions: Iterable[Mapping[str, bool]]) -> Iterator[str]:
+    """Yield the requests of ``ends.lp`` for a final state that satisfies one of some conjunctions."""
     yield f"ends({number})"
     for which, conjunction in enumerate(conjunctions):
         yield f"either({number},{which})"
@@ -284,16 +284,16 @@ def asked_end(number: int, conjunctions: Iterable[Mapping[str, bool]]) -> Iterat
             yield f"either({number},{which},{fluent},{_spelled(value)})"
 
 
-def asked_start(conjunctions: Iterable[Mapping[str, bool]]) -> Iterator[str]:
-    """Yield what ``achieves.lp`` is asked where one of some conjunctions must not be known of the initial state."""
+def start_requests(conjunctions: Iterable[Mapping[str, bool]]) -> Iterator[str]:
+    """Yield the requests of ``achieves.lp`` for conjunctions that must not be known of the initial state."""
     for which, conjunction in enumerate(conjunctions):
         yield f"known({which})"
         for fluent, value in conjunction.items():
             yield f"known({which},{fluent},{_spelled(value)})"
 
 
-def asked_language(number: int, machine: Recogniser) -> Iterator[str]:
-    """Yield what ``matches.lp`` is asked for the words of an automaton."""
+def language_requests(number: int, machine: Recogniser) -> Iterator[str]:
+    """Yield the requests of ``matches.lp`` for the words of an automaton."""
     yield f"language({number})"
     yield f"starts({number},0)"
     for state, row in enumerate(machine.moves):
@@ -310,27 +310,27 @@ def _bounds(which: int | str, expected: Range, lower: str, upper: str) -> Iterat
 
 
 def _counted(what: str, times: Range, counted: Iterable[object]) -> Iterator[str]:
-    """Yield what ``has.lp`` is asked.
+    """Yield the requests of ``has.lp``.
 
-    A tally is part of the state. Its name has the entities that it speaks of, so that renaming them makes of it the
-    tally of what is renamed.
+    A counter is part of the state. Its name contains the entities that it counts, so that renaming entities maps
+    counters to counters.
     """
     which = f"({what},{times.low},{'any' if times.high is None else times.high})"
     yield from _bounds(which, times, "least", "most")
     yield f"tops({which},{max(times.low, 0 if times.high is None else times.high + 1)})"
-    yield from (f"counts({which},{each})" for each in counted)
+    yield from (f"counts({which},{item})" for item in counted)
 
 
 def _named_by_all(actions: Sequence[clingo.Symbol], facts: Facts) -> str:
-    """Return the one entity that some actions, and no others, name, as a term; an empty text where there is none."""
+    """Return the term of the only entity that exactly these actions use, or an empty text."""
     naming = {entity: tuple(action for action in facts.actions if any(mentioned_entities(action, [entity])))
               for entity in ({*mentioned_entities(actions[0], facts.entities)} if actions else ())}  # fmt: skip
-    found = [entity for entity, those in naming.items() if those == tuple(actions)]
-    return f"({found[0]},)" if len(found) == 1 else ""
+    entities = [entity for entity, users in naming.items() if users == tuple(actions)]
+    return f"({entities[0]},)" if len(entities) == 1 else ""
 
 
-def _told_of(pattern: str, number: int) -> str:
-    """Return a pattern as a term with the entities that it names; `number` where it names none."""
+def _pattern_term(pattern: str, number: int) -> str:
+    """Return a pattern as a term with the entities that it names, or `number` if it names none."""
     parsed = Pattern.parse(pattern)
     if parsed.arguments is None:
         return str(number)

@@ -1,4 +1,4 @@
-"""What tasks have to satisfy, as a value that is written and read in plain words."""
+"""Conditions on tasks, as values that are parsed from and printed as plain text."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Condition:
-    """All of some clauses: ``Condition.parse("uses apple", "has at least 2 grasp", "loop-free")``.
+    """A conjunction of clauses: ``Condition.parse("uses apple", "has at least 2 grasp", "loop-free")``.
 
-    As text, it is the words of its clauses, one on each line.
+    Its text has one clause per line.
     """
 
     clauses: tuple[Clause, ...] = ()
 
     @classmethod
     def parse(cls, *words: str) -> Condition:
-        """Return the condition that texts spell, each one clause or several lines of them.
+        """Return the condition of some texts, each with one clause per line.
 
         Raises:
-            QueryError: a text spells none.
+            QueryError: a line is no clause.
         """
         from prag_asp.space.conditions.keywords import parse_clause
 
@@ -32,7 +32,7 @@ class Condition:
 
     @property
     def fewest_actions(self) -> int:
-        """How many actions a plan has at least that satisfies it, as far as that is known at once."""
+        """A lower bound on the number of actions of a plan that satisfies it."""
         from prag_asp.space.conditions.clause_kinds import fewest_actions
 
         return max(map(fewest_actions, self.clauses), default=0)

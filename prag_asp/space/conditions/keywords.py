@@ -1,4 +1,4 @@
-"""The words of conditions."""
+"""Parse conditions from their keywords."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ PART = re.compile(r"(?P<ranges>\d+-\d+(?:,\d+-\d+)*) of (?P<modulus>\d+) by seed
 
 
 def parse_clause(text: str) -> Clause:
-    """Return the condition that a text spells, such as ``has at least 2 grasp`` or ``ends holding(panda,apple_1)``.
+    """Return the clause of a text such as ``has at least 2 grasp`` or ``ends holding(panda,apple_1)``.
 
     Raises:
-        QueryError: it spells none.
+        QueryError: the text is no condition.
     """
     words = " ".join(text.split())
     keyword, _, rest = words.partition(" ")
@@ -54,8 +54,8 @@ def _begins(rest: str) -> Clause:
 
 
 def _has(rest: str) -> Clause:
-    wanted, pattern = _quantity(rest)
-    return Has(_pattern(pattern), wanted or Range(1))
+    times, pattern = _quantity(rest)
+    return Has(_pattern(pattern), times or Range(1))
 
 
 def _lacks(rest: str) -> Clause:
@@ -63,8 +63,8 @@ def _lacks(rest: str) -> Clause:
 
 
 def _uses(rest: str) -> Clause:
-    wanted, kind = _quantity(rest)
-    return Names(kind, some=True) if wanted is None else Uses(kind, wanted)
+    number, kind = _quantity(rest)
+    return Names(kind, some=True) if number is None else Uses(kind, number)
 
 
 def _avoids(rest: str) -> Clause:
@@ -80,7 +80,7 @@ def _after(rest: str) -> Clause:
 
 def _part(rest: str) -> Clause:
     match = PART.match(rest)
-    bounds = [tuple(map(int, each.split("-"))) for each in match["ranges"].split(",")] if match else []
+    bounds = [tuple(map(int, interval.split("-"))) for interval in match["ranges"].split(",")] if match else []
     residues = sorted({number for low, high in bounds for number in range(low, high + 1)})
     if match is None or not residues or residues[-1] >= int(match["modulus"]):
         raise QueryError(f"condition 'part {rest}': write it like {EXAMPLES['part']!r}")
@@ -88,7 +88,7 @@ def _part(rest: str) -> Clause:
 
 
 def _quantity(text: str) -> tuple[Range | None, str]:
-    """Return the number that stands before a name, if any, and the name."""
+    """Return the quantity before a name, if any, and the name."""
     match = NUMBER.match(text)
     if match is None:
         return None, text

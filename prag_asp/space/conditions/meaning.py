@@ -1,9 +1,8 @@
-"""What conditions say, however they are spelled: what says nothing is left out, what says the same has one form.
+"""Normal forms of conditions: vacuous clauses are dropped, and equivalent formulas become equal.
 
-A formula about the final state is told by the weakest sets of values that entail it together with the invariants, each
-with all that follows from it. There is one such form of each formula: no other way to write it, and no invariant that
-follows from the others, makes another. It is found from the prime implicants of the formula
-or a violated invariant.
+The normal form of a formula about the final state is the set of the weakest conjunctions that entail it under the
+invariants, each closed under entailment. It depends neither on the spelling of the formula nor on redundant
+invariants, and is computed from the prime implicants of "the formula holds or an invariant is violated".
 """
 
 from __future__ import annotations
@@ -22,14 +21,14 @@ from prag_asp.space.conditions.state_formula import Conjunction
 Values = frozenset[FluentValue]
 
 MOST_TERMS = 400
-"""Conjunctions beyond which a formula keeps the form that it is written in."""
+"""Number of conjunctions above which a formula is not normalised."""
 
 
 def simplest(clause: Clause, facts: Facts) -> Clause | None:
-    """Return the simplest clause that says the same, or None where every plan satisfies it.
+    """Return the simplest equivalent clause, or None if every plan satisfies it.
 
     Raises:
-        QueryError: it speaks of something that the domain does not have.
+        QueryError: it names something that the domain does not have.
     """
     if isinstance(clause, Uses):
         members = len(list(class_members(clause.kind, facts)))
@@ -48,34 +47,37 @@ def simplest(clause: Clause, facts: Facts) -> Clause | None:
 
 
 def weakest(conjunctions: Sequence[Conjunction], goal: Assignment, facts: Facts) -> Sequence[Conjunction]:
-    """Return the conjunctions that say of a state which satisfies `goal` what some conjunctions say, in one form.
+    """Return the normal form of a disjunction of conjunctions, for states that satisfy `goal`.
 
-    None are left where no state satisfies them; an empty one where every state does.
+    It is empty if no state satisfies it, and has one empty conjunction if every state does.
     """
-    found = _weakest(conjunctions, goal, facts, invariant_graph(facts))
-    return conjunctions if found is None else found
+    normal = _weakest(conjunctions, goal, facts, invariant_graph(facts))
+    return conjunctions if normal is None else normal
 
 
 def shared(conjunctions: Sequence[Conjunction], facts: Facts) -> Conjunction:
-    """Return what holds in every state that satisfies one of some conjunctions, as far as each of them entails it."""
+    """Return the values that each of some conjunctions entails."""
     graph = invariant_graph(facts)
     names = {str(fluent): fluent for fluent in facts.fluents}
-    closed = [{*entailed(((names[fluent], value) for fluent, value in each.items()), graph)} for each in conjunctions]
+    closed = [
+        {*entailed(((names[fluent], value) for fluent, value in conjunction.items()), graph)}
+        for conjunction in conjunctions
+    ]
     return {str(fluent): value for fluent, value in sorted(set.intersection(*closed))} if closed else {}
 
 
 def known_where(conjunctions: Sequence[Conjunction], given: Assignment, facts: Facts) -> Sequence[Conjunction]:
-    """Return conjunctions: of a state with the `given` values, one is known wherever some of others is known to hold.
+    """Return the normal form of what is known of a state with the `given` values if it satisfies a conjunction.
 
-    What is impossible is known not to be.
+    Impossible fluents are known to be false.
 
     Raises:
-        QueryError: there are too many of them.
+        QueryError: there are too many conjunctions.
     """
-    found = _weakest(conjunctions, given, facts, invariant_graph(facts, impossible=True))
-    if found is None:
+    normal = _weakest(conjunctions, given, facts, invariant_graph(facts, impossible=True))
+    if normal is None:
         raise QueryError(f"'achieves' has more than {MOST_TERMS} cases; ask for fewer things at once")
-    return found
+    return normal
 
 
 def _weakest(
@@ -89,15 +91,15 @@ def _weakest(
     for conjunction in conjunctions:
         term = frozenset((names[fluent], value) for fluent, value in conjunction.items())
         if _holds_in_some_state(term, sure, graph):
-            terms.append(frozenset(each for each in term if each not in sure and _may_fail(each, graph)))
+            terms.append(frozenset(value for value in term if value not in sure and _may_fail(value, graph)))
     violated = _violations({fluent for term in terms for fluent, _ in term}, graph)
     implicants = _prime_implicants([*terms, *violated])
     if implicants is None:
         return None
-    possible = (each for each in implicants if _holds_in_some_state(each, sure, graph))
-    closed = {frozenset(entailed(each, graph)) - set(sure) for each in possible}
-    least = [each for each in closed if not any(other < each for other in closed)]
-    return sorted(({str(fluent): value for fluent, value in sorted(_roots(each, graph))} for each in least), key=str)
+    possible = (implicant for implicant in implicants if _holds_in_some_state(implicant, sure, graph))
+    closed = {frozenset(entailed(implicant, graph)) - set(sure) for implicant in possible}
+    least = [_roots(term, graph) for term in _absorbed(closed)]
+    return sorted(({str(fluent): value for fluent, value in sorted(term)} for term in least), key=str)
 
 
 def _holds_in_some_state(term: Values, sure: Mapping[FluentValue, FluentValue], graph: Graph) -> bool:
@@ -110,35 +112,35 @@ def _may_fail(value: FluentValue, graph: Graph) -> bool:
 
 
 def _violations(fluents: Collection[clingo.Symbol], graph: Graph) -> list[Values]:
-    """Return the pairs of values of some fluents that the invariants rule out."""
-    found: set[Values] = set()
+    """Return the pairs of values of some fluents that violate an invariant."""
+    pairs: set[Values] = set()
     for value in ((fluent, truth) for fluent in sorted(fluents) for truth in (True, False)):
         for fluent, truth in entailed([value], graph):
             if fluent in fluents and fluent != value[0]:
-                found.add(frozenset([value, (fluent, not truth)]))
-    return sorted(found, key=sorted)
+                pairs.add(frozenset([value, (fluent, not truth)]))
+    return sorted(pairs, key=sorted)
 
 
 def _prime_implicants(terms: Iterable[Values]) -> set[Values] | None:
-    """Return the weakest conjunctions that entail that some term holds; None where they grow many.
+    """Return the prime implicants of a disjunction of terms, or None if there are too many.
 
     Each fluent is resolved once (Tison 1967).
     """
-    found = set(terms)
-    for fluent in sorted({fluent for term in found for fluent, _ in term}):
-        if len(found) > MOST_TERMS:
+    implicants = set(terms)
+    for fluent in sorted({fluent for term in implicants for fluent, _ in term}):
+        if len(implicants) > MOST_TERMS:
             return None
-        with_it, against = ([term for term in found if (fluent, value) in term] for value in (True, False))
+        with_it, against = ([term for term in implicants if (fluent, value) in term] for value in (True, False))
         both = ((one - {(fluent, True)}) | (other - {(fluent, False)}) for one in with_it for other in against)
-        found = _absorbed(found | {term for term in both if len({each for each, _ in term}) == len(term)})
-    return found
+        implicants = _absorbed(implicants | {term for term in both if len({name for name, _ in term}) == len(term)})
+    return implicants
 
 
 def _absorbed(terms: set[Values]) -> set[Values]:
-    return {each for each in terms if not any(other < each for other in terms)}
+    return {term for term in terms if not any(other < term for other in terms)}
 
 
 def _roots(values: Values, graph: Graph) -> Values:
-    """Return the values that no other one entails without following from it."""
+    """Return the values that are not entailed by another value, except by equivalent ones."""
     below = {value: entailed([value], graph) for value in values}
     return frozenset(v for v in values if not any(v in below[w] and w not in below[v] for w in values))

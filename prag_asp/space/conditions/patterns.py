@@ -1,4 +1,4 @@
-"""Which actions and entities a condition speaks of."""
+"""The actions and entities that a condition refers to."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ANY = "_"
 
 @dataclass(frozen=True)
 class Pattern:
-    """An action, the name of some, or an action with ``_`` for any argument; `arguments` is None for a mere name."""
+    """An action, a name of actions, or an action with ``_`` for any argument; `arguments` is None for a mere name."""
 
     name: str
     arguments: tuple[str, ...] | None = None
@@ -34,34 +34,34 @@ class Pattern:
         return cls(atom.name, atom.arguments or None)
 
     def matches(self, facts: Facts) -> tuple[clingo.Symbol, ...]:
-        """Return the actions that fit.
+        """Return the matching actions.
 
         Raises:
-            QueryError: there is none.
+            QueryError: no action matches.
         """
-        found = tuple(action for action in facts.actions if self._fits(action))
-        if not found:
+        actions = tuple(action for action in facts.actions if self._fits(action))
+        if not actions:
             spelled = self.name if self.arguments is None else f"{self.name}({','.join(self.arguments)})"
-            known = {*map(action_name, facts.actions), *map(str, facts.actions)}
-            raise QueryError(no_action(spelled, known, facts))
-        return found
+            names = {*map(action_name, facts.actions), *map(str, facts.actions)}
+            raise QueryError(no_action(spelled, names, facts))
+        return actions
 
     def _fits(self, action: clingo.Symbol) -> bool:
         if action_name(action) != self.name:
             return False
         if self.arguments is None:
             return True
-        given = atom_of(action).arguments
-        return len(given) == len(self.arguments) and all(
-            wanted in (ANY, argument) for wanted, argument in zip(self.arguments, given, strict=True)
+        arguments = atom_of(action).arguments
+        return len(arguments) == len(self.arguments) and all(
+            pattern in (ANY, argument) for pattern, argument in zip(self.arguments, arguments, strict=True)
         )
 
 
 def class_members(kind: str, facts: Facts) -> Iterator[clingo.Symbol]:
-    """Return the entities that are called `kind` or belong to the class `kind`, in order of terms.
+    """Return the entities with the name or the class `kind`, in order of terms.
 
     Raises:
-        QueryError: there is no such entity or class, or the name stands for something else as well.
+        QueryError: there is no such entity or class, or the name is ambiguous.
     """
     refuse_ambiguous(kind, facts)
     entities = {str(entity): entity for entity in facts.entities}

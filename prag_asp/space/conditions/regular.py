@@ -1,6 +1,6 @@
 """Regular expressions over names, and the deterministic automata that recognise them.
 
-The states of an automaton are expressions themselves: what may still follow (derivatives, Brzozowski 1964).
+The states of an automaton are expressions for the remaining words (derivatives, Brzozowski 1964).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ TOKEN = re.compile(r"\s*(?:(?P<name>[\w]+)|\{(?P<low>\d+)(?P<range>,(?P<high>\d*
 MOST_COPIES = 1000
 
 MOST_STATES = 20_000
-"""States that are tried for an automaton: some expressions need twice as many for each further name."""
+"""Maximum number of states of an automaton; that of some expressions doubles with each further name."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Empty:
 
 @dataclass(frozen=True)
 class OneOf:
-    """The words of one name; `names` is None for any name."""
+    """The words that consist of one name; `names` is None for any name."""
 
     names: frozenset[str] | None
 
@@ -41,7 +41,7 @@ class OneOf:
 class Chain:
     """A word of `first`, then a word of `rest`.
 
-    Its hash is made once, or that of a long chain would be made link by link, again and again.
+    Its hash is cached because that of a long chain would be recomputed link by link.
     """
 
     first: Expression
@@ -74,26 +74,26 @@ Expression = Nothing | Empty | OneOf | Chain | Choice | Star
 
 @dataclass(frozen=True)
 class Recogniser:
-    """A deterministic automaton that starts in state 0; a name without a move leads to no word."""
+    """A deterministic automaton that starts in state 0 and rejects names without a move."""
 
     moves: Sequence[Mapping[str, int]]
     accepting: frozenset[int]
 
 
 def recogniser(expression: Expression, names: Iterable[str], *, inverse: bool = False) -> Recogniser:
-    """Return the smallest automaton of the words of `expression` over `names`, or of all other words.
+    """Return the minimal automaton of the words of `expression` over `names`, or with `inverse` of all other words.
 
-    A minimal automaton without states that lead nowhere is unique (Myhill 1957, Nerode 1958).
+    The minimal automaton without dead states is unique (Myhill 1957, Nerode 1958).
 
     Raises:
-        QueryError: it takes more than `MOST_STATES` states to make.
+        QueryError: its construction takes more than `MOST_STATES` states.
     """
     alphabet = sorted(names)
     numbers: dict[Expression, int] = {expression: 0}
-    found = [expression]
+    states = [expression]
     moves: list[dict[str, int]] = []
-    for state in found:
-        if len(found) > MOST_STATES:
+    for state in states:
+        if len(states) > MOST_STATES:
             raise QueryError(
                 f"an expression needs an automaton of more than {MOST_STATES:,} states; "
                 "ask for less, such as fewer names after a part that may have any length"
@@ -102,11 +102,11 @@ def recogniser(expression: Expression, names: Iterable[str], *, inverse: bool = 
         for name in alphabet:
             after = derivative(state, name)
             if after not in numbers:
-                numbers[after] = len(found)
-                found.append(after)
+                numbers[after] = len(states)
+                states.append(after)
             row[name] = numbers[after]
         moves.append(row)
-    accepting = {number for number, state in enumerate(found) if nullable(state) != inverse}
+    accepting = {number for number, state in enumerate(states) if nullable(state) != inverse}
     return _smallest(moves, accepting)
 
 
@@ -123,10 +123,10 @@ def _smallest(moves: Sequence[Mapping[str, int]], accepting: set[int]) -> Recogn
         blocks = refined
     live = set(accepting)
     while True:
-        more = {state for state, row in enumerate(moves) if live & set(row.values())} - live
-        if not more:
+        sources = {state for state, row in enumerate(moves) if live & set(row.values())} - live
+        if not sources:
             break
-        live |= more
+        live |= sources
     order = [0]
     numbers = {refined[0]: 0}
     rows: list[dict[str, int]] = []
@@ -152,7 +152,7 @@ def nullable(expression: Expression) -> bool:
 
 @cache
 def derivative(expression: Expression, name: str) -> Expression:
-    """Return what may follow `name` in the words of an expression."""
+    """Return the expression of the words that may follow `name` in the words of an expression."""
     if isinstance(expression, OneOf):
         return Empty() if expression.names is None or name in expression.names else Nothing()
     if isinstance(expression, Chain):
@@ -166,7 +166,7 @@ def derivative(expression: Expression, name: str) -> Expression:
 
 
 def chain(first: Expression, rest: Expression) -> Expression:
-    """Return the expression for a word of `first` and then one of `rest`, in a form that keeps equal ones equal."""
+    """Return the expression for a word of `first` and then one of `rest`, in a normal form."""
     if isinstance(first, Nothing) or isinstance(rest, Nothing):
         return Nothing()
     if isinstance(first, Empty):
@@ -179,27 +179,27 @@ def chain(first: Expression, rest: Expression) -> Expression:
 
 
 def choice(parts: Iterable[Expression]) -> Expression:
-    """Return the expression for a word of any of `parts`, in a form that keeps equal ones equal."""
-    found: set[Expression] = set()
+    """Return the expression for a word of any of `parts`, in a normal form."""
+    choices: set[Expression] = set()
     for part in parts:
-        found |= part.parts if isinstance(part, Choice) else {part}
-    found.discard(Nothing())
-    if len(found) > 1:
-        return Choice(frozenset(found))
-    return found.pop() if found else Nothing()
+        choices |= part.parts if isinstance(part, Choice) else {part}
+    choices.discard(Nothing())
+    if len(choices) > 1:
+        return Choice(frozenset(choices))
+    return choices.pop() if choices else Nothing()
 
 
 def parse_expression(text: str, names: Iterable[str]) -> Expression:
-    """Return the expression that `text` spells: names, ``.``, ``|``, ``*``, ``+``, ``?``, ``{m,n}`` and parentheses.
+    """Parse an expression of names, ``.``, ``|``, ``*``, ``+``, ``?``, ``{m,n}`` and parentheses.
 
     Raises:
-        QueryError: it spells none, or speaks of an unknown name.
+        QueryError: the text is no expression, or has an unknown name.
     """
     return _ExpressionParser(text, frozenset(names)).whole()
 
 
 class _ExpressionParser:
-    """Reads an expression by recursive descent."""
+    """Parse an expression by recursive descent."""
 
     def __init__(self, text: str, names: frozenset[str]) -> None:
         self._text, self._names = text, names

@@ -10,61 +10,65 @@ from prag_asp.errors import QueryError
 from prag_asp.wording import not_too_deep, unknown
 
 Conjunction = Mapping[str, bool]
-"""Fluents with their values."""
+"""A conjunction of literals: fluents with their truth values."""
 
 MOST_CONJUNCTIONS = 10_000
 WORD = re.compile(r"\s*(?P<word>[(),]|[^\s(),]+)")
 
 
 def parse_formula(text: str, fluents: Iterable[str]) -> tuple[Conjunction, ...]:
-    """Return the conjunctions, one of which a state has to satisfy, of a formula with ``and``, ``or`` and ``not``.
+    """Return the disjunctive normal form of a formula with ``and``, ``or`` and ``not``.
 
-    A comma is an ``and`` that binds least. Contradictory conjunctions are left out.
+    A comma is an ``and`` that binds weakest. Contradictory conjunctions are dropped.
 
     Raises:
-        QueryError: it is no formula, or speaks of an unknown fluent.
+        QueryError: it is no formula, or has an unknown fluent.
     """
     with not_too_deep(text):
         return tuple(dict(literals) for literals in _FormulaParser(text, frozenset(fluents)).whole())
 
 
 def parse_conjunction(text: str, fluents: Iterable[str]) -> Conjunction:
-    """Return the values of the fluents that a formula without ``or`` speaks of.
+    """Return the literals of a formula without ``or``.
 
     Raises:
         QueryError: it is no such formula, or contradicts itself.
     """
-    found = parse_formula(text, fluents)
-    if len(found) != 1:
+    conjunctions = parse_formula(text, fluents)
+    if len(conjunctions) != 1:
         raise QueryError(f"{text!r}: write fluents that hold together, like holding(panda,apple_1), not open(panda)")
-    return found[0]
+    return conjunctions[0]
 
 
 _Literals = frozenset[tuple[str, bool]]
 
 
 class _FormulaParser:
-    """Reads a formula by recursive descent, with its negation pushed down to the fluents."""
+    """Parse a formula by recursive descent, pushing negations down to the fluents."""
 
     def __init__(self, text: str, fluents: frozenset[str]) -> None:
         self._text, self._fluents = text, fluents
         self._words = [match["word"] for match in WORD.finditer(text)]
 
     def whole(self) -> list[_Literals]:
-        found = self._conjunction(",", positive=True)
+        conjunctions = self._conjunction(",", positive=True)
         if self._words:
             raise self._wrong(f"unexpected {self._words[0]!r}")
-        return found
+        return conjunctions
 
     def _conjunction(self, word: str, positive: bool) -> list[_Literals]:
-        """Read what stands between the words `word`: ``,`` binds least, then ``or``, then ``and``."""
+        """Parse the operands of the operator `word`: ``,`` binds weakest, then ``or``, then ``and``."""
         below = {",": "or", "or": "and"}
-        found = self._conjunction(below[word], positive) if word in below else self._negation(positive)
+        conjunctions = self._conjunction(below[word], positive) if word in below else self._negation(positive)
         while self._words[:1] == [word]:
             self._words.pop(0)
             other = self._conjunction(below[word], positive) if word in below else self._negation(positive)
-            found = self._joined(found, other) if (word == "or") != positive else self._smallest([*found, *other])
-        return found
+            conjunctions = (
+                self._joined(conjunctions, other)
+                if (word == "or") != positive
+                else self._smallest([*conjunctions, *other])
+            )
+        return conjunctions
 
     def _negation(self, positive: bool) -> list[_Literals]:
         if self._words[:1] == ["not"]:
@@ -72,11 +76,11 @@ class _FormulaParser:
             return self._negation(not positive)
         if self._words[:1] == ["("]:
             self._words.pop(0)
-            found = self._conjunction(",", positive)
+            conjunctions = self._conjunction(",", positive)
             if self._words[:1] != [")"]:
                 raise self._wrong("a parenthesis is not closed")
             self._words.pop(0)
-            return found
+            return conjunctions
         return [frozenset({(self._fluent(), positive)})]
 
     def _fluent(self) -> str:
@@ -100,12 +104,12 @@ class _FormulaParser:
         if len(first) * len(second) > MOST_CONJUNCTIONS:
             raise self._wrong("it has too many cases; ask for less")
         both = (one | other for one in first for other in second)
-        return self._smallest([each for each in both if len(dict(each)) == len(each)])
+        return self._smallest([literals for literals in both if len(dict(literals)) == len(literals)])
 
-    def _smallest(self, found: list[_Literals]) -> list[_Literals]:
-        """Return the conjunctions that no weaker one among them makes superfluous, in order."""
-        kept = list(dict.fromkeys(found))
-        return [each for each in kept if not any(other < each for other in kept)]
+    def _smallest(self, conjunctions: list[_Literals]) -> list[_Literals]:
+        """Return the conjunctions that no weaker one absorbs, in order."""
+        distinct = list(dict.fromkeys(conjunctions))
+        return [literals for literals in distinct if not any(other < literals for other in distinct)]
 
     def _wrong(self, what: str) -> QueryError:
         return QueryError(

@@ -1,4 +1,4 @@
-"""Parts of a task space that have no skeleton in common, with shares as near to those wanted as skeletons allow."""
+"""Divide a task space into parts that share no skeleton, with shares as near to the requested ones as possible."""
 
 from __future__ import annotations
 
@@ -14,42 +14,42 @@ from prag_asp.space.parts.choice import NEAR, choose_parts, farthest
 from prag_asp.space.parts.shares import divided
 
 FEWEST_CLASSES = 20
-"""Classes that skeletons are divided into at least: where there are many skeletons, parts are made of whole classes."""
+"""Minimum number of classes of skeletons; where there are many skeletons, parts are unions of whole classes."""
 
 MOST_SKELETONS, LONGEST = 500, 30
-"""Skeletons up to which parts are chosen skeleton by skeleton, and the number of actions up to which they are."""
+"""Maximum number of skeletons, and of actions in each, for which parts are chosen skeleton by skeleton."""
 
 SPELLABLE = re.compile(r"\w+")
 """A name that regular expressions can spell."""
 
 Count = Callable[[Condition], int]
-"""Returns how many tasks satisfy a condition."""
+"""Return the number of tasks that satisfy a condition."""
 
 Skeletons = Mapping[tuple[str, ...], int]
 """The number of tasks of each skeleton."""
 
 
 class SharesWarning(UserWarning):
-    """The parts of a split are not near to the shares that were asked for."""
+    """The parts of a split are far from the requested shares."""
 
 
 def divide_skeletons(
     shares: Mapping[str, Fraction], seed: int, count: Count, listed: Callable[[], Skeletons | None]
 ) -> dict[str, Condition]:
-    """Return the conditions of disjoint random parts of a space, together all of it, each with whole skeletons.
+    """Return conditions that partition a space at random into parts of whole skeletons.
 
-    Skeletons are divided evenly by a random automaton. Where that comes out uneven, skeletons (those `listed`, None
-    where they are too many) or classes of them are chosen by how many tasks each has, exactly.
+    A random automaton divides the skeletons evenly. If the shares of tasks come out uneven, skeletons are assigned by
+    their exact numbers of tasks: one by one, or in classes if `listed` returns None because there are too many.
     """
     modulus = lcm(*(share.denominator for share in shares.values()))
     modulus *= -(-FEWEST_CLASSES // modulus)
     residues = divided(modulus, shares)
-    parts = {name: _part(own, modulus, seed) for name, own in residues.items()}
+    parts = {name: _part(numbers, modulus, seed) for name, numbers in residues.items()}
     if _distance(parts, shares, count) > NEAR:
         few = listed()
         parts = _of_skeletons(few, shares, seed) if few is not None else _of_classes(count, shares, seed, modulus)
         if _distance(parts, shares, count) > NEAR:
-            warnings.warn(_warning_text(parts, shares, count), SharesWarning, stacklevel=3)
+            warnings.warn(_warning_text(parts, shares, count), SharesWarning, stacklevel=4)
     return parts
 
 
@@ -66,7 +66,7 @@ def _of_skeletons(skeletons: Skeletons, shares: Mapping[str, Fraction], seed: in
     words: list[list[str]] = [[] for _ in shares]
     for skeleton, part in zip(skeletons, chosen, strict=True):
         words[part].append(" ".join(skeleton) or ".{0}")
-    clauses = [Matches(" | ".join(own)) if own else Matches(".*", inverse=True) for own in words]
+    clauses = [Matches(" | ".join(spelled)) if spelled else Matches(".*", inverse=True) for spelled in words]
     return {name: Condition((clause,)) for name, clause in zip(shares, clauses, strict=True)}
 
 
@@ -76,11 +76,12 @@ def _of_classes(count: Count, shares: Mapping[str, Fraction], seed: int, modulus
     residues: list[list[int]] = [[] for _ in shares]
     for residue, part in enumerate(chosen):
         residues[part].append(residue)
-    return {name: _part(own, modulus, seed) for name, own in zip(shares, residues, strict=True)}
+    return {name: _part(numbers, modulus, seed) for name, numbers in zip(shares, residues, strict=True)}
 
 
 def _warning_text(parts: Mapping[str, Condition], shares: Mapping[str, Fraction], count: Count) -> str:
     total = sum(map(count, parts.values()))
-    have = ", ".join(f"{name} has {float(100 * count(part) / total):.1f} %" for name, part in parts.items())
-    wanted = ", ".join(f"{float(100 * share):.4g} %" for share in shares.values())
-    return f"{have} of the tasks, not {wanted}: no choice of whole skeletons comes nearer; take other shares or lengths"
+    actual = ", ".join(f"{name} has {float(100 * count(part) / total):.1f} %" for name, part in parts.items())
+    requested = ", ".join(f"{float(100 * share):.4g} %" for share in shares.values())
+    shares_text = f"{actual} of the tasks, not {requested}"
+    return f"{shares_text}: no choice of whole skeletons comes nearer; take other shares or lengths"

@@ -1,4 +1,4 @@
-"""The engines; `select` takes the best one that can express a domain."""
+"""The engines; `select` returns the best one that can express a domain."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ def select(
 ) -> Engine:
     """Return the engine of a name.
 
-    ``auto`` is the automaton, diagrams where its states would be too many, clingo where a step is no function of the
-    state, with the counter of the engine sharp beside it.
+    ``auto`` is the automaton, diagrams if it would have too many states, and clingo with a parallel model counter if a
+    step is no function of the state.
 
     Raises:
         QueryError: there is no such engine.
@@ -50,8 +50,8 @@ def engine_class(name: str) -> MakeEngine:
 
 def _load(path: str) -> MakeEngine:
     module, _, own = path.rpartition(".")
-    made: MakeEngine = getattr(import_module(module), own)
-    return made
+    make: MakeEngine = getattr(import_module(module), own)
+    return make
 
 
 __all__ = ["ENGINES", "LEVELS", "Draw", "Engine", "Level", "engine_class", "select"]

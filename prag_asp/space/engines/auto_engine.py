@@ -1,7 +1,7 @@
-"""The choice of an engine: states are listed if they fit into memory, otherwise they become diagrams.
+"""The choice of an engine: states are listed if they fit into memory, otherwise represented by diagrams.
 
-A forecast from the number of states that each step has added so far decides. Where there are no states to list, clingo
-enumerates; if that takes longer, a model counter runs beside it, and the first to finish answers.
+A forecast from the number of new states of each step decides. If a step is no function of the state, clingo
+enumerates; if that takes long, a model counter runs in parallel, and the first to finish answers.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ if TYPE_CHECKING:
     from prag_asp.space.engines.clingo_engine import ClingoEngine
 
 PATIENCE = 2.0
-"""Seconds for which clingo enumerates alone; it finds some 100,000 words a second."""
+"""Seconds for which clingo enumerates alone, at about 100,000 words per second."""
 
 EARLY, SURE = 64, 4
-"""A forecast counts once the listed states take 1/`EARLY` of the memory, and exceeds it by a factor of `SURE`."""
+"""A forecast is used once states take 1/`EARLY` of the memory, if it exceeds the memory `SURE` times."""
 
 FAR = 1e18
-"""Number of states beyond which a forecast stops."""
+"""Number of states at which a forecast stops."""
 
 
 Answer = TypeVar("Answer")
@@ -51,8 +51,8 @@ class Growth:
     def hopeless(self, extent: Extent, length: int) -> bool:
         """Return whether exploration is forecast to exceed the memory within `length` steps.
 
-        The ratio of the states that two successive steps add is taken to go on falling as it has fallen, because spaces
-        that fill up grow more slowly from step to step. Memory is taken to be proportional to the states.
+        The forecast assumes that the ratio of the new states of successive steps keeps falling at the same rate,
+        because growth slows down as a space fills up, and that memory is proportional to the number of states.
         """
         if self.states and extent.depth < max(self.states):
             self.states.clear()
@@ -62,8 +62,8 @@ class Growth:
         return self.forecast(extent, length) > SURE * self.memory
 
     def forecast(self, extent: Extent, length: int) -> int:
-        """Return the forecast of the bytes that exploration takes for `length` steps."""
-        depths = sorted(self.states)[:-1]  # the last one is not over
+        """Return the forecast memory of an exploration of `length` steps, in bytes."""
+        depths = sorted(self.states)[:-1]  # the last step is incomplete
         sizes = [self.states[depth] for depth in depths]
         layers = [later - sooner for sooner, later in zip([0, *sizes], sizes, strict=False)]
         if len(layers) < 3 or not (layers[-2] and layers[-3]):
@@ -81,7 +81,7 @@ class Growth:
 
 
 class AutoEngine:
-    """Answers as the automaton does, or by diagrams from the length on for which its states would be too many.
+    """The automaton engine, or diagrams from the length on at which it would have too many states.
 
     Raises:
         EngineError: the step is not a function of the state and the action.
@@ -105,15 +105,15 @@ class AutoEngine:
         """Return the number of words of a length.
 
         Raises:
-            LimitReached: a limit ended the count; the error has the number of words that were found.
+            LimitReached: a limit ended the count; the error has the number of words counted so far.
         """
         try:
             return self._answer(length, lambda engine: engine.count(length, prefix))
         except LimitReached as reached:
             if not self._too_long(length):
                 raise
-            found = max(reached.at_least, 0 if prefix else self._count_listed(length))
-            raise limit_error(reached.reason, found, self._request[1], length) from None
+            counted = max(reached.at_least, 0 if prefix else self._count_listed(length))
+            raise limit_error(reached.reason, counted, self._request[1], length) from None
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a length in order, lazily."""
@@ -129,11 +129,11 @@ class AutoEngine:
         return self._answer(length, lambda engine: engine.unrank(length, rank))
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None where it is no word."""
+        """Return the rank of a word among those of its length, or None if it is no word."""
         return self._answer(len(word), lambda engine: engine.rank(word))
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
-        """Return the words of a length with their weights."""
+        """Return the weighted words of a length."""
         return self._answer(length, lambda engine: engine.weighed(length, weights, goals=goals, plain=plain))
 
     def _answer(self, length: int, ask: Callable[[Engine], Answer]) -> Answer:
@@ -168,9 +168,9 @@ class AutoEngine:
         return self._diagrams
 
     def _count_listed(self, length: int) -> int:
-        """Return the number of words of a length among the listed states."""
+        """Return the number of words of a length that use only listed states."""
         _, level, _, limits = self._request
-        if level == "skeleton" or self._exceeded is None:  # what was listed has no names yet
+        if level == "skeleton" or self._exceeded is None:  # the listed states are those of plans
             return 0
         return count_within(self._exceeded[1].completions, length, limits.begin().to_close().reached_limit)[0]
 
@@ -178,7 +178,7 @@ class AutoEngine:
 def searching_engine(
     model: DomainLogic, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
 ) -> ClingoEngine:
-    """Return clingo, with a model counter beside it that counts as well where one is installed."""
+    """Return the clingo engine, with a parallel model counter if one is installed."""
     from prag_asp.logic.formula.counter import CountBeside, has_ganak
     from prag_asp.space.engines.clingo_engine import ClingoEngine
     from prag_asp.space.engines.word_formula import word_formula

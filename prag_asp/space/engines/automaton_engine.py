@@ -30,21 +30,21 @@ if TYPE_CHECKING:
     from prag_asp.space.engines.stored_automata import AutomatonSlot
 
 WORTH_KEEPING = 0.2
-"""Seconds of exploration from which its result is cached for the next run."""
+"""Minimum seconds of an exploration whose result is cached for the next run."""
 
 RANKED = 8
-"""Number of lengths whose rankings are kept."""
+"""Number of lengths whose rankings are cached."""
 
 LONG = 10_000
-"""Length from which counting reports its progress."""
+"""Minimum length for progress reports of counting."""
 
 
 class AutomatonEngine:
-    """Answers for one domain at one level; what was explored is kept for the next question.
+    """The engine of one domain at one level that explores its automaton and keeps it between queries.
 
-    `merge` says whether states are merged up to renaming of interchangeable entities; None lets their number decide.
-    No answer depends on it. `explorer` finds the states, by default by listing them. If `hopeless` forecasts that they
-    exceed the memory, each question raises `TooManyStates`.
+    `merge` decides whether states are merged up to renaming of interchangeable entities; None lets their number decide.
+    Results do not depend on it. `explorer` finds the states, by default by listing them. If `hopeless` forecasts that
+    they exceed the memory, queries raise `TooManyStates`.
 
     Raises:
         EngineError: the step is not a function of the state and the action.
@@ -74,7 +74,7 @@ class AutomatonEngine:
         self._weighed: tuple[tuple[int, Weights, bool, bool], Weighed] | None = None
         begun = monotonic()
         if self._reached is None:
-            self._transition  # noqa: B018  what cannot be expressed is an error at once
+            self._transition  # noqa: B018  raises EngineError early
         self._prepared = monotonic() - begun
 
     @cached_property
@@ -105,7 +105,7 @@ class AutomatonEngine:
         """Return the number of words of a length.
 
         Raises:
-            LimitReached: a limit ended the exploration; the error has the number of words that were found.
+            LimitReached: a limit ended the exploration; the error has the number of words counted so far.
         """
         budget = self._limits.begin()
         reach = self._reach(length, budget, self._parts.spreads if prefix else self._parts.falls_apart)
@@ -116,25 +116,25 @@ class AutomatonEngine:
             reach = self._reach(length, budget)
         stage("counting")
         if not prefix and not reach.stop and reach.completions.automaton.horizon is None:
-            known = count_by_recurrence(reach.completions, length, budget.reached_limit)
-            if known is not None:
-                return known
+            number = count_by_recurrence(reach.completions, length, budget.reached_limit)
+            if number is not None:
+                return number
         if prefix or (self._limits.seconds is None and length < LONG):
-            found, stop = self._count(reach, length, prefix), reach.stop
+            counted, stop = self._count(reach, length, prefix), reach.stop
         else:
-            found, stop = count_within(reach.completions, length, budget.to_close().reached_limit, self._tell)
+            counted, stop = count_within(reach.completions, length, budget.to_close().reached_limit, self._tell)
         reason = reach.stop or stop
         if reason:
-            raise limit_error(reason, found, self._level, length, reach.states)
-        return found
+            raise limit_error(reason, counted, self._level, length, reach.states)
+        return counted
 
     def _count_apart(self, length: int, budget: Budget, whole: Reach, prefix: Letters) -> int | None:
-        """Return the number of words of a length, part by part; None if the parts are not independent after all.
+        """Return the number of words of a length, part by part; None if the parts turn out not to be independent.
 
-        `whole` is the part of the whole that was explored until then.
+        `whole` is the partial exploration of the whole.
 
         Raises:
-            LimitReached: a limit ended the count; the error has the number of words that were found.
+            LimitReached: a limit ended the count; the error has the number of words counted so far.
         """
         if prefix:
             words = self._parts.words(length, self._numbers, budget)
@@ -144,7 +144,7 @@ class AutomatonEngine:
             return None
         if counted.stop:
             least = counted.found
-            if self._level != "skeleton":  # what was explored of the whole has no names yet
+            if self._level != "skeleton":  # the partial exploration is that of plans
                 least = max(least, count_within(whole.completions, length, budget.to_close().reached_limit)[0])
             raise limit_error(counted.stop, least, self._level, length, counted.states)
         return counted.found
@@ -154,14 +154,14 @@ class AutomatonEngine:
         reach = self.known(length)
         sets = self._sets(prefix)
         if not isinstance(reach, Reach):
-            found = reach.words(sets)
+            numbered = reach.words(sets)
         elif reach.merged:
             from prag_asp.space.automaton.merged_states import merged_words
 
-            found = merged_words(reach.merged, reach.completions, length, sets)
+            numbered = merged_words(reach.merged, reach.completions, length, sets)
         else:
-            found = words(reach.completions, length, [allowed.__contains__ for allowed in sets])
-        for word in found:
+            numbered = words(reach.completions, length, [allowed.__contains__ for allowed in sets])
+        for word in numbered:
             yield self._spell(word)
 
     def contains(self, word: Letters) -> bool:
@@ -183,13 +183,13 @@ class AutomatonEngine:
         return self._spell(self._ranking(length).unrank(rank))
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None where it is no word."""
+        """Return the rank of a word among those of its length, or None if it is no word."""
         if not all(letter in self._numbers for letter in word):
             return None
         return self._ranking(len(word)).rank([self._numbers[letter] for letter in word])
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
-        """Return the words of a length with their weights, and keep the last ones made."""
+        """Return the weighted words of a length, and cache the latest result."""
         refuse_weights(self._level, weights, self._model, length)
         stage("weighing")
         key = (length, weights, goals, plain)
@@ -208,7 +208,7 @@ class AutomatonEngine:
         if name is None:
             return frozenset({self._numbers[text]})
         names = () if self._level == "skeleton" else self._names
-        return frozenset(number for number, each in enumerate(names) if each == name)
+        return frozenset(number for number, text in enumerate(names) if text == name)
 
     def _count(self, reach: Reach, length: int, prefix: Letters) -> int:
         sets = self._sets(prefix)
@@ -219,35 +219,35 @@ class AutomatonEngine:
         return count_words(reach.completions, length, [allowed.__contains__ for allowed in sets])
 
     def _reach(self, length: int, budget: Budget, halt: Halt | None = None) -> Reach:
-        """Return what is reached within a length, and keep it where no limit ended it."""
+        """Return the exploration of a length, and keep it if it is complete."""
         if self._reached is not None and self._reached.covers(length):
             return self._reached
         begun = monotonic()
         stage("exploring")
-        found = self._explorer.reach(self._transition, length, budget, halt)
-        if found.stop == FORECAST and halt and self._parts.finds:
-            return replace(found, stop=HALT)
-        if found.stop == FORECAST:
-            raise TooManyStates(found)
-        if found.covers(length):
-            self._reached = found
+        reach = self._explorer.reach(self._transition, length, budget, halt)
+        if reach.stop == FORECAST and halt and self._parts.finds:
+            return replace(reach, stop=HALT)
+        if reach.stop == FORECAST:
+            raise TooManyStates(reach)
+        if reach.covers(length):
+            self._reached = reach
             if self._slot and self._prepared + monotonic() - begun > WORTH_KEEPING:
-                self._slot.write(found)
-        return found
+                self._slot.write(reach)
+        return reach
 
     def known(self, length: int) -> Reach | ShuffledWords:
-        """Return all that is reached within a length; or its words, where they are those of many parts.
+        """Return the complete exploration of a length, or its words as shuffles of those of independent parts.
 
         Raises:
             LimitReached: a limit ended the exploration.
         """
         budget = self._limits.begin()
         halted = self._parts.has_words(length) or self._reach(length, budget, self._parts.spreads).stop == HALT
-        found = self._parts.words(length, self._numbers, budget) if halted else None
-        return found or self.explored(length, budget)
+        shuffled = self._parts.words(length, self._numbers, budget) if halted else None
+        return shuffled or self.explored(length, budget)
 
     def explored(self, length: int, budget: Budget | None = None) -> Reach:
-        """Return all that is reached within a length.
+        """Return the complete exploration of a length.
 
         Raises:
             LimitReached: a limit ended the exploration.
@@ -255,12 +255,12 @@ class AutomatonEngine:
         budget = budget or self._limits.begin()
         reach = self._reach(length, budget)
         if reach.stop:
-            found, _ = count_within(reach.completions, length, budget.to_close().reached_limit)
-            raise limit_error(reach.stop, found, self._level, length, reach.states)
+            counted, _ = count_within(reach.completions, length, budget.to_close().reached_limit)
+            raise limit_error(reach.stop, counted, self._level, length, reach.states)
         return reach
 
     def _ranking(self, length: int) -> Ranking | MergedRanking | ShuffledWords:
-        """Return the ranking of a length, and keep the last ones: lengths may alternate."""
+        """Return the ranking of a length; the latest ones are cached because lengths may alternate."""
         if length not in self._ranked:
             reach = self.known(length)
             stage("ranking")
@@ -276,10 +276,10 @@ class AutomatonEngine:
         read = hindsight.last_read if hindsight else ()
         explorer = self._plain if plain or goals else self._explorer
         if not weights and not goals and not plain:
-            known = self.known(length)
-            if not isinstance(known, Reach):
-                return Weighed(NO_PATHS, ranking=known)
-            return Weighed(known.completions, ranking=_merged_ranking(known, length))
+            words = self.known(length)
+            if not isinstance(words, Reach):
+                return Weighed(NO_PATHS, ranking=words)
+            return Weighed(words.completions, ranking=_merged_ranking(words, length))
         if not weights and not goals:
             whole = self.explored(length)
             if not whole.merged:
@@ -303,7 +303,7 @@ class AutomatonEngine:
         return Weighed(reach.completions, unit**length, ends, _merged_ranking(reach, length))
 
     def _weigh_apart(self, length: int, weights: Weights, budget: Budget) -> Weighed | None:
-        """Return the words with the weights of their actions by those of the parts, if these give them."""
+        """Return the words with weights of actions as shuffles of those of the parts, if these are independent."""
         words = self._parts.words(length, self._numbers, budget)
         if words is None:
             return None
@@ -314,7 +314,7 @@ class AutomatonEngine:
 
 
 def _automaton_slot(model: DomainLogic, level: Level, merge: bool | None) -> AutomatonSlot | None:
-    """Return the place in the cache for a level of a domain, or None where there is no cache."""
+    """Return the cache slot of a level of a domain, or None without a cache."""
     folder = cache_folder()
     if folder is None:
         return None

@@ -1,8 +1,8 @@
-"""A folder of computed arrays, each file under the key of what it was computed from.
+"""A cache folder of computed arrays, whose files are named by a key of their inputs.
 
-A file is what `numpy.savez` writes, its key and texts as JSON in an array of bytes, and then a checksum of all that,
-for those of the archive cover the arrays, but not their names. What cannot be read, is cut short, was changed, or
-belongs to another key is taken as absent, and what cannot be written is not kept. Nothing in a file is ever run.
+A file is an archive of `numpy.savez`, with its key and texts as JSON in an array of bytes, and a checksum of the whole,
+because those of the archive cover the arrays but not their names. A file that is unreadable, truncated, modified or of
+another key counts as absent, and failed writes are ignored. Files are never executed.
 """
 
 from __future__ import annotations
@@ -25,23 +25,23 @@ HEADER = "header"
 SUFFIX = ".arrays"
 
 LARGEST_FILE, LARGEST_FOLDER = 200_000_000, 1_000_000_000
-"""Bytes; the files read longest ago go first."""
+"""Maximum sizes in bytes; the least recently used files are removed first."""
 
 
 @dataclass(frozen=True)
 class CacheEntry:
-    """Texts as JSON allows them, and arrays by name."""
+    """JSON values by name, and arrays by name."""
 
     texts: Mapping[str, Any]
     arrays: Mapping[str, NDArray[Any]]
 
 
 def read_entry(folder: Path, key: str, names: Collection[str]) -> CacheEntry | None:
-    """Return what was kept under a key, of its arrays those of some names; or None."""
+    """Return the entry of a key with the arrays of some names, or None if there is no valid one."""
     content = read_cached(folder / f"{key}{SUFFIX}", LARGEST_FILE)
     if content is None:
         return None
-    from prag_asp.array_archive import BadArchive, read_arrays  # zipfile is not loaded where there is no entry
+    from prag_asp.array_archive import BadArchive, read_arrays  # avoids loading zipfile without an entry
 
     try:
         arrays = read_arrays(BytesIO(content), (HEADER, *names), LARGEST_FILE)
@@ -52,7 +52,7 @@ def read_entry(folder: Path, key: str, names: Collection[str]) -> CacheEntry | N
 
 
 def write_entry(folder: Path, key: str, entry: CacheEntry) -> bool:
-    """Keep something under a key, in one stroke; return whether that was possible."""
+    """Write an entry under a key atomically, and return whether that succeeded."""
     header = np.frombuffer(json.dumps({"key": key, "texts": entry.texts}).encode(), np.uint8)
     arrays: dict[str, Any] = {HEADER: header, **entry.arrays}
     buffer = BytesIO()
@@ -67,7 +67,7 @@ def write_entry(folder: Path, key: str, entry: CacheEntry) -> bool:
 
 
 def _shrink(folder: Path) -> None:
-    """Remove the files read longest ago until the folder is small enough."""
+    """Remove the least recently used files until the folder is small enough."""
     files = sorted(((path.stat().st_mtime, path, path.stat().st_size) for path in folder.glob(f"*{SUFFIX}*")),
                    reverse=True)  # fmt: skip
     for (_, path, _), total in zip(files, accumulate(size for _, _, size in files), strict=True):

@@ -1,4 +1,4 @@
-"""The clingo engine: unroll all steps and enumerate answer sets. It is the reference, and takes any rules."""
+"""The clingo engine: unroll all steps and enumerate answer sets. It is the reference, and supports all rules."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ POLL = 0.2
 
 
 Ask = Callable[[], "int | None"]
-"""Returns the count of another process, None as long as it has none."""
+"""Return the count of another process, or None until it is finished."""
 
 Beside = Callable[[int, Letters], AbstractContextManager[Ask]]
-"""Counts the words of a length that begin with a prefix while clingo does, too; the first to finish answers."""
+"""Count the words of a length that begin with a prefix in parallel to clingo; the first to finish answers."""
 
 
 class ClingoEngine:
-    """Answers for one domain at one level by search; the ground program of the last length is kept."""
+    """The search engine of one domain at one level; it caches the ground program of the latest length."""
 
     def __init__(
         self,
@@ -57,7 +57,7 @@ class ClingoEngine:
         """Return the number of words of a length, by enumerating them all.
 
         Raises:
-            LimitReached: a limit ended the search; the error has the number of words that were found.
+            LimitReached: a limit ended the search; the error has the number of words counted so far.
         """
         budget = self._limits.begin()
         plans = self._plans(length)
@@ -68,16 +68,16 @@ class ClingoEngine:
             self._progress(f"enumerating answer sets for length {length}")
         stage("enumerating answer sets")
         with self._beside(length, prefix) as ask:
-            found, stop = plans.count(assumptions, budget, ask)
+            counted, stop = plans.count(assumptions, budget, ask)
         if stop:
-            raise limit_error(stop, found, self._level, length)
-        return found
+            raise limit_error(stop, counted, self._level, length)
+        return counted
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
-        """Yield the words of a length in order, lazily: by one search for each way to go on.
+        """Yield the words of a length in order, lazily, by one search for each extension of a prefix.
 
         Raises:
-            LimitReached: a limit ended the search; the error has the number of words that were found.
+            LimitReached: a limit ended the search; the error has the number of words counted so far.
         """
         return within(self._limits, self._words(length, prefix), self._level, length)
 
@@ -112,8 +112,8 @@ class ClingoEngine:
         return next(islice(self.words(length), rank, None))
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None where it is no word."""
-        return next((rank for rank, each in enumerate(self.words(len(word))) if each == word), None)
+        """Return the rank of a word among those of its length, or None if it is no word."""
+        return next((rank for rank, other in enumerate(self.words(len(word))) if other == word), None)
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
         """Return the words of a length with their weights, by enumerating them all."""
@@ -123,20 +123,20 @@ class ClingoEngine:
         if self._unrolled is None or self._unrolled[0] != length:
             program = self._model.program if self._level == "plan" else self._model.task_program(length)
             shown = STEP_NAME if self._level == "skeleton" else OCCURS
-            found = _in_use.get((id(program), length, shown))
-            if found is None:
-                found = _in_use[id(program), length, shown] = _UnrolledPlans(program, length, shown, self._symbols)
-            self._unrolled = (length, found)
+            plans = _in_use.get((id(program), length, shown))
+            if plans is None:
+                plans = _in_use[id(program), length, shown] = _UnrolledPlans(program, length, shown, self._symbols)
+            self._unrolled = (length, plans)
         return self._unrolled[1]
 
 
 class _UnrolledPlans:
-    """The ground program of all plans of one length; between two questions it is as it was before."""
+    """The ground program of all plans of one length; queries do not change it."""
 
     def __init__(
         self, program: Program, length: int, shown: EncodingPredicate, letters: Mapping[str, clingo.Symbol]
     ) -> None:
-        self._program = program  # as long as this is in use, no other program has its identity
+        self._program = program  # keeps the program alive, so that its id stays unique
         self._shown = shown
         self._letters = letters
         projected = f"{shown.name}(X,t) : {shown.name}(X,t)"
@@ -148,10 +148,10 @@ class _UnrolledPlans:
         self._length = length
 
     def assume(self, letters: Sequence[str]) -> list[int] | None:
-        """Return the literals that say that a word begins with `letters`, or None where it cannot."""
+        """Return the literals that assert that a word begins with `letters`, or None if none does."""
         if len(letters) > self._length:
             return None
-        found = []
+        literals = []
         for step, letter in enumerate(letters, 1):
             name = name_in_prefix(letter, self._letters)
             term = self._letters[letter] if name is None else clingo.Function(name)
@@ -159,8 +159,8 @@ class _UnrolledPlans:
             atom = self._control.symbolic_atoms[symbol]
             if atom is None:
                 return None
-            found.append(atom.literal)
-        return found
+            literals.append(atom.literal)
+        return literals
 
     def possible(self, letters: Sequence[str]) -> bool:
         """Return whether a word begins with `letters`."""
@@ -172,11 +172,11 @@ class _UnrolledPlans:
         return self._true_literals(assumptions, ()) is not None
 
     def following(self, word: Letters, prefix: Letters) -> Iterator[str]:
-        """Yield the letters, in order, that follow `word` in words that go on as `prefix`, each as soon as it is known.
+        """Yield the letters, in order, that follow `word` in words that continue with `prefix`, each when it is known.
 
-        A letter is tried by itself. Each time one fails, twice as many searches as before, one at first, find any
-        others, or that there are none. So of n letters that follow, all take at most n + 1 searches that find some, and
-        one that fails for each doubling.
+        Each letter is tried alone. After each failure, twice as many searches as before, at first one, look for any
+        other letters, or prove that there are none. So n letters take at most n + 1 successful searches, and one
+        failed search for each doubling.
         """
         assumptions = self.assume((*word, *prefix))
         if assumptions is None:
@@ -185,67 +185,67 @@ class _UnrolledPlans:
         atoms = self._control.symbolic_atoms
         at_step = ((name, atoms[self._shown(term, time)]) for name, term in self._letters.items())
         literals = {letter: atom.literal for letter, atom in at_step if atom is not None}
-        found: set[int] = set()
+        possible: set[int] = set()
         searches, complete = 1, False
         for letter, literal in literals.items():
-            if not complete and literal not in found:
+            if not complete and literal not in possible:
                 new = self._true_literals([*assumptions, literal], literals.values())
                 if new is not None:
-                    found |= new
+                    possible |= new
                 elif searches:
-                    complete, searches = self._find_others(assumptions, literals.values(), found, searches)
-            if literal in found:
+                    complete, searches = self._find_others(assumptions, literals.values(), possible, searches)
+            if literal in possible:
                 yield letter
 
     def _find_others(
-        self, assumptions: Sequence[int], literals: Collection[int], found: set[int], searches: int
+        self, assumptions: Sequence[int], literals: Collection[int], possible: set[int], searches: int
     ) -> tuple[bool, int]:
-        """Add to what was `found` of some literals; return whether this is all, and how many searches are of use next.
+        """Add possible literals to `possible`; return whether it is complete, and how many searches to try next time.
 
-        Encodings that are no copies of ours may let a step have no action, or several: then none is of use.
+        User-defined encodings may allow steps with no action or several; such searches are not continued.
         """
         for _ in range(searches):
-            new = self._true_literals([*assumptions, *(-each for each in found)], literals)
+            new = self._true_literals([*assumptions, *(-literal for literal in possible)], literals)
             if new is None:
                 return True, 0
-            found |= new
+            possible |= new
             if len(new) != 1:
                 return False, 0
         return False, 2 * searches
 
     def _true_literals(self, assumptions: Sequence[int], literals: Iterable[int]) -> set[int] | None:
-        """Return which literals hold in an answer set that satisfies what is assumed, or None where there is none.
+        """Return the literals that hold in some answer set under the assumptions, or None if there is none.
 
-        For an error in what it calls at the end, clingo ends the process: so nothing interrupts it.
+        The call is not interruptible because clingo aborts the process if a callback raises an error at the end.
         """
         self._limit(1)
         with uninterrupted(), self._control.solve(assumptions=list(assumptions), yield_=True) as handle:
             model = handle.model()
-            return None if model is None else {each for each in literals if model.is_true(each)}
+            return None if model is None else {literal for literal in literals if model.is_true(literal)}
 
     def count(self, assumptions: Sequence[int], budget: Budget, ask: Ask) -> tuple[int, StopReason | None]:
         """Return the number of projected answer sets that satisfy the literals, and the limit that was reached, if any.
 
-        Those found until then are counted, unless `ask` knows the number before all are found.
+        At a limit, the number is a lower bound. If `ask` returns a count first, that is the result.
         """
         self._limit(0)
         stop: StopReason | None = None
-        known: int | None = None
+        answer: int | None = None
         with self._control.solve(assumptions=list(assumptions), async_=True) as handle:
             try:
                 while not handle.wait(POLL):
-                    stop, known = budget.reached_limit(), ask()
-                    if stop or known is not None:
+                    stop, answer = budget.reached_limit(), ask()
+                    if stop or answer is not None:
                         handle.cancel()
                         break
             except BaseException:
                 handle.cancel()
                 raise
             handle.get()
-            # Models are numbered as they are found; the statistics say so too, but cost milliseconds to read.
+            # Models are numbered; the statistics have their number too, but take milliseconds to read.
             last = handle.last()
-        if known is not None:
-            return known, None
+        if answer is not None:
+            return answer, None
         return last.number if last is not None else 0, stop
 
     def _limit(self, models: int) -> None:
@@ -255,5 +255,5 @@ class _UnrolledPlans:
 
 
 _in_use: WeakValueDictionary[tuple[int, int, EncodingPredicate], _UnrolledPlans] = WeakValueDictionary()
-"""The ground programs of engines of one domain, by program, length and shown predicate; without interchangeable
-entities, the levels plan and task share one."""
+"""The ground programs in use, by program, length and shown predicate; without interchangeable entities, the levels
+plan and task share one."""

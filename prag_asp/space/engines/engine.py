@@ -32,10 +32,10 @@ class Draw:
 
 
 class Engine(Protocol):
-    """A way to count, enumerate and sample the words of one domain at one level.
+    """An engine that counts, enumerates and samples the words of one domain at one level.
 
-    `prefix` holds, for the first steps, the text of a letter or the name of several (see `name_in_prefix`). Words come
-    in the order of their letters: actions in clingo's order of terms, names in alphabetical order.
+    `prefix` has, for the first steps, the text of a letter or the name of several (see `name_in_prefix`). Words are in
+    lexicographic order of their letters: actions in clingo's order of terms, names in alphabetical order.
     """
 
     def count(self, length: int, prefix: Letters = ()) -> int:
@@ -55,7 +55,7 @@ class Engine(Protocol):
         ...
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None where it is no word."""
+        """Return the rank of a word among those of its length, or None if it is no word."""
         ...
 
     @property
@@ -64,12 +64,12 @@ class Engine(Protocol):
         ...
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
-        """Return the words of a length with their weights; with `goals`, also what is known after each.
+        """Return the weighted words of a length; with `goals`, also the known part of their final states.
 
-        With `plain` (or `goals`), each path is one word; otherwise it may stand for several.
+        With `plain` (or `goals`), each path is one word; otherwise a path may stand for several words.
 
         Raises:
-            QueryError: the weights distinguish interchangeable entities, or skeletons are weighed.
+            QueryError: the weights distinguish interchangeable entities, or skeletons have weights.
         """
         ...
 
@@ -78,11 +78,11 @@ Progress = Callable[[str], None]
 """Called with a short text on the progress of a long computation."""
 
 ALL = "(...)"
-"""Ending of an item of a prefix that means all actions of a name, even if one action is spelled like the name."""
+"""Suffix of a prefix item that means all actions of a name, even if one action is spelled like the name."""
 
 
 def name_in_prefix(item: str, letters: Container[str]) -> str | None:
-    """Return the name that an item of a prefix stands for, or None where it is one of the letters."""
+    """Return the name that an item of a prefix stands for, or None if it is a letter."""
     if item.endswith(ALL):
         return item.removesuffix(ALL)
     return None if item in letters else item
@@ -92,7 +92,7 @@ MakeEngine = Callable[[DomainLogic, Level, "Progress | None", Limits], Engine]
 
 
 def all_letters(model: DomainLogic, level: Level) -> dict[str, clingo.Symbol]:
-    """Return the letters of a level with their terms, in order: the texts of all actions tried, or their names."""
+    """Return the letters of a level with their terms, in order: the texts of all candidate actions, or their names."""
     actions = model.domain.facts.tried
     if level == "skeleton":
         return {name: clingo.Function(name) for name in sorted(set(map(action_name, actions)))}

@@ -1,9 +1,9 @@
-"""Levels of domains that consist of independent parts: each is explored separately, then their words are shuffled.
+"""Domains that consist of independent parts: each part is explored separately, then their words are shuffled.
 
-A plan of the whole is a plan of each part, together with which of its steps belong to which part; so the plans of
-length n are the sum, over the ways to write n as a sum of one length for each part, of the multinomial coefficient and
-the product of the parts' counts (the product formula of exponential generating functions; Stanley, Enumerative
-Combinatorics 2, 5.1). For that a part has to stay as it is while another one acts, which is tested on every state.
+A plan of the whole is a shuffle of one plan of each part. So the number of plans of length n is the sum, over all
+compositions of n into one length per part, of the multinomial coefficient times the product of the parts' counts (the
+product formula of exponential generating functions; Stanley, Enumerative Combinatorics 2, 5.1). This requires that the
+state of a part does not change while another part acts, which is tested on every state.
 """
 
 from __future__ import annotations
@@ -25,18 +25,18 @@ if TYPE_CHECKING:
     from prag_asp.space.automaton.shuffle_product import ShuffledWords
 
 FEW_STATES = 4096
-"""States up to which a domain is counted as a whole even if it has parts, because the whole answers more questions."""
+"""Number of states up to which a domain with parts is counted as a whole, because the result serves more queries."""
 
 MANY_EDGES = 5_000_000
-"""Edges of the whole beyond which words are found part by part; up to that, exploring the whole is fast."""
+"""Number of edges above which words are searched part by part; below it, exploring the whole is fast."""
 
 LARGE_PART = 5_000_000
-"""Edges of a part beyond which finding words part by part gains nothing."""
+"""Number of edges of a part above which searching part by part gains nothing."""
 
 
 @dataclass(frozen=True)
 class PartCount:
-    """The number of words, the number of states explored for it, and which limit ended the count, if any."""
+    """The number of words, the number of explored states, and the limit that ended the count, if any."""
 
     found: int
     states: int
@@ -44,9 +44,10 @@ class PartCount:
 
 
 class IndependentParts:
-    """The independent parts of one level of a domain, and the answers that they give.
+    """The independent parts of one level of a domain, and queries that they answer.
 
-    `explorer` explores the whole, and `transition` returns its step function; parts are looked for when it has grown.
+    `explorer` explores the whole, and `transition` returns its step function. Parts are searched only once the whole
+    is large.
     """
 
     def __init__(self, explorer: Explorer, transition: Callable[[], Transition], tell: Callable[[str], None]) -> None:
@@ -59,7 +60,7 @@ class IndependentParts:
 
     @property
     def counts(self) -> bool:
-        """True if words may be counted part by part, as far as is known."""
+        """True if words may be counted part by part, unless a later test fails."""
         if self._explorer.merge is not None:
             return False
         if self._parts is None:
@@ -70,22 +71,22 @@ class IndependentParts:
 
     @property
     def finds(self) -> bool:
-        """True if words may be found part by part, as far as is known: no part is large."""
+        """True if words may be searched part by part: no part is known to be large."""
         return self.counts and not self._large
 
     def falls_apart(self, extent: Extent) -> bool:
-        """Return whether the whole has enough states for counting by parts, and has parts."""
+        """Return whether the whole has enough states to count by parts, and has parts."""
         return extent.states > FEW_STATES and self.counts
 
     def spreads(self, extent: Extent) -> bool:
-        """Return whether the whole has enough edges for finding words by parts, and has parts."""
+        """Return whether the whole has enough edges to search words by parts, and has parts."""
         return extent.edges > MANY_EDGES and self.finds
 
     def count(self, length: int, budget: Budget) -> PartCount | None:
-        """Return the number of words of a length; None where some part does not rest while another one acts.
+        """Return the number of words of a length, or None if a part changes while another one acts.
 
-        A limit leaves words out; none is wrong. Of skeletons, no two parts have a name of actions in common, or two of
-        theirs could be shuffled to the same one.
+        With a limit, the count is a lower bound. For skeletons, parts share no action name, so that different
+        skeletons of the parts have different shuffles.
         """
         reaches = self._explore_parts(replace(self._explorer, hopeless=None), length, budget)
         if reaches is None:
@@ -99,13 +100,13 @@ class IndependentParts:
         return PartCount(number, states, _first_stop(reaches) or late)
 
     def has_words(self, length: int) -> bool:
-        """Return whether the words of a length are found already, those of each part."""
+        """Return whether all parts have been explored for a length."""
         return self._reached is not None and self._reached[0] >= length
 
     def words(self, length: int, numbers: Mapping[str, int], budget: Budget) -> ShuffledWords | None:
-        """Return the words of a length by those of the parts; letters of the whole have these `numbers`.
+        """Return the words of a length as shuffles of those of the parts; `numbers` maps letters to the whole.
 
-        None where the parts are not independent after all, or one of them is large itself.
+        The result is None if the parts turn out not to be independent, or one of them is large itself.
 
         Raises:
             LimitReached: a limit ended the exploration.
@@ -130,17 +131,17 @@ class IndependentParts:
     def _explore_parts(
         self, explorer: Explorer, length: int, budget: Budget, halt: Halt | None = None
     ) -> list[Reach] | None:
-        """Return what each part reaches; None where `halt` says so, or one does not rest while another one acts.
+        """Return the exploration of each part; None if `halt` stops one, or one changes while another one acts.
 
-        Once a limit ended one, no more than the initial state of the others is looked at.
+        Once a limit ends one exploration, only the initial states of the others are explored.
         """
-        found: list[Reach] = []
+        reaches: list[Reach] = []
         for part in self._parts or ():
-            steps = 0 if _first_stop(found) else length
-            found.append(explorer.reach(part, steps, budget, halt, allow=part.rests))
-            if found[-1].stop == HALT:
+            steps = 0 if _first_stop(reaches) else length
+            reaches.append(explorer.reach(part, steps, budget, halt, allow=part.rests))
+            if reaches[-1].stop == HALT:
                 return None
-        return found
+        return reaches
 
 
 def _is_large(extent: Extent) -> bool:
@@ -148,23 +149,23 @@ def _is_large(extent: Extent) -> bool:
 
 
 def _first_stop(reaches: Sequence[Reach]) -> StopReason | None:
-    """Return why the first of them that ended early did."""
+    """Return the stop reason of the first exploration that ended early."""
     return next((reach.stop for reach in reaches if reach.stop), None)
 
 
 def count_shuffles(counts: Sequence[Sequence[int]], check: LimitCheck = lambda: None) -> tuple[int, StopReason | None]:
-    """Return the number of shuffles of one word of each part that have the greatest length, and None.
+    """Return the number of shuffles of one word of each part with total length n, and None.
 
-    `counts` has, for each part, the numbers of words of the lengths 0, 1, ..., n. Where `check` says that a limit is
-    reached, that limit is returned with no more than the words of the parts that were shuffled until then.
+    `counts` has, for each part, the numbers of words of the lengths 0, 1, ..., n. If `check` reports a limit, the
+    result is a lower bound from the parts shuffled so far, and that limit.
     """
     first, *others = counts
     whole, length = list(first), len(first) - 1
     for place, part in enumerate(others, 1):
-        wanted = range(length + 1) if place < len(others) else range(length, length + 1)
+        totals = range(length + 1) if place < len(others) else range(length, length + 1)
         used = [k for k, count in enumerate(part) if count]
         following = []
-        for n in wanted:
+        for n in totals:
             stop = check()
             if stop:
                 return whole[length] * prod(rest[0] for rest in others[place - 1 :]), stop
@@ -174,7 +175,7 @@ def count_shuffles(counts: Sequence[Sequence[int]], check: LimitCheck = lambda: 
 
 
 def _terms(completions: Completions, length: int) -> list[int]:
-    """Return the number of words of each length up to one."""
+    """Return the number of words of each length up to `length`."""
     if not completions.automaton.states:
         return [0] * (length + 1)
     row = completions.row(0)

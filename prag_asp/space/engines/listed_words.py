@@ -1,4 +1,4 @@
-"""The words of engines that find them one by one, with their weights; and the engine of lengths without words."""
+"""Weighted words of engines that enumerate them, and the engine of lengths without words."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ def weigh_words(
     weights: Weights,
     goals: bool,
 ) -> Weighed:
-    """Return all words of a level and length with their weights; with `goals`, also the known final state of each.
+    """Return the weighted words of a level and length; with `goals`, also the known part of their final states.
 
     Raises:
-        QueryError: the weights distinguish interchangeable entities, or skeletons are weighed.
+        QueryError: the weights distinguish interchangeable entities, or skeletons have weights.
     """
     from prag_asp.space.plans.task_builder import TaskBuilder
     from prag_asp.space.weights.tree import word_tree
@@ -40,7 +40,7 @@ def weigh_words(
 
 @dataclass(frozen=True)
 class NoWords:
-    """The engine for lengths that no word of a level has; nothing is ground for it."""
+    """The engine for lengths without words; it grounds nothing."""
 
     model: DomainLogic
     level: Level
@@ -63,13 +63,13 @@ class NoWords:
         return False
 
     def unrank(self, length: int, rank: int) -> Letters:
-        """Raise an error: no rank has a word."""
+        """Raise an IndexError, because there are no words."""
         raise IndexError(rank)
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word, which is none."""
+        """Return None, because there are no words."""
         return None
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
-        """Return the words of a length with their weights."""
+        """Return the weighted words of a length."""
         return weigh_words((), self.letters, self.model, self.level, length, Weights(), goals=False)

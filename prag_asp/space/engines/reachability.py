@@ -1,4 +1,4 @@
-"""The automaton of one level of a domain: whole or up to a limit, with or without merged states."""
+"""Explore the automaton of one level of a domain, completely or up to a limit, with or without merged states."""
 
 from __future__ import annotations
 
@@ -33,26 +33,26 @@ if TYPE_CHECKING:
     from prag_asp.space.engines.engine import Level
 
 PATIENCE, WORDS, LARGE = 250_000, 4, 100
-"""Edges beyond which states are merged, 64-bit words of a state up to which that holds, and the least number of
-renamings for it."""
+"""Number of edges above which states are merged, the 64-bit words per state to which it refers, and the minimum number
+of renamings."""
 
 FEW_STATES, FEW_EDGES = 4096, 50_000
-"""States and edges up to which all levels share what was explored."""
+"""Maximum numbers of states and edges of explorations that levels share."""
 
 MORE_PATIENCE = 5_000_000
-"""Edges beyond which states with fewer renamings are merged; plain arrays are faster as long as they fit."""
+"""Number of edges above which states with fewer renamings are merged; plain arrays are faster while they fit."""
 
 SIZE, HALT, FORECAST = StopReason(StopKind.SIZE), StopReason(StopKind.HALT), StopReason(StopKind.FORECAST)
-"""Why exploration ended where no limit did."""
+"""Reasons other than limits that end an exploration."""
 
 Halt = Callable[[Extent], bool]
-"""Returns, for the extent of an exploration, whether to stop it."""
+"""Return whether to stop an exploration of some extent."""
 
 Forecast = Callable[[Extent, int], bool]
-"""Returns, for the extent of an exploration and the length, whether it is forecast to exceed the memory."""
+"""Return whether an exploration of some extent is forecast to exceed the memory within a length."""
 
 Allow = Callable[[Rows], NDArray[np.bool_]]
-"""Returns for each state whether exploration may go on; one that forbids it halts the exploration."""
+"""Return for each state whether it is allowed; a state that is not halts the exploration."""
 
 Groups = Sequence[Sequence[Unit]]
 
@@ -61,9 +61,9 @@ Groups = Sequence[Sequence[Unit]]
 class Reach:
     """The known words of a level.
 
-    `letters` are the texts of the letters and `names` those of their actions' names. `merged` is what walks along words
-    where states were merged; `stop` says what ended the exploration, and is None where nothing is
-    missing up to the automaton's horizon. With `sets`, the automaton's states are sets of the domain's.
+    `letters` are the texts of the letters and `names` the names of their actions. `merged` walks along words if states
+    were merged. `stop` is why exploration ended early, or None if it is complete up to the automaton's horizon. With
+    `sets`, the automaton's states are sets of states of the domain.
     """
 
     letters: tuple[str, ...]
@@ -77,12 +77,12 @@ class Reach:
     def of_merged(
         cls, letters: tuple[str, ...], names: tuple[str, ...], merged: MergedAutomaton, stop: StopReason | None = None
     ) -> Reach:
-        """Return what is known where states were merged."""
+        """Return the words of an automaton with merged states."""
         return cls(letters, names, Completions(merged.automaton), merged, stop)
 
     @property
     def states(self) -> int:
-        """The number of the domain's states that are listed."""
+        """The number of listed states of the domain."""
         return 0 if self.sets else self.completions.automaton.states
 
     def covers(self, length: int) -> bool:
@@ -92,7 +92,7 @@ class Reach:
 
 
 class TooManyStates(Exception):
-    """Exploration would exceed the memory limit; `reach` is what was found until then."""
+    """Exploration would exceed the memory limit; `reach` is its partial result."""
 
     def __init__(self, reach: Reach) -> None:
         super().__init__(StopKind.FORECAST.value)
@@ -101,9 +101,9 @@ class TooManyStates(Exception):
 
 @dataclass(frozen=True)
 class Explorer:
-    """Explores one level of a domain; `merge` says whether states are merged, or is None to let their number decide.
+    """The exploration of one level of a domain; `merge` None lets the number of states decide whether they are merged.
 
-    Exploration stops if `hopeless` forecasts too many states, once it is decided whether states are merged.
+    Once that is decided, exploration stops if `hopeless` forecasts too many states.
     """
 
     model: DomainLogic
@@ -113,9 +113,9 @@ class Explorer:
     hopeless: Forecast | None = None
 
     def transition(self, weights: Weights | None = None, read: Sequence[clingo.Symbol] = ()) -> Transition:
-        """Return the step function that is explored; its labels are those of the weights, then the atoms `read`.
+        """Return the step function to explore; its labels are those of the weights, then the atoms `read`.
 
-        A skeleton has a plan wherever it has a task, so that skeletons need no canonical names.
+        Skeletons need no canonical names because a skeleton has a plan exactly if it has a task.
 
         Raises:
             EngineError: the step is not a function of the state and the action.
@@ -131,7 +131,7 @@ class Explorer:
         halt: Halt | None = None,
         allow: Allow | None = None,
     ) -> Reach:
-        """Return what is reached within `length` steps, or until a limit is reached or `halt` or `allow` stops it."""
+        """Return the words of up to `length` steps, as far as the limits, `halt` and `allow` permit."""
         explored, merging = self._explore(transition, length, budget, Weights(), halt, allow)
         names = tuple(map(action_name, transition.actions))
         if self.level == "skeleton" and explored.stop not in {HALT, FORECAST}:
@@ -150,9 +150,9 @@ class Explorer:
         read: Sequence[clingo.Symbol] = (),
         halt: Halt | None = None,
     ) -> tuple[Reach, Fraction, NDArray[np.bool_]]:
-        """Return the same with a whole number on each edge, what 1 stands for, and the truth of `read` after each edge.
+        """Return the words with integer edge weights, their unit, and the truth of `read` after each edge.
 
-        The latter has shape (edges, atoms read).
+        The truth values have shape (edges, atoms read).
         """
         transition = self.transition(weights, read)
         explored, merging = self._explore(transition, length, budget, weights, halt)
@@ -175,9 +175,9 @@ class Explorer:
             merging = self._merging(transition, weights)
             return explore(transition, length, self._watch(length, budget), merging=merging), merging
         object_to = partial(_objection, allow) if allow else None
-        known = None if allow else self._known_to_others(transition, length, budget, halt)
-        if known is not None:
-            return known, None
+        shared = None if allow else self._shared_exploration(transition, length, budget, halt)
+        if shared is not None:
+            return shared, None
         words = transition.initial.shape[1]
         patience = None if self.merge is False else PATIENCE // max(words // WORDS, 1)
         explored = explore(transition, length, self._watch(length, budget, patience, halt), object_to=object_to)
@@ -196,29 +196,29 @@ class Explorer:
             _small[transition] = explored
         return explored, None
 
-    def _known_to_others(
+    def _shared_exploration(
         self, transition: Transition, length: int, budget: Budget, halt: Halt | None
     ) -> Exploration | None:
-        """Return the exploration of an engine of another level, if it is small and this one would find the same.
+        """Return the identical exploration of another level's engine, if there is a small one.
 
-        With limits, or where progress is reported, the exploration is done again.
+        With limits or progress reports, the exploration is repeated.
         """
-        limits, known = budget.limits, _small.get(transition)
-        if known is None or self.tell or (limits.seconds, limits.memory_bytes) != (None, None):
+        limits, explored = budget.limits, _small.get(transition)
+        if explored is None or self.tell or (limits.seconds, limits.memory_bytes) != (None, None):
             return None
-        if halt and halt(Extent(length, known.automaton.states, len(known.labels), 0)):
+        if halt and halt(Extent(length, explored.automaton.states, len(explored.labels), 0)):
             return None
-        return known if known.automaton.horizon in (None, length) else None
+        return explored if explored.automaton.horizon in (None, length) else None
 
     def _merging(self, transition: Transition, weights: Weights) -> Merging | None:
         from prag_asp.logic.symmetry.canonical_states import find_merging
 
-        found = self.model.symmetries(0)
-        groups = _present(equal_groups(found.innermost, weights), transition)
-        return find_merging(transition, groups, found if self.level == "task" else None)
+        symmetries = self.model.symmetries(0)
+        groups = _present(equal_groups(symmetries.innermost, weights), transition)
+        return find_merging(transition, groups, symmetries if self.level == "task" else None)
 
     def _watch(self, length: int, budget: Budget, patience: int | None = None, halt: Halt | None = None) -> Watch:
-        """Return what tells of progress, and says when to stop: by the budget, `patience` with the edges, or `halt`."""
+        """Return the callback that reports progress and stops at the budget, at `patience` edges, or at `halt`."""
 
         def watch(extent: Extent) -> StopReason | None:
             if self.tell:
@@ -235,11 +235,11 @@ class Explorer:
 
 
 _small: WeakKeyDictionary[Transition, Exploration] = WeakKeyDictionary()
-"""The last exploration of a step function, as long as the function exists."""
+"""The last small exploration of each step function, as long as the function exists."""
 
 
 def _known(transition: Transition, explored: Exploration, merging: Merging | None, automaton: Automaton) -> Reach:
-    """Return what was explored, with the weights of `automaton`."""
+    """Return the words of an exploration, with the weights of `automaton`."""
     letters, names = tuple(map(str, transition.actions)), tuple(map(action_name, transition.actions))
     if merging is None or explored.renamings is None:
         return Reach(letters, names, Completions(automaton), None, explored.stop)
@@ -255,23 +255,23 @@ def _objection(allow: Allow, rows: Rows) -> StopReason | None:
 
 
 def _present(groups: Groups, transition: Transition) -> list[Sequence[Unit]]:
-    """Return the groups of whose units a step function speaks alike: one of a part need not speak of all."""
+    """Return the groups whose units all occur in a step function in the same way; that of a part may lack some."""
     entities = {entity for group in groups for unit in group for entity in unit}
-    spoken = {each for symbol in (*transition.actions, *transition.variables)
-              for each in mentioned_entities(symbol, entities)}  # fmt: skip
-    told = ({tuple(entity in spoken for entity in unit) for unit in group} for group in groups)
-    return [group for group, kinds in zip(groups, told, strict=True) if len(kinds) == 1 and any(*kinds)]
+    present = {entity for symbol in (*transition.actions, *transition.variables)
+               for entity in mentioned_entities(symbol, entities)}  # fmt: skip
+    patterns = ({tuple(entity in present for entity in unit) for unit in group} for group in groups)
+    return [group for group, kinds in zip(groups, patterns, strict=True) if len(kinds) == 1 and any(*kinds)]
 
 
 def equal_groups(groups: Groups, weights: Weights) -> list[tuple[Unit, ...]]:
     """Return the groups of units that neither the domain nor the weights distinguish."""
     entities = {entity for group in groups for unit in group for entity in unit}
     single = {entity for action in weights.actions for entity in mentioned_entities(action, entities)}
-    found: list[tuple[Unit, ...]] = []
+    equal: list[tuple[Unit, ...]] = []
     for group in groups:
         by_weight: dict[object, list[Unit]] = {}
         for unit in group:
             if single.isdisjoint(unit):
                 by_weight.setdefault(tuple(map(weights.entities.get, unit)), []).append(unit)
-        found += [tuple(members) for members in by_weight.values() if len(members) > 1]
-    return found
+        equal += [tuple(members) for members in by_weight.values() if len(members) > 1]
+    return equal

@@ -1,4 +1,4 @@
-"""The sat engine: the unrolled program as clauses, searched by a SAT solver. It is a second opinion on clingo's."""
+"""The sat engine: a SAT solver on the clauses of the unrolled program, as an independent check of clingo."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from prag_asp.space.limits import UNLIMITED, Limits, limit_error, within
 from prag_asp.space.weights.weights import Weighed, Weights
 
 REPORTED = 1000
-"""Words between two reports of progress."""
+"""Number of words between two progress reports."""
 
 
 class SatEngine:
-    """Answers for one domain at one level by search; the formula of the last length is kept.
+    """The search engine of one domain at one level; it caches the formula of the latest length.
 
     Raises:
-        EngineError: by each question, where the program has no counterpart in clauses.
+        EngineError: raised by each query if the program cannot be translated to clauses.
     """
 
     def __init__(
@@ -38,27 +38,27 @@ class SatEngine:
         self.letters = tuple(all_letters(model, level))
 
     def count(self, length: int, prefix: Letters = ()) -> int:
-        """Return the number of words of a length, by finding them one by one and forbidding each.
+        """Return the number of words of a length, by finding each and blocking it with a clause.
 
         Raises:
-            LimitReached: a limit ended the search; the error has the number of words that were found.
+            LimitReached: a limit ended the search; the error has the number of words counted so far.
         """
         budget = self._limits.begin()
-        found = 0
+        counted = 0
         for _ in self._all(length, prefix):
-            found += 1
-            if self._progress and found % REPORTED == 0:
-                self._progress(f"{found:,} {self._level}s found")
+            counted += 1
+            if self._progress and counted % REPORTED == 0:
+                self._progress(f"{counted:,} {self._level}s found")
             stop = budget.reached_limit()
             if stop:
-                raise limit_error(stop, found, self._level, length)
-        return found
+                raise limit_error(stop, counted, self._level, length)
+        return counted
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
-        """Yield the words of a length in order, lazily: by one search for each way to go on.
+        """Yield the words of a length in order, lazily, by one search for each extension of a prefix.
 
         Raises:
-            LimitReached: a limit ended the search; the error has the number of words that were found.
+            LimitReached: a limit ended the search; the error has the number of words counted so far.
         """
         return within(self._limits, self._searching(length).words(prefix), self._level, length)
 
@@ -76,10 +76,10 @@ class SatEngine:
         return next(islice(self.words(length), rank, None))
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None where it is no word."""
+        """Return the rank of a word among those of its length, or None if it is no word."""
         if not self.contains(word):
             return None
-        return next(rank for rank, each in enumerate(self.words(len(word))) if each == word)
+        return next(rank for rank, other in enumerate(self.words(len(word))) if other == word)
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
         """Return the words of a length with their weights, by finding them all."""
@@ -90,9 +90,9 @@ class SatEngine:
         return self._searching(length).formula
 
     def _all(self, length: int, prefix: Letters) -> Iterator[Letters]:
-        """Yield the words that begin with `prefix` in no order, each once: what was found is forbidden by a clause.
+        """Yield the words that begin with `prefix` in any order, each once, by blocking clauses.
 
-        A word has exactly one letter at each step, so the clause that one of its letters is missing forbids it alone.
+        A word has one letter at each step, so a clause that one of its letters is missing blocks only this word.
         """
         formula = self.formula(length)
         beginning = formula.beginning(prefix)
@@ -122,7 +122,7 @@ class _WordSearch:
         return Solver(self.formula.cnf.variables, self.formula.cnf.clauses)
 
     def some_word(self, prefix: Sequence[str]) -> Letters | None:
-        """Return a word that begins with `prefix`, or None where there is none."""
+        """Return a word that begins with `prefix`, or None if there is none."""
         beginning = self.formula.beginning(prefix)
         if beginning is None or not self._solver.satisfiable(beginning):
             return None
@@ -147,7 +147,7 @@ class _WordSearch:
                 ways.append(self._ways(len(ways), word, prefix))
 
     def _ways(self, place: int, word: Letters, prefix: Letters) -> Iterator[Letters]:
-        """Yield for each letter that can follow the first ones of a word, in order, some word that goes on so."""
+        """Yield for each letter that can replace that of a word at a place, in order, some word with this letter."""
         for letter in self.formula.letters:
             if letter == word[place]:
                 yield word

@@ -1,4 +1,4 @@
-"""Skeletons by sets of states, each a diagram (Rabin and Scott 1959), as far as the limits allow."""
+"""Skeletons by a subset construction (Rabin and Scott 1959) in which each set of states is a diagram."""
 
 from __future__ import annotations
 
@@ -19,10 +19,9 @@ from prag_asp.stop_reason import StopReason
 
 @dataclass
 class SetWords:
-    """The automaton of the skeletons of a domain, as far as it is known: its states are sets of the domain's.
+    """The explored part of the skeleton automaton of a domain, whose states are sets of states.
 
-    What is missing makes words fewer, never wrong: each state that follows others in part is a set of states that are
-    reached.
+    A partial automaton lacks words but has no wrong ones, because each of its sets has only reachable states.
     """
 
     edges: list[list[tuple[int, int]]] = field(default_factory=list)
@@ -30,7 +29,7 @@ class SetWords:
     horizon: int | None = None
 
     def follow(self, layers: Layers, names: Sequence[int], length: int) -> None:
-        """Find what is reached within `length` steps; `names` has the number of each letter's name."""
+        """Explore the sets within `length` steps; `names` has the number of each letter's name."""
         start = layers.only_start()
         numbers: dict[Node, int] = {}
         frontier = [start]
@@ -56,7 +55,7 @@ class SetWords:
 
     @property
     def automaton(self) -> Automaton:
-        """The automaton; a state that was not followed has no edges."""
+        """The automaton; states that were not expanded have no edges."""
         if not self.accepting:
             return NOTHING
         rows = [*self.edges, *([] for _ in range(len(self.accepting) - len(self.edges)))]
@@ -68,7 +67,7 @@ class SetWords:
 
 @dataclass(frozen=True)
 class SetExplorer(Explorer):
-    """Finds the skeletons of a domain: from set to set of states, each a diagram (Rabin and Scott 1959)."""
+    """The exploration of the skeletons of a domain by sets of states."""
 
     def reach(
         self,
@@ -78,12 +77,12 @@ class SetExplorer(Explorer):
         halt: Halt | None = None,
         allow: Allow | None = None,
     ) -> Reach:
-        """Return what is reached within `length` steps, or what was found until the budget was spent."""
+        """Return the skeletons of up to `length` steps, as far as the budget permits."""
         actions = list(map(action_name, transition.actions))
         letters = tuple(sorted(set(actions)))
         names = [letters.index(name) for name in actions]
         watch = _Watch(budget)
-        found = SetWords()
+        skeletons = SetWords()
         try:
             layers = Layers(transition, watch.look, self.tell or (lambda words: None))
             if layers.inhabited:
@@ -91,10 +90,10 @@ class SetExplorer(Explorer):
                     layers.extend(length)
                 except _Spent:
                     watch.close()
-                found.follow(layers, names, length)
+                skeletons.follow(layers, names, length)
         except _Spent:
             watch.close()
-        return Reach(letters, letters, Completions(found.automaton), None, watch.stop, sets=True)
+        return Reach(letters, letters, Completions(skeletons.automaton), None, watch.stop, sets=True)
 
 
 class _Spent(Exception):
@@ -103,7 +102,7 @@ class _Spent(Exception):
 
 @dataclass
 class _Watch:
-    """Checks the limits; `stop` is the first one that was reached."""
+    """A check of the limits; `stop` is the first one that was reached."""
 
     budget: Budget
     stop: StopReason | None = None
@@ -116,5 +115,5 @@ class _Watch:
             raise _Spent
 
     def close(self) -> None:
-        """Go on for a little while, to tell what was found."""
+        """Extend the budget a little, to report partial results."""
         self.budget = self.budget.to_report()

@@ -20,13 +20,13 @@ from prag_asp.space.weights.weights import Weighed, Weights
 
 
 class SharpEngine:
-    """Answers for one domain at one level by counting the models of a formula.
+    """The engine of one domain at one level that counts the models of a formula.
 
-    Words are found as by the engine sat; ranks count the words under prefixes.
+    The engine sat enumerates words; ranks are computed from counts of words with a prefix.
 
     Raises:
-        EngineError: the model counter is not installed; by each question, where the program has no counterpart in
-            clauses, or a count takes too long.
+        EngineError: the model counter is not installed; each query raises it if the program cannot be translated to
+            clauses, or a count exceeds the time limit.
     """
 
     def __init__(
@@ -50,10 +50,10 @@ class SharpEngine:
         if self._progress:
             self._progress(f"counting the models of {len(formula.cnf.clauses):,} clauses")
         stage("counting models")
-        found = count_models(formula.cnf, beginning, self._limits.begin().left())
+        models = count_models(formula.cnf, beginning, self._limits.begin().left())
         if not prefix:
-            self._totals[length] = found
-        return found
+            self._totals[length] = models
+        return models
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a length in order, lazily."""
@@ -64,7 +64,7 @@ class SharpEngine:
         return self._sat.contains(word)
 
     def unrank(self, length: int, rank: int) -> Letters:
-        """Return the word of a rank from 0 to count - 1: one count for each way to go on, at each step."""
+        """Return the word of a rank from 0 to count - 1, by one count for each possible letter of each step."""
         word: Letters = ()
         while len(word) < length:
             for letter in self._sat.formula(length).letters:
@@ -79,7 +79,7 @@ class SharpEngine:
         return word
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None where it is no word."""
+        """Return the rank of a word among those of its length, or None if it is no word."""
         length = len(word)
         if not self.contains(word):
             return None
@@ -96,7 +96,7 @@ class SharpEngine:
         return self._sat.letters
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
-        """Return the words of a length with their weights, by finding them all: the counter's weights are not exact."""
+        """Return the weighted words of a length by enumeration, because the counter's weights are not exact."""
         return self._sat.weighed(length, weights, goals=goals)
 
 
@@ -109,12 +109,12 @@ def estimate_words(
     seed: int = 0,
     limits: Limits = UNLIMITED,
 ) -> Estimate:
-    """Return about how many words of a length begin with a prefix.
+    """Return an estimate of the number of words of a length that begin with a prefix.
 
     Raises:
         QueryError: the seed is out of range.
-        EngineError: ApproxMC is not installed, or the program has no counterpart in clauses.
-        LimitReached: it takes too long.
+        EngineError: ApproxMC is not installed, or the program cannot be translated to clauses.
+        LimitReached: the time limit is reached.
     """
     budget = limits.begin()
     formula = word_formula(model, level, length)

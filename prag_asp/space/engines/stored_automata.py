@@ -1,4 +1,4 @@
-"""Exploration automata in the cache, for the next run of the same program."""
+"""Cache explored automata for the next run of the same program."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from prag_asp.space.engines.cache import CacheEntry, read_entry, write_entry
 from prag_asp.space.engines.reachability import Reach
 
 ROOMS = ("program", "domain", "logic", "space")
-"""The rooms whose code affects what is explored."""
+"""The packages whose code affects explorations."""
 
 RENAMINGS = {"multiplicities": ("i", 1), "order_of": ("i", 1), "orders": ("i", 2), "twins": ("b", 2)}
 ARRAYS = {"offsets": ("i", 1), "letters": ("i", 1), "targets": ("i", 1), "accepting": ("b", 1), **RENAMINGS}
-"""The kind of the values and the number of dimensions of each array; the latter ones belong to merged states."""
+"""The dtype kind and the number of dimensions of each array; those of `RENAMINGS` belong to merged states."""
 
 
 @dataclass(frozen=True)
@@ -42,11 +42,11 @@ class AutomatonSlot:
         entry = read_entry(self.folder, self.key, ARRAYS)
         try:
             return _restore(entry) if entry and entry.texts["code"] == code_digest() else None
-        except (KeyError, TypeError, ValueError, RuntimeError):  # clingo raises the latter where a text is no term
+        except (KeyError, TypeError, ValueError, RuntimeError):  # clingo raises RuntimeError if a text is no term
             return None
 
     def write(self, reach: Reach) -> bool:
-        """Write an automaton, and return whether that was possible."""
+        """Write an automaton, and return whether that succeeded."""
         base = reach.merged.base if reach.merged else reach.completions.automaton
         arrays: dict[str, NDArray[Any]] = {
             name: getattr(base, name) for name in ("offsets", "letters", "targets", "accepting")
@@ -72,9 +72,9 @@ OF_TASKS = ("canonical_names", "joint_names", "closed_invariants")
 def automaton_slot(folder: Path, model: DomainLogic, level: str, merge: bool | None) -> AutomatonSlot | None:
     """Return the slot of a level of a domain in the cache folder, or None if the encodings cannot be read.
 
-    The key covers all that the arrays depend on but the code: the program, what of it is never reached, the same
-    without conditions and of that of which it is a part, and the rules of tasks. An entry has the digest of the code,
-    which is computed only where there is an entry.
+    The key covers all inputs of the arrays except the code: the program and its unreachable actions, the same of the
+    model without conditions and of the models that contain it as a part, and the rules of tasks. The entry itself has
+    the digest of the code, which is computed only if there is an entry.
     """
     domain = model.domain
     rules = [domain.encodings / "rules" / f"{name}.lp" for name in OF_TASKS] if level == "task" else []
@@ -90,24 +90,24 @@ def automaton_slot(folder: Path, model: DomainLogic, level: str, merge: bool | N
 
 
 def _wholes(model: DomainLogic) -> Iterator[DomainLogic]:
-    """Yield the models of which one is a part, a part of a part, and so on."""
+    """Yield the models that contain a model as a part, innermost first."""
     while model.part_of is not None:
         yield (model := model.part_of)
 
 
 @cache
 def code_digest() -> str:
-    """Return a digest of the code that affects what is explored."""
+    """Return a digest of the code that affects explorations."""
     paths = [*PACKAGE.glob("*.py"), *(path for room in ROOMS for path in (PACKAGE / room).rglob("*.py"))]
     return files_digest(paths, PACKAGE)
 
 
 def _restore(entry: CacheEntry) -> Reach | None:
-    """Return an entry as what was explored, or None where its parts do not fit together."""
+    """Return the exploration of a cache entry, or None if its arrays are inconsistent."""
     arrays, texts = entry.arrays, entry.texts
     merged = "twins" in arrays
-    wanted = {name: kind for name, kind in ARRAYS.items() if merged or name not in RENAMINGS}
-    if {name: (array.dtype.kind, array.ndim) for name, array in arrays.items()} != wanted:
+    expected = {name: kind for name, kind in ARRAYS.items() if merged or name not in RENAMINGS}
+    if {name: (array.dtype.kind, array.ndim) for name, array in arrays.items()} != expected:
         return None
     letters, names, horizon = tuple(texts["letters"]), tuple(texts["names"]), texts["horizon"]
     automaton = Automaton(
@@ -131,7 +131,7 @@ def _restore(entry: CacheEntry) -> Reach | None:
 
 
 def _is_sound(automaton: Automaton, letters: int) -> bool:
-    """Return whether the arrays are those of an automaton."""
+    """Return whether the arrays form a valid automaton."""
     offsets, edges = automaton.offsets, len(automaton.letters)
     return bool(
         len(offsets) == automaton.states + 1

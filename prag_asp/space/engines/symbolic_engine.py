@@ -1,4 +1,4 @@
-"""The symbolic engine: decision diagrams over the states, for more states than memory holds."""
+"""The symbolic engine: decision diagrams over the states, for more states than fit into memory."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from prag_asp.space.weights.weights import Weighed, Weights, edge_weights, refus
 
 
 class SymbolicEngine:
-    """Answers for one domain at one level; what was computed is kept for the next question.
+    """The symbolic engine of one domain at one level; it caches its computations between queries.
 
-    Skeletons are the words of an automaton whose states are sets of the domain's: each set is a diagram, and few of
-    them are reached as a rule.
+    Skeletons are the words of an automaton whose states are sets of states of the domain. Each set is a diagram, and
+    usually few sets are reached.
 
     Raises:
         EngineError: the step is not a function of the state and the action.
@@ -50,7 +50,7 @@ class SymbolicEngine:
         """Return the number of words of a length.
 
         Raises:
-            LimitReached: a limit ended the count; the error has the number of words that were found.
+            LimitReached: a limit ended the count; the error has the number of words counted so far.
         """
         return self._answers.count(length, prefix)
 
@@ -67,19 +67,19 @@ class SymbolicEngine:
         return self._answers.unrank(length, rank)
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None where it is no word."""
+        """Return the rank of a word among those of its length, or None if it is no word."""
         return self._answers.rank(word)
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
-        """Return the words of a length with their weights, and keep the last ones made.
+        """Return the weighted words of a length, and cache the latest result.
 
-        With `goals` or `plain`, each path is one word: then states are listed after all, within the same limits.
+        With `goals` or `plain`, each path is one word, which requires listing states within the same limits.
         """
         return self._answers.weighed(length, weights, goals=goals, plain=plain)
 
 
 class _PathEngine:
-    """Answers for plans or tasks, each of which is one path of states."""
+    """The engine for plans or tasks, each of which is one path of states."""
 
     def __init__(
         self, model: DomainLogic, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
@@ -100,7 +100,7 @@ class _PathEngine:
         """Return the number of words of a length.
 
         Raises:
-            LimitReached: a limit ended the count; the error has the number of words that were found.
+            LimitReached: a limit ended the count; the error has the number of words counted so far.
         """
         try:
             return self._words(length, prefix).total
@@ -108,7 +108,7 @@ class _PathEngine:
             raise limit_error(reached.reason, self._lower_bound(length, prefix), self._level, length) from None
 
     def _lower_bound(self, length: int, prefix: Letters) -> int:
-        """Return how many words there are at least, by what was found before a limit was reached."""
+        """Return a lower bound on the number of words from the partial results before the limit."""
         if self._layers is None or len(prefix) > length:
             return 0
         self._budget = self._budget.to_report()
@@ -132,15 +132,15 @@ class _PathEngine:
         return tuple(self.letters[letter] for letter in self._words(length).unrank(rank))
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None where it is no word."""
+        """Return the rank of a word among those of its length, or None if it is no word."""
         if not all(letter in self._numbers for letter in word):
             return None
         return self._words(len(word)).rank([self._numbers[letter] for letter in word])
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
-        """Return the words of a length with their weights, and keep the last ones made.
+        """Return the weighted words of a length, and cache the latest result.
 
-        With `goals` or `plain`, each path is one word: then states are listed after all, within the same limits.
+        With `goals` or `plain`, each path is one word, which requires listing states within the same limits.
         """
         refuse_weights(self._level, weights, self._model, length)
         if goals or plain:
@@ -160,7 +160,9 @@ class _PathEngine:
         facts, labels = weighing_facts(weights)
         transition = self._model.transition(tasks=self._level == "task", weighed=facts, labels=labels)
         by_letter, by_label = edge_weights(transition.actions, weights)
-        scale = prod((each.denominator for each in by_label), start=lcm(*(each.denominator for each in by_letter)))
+        scale = prod(
+            (weight.denominator for weight in by_label), start=lcm(*(weight.denominator for weight in by_letter))
+        )
 
         def weigh(letter: int, true: tuple[int, ...]) -> int:
             return int(prod((by_label[label] for label in true), start=by_letter[letter] * scale))

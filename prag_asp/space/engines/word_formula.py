@@ -1,4 +1,4 @@
-"""The words of a level as a formula: the literals of a prefix, and the word of a model."""
+"""The words of a level as models of a formula: literals of prefixes, and words of models."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SHOWN = {"plan": OCCURS, "task": OCCURS, "skeleton": STEP_NAME}
 
 @dataclass(frozen=True)
 class WordFormula:
-    """The words of one level and length: `cnf` has one model for each, once projected on what it shows."""
+    """The words of one level and length as the projected models of `cnf`."""
 
     cnf: Cnf
     level: Level
@@ -29,14 +29,14 @@ class WordFormula:
     letters: Mapping[str, clingo.Symbol]
 
     def beginning(self, prefix: Sequence[str]) -> list[Literal] | None:
-        """Return the literals that say that a word begins with `prefix`, or None where none can."""
+        """Return the literals that assert that a word begins with `prefix`, or None if none does."""
         if len(prefix) > self.length:
             return None
-        found = [self._known.get(place) or self._literal(*place) for place in enumerate(prefix, 1)]
-        return None if -TRUE in found else found
+        literals = [self._known.get(place) or self._literal(*place) for place in enumerate(prefix, 1)]
+        return None if -TRUE in literals else literals
 
     def fits(self, letter: str, prefix_names: Sequence[str]) -> bool:
-        """Return whether a letter is the first of those wanted, or an action of that name, if any is wanted."""
+        """Return whether a letter matches the first item of `prefix_names`; without items, every letter does."""
         return (
             not prefix_names
             or letter == prefix_names[0]
@@ -44,10 +44,10 @@ class WordFormula:
         )
 
     def word(self, model: Sequence[Literal]) -> Letters:
-        """Return the word that a model is.
+        """Return the word of a model.
 
         Raises:
-            EngineError: the program lets a step have no action, or more than one.
+            EngineError: a step of the model does not have exactly one action.
         """
         word = list(self._always)
         for variable in self.cnf.shown:
@@ -62,8 +62,8 @@ class WordFormula:
     def _shown(self) -> list[tuple[Literal, int, str]]:
         shown = SHOWN[self.level]
         may_be = {TRUE, *self.cnf.shown}
-        found = ((literal, each) for each, literal in self.cnf.literals.items() if literal in may_be)
-        timed = ((literal, each.arguments) for literal, each in found if each.match(*shown))
+        atoms = ((literal, atom) for atom, literal in self.cnf.literals.items() if literal in may_be)
+        timed = ((literal, atom.arguments) for literal, atom in atoms if atom.match(*shown))
         return [(literal, step.number, str(what)) for literal, (what, step) in timed if step.number > 0]
 
     @cached_property
@@ -72,28 +72,28 @@ class WordFormula:
 
     @cached_property
     def _always(self) -> list[tuple[str, ...]]:
-        """The letters of each step that no model lacks."""
+        """The letters that each step has in all models."""
         facts = [(step, letter) for literal, step, letter in self._shown if literal == TRUE]
         return [tuple(letter for at, letter in facts if at == step) for step in range(1, self.length + 1)]
 
     @cached_property
     def _known(self) -> dict[tuple[int, str], Literal]:
-        """The literals that are known, by step and letter."""
+        """A cache of literals by step and letter."""
         return {}
 
     def _literal(self, step: int, letter: str) -> Literal:
         name = name_in_prefix(letter, self.letters)
         term = self.letters[letter] if name is None else clingo.Function(name)
         shown = SHOWN[self.level] if name is None else STEP_NAME
-        found = self._known[step, letter] = self.cnf.literal(shown(term, clingo.Number(step)))
-        return found
+        literal = self._known[step, letter] = self.cnf.literal(shown(term, clingo.Number(step)))
+        return literal
 
 
 def word_formula(model: DomainLogic, level: Level, length: int) -> WordFormula:
     """Return the formula of the words of a level and a length.
 
     Raises:
-        EngineError: the program has no counterpart in clauses.
+        EngineError: the program cannot be translated to clauses.
     """
     program = model.program if level == "plan" else model.task_program(length)
     return WordFormula(plan_cnf(program, length, SHOWN[level]), level, length, all_letters(model, level))

@@ -1,4 +1,4 @@
-"""Choose parts of whole pieces whose sizes come as near as possible to the shares that are wanted."""
+"""Distribute whole pieces among parts whose sizes come near to the requested shares."""
 
 from __future__ import annotations
 
@@ -7,33 +7,33 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
 NEAR = Fraction(2, 100)
-"""How far from its share a part may be where the choice is random."""
+"""Maximum distance of a part from its share in a random choice: two percentage points."""
 
 ATTEMPTS, NODES = 20, 200_000
-"""Random choices before the nearest is searched for, and how many places that search looks at."""
+"""Number of random choices before branch and bound, and maximum number of nodes of that search."""
 
 SWAPPED = 100
-"""Pieces up to which pairs of them are exchanged as well."""
+"""Maximum number of pieces for which exchanges of two pieces are tried as well."""
 
 
 def farthest(sizes: Sequence[int], shares: Sequence[Fraction]) -> Fraction:
-    """Return how far the share of a part is from the one wanted, at most; `sizes` are those of the parts."""
+    """Return the largest distance of the share of a part from the requested one; `sizes` are those of the parts."""
     total = sum(sizes)
     return max(abs(Fraction(size, total) - share) for size, share in zip(sizes, shares, strict=True)) if total else NEAR
 
 
 def choose_parts(pieces: Sequence[int], shares: Sequence[Fraction], seed: int) -> list[int]:
-    """Return the number of the part that each piece belongs to, given the sizes of the pieces, at least one above 0.
+    """Return the part of each piece by index, given the sizes of the pieces, of which at least one is above 0.
 
-    The choice is random among those that come near: pieces go at random to parts that lack some, then move where that
-    helps. Where none of several choices comes near, the nearest of all is searched for, by branch and bound.
+    Pieces are assigned at random to parts in deficit and improved by local search. If no attempt comes near enough,
+    branch and bound searches the nearest assignment.
     """
     chance = random.Random(f"parts {seed}")
     best: list[int] = []
     for _ in range(ATTEMPTS):
-        found = _improved(_random_parts(pieces, shares, chance), pieces, shares)
-        if not best or _distance(found, pieces, shares) < _distance(best, pieces, shares):
-            best = found
+        parts = _improved(_random_parts(pieces, shares, chance), pieces, shares)
+        if not best or _distance(parts, pieces, shares) < _distance(best, pieces, shares):
+            best = parts
         if _distance(best, pieces, shares) <= NEAR:
             return best
     return _nearest(pieces, shares, best)
@@ -51,7 +51,7 @@ def _sums(parts: Sequence[int], pieces: Sequence[int], number: int) -> list[int]
 
 
 def _random_parts(pieces: Sequence[int], shares: Sequence[Fraction], chance: random.Random) -> list[int]:
-    """Return a choice in which pieces, in random order, go to parts in proportion to what these still lack."""
+    """Return an assignment of the pieces, in random order, to parts in proportion to their deficits."""
     total = sum(pieces)
     lacking = [share * total for share in shares]
     parts = [0] * len(pieces)
@@ -68,7 +68,7 @@ def _random_parts(pieces: Sequence[int], shares: Sequence[Fraction], chance: ran
 
 
 def _improved(parts: list[int], pieces: Sequence[int], shares: Sequence[Fraction]) -> list[int]:
-    """Return a choice that no move of one piece, nor an exchange of two, brings nearer."""
+    """Return a local optimum under moves of one piece and exchanges of two."""
     total = sum(pieces)
     excess = [size - share * total for size, share in zip(_sums(parts, pieces, len(shares)), shares, strict=True)]
     while True:
@@ -86,12 +86,12 @@ def _improved(parts: list[int], pieces: Sequence[int], shares: Sequence[Fraction
 def _steps(
     parts: Sequence[int], pieces: Sequence[int], excess: Sequence[Fraction]
 ) -> Iterator[tuple[Fraction, tuple[tuple[int, int], ...]]]:
-    """Yield what can be changed at once, after how far the parts are then from what they should have."""
+    """Yield possible changes, each after the largest excess that results."""
 
     def after(source: int, target: int, size: int) -> Fraction:
         return max(
-            abs(each - size if part == source else each + size if part == target else each)
-            for part, each in enumerate(excess)
+            abs(amount - size if part == source else amount + size if part == target else amount)
+            for part, amount in enumerate(excess)
         )
 
     for piece, part in enumerate(parts):
@@ -107,9 +107,9 @@ def _steps(
 
 
 def _nearest(pieces: Sequence[int], shares: Sequence[Fraction], best: list[int]) -> list[int]:
-    """Return the nearest choice, where it is found in time, else the best one that is known.
+    """Return the nearest assignment if the search ends within `NODES`, otherwise the best one so far.
 
-    Pieces are placed from the largest on. What a part has too much it keeps: that bounds what can become of it.
+    Pieces are placed in order of decreasing size. An excess never shrinks, which bounds each branch.
     """
     total = sum(pieces)
     order = sorted(range(len(pieces)), key=lambda piece: -pieces[piece])

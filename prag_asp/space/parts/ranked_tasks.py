@@ -1,4 +1,4 @@
-"""Some of the tasks of a space, by their ranks: ranges, and the parts of a split."""
+"""Subsets of the tasks of a space by rank: ranges and the parts of a split."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from prag_asp.wording import plural
 
 
 class Ranks(Protocol):
-    """Different ranks in an order, however many."""
+    """Any number of distinct ranks in an order."""
 
     @property
     def size(self) -> int:
-        """How many ranks there are."""
+        """The number of ranks."""
         ...
 
     def __getitem__(self, place: int) -> int:
@@ -26,7 +26,7 @@ class Ranks(Protocol):
         ...
 
     def place(self, rank: int) -> int | None:
-        """Return the place of a rank, None where it is not one of them."""
+        """Return the place of a rank, or None if it is not among them."""
         ...
 
     def cut(self, places: range) -> Ranks:
@@ -35,7 +35,7 @@ class Ranks(Protocol):
 
 
 class Space(Protocol):
-    """What the ranks are those of: a `TaskSpace`."""
+    """A space with ranked tasks: a `TaskSpace`."""
 
     def plan_at(self, rank: int) -> tuple[str, ...]:
         """Return the plan of the task of a rank as the texts of its actions."""
@@ -58,14 +58,14 @@ class RankRange:
 
     @property
     def size(self) -> int:
-        """How many ranks there are."""
+        """The number of ranks."""
         return size_of(self.ranks)
 
     def __getitem__(self, place: int) -> int:
         return self.ranks[place]
 
     def place(self, rank: int) -> int | None:
-        """Return the place of a rank, None where it is not one of them."""
+        """Return the place of a rank, or None if it is not among them."""
         return (rank - self.ranks.start) // self.ranks.step if rank in self.ranks else None
 
     def cut(self, places: range) -> RankRange:
@@ -77,21 +77,21 @@ class RankRange:
 
 @dataclass(frozen=True)
 class ShuffledRanks:
-    """The ranks that a shuffle has at some places."""
+    """The ranks at some places of a shuffle."""
 
     order: Shuffle
     places: RankRange
 
     @property
     def size(self) -> int:
-        """How many ranks there are."""
+        """The number of ranks."""
         return self.places.size
 
     def __getitem__(self, place: int) -> int:
         return self.order[self.places[place]]
 
     def place(self, rank: int) -> int | None:
-        """Return the place of a rank, None where it is not one of them."""
+        """Return the place of a rank, or None if it is not among them."""
         return self.places.place(self.order.place(rank)) if 0 <= rank < self.order.size else None
 
     def cut(self, places: range) -> ShuffledRanks:
@@ -101,7 +101,7 @@ class ShuffledRanks:
 
 @dataclass(frozen=True)
 class RankedTasks:
-    """Some of the tasks of a space in an order: counted, indexed, sliced, tested and drawn without a list of them."""
+    """An ordered subset of the tasks of a space: counted, indexed, sliced, tested and sampled without listing them."""
 
     ranks: Ranks
     space: Space
@@ -110,7 +110,7 @@ class RankedTasks:
         return f"<{plural(self.count(), 'task')}>"
 
     def count(self) -> int:
-        """Return how many tasks there are."""
+        """Return the number of tasks."""
         return self.ranks.size
 
     @overload
@@ -147,7 +147,7 @@ class RankedTasks:
         """Return the place of a task.
 
         Raises:
-            QueryError: it is none of these tasks.
+            QueryError: it is not one of these tasks.
         """
         place = self.ranks.place(self.space.index(task))
         if place is None:
@@ -159,7 +159,7 @@ class RankedTasks:
     def sample(self, count: int, *, seed: int, distinct: bool = False) -> list[Task]:
         """Return tasks sampled uniformly and independently, or with `distinct` without replacement.
 
-        Distinct tasks come in the same order however many are sampled.
+        A smaller sample of distinct tasks is a prefix of a larger one with the same seed.
 
         Raises:
             QueryError: there are too few.
@@ -188,5 +188,5 @@ def checked_place(place: int, size: int) -> int:
 
 
 def size_of(numbers: range) -> int:
-    """Return how many numbers a range has; `len` fails above 2^63."""
+    """Return the size of a range; `len` fails above 2^63."""
     return max(0, -((numbers.start - numbers.stop) // numbers.step))

@@ -1,4 +1,4 @@
-"""Parts of a task space that have no task in common: for training and testing."""
+"""Disjoint parts of a task space, for training and testing."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from prag_asp.space.weights.weights import Number, parse_number
 
 
 def parse_shares(shares: Mapping[str, Number | float]) -> dict[str, Fraction]:
-    """Return shares as fractions; a float is what its digits say, so 0.8 is four fifths.
+    """Return shares as fractions; a float is read by its decimal digits, so 0.8 is 4/5.
 
     Raises:
         QueryError: they are not numbers above 0 that add up to 1.
     """
-    found = {name: parse_number(f"share of {name!r}", str(share)) for name, share in shares.items()}
-    if any(share <= 0 for share in found.values()) or sum(found.values()) != 1:
+    fractions = {name: parse_number(f"share of {name!r}", str(share)) for name, share in shares.items()}
+    if any(share <= 0 for share in fractions.values()) or sum(fractions.values()) != 1:
         raise QueryError(f"shares {dict(shares)}: they have to be above 0 and to add up to 1")
-    return found
+    return fractions
 
 
 def divided(total: int, shares: Mapping[str, Fraction]) -> dict[str, range]:
@@ -33,11 +33,10 @@ def divided(total: int, shares: Mapping[str, Fraction]) -> dict[str, range]:
 
 
 def held_out(what: str, facts: Facts, groups: Sequence[Sequence[clingo.Symbol]]) -> tuple[str, str]:
-    """Return the conditions that tasks have nothing, and something, of an entity, a class, an action, a name or a pair.
+    """Return the conditions for tasks without and with `what`: an entity, a class, an action, a name or a pair.
 
     Raises:
-        QueryError: it names an entity that is interchangeable with one that the tasks without it show, or it stands
-            for more than one of class, entity and action.
+        QueryError: it is an entity that is interchangeable with one in the tasks without it, or it is ambiguous.
     """
     refuse_ambiguous(what.strip(), facts)
     actions = {str(action): action for action in facts.actions}

@@ -1,4 +1,4 @@
-"""A random-looking order of any number of ranks, without a list of them."""
+"""Pseudo-random permutations of any size with random access."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ ROUNDS = 6
 class Shuffle:
     """A permutation of the numbers below `size`, given by a seed.
 
-    A Feistel network permutes the numbers of the next even number of bits (Luby and Rackoff 1988); what falls outside
-    is permuted again until it falls inside (Black and Rogaway 2002).
+    A Feistel network permutes the numbers of the next even number of bits (Luby and Rackoff 1988); cycle walking
+    repeats it until the result is below `size` (Black and Rogaway 2002).
     """
 
     size: int
@@ -49,10 +49,10 @@ class Shuffle:
         return (1 << self._half) - 1
 
     def _mixed(self, number: int, half: int) -> int:
-        """Return as many pseudo-random bits as half a number has."""
+        """Return the round function: pseudo-random bits for half a number."""
         size = (self._half + 7) // 8
         text = f"{self.seed} {number} {half}".encode()
-        found = b"".join(
+        random_bytes = b"".join(
             blake2b(text, person=block.to_bytes(8, "little")).digest() for block in range((size + 63) // 64)
         )
-        return int.from_bytes(found[:size], "little") & self._mask
+        return int.from_bytes(random_bytes[:size], "little") & self._mask

@@ -1,1 +1,1 @@
-"""Plans told as tasks: states, subgoals, names, readings."""
+"""Tasks from plans: states, subgoals, canonical names, readings."""

@@ -1,4 +1,4 @@
-"""The canonical name of a plan: interchangeable entities introduced in their order."""
+"""Canonical names in plans: interchangeable entities are introduced in their order."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from prag_asp.program.entity_names import mentioned_entities
 
 
 def canonical_names(plan: Iterable[clingo.Symbol], symmetries: Symmetries) -> dict[clingo.Symbol, clingo.Symbol]:
-    """Return new names for the interchangeable entities that a plan uses: the first used of a group is its first."""
+    """Return canonical names for the interchangeable entities of a plan: the first that it uses becomes the first."""
     return symmetries.names(entity for action in plan for entity in mentioned_entities(action, symmetries.entities))
 
 
 def canonical_prefix(
     prefix: Sequence[str], actions: Mapping[str, clingo.Symbol], symmetries: Symmetries
 ) -> tuple[str, ...]:
-    """Return what tasks begin with where some renaming of them begins with `prefix`: `actions` by their texts or names.
+    """Return the prefix of the tasks that have a renaming with `prefix`, whose items are keys of `actions` or names.
 
     Raises:
-        QueryError: after a mere name, an action speaks of an interchangeable entity for the first time.
+        QueryError: an action after a mere name uses an interchangeable entity for the first time.
     """
     renaming = canonical_names((actions[item] for item in prefix if item in actions), symmetries)
     introduced: set[clingo.Symbol] = set()

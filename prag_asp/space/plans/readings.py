@@ -1,4 +1,4 @@
-"""The readings of a plan: the ways to take it as a concatenation of whole composites and of free actions."""
+"""The readings of a plan: its decompositions into whole composites and free actions."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from prag_asp.program.facts import Facts
 
 @dataclass(frozen=True)
 class Composite:
-    """A composite with its parts, each an action or again a composite.
+    """A composite with its parts, each an action or a composite.
 
     It prints as ``serve(cup)[take(cup) pour[open close]]``.
     """
@@ -34,12 +34,12 @@ class Composite:
 
 
 Reading = tuple[Atom | Composite, ...]
-"""A plan cut into free actions and whole composites."""
+"""A plan decomposed into free actions and whole composites."""
 
 
 @dataclass(frozen=True)
 class Hierarchy:
-    """What may stand in a reading: `units` maps a sequence of actions to the free action or composites that it is.
+    """The units of readings: `units` maps a sequence of actions to the free action or composites that consist of it.
 
     The action comes first, then the composites in clingo's order of terms. `units` is None where a domain has no
     composites: every action is free.
@@ -53,19 +53,19 @@ class Hierarchy:
         return (1,) if self.units is None else tuple(sorted({len(actions) for actions in self.units}))
 
     def at(self, actions: tuple[Atom, ...]) -> tuple[Atom | Composite, ...]:
-        """Return the free action and the composites that are just these actions."""
+        """Return the free action and the composites that consist of exactly these actions."""
         return actions if self.units is None else self.units.get(actions, ())
 
 
 def hierarchy_of(facts: Facts) -> Hierarchy:
-    """Return what the composites and the free actions of a domain are."""
+    """Return the composites and the free actions of a domain."""
     if not facts.composites:
         return Hierarchy(None)
     atoms = {term: atom_of(term) for term in (*facts.declared_actions, *facts.composites)}
     whole: dict[Atom, Composite] = {}
     units: dict[tuple[Atom, ...], tuple[Atom | Composite, ...]] = {(atoms[a],): (atoms[a],) for a in facts.free}
     words = composite_actions(facts)
-    for composite in words:  # a composite comes after the ones that it contains
+    for composite in words:  # composites follow those that they contain
         parts = (atoms[part] for _, part in facts.stages[composite])
         whole[atoms[composite]] = Composite(atoms[composite], tuple(whole.get(part, part) for part in parts))
     for composite in facts.composites:
@@ -76,10 +76,10 @@ def hierarchy_of(facts: Facts) -> Hierarchy:
 
 @dataclass(frozen=True)
 class Readings:
-    """The readings of one plan, lazily, and their exact number.
+    """The readings of one plan, enumerated lazily, and their exact number.
 
-    They come in lexicographic order of their units from the left; units that begin together come in increasing number
-    of actions, then the free action before the composites, and these in clingo's order of terms.
+    They are in lexicographic order of their units; units with the same start are ordered by their number of actions,
+    then the free action before the composites, and these in clingo's order of terms.
     """
 
     actions: tuple[Atom, ...]
@@ -123,7 +123,7 @@ class Readings:
                 waiting.append(iter(self._branches(end)))
 
     def _branches(self, place: int) -> Iterator[tuple[int, Atom | Composite]]:
-        """Yield the units that some reading goes on with, and where they end."""
+        """Yield the units that continue to a reading, and where they end."""
         if self._counts[place]:
             for end, units in self._units(place):
                 if self._counts[end]:

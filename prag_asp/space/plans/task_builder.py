@@ -21,17 +21,17 @@ from prag_asp.program.facts import Assignment
 from prag_asp.task import FrozenDict, Task
 
 BATCH = 2048
-"""Plans that are evaluated together at most; a lazy iteration waits for one batch."""
+"""Maximum number of plans that are evaluated together; a lazy iteration waits for one batch."""
 
 BATCH_STATES = 1 << 14
-"""States that the plans of a batch pass, about: stored states are only dropped between batches."""
+"""Approximate number of states in a batch; stored states are only dropped between batches."""
 
 Known = FrozenDict[Atom, bool]
 Entities = int
 """A set of entities: bit i for the i-th."""
 
 WeighedPlan = tuple[Sequence[str], "float | None"]
-"""A plan as the texts of its actions, and the log-probability of its draw, None where it was not drawn."""
+"""A plan as the texts of its actions, and the log-probability of its draw, None if it was not sampled."""
 
 
 class _Action(NamedTuple):
@@ -41,7 +41,7 @@ class _Action(NamedTuple):
 
 
 class TaskBuilder:
-    """Builds the tasks of one domain from their plans; equal states, effects and goals are one object."""
+    """Build the tasks of one domain from their plans; equal states, effects and goals share one object."""
 
     def __init__(self, model: DomainLogic) -> None:
         self._model = model
@@ -52,7 +52,7 @@ class TaskBuilder:
         self._constants = FrozenDict(model.domain.constants)
 
     def tasks(self, plans: Iterable[WeighedPlan]) -> Iterator[Task]:
-        """Yield the task of each plan, lazily, in batches that grow from one plan."""
+        """Yield the task of each plan, lazily, in growing batches from one plan on."""
         for batch in growing_batches(plans, lambda plan: _batch_size(len(plan[0]))):
             yield from self.build(batch)
 
@@ -67,12 +67,12 @@ class TaskBuilder:
             for first in range(0, len(places), size):
                 batch = places[first : first + size]
                 states = self._state_numbers([plans[place][0] for place in batch])
-                for place, numbers in zip(batch, states, strict=True):  # before later batches may forget the states
+                for place, numbers in zip(batch, states, strict=True):  # later batches may drop the states
                     tasks[place] = self._task(*plans[place], numbers)
         return [tasks[place] for place in range(len(plans))]
 
     def final_states(self, plans: Sequence[Sequence[str]]) -> list[Known]:
-        """Return what is known of the final state of each plan."""
+        """Return the known values of the final state of each plan."""
         return [self._states[numbers[-1]] for numbers in self._state_numbers(plans)] if plans else []
 
     def _state_numbers(self, plans: Sequence[Sequence[str]]) -> list[list[int]]:
@@ -113,12 +113,12 @@ class TaskBuilder:
         )
 
     def _classes_of(self, used: Entities) -> FrozenDict[str, str]:
-        found = self._classes.get(used)
-        if found is None:
+        classes = self._classes.get(used)
+        if classes is None:
             entities = enumerate(self._model.domain.facts.entity_names.items())
-            found = FrozenDict({entity: name for place, (entity, name) in entities if used >> place & 1})
-            self._classes[used] = found
-        return found
+            classes = FrozenDict({entity: name for place, (entity, name) in entities if used >> place & 1})
+            self._classes[used] = classes
+        return classes
 
     def _new_plan_states(self) -> PlanStates | SolvedPlanStates:
         try:
@@ -161,7 +161,7 @@ class TaskBuilder:
 
 
 def _batch_size(length: int) -> int:
-    """Return the number of plans of a length that are evaluated together at most."""
+    """Return the maximum number of plans of a length that are evaluated together."""
     return min(BATCH, max(BATCH_STATES // (length + 1), 1))
 
 

@@ -1,9 +1,9 @@
 """Exact choices between the edges of states, for many draws at once.
 
-An edge is chosen with the probability of its weight among the edges of its state, whatever the size of these integers.
-A uniform real number U in [0, 1) chooses the first edge whose running share of the weights exceeds U. Its first 64 bits
-decide that, unless they equal the first 64 bits of some running share: then further bits of U are drawn. A guide table
-(Chen and Asau 1974) tells the edge from the leading bits of U alone for most U; the rest is searched for.
+An edge is chosen with a probability exactly proportional to its weight, an integer of any size. A uniform real number U
+in [0, 1) chooses the first edge whose cumulative share of the weights exceeds U. The first 64 bits of U decide, unless
+they equal those of some cumulative share; then further bits of U are drawn. For most U, a guide table (Chen and Asau
+1974) gives the edge from the leading bits; for the others, binary search does.
 """
 
 from __future__ import annotations
@@ -21,21 +21,21 @@ from prag_asp.random_bits import WORD, Words
 from prag_asp.space.automaton.automaton import Automaton
 
 GUIDE_CELLS = 1 << 15
-"""Cells of the guide of one table, about: it shall stay in the cache."""
+"""Approximate number of cells of a guide table, which should fit into the processor cache."""
 
 LARGEST = (1 << WORD) - 1
 Integers = NDArray[np.int64]
 Resolve = Callable[[int, int], int]
-"""Given the place of a draw among those drawn together and the slot of its state, the edge by further bits."""
+"""Return the edge by further bits, given the index of a draw in its batch and the slot of its state."""
 
 
 @dataclass(frozen=True)
 class ChoiceTable:
-    """The choices of one step: for some states, called slots 0, 1, ..., their edges and when these are chosen.
+    """The choices of one step: for some states, called slots 0, 1, ..., their edges with thresholds.
 
-    The edges of slot s are ``first[s]:first[s + 1]``; `edges` are their numbers in the automaton, and `thresholds`
-    floor(2^64 * running share), of which the last of each state means nothing. `guide` has 2^bits cells for each slot
-    with the edge that is chosen, or -1 where a threshold lies within the cell; it is empty where bits is 0.
+    The edges of slot s are ``first[s]:first[s + 1]``; `edges` are their numbers in the automaton, and `thresholds` are
+    floor(2^64 * cumulative share), of which the last of each state is unused. `guide` has 2^bits cells for each slot
+    with the chosen edge, or -1 if a threshold lies within the cell; it is empty if bits is 0.
     """
 
     states: Integers
@@ -51,11 +51,11 @@ class ChoiceTable:
             return self._search(slots, words, np.arange(len(slots)), resolve)
         cells = (words >> np.uint64(WORD - self.bits)).view(np.int64)
         cells += slots << self.bits
-        found: Integers = self.guide[cells].astype(np.int64)
-        missing = np.flatnonzero(found < 0)
+        chosen: Integers = self.guide[cells].astype(np.int64)
+        missing = np.flatnonzero(chosen < 0)
         if len(missing):
-            found[missing] = self._search(slots[missing], words[missing], missing, resolve)
-        return found
+            chosen[missing] = self._search(slots[missing], words[missing], missing, resolve)
+        return chosen
 
     def _search(self, slots: Integers, words: Words, places: NDArray[np.intp], resolve: Resolve) -> Integers:
         first = self.first[slots]
@@ -73,7 +73,7 @@ class ChoiceTable:
 
 
 def make_choice_table(automaton: Automaton, states: Integers, row: NDArray[Any], *, guided: bool) -> ChoiceTable:
-    """Return the choices of `states`, each of which some word completes; `row` weighs what follows each state."""
+    """Return the choices of `states`, from which some word continues; `row` has the total weight from each state on."""
     counts = automaton.offsets[states + 1] - automaton.offsets[states]
     first = np.concatenate([[0], np.cumsum(counts)])
     edges = np.arange(first[-1]) + np.repeat(automaton.offsets[states] - first[:-1], counts)
@@ -86,21 +86,21 @@ def make_choice_table(automaton: Automaton, states: Integers, row: NDArray[Any],
 
 
 def weights_behind(automaton: Automaton, edges: Integers, row: NDArray[Any]) -> list[int]:
-    """Return the weight of all words that go on over each of some edges; `row` weighs what follows each state."""
+    """Return the total weight through each of some edges; `row` has the total weight from each state on."""
     behind: list[int] = row[automaton.targets[edges]].tolist()
     if automaton.weights is None:
         return behind
-    return [weight * each for weight, each in zip(automaton.weights[edges].tolist(), behind, strict=True)]
+    return [weight * total for weight, total in zip(automaton.weights[edges].tolist(), behind, strict=True)]
 
 
 def _thresholds(behind: Sequence[int]) -> Iterator[int]:
-    """Yield floor(2^64 * running share); one that is 2^64 becomes the largest word, and so a tie if it is drawn."""
+    """Yield floor(2^64 * cumulative share); 2^64 becomes the largest word, which is a tie if it is drawn."""
     running = list(accumulate(behind))
-    yield from (min((each << WORD) // running[-1], LARGEST) for each in running)
+    yield from (min((total << WORD) // running[-1], LARGEST) for total in running)
 
 
 def _guide(thresholds: Words, first: Integers, bits: int) -> NDArray[np.int32]:
-    """Return the edge for each value of the leading bits, at each slot; -1 where a threshold lies within."""
+    """Return the edge of each slot for each value of the leading bits, or -1 if a threshold lies within the cell."""
     if not bits:
         return np.zeros(0, dtype=np.int32)
     slots = len(first) - 1
@@ -114,15 +114,15 @@ def _guide(thresholds: Words, first: Integers, bits: int) -> NDArray[np.int32]:
 
 
 def exact_choice(running: Sequence[int], word: int, further: Callable[[], Iterator[int]]) -> int:
-    """Return the place of the first running total whose share of the last exceeds a uniform number.
+    """Return the index of the first running total whose share of the last one exceeds a uniform number.
 
-    The number is 0.word further... in base 2^64, and as much of it is read as decides.
+    The number is 0.word further... in base 2^64, of which only the deciding digits are read.
     """
     total, number, size = running[-1], word, WORD
-    more: Iterator[int] | None = None
+    digits: Iterator[int] | None = None
     while True:
         least = bisect_right(running, (number * total) >> size)
         if least == bisect_right(running, ((number + 1) * total - 1) >> size):
             return least
-        more = more or further()
-        number, size = (number << WORD) | next(more), size + WORD
+        digits = digits or further()
+        number, size = (number << WORD) | next(digits), size + WORD

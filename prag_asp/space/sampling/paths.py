@@ -1,4 +1,4 @@
-"""Paths of an automaton, drawn with a probability proportional to their weight, exactly."""
+"""Sample paths of an automaton with probabilities exactly proportional to their weights."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from prag_asp.space.automaton.automaton import Completions
 from prag_asp.space.sampling.choice_table import ChoiceTable, Integers, exact_choice, make_choice_table, weights_behind
 
 CHUNK_WORDS = 1 << 17
-"""Random words that are used together, about: few enough to stay in the cache."""
+"""Approximate number of random words per chunk, which fit into the processor cache."""
 
 FEW = 64
-"""Draws for which the tables of all states are not worth making."""
+"""Maximum number of draws for which tables of all states do not pay off."""
 
 KEPT_EDGES = 1 << 23
-"""Edges of all tables together up to which they are kept; where there are more, each chunk makes those it visits."""
+"""Maximum number of edges of all tables for which they are cached; otherwise each chunk builds those it visits."""
 
 
 class PathSampler:
-    """Draws paths of one length that end in an accepting state.
+    """A sampler of accepting paths of one length.
 
-    Each path costs one random word for each edge. Results depend neither on how many paths are drawn together nor on
-    which tables were kept: a table is an exact function of the automaton.
+    Each path uses one random word for each edge. Results depend neither on the number of paths drawn together nor on
+    cached tables, because tables are functions of the automaton.
     """
 
     def __init__(self, completions: Completions, length: int, starts: Integers | None = None) -> None:
@@ -39,7 +39,7 @@ class PathSampler:
         self._too_many = False
 
     def sample(self, bits: Bits, first: int, count: int) -> NDArray[np.int64]:
-        """Return the edges of paths from state 0, those of draws from `first` on; shape (length, count)."""
+        """Return the edges of the paths of draws from `first` on, starting in state 0; shape (length, count)."""
         edges = np.empty((self._length, count), dtype=np.int64)
         for begin, end in chunks(count, self._length):
             words = bits.words(first + begin, end - begin, self._length)
@@ -50,37 +50,37 @@ class PathSampler:
     def descend(
         self, states: Integers, words: Words, further: Callable[[int, int], Iterator[int]]
     ) -> NDArray[np.int64]:
-        """Return the edges of paths from states, chosen by words of shape (paths, length); shape (length, paths).
+        """Return the edges of paths from states by random words of shape (paths, length); shape (length, paths).
 
-        `further` gives more words for a place among these paths and a step.
+        `further` returns more random words for the index of a path and a step.
         """
         columns = np.ascontiguousarray(words.T)
-        found = np.empty(columns.shape, dtype=np.int64)
+        edges = np.empty(columns.shape, dtype=np.int64)
         tables = self._kept() if len(states) > FEW else None
         if tables is None:
-            return self._descend_once(states, columns, further, found)
+            return self._descend_once(states, columns, further, edges)
         slots = np.searchsorted(tables[0].states, states) if tables else states
         for step, (table, onward) in enumerate(zip(tables, self._numbered, strict=True)):
             chosen = table.choose(slots, columns[step], self._resolver(table, columns[step], step, further))
-            found[step] = table.edges[chosen]
+            edges[step] = table.edges[chosen]
             slots = onward[chosen]
-        return found
+        return edges
 
     def _descend_once(
         self,
         states: Integers,
         columns: Words,
         further: Callable[[int, int], Iterator[int]],
-        found: NDArray[np.int64],
+        edges: NDArray[np.int64],
     ) -> NDArray[np.int64]:
         automaton = self._completions.automaton
         for step, words in enumerate(columns):
             visited, slots = np.unique(states, return_inverse=True)
             row = self._completions.row(self._length - step - 1)
             table = make_choice_table(automaton, visited, row, guided=False)
-            found[step] = table.edges[table.choose(slots, words, self._resolver(table, words, step, further))]
-            states = automaton.targets[found[step]].astype(np.int64)
-        return found
+            edges[step] = table.edges[table.choose(slots, words, self._resolver(table, words, step, further))]
+            states = automaton.targets[edges[step]].astype(np.int64)
+        return edges
 
     def _resolver(
         self, table: ChoiceTable, words: Words, step: int, further: Callable[[int, int], Iterator[int]]
@@ -93,7 +93,7 @@ class PathSampler:
         return resolve
 
     def _kept(self) -> list[ChoiceTable] | None:
-        """Return the tables of all steps, or None where they would be too large."""
+        """Return the cached tables of all steps, or None if they would be too large."""
         if self._tables is None and not self._too_many:
             layers = self._layers()
             if layers is None:
@@ -111,13 +111,13 @@ class PathSampler:
         return self._tables
 
     def _layers(self) -> list[Integers] | None:
-        """Return the states that some path has after each step, or None where their edges are too many to keep."""
+        """Return the states of paths after each step, or None if they have too many edges for cached tables."""
         automaton = self._completions.automaton
-        layers, kept = [np.unique(self._starts)], 0
+        layers, total = [np.unique(self._starts)], 0
         for left in range(self._length - 1, -1, -1):
             counts = automaton.offsets[layers[-1] + 1] - automaton.offsets[layers[-1]]
-            kept += int(counts.sum())
-            if kept > KEPT_EDGES:
+            total += int(counts.sum())
+            if total > KEPT_EDGES:
                 return None
             edges = np.arange(counts.sum()) + np.repeat(
                 automaton.offsets[layers[-1]] - np.cumsum(counts) + counts, counts
@@ -129,9 +129,9 @@ class PathSampler:
         return layers
 
 
-def chunks(count: int, each: int) -> Iterator[tuple[int, int]]:
-    """Yield the ranges of draws that are made together, where each takes `each` words."""
-    size = max(CHUNK_WORDS // max(each, 1), 2 * FEW)
+def chunks(count: int, words: int) -> Iterator[tuple[int, int]]:
+    """Yield the ranges of draws of each chunk, if a draw uses `words` random words."""
+    size = max(CHUNK_WORDS // max(words, 1), 2 * FEW)
     for begin in range(0, count, size):
         yield begin, min(begin + size, count)
 

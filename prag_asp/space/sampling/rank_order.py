@@ -1,4 +1,4 @@
-"""The order of a draw without replacement: the k-th of its numbers is known without those before it."""
+"""Orders of sampling without replacement with random access to the k-th task."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from prag_asp.space.parts.ranked_tasks import ShuffledRanks
 
 
 class RankOrder(Protocol):
-    """Different tasks of several stretches of ranks, in an order that does not depend on how many are asked for."""
+    """Distinct tasks of several stretches of ranks, in an order that does not depend on the number of samples."""
 
     @property
     def size(self) -> int:
-        """How many tasks there are."""
+        """The number of tasks."""
         ...
 
     def __getitem__(self, number: int) -> tuple[int, int]:
@@ -25,20 +25,20 @@ class RankOrder(Protocol):
         ...
 
     def number(self, stretch: int, rank: int) -> int | None:
-        """Return the number of a task, None where it is not among them."""
+        """Return the number of a task, or None if it is not among them."""
         ...
 
 
 @dataclass(frozen=True)
 class ShareOrder:
-    """Stretches of some `sizes`, one after another, shuffled as one: each is met by its exact share."""
+    """Concatenated stretches of some `sizes`, shuffled as a whole, so that each has its exact share."""
 
     sizes: tuple[int, ...]
     shuffled: ShuffledRanks
 
     @property
     def size(self) -> int:
-        """How many tasks there are."""
+        """The number of tasks."""
         return self.shuffled.size
 
     @cached_property
@@ -52,26 +52,26 @@ class ShareOrder:
         return stretch, place - self._ends[stretch] + self.sizes[stretch]
 
     def number(self, stretch: int, rank: int) -> int | None:
-        """Return the number of a task, None where it is not among them."""
+        """Return the number of a task, or None if it is not among them."""
         return self.shuffled.place(rank + self._ends[stretch] - self.sizes[stretch])
 
 
 @dataclass(frozen=True)
 class EvenOrder:
-    """Stretches taken by turns, each shuffled; one that is used up is left out from then on."""
+    """Shuffled stretches that alternate; exhausted ones are skipped."""
 
     shuffled: tuple[ShuffledRanks, ...]
 
     @property
     def size(self) -> int:
-        """How many tasks there are."""
-        return sum(each.size for each in self.shuffled)
+        """The number of tasks."""
+        return sum(ranks.size for ranks in self.shuffled)
 
     def __getitem__(self, number: int) -> tuple[int, int]:
         """Return the stretch, and the rank in it, of the task of a number."""
         rounds = 0
-        for bound in sorted({each.size for each in self.shuffled}):
-            left = [stretch for stretch, each in enumerate(self.shuffled) if each.size >= bound]
+        for bound in sorted({ranks.size for ranks in self.shuffled}):
+            left = [stretch for stretch, ranks in enumerate(self.shuffled) if ranks.size >= bound]
             here = len(left) * (bound - rounds)
             if number < here:
                 stretch = left[number % len(left)]
@@ -80,9 +80,9 @@ class EvenOrder:
         raise IndexError(f"no task has the number {number}")
 
     def number(self, stretch: int, rank: int) -> int | None:
-        """Return the number of a task, None where it is not among them."""
+        """Return the number of a task, or None if it is not among them."""
         place = self.shuffled[stretch].place(rank)
         if place is None:
             return None
-        before = sum(min(each.size, place) for each in self.shuffled)
-        return before + sum(1 for each in self.shuffled[:stretch] if each.size > place)
+        before = sum(min(ranks.size, place) for ranks in self.shuffled)
+        return before + sum(1 for ranks in self.shuffled[:stretch] if ranks.size > place)

@@ -1,7 +1,7 @@
-"""Sampling without replacement, exactly: each word by its weight among those that are left.
+"""Exact sampling without replacement: each word by its weight among the remaining ones.
 
-The weights of the words that were taken are summed for each prefix of choices and subtracted on the way. So no draw is
-rejected, and words end only when no weight is left.
+The weights of the words already taken are summed for each prefix of choices and subtracted during a walk. So no draw is
+rejected, and sampling ends only when no weight remains.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from prag_asp.space.weights.weights import Weighed
 
 @dataclass
 class _Prefix:
-    """The weight of the words taken below each edge that was chosen after a prefix, and what follows those edges."""
+    """The weight of the words taken through each edge after a prefix of choices, and the prefixes after those edges."""
 
     taken: dict[int, int] = field(default_factory=dict)
     after: dict[int, _Prefix] = field(default_factory=dict)
 
 
 class RemainingWords:
-    """The words of one length that are left to sample: what they weigh, and how many were `taken`."""
+    """The remaining words of one length: their total weight, and the number of words `taken`."""
 
     def __init__(self, weighed: Weighed, length: int) -> None:
         self._walks = weighed.ranking or _PathWalks(weighed.completions, length)
@@ -39,9 +39,9 @@ class RemainingWords:
         self.weight, self.taken = self._walks.total, 0
 
     def take(self, bits: Bits, number: int) -> tuple[Word, int]:
-        """Sample a word that is left with the random words of draw `number`; return it with its weight.
+        """Take a remaining word, sampled with the random bits of draw `number`; return it with its weight.
 
-        Some weight has to be left.
+        The remaining weight must be positive.
         """
         random = bits.words(number, 1, max(self._length, 1))[0].tolist()
         prefix, path = self._root, list[tuple[_Prefix, int, int, int]]()
@@ -62,10 +62,10 @@ class RemainingWords:
         return word, weight
 
     def _subtract(self, path: Sequence[tuple[_Prefix, int, int, int]]) -> None:
-        """Subtract a word, given by its prefixes, edges, the weight of all words over each edge, and at its source.
+        """Subtract a word, given for each step the prefix, the edge, and the total weights of the edge and its source.
 
-        Over an edge go words of its own weight times that of all words from its target on, so the weight of the rest of
-        the word follows from that of a shorter rest.
+        The total of an edge is its own weight times the total of its target, so the weight of each suffix of the word
+        follows from that of the next shorter suffix.
         """
         rest, behind = 1, 1
         for prefix, edge, over, total in reversed(path):
@@ -76,7 +76,7 @@ class RemainingWords:
 
 
 class _PathWalks:
-    """Walks along the paths of an automaton, of which each is one word."""
+    """Walks along the paths of an automaton in which each path is one word."""
 
     def __init__(self, completions: Completions, length: int) -> None:
         self._completions = completions
@@ -84,7 +84,7 @@ class _PathWalks:
         self.total = int(completions.row(length)[0]) if completions.automaton.states else 0
 
     def walk(self, choose: Choice) -> tuple[Word, int]:
-        """Return a word and its weight; `choose` takes an edge of each step by the running totals of their weights."""
+        """Return a word and its weight; `choose` selects an edge per step by the running totals of the weights."""
         automaton, state = self._completions.automaton, 0
         edges = []
         for step in range(self._length):

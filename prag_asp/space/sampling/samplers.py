@@ -1,4 +1,4 @@
-"""Ways to draw words: by weight; uniformly over skeletons first; uniformly over goals first. All are exact."""
+"""Exact samplers of words: by weight, uniformly over skeletons first, and uniformly over goals first."""
 
 from __future__ import annotations
 
@@ -24,33 +24,33 @@ Over = Literal["skeletons", "goals"]
 OVER: tuple[Over, ...] = ("skeletons", "goals")
 
 KEPT_SUMS = 1 << 26
-"""Bytes of the sums of skeletons that are kept at most."""
+"""Maximum memory for cached sums of skeletons, in bytes."""
 
 Sums = tuple[list[dict[int, list[int]]], int]
-"""For each step of a skeleton and each state the running sums of what its moves lead to; and the weight of it all."""
+"""For each step of a skeleton and each state the running sums of the weights of its moves, and the total weight."""
 
 
 @dataclass(frozen=True)
 class DrawArray:
-    """Words as numbers of letters, shape (draws, length), and the exact probability of each where it was asked for."""
+    """Words as numbers of letters, shape (draws, length), and their exact probabilities if these were requested."""
 
     letters: NDArray[np.int32]
     probabilities: Sequence[Fraction] = ()
 
 
 class Sampler(Protocol):
-    """A way to draw the words of one length."""
+    """A sampler of the words of one length."""
 
     def sample(self, bits: Bits, first: int, count: int, *, with_probabilities: bool) -> DrawArray:
-        """Return the draws from number `first` on; with `with_probabilities`, their probabilities too.
+        """Return the draws from number `first` on, optionally with their probabilities.
 
-        A draw depends on its number and the bits alone.
+        A draw depends only on its number and the bits.
         """
         ...
 
 
 class WeightSampler:
-    """Draws a word with a probability proportional to its weight."""
+    """A sampler of words with probabilities proportional to their weights."""
 
     def __init__(self, weighed: Weighed, length: int) -> None:
         self._automaton = weighed.automaton
@@ -65,9 +65,9 @@ class WeightSampler:
 
 
 class WalkSampler:
-    """Samples the words that `WeightSampler` would, one by one.
+    """A sampler with the distribution of `WeightSampler` that walks word by word.
 
-    For automata where a path stands for several words, or whose states are never listed.
+    It serves automata in which a path stands for several words, or whose states are not listed.
     """
 
     def __init__(self, ranking: Walks, length: int) -> None:
@@ -91,14 +91,14 @@ class WalkSampler:
 
 
 class GoalSampler:
-    """Draws a goal uniformly, then a word that ends there by weight.
+    """A sampler of a uniform goal, then of a word with this goal by weight.
 
-    A goal is what is known after the last action. The words that end there are drawn backward, from their last edge to
-    their first: on the automaton with its edges reversed, a state for each goal leads to the last edges that reach it.
+    A goal is the known part of a final state. Words are sampled backward, from their last edge to their first: in the
+    automaton with reversed edges, a state for each goal leads to the last edges that reach it.
     """
 
     def __init__(self, weighed: Weighed, length: int) -> None:
-        assert weighed.goals is not None, "goals are numbered where they are drawn"
+        assert weighed.goals is not None, "goals have to be numbered before they are sampled"
         automaton = weighed.automaton
         self._length = length
         self._reversed, self._letters = _reversed(automaton, weighed.goals)
@@ -109,7 +109,7 @@ class GoalSampler:
         self._paths = PathSampler(completions, length, self._starts)
 
     def sample(self, bits: Bits, first: int, count: int, *, with_probabilities: bool) -> DrawArray:
-        """Return the draws from number `first` on; the first word of each chooses its goal."""
+        """Return the draws from number `first` on; the first random word of each chooses its goal."""
         running = list(range(1, len(self._starts) + 1))
         edges = np.empty((self._length, count), dtype=np.int64)
         goals = np.empty(count, dtype=np.int64)
@@ -131,7 +131,7 @@ class GoalSampler:
 def _reversed(automaton: Automaton, goals: NDArray[np.int64]) -> tuple[Automaton, NDArray[np.int64]]:
     """Return the automaton with its edges reversed and a new state for each goal, and the letter of each edge.
 
-    Its words are those of the automaton backward; the states of goals follow the others.
+    Its words are the reversed words of the automaton; the states of goals follow the others.
     """
     last = np.flatnonzero(automaton.accepting[automaton.targets])
     origins = np.concatenate([np.arange(len(automaton.letters)), last])
@@ -151,9 +151,9 @@ def _reversed(automaton: Automaton, goals: NDArray[np.int64]) -> tuple[Automaton
 
 
 class SkeletonSampler:
-    """Draws a skeleton uniformly, of those that some word of positive weight has, then a word with it by weight.
+    """A sampler of a uniform skeleton, then of a word with this skeleton by weight.
 
-    `count` is how many such skeletons there are.
+    `count` is the number of skeletons of words with positive weight.
     """
 
     def __init__(self, weighed: Weighed, length: int, names: NDArray[np.int64]) -> None:
@@ -187,8 +187,8 @@ class SkeletonSampler:
             words = bits.words(first + begin, end - begin, 2 * self._length)
             further = partial(_further, bits, first + begin)
             starts = np.zeros(end - begin, dtype=np.int64)
-            found = self._skeletons.descend(starts, words[:, : self._length], further)
-            skeletons = self._skeleton_letters[found].T.tolist()
+            skeleton_edges = self._skeletons.descend(starts, words[:, : self._length], further)
+            skeletons = self._skeleton_letters[skeleton_edges].T.tolist()
             for place, (skeleton, chosen) in enumerate(zip(skeletons, words[:, self._length :].tolist(), strict=True)):
                 path, total = self._with_skeleton(tuple(skeleton), chosen, partial(further, place))
                 edges[:, begin + place] = path
@@ -198,7 +198,7 @@ class SkeletonSampler:
         )
 
     def of_rank(self, rank: int, bits: Bits, number: int) -> tuple[list[int], Fraction]:
-        """Return the draw of a number among the words of one skeleton by weight, and its probability among these.
+        """Return a draw by number among the words of one skeleton by weight, and its probability among these.
 
         The skeleton is the one of a rank from 0 to `count` - 1.
         """
@@ -215,7 +215,7 @@ class SkeletonSampler:
     def _with_skeleton(
         self, skeleton: tuple[int, ...], words: Sequence[int], further: Callable[[int], Iterator[int]]
     ) -> tuple[list[int], int]:
-        """Return the edges of a word with a skeleton, chosen by words, and the weight of all words that have it."""
+        """Return the edges of a word with a skeleton, chosen by random words, and the weight of all words with it."""
         sums, total = self._sums(skeleton)
         state, path = 0, []
         for step, name in enumerate(skeleton):
@@ -225,17 +225,17 @@ class SkeletonSampler:
         return path, total
 
     def _sums(self, skeleton: tuple[int, ...]) -> Sums:
-        """Return the sums of a skeleton, which are kept: short skeletons are drawn often."""
-        known = self._known.get(skeleton)
-        if known is None:
-            known = self._summed(skeleton)
-            size = _bytes_of(known)
+        """Return the sums of a skeleton; they are cached because short skeletons are sampled often."""
+        sums = self._known.get(skeleton)
+        if sums is None:
+            sums = self._summed(skeleton)
+            size = _bytes_of(sums)
             if self._kept + size > KEPT_SUMS:
                 self._known, self._kept = {}, 0
             if size <= KEPT_SUMS:
-                self._known[skeleton] = known
+                self._known[skeleton] = sums
                 self._kept += size
-        return known
+        return sums
 
     def _summed(self, skeleton: tuple[int, ...]) -> Sums:
         """Return for each step and state the running sums of the moves, and the weight of all words."""
@@ -256,7 +256,7 @@ class SkeletonSampler:
 
 
 def _bytes_of(sums: Sums) -> int:
-    """Return how much memory the sums of a skeleton take at most; of those that run, the last is the largest."""
+    """Return an upper bound on the memory of the sums of a skeleton; of running sums, the last is the largest."""
     states = sum(getsizeof(here) + sum(map(getsizeof, here)) for here in sums[0])
     numbers = (running for here in sums[0] for running in here.values())
     summed = sum(getsizeof(running) + len(running) * getsizeof(running[-1]) for running in numbers)
@@ -272,12 +272,12 @@ def _shares(automaton: Automaton, edges: NDArray[np.int64], totals: Sequence[int
     weights = [1] * edges.shape[1]
     if automaton.weights is not None:
         for step in automaton.weights[edges]:
-            weights = [weight * each for weight, each in zip(weights, step.tolist(), strict=True)]
-    known: dict[tuple[int, int], Fraction] = {}
+            weights = [weight * factor for weight, factor in zip(weights, step.tolist(), strict=True)]
+    shares: dict[tuple[int, int], Fraction] = {}
     for pair in zip(weights, totals, strict=True):
-        if pair not in known:
-            known[pair] = Fraction(*pair)
-    return [known[pair] for pair in zip(weights, totals, strict=True)]
+        if pair not in shares:
+            shares[pair] = Fraction(*pair)
+    return [shares[pair] for pair in zip(weights, totals, strict=True)]
 
 
 def _further(bits: Bits, first: int, place: int, step: int) -> Iterator[int]:

@@ -1,4 +1,4 @@
-"""Draws that are dealt to several, like cards: each of N workers gets every N-th."""
+"""Shards of draws: each of N workers gets every N-th draw."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from prag_asp.errors import QueryError
 
 MOST = 1_000_000
-"""So many can be dealt to."""
+"""Maximum number of shards."""
 
 
 @dataclass(frozen=True)
 class Deal:
-    """What is dealt to the one of a `number` from 1, `of` so many; its own draws are numbered from 0 again.
+    """Shard `number` (from 1) `of` a number of shards; its draws are renumbered from 0.
 
     Raises:
         QueryError: there is no such number.
@@ -31,34 +31,34 @@ class Deal:
         """Return the deal that ``3/64`` names.
 
         Raises:
-            QueryError: it is written in another way.
+            QueryError: the text has another form.
         """
-        found = re.fullmatch(r"\s*([0-9]{1,9})\s*/\s*([0-9]{1,9})\s*", text, re.ASCII)
-        if found is None:
+        match = re.fullmatch(r"\s*([0-9]{1,9})\s*/\s*([0-9]{1,9})\s*", text, re.ASCII)
+        if match is None:
             raise QueryError(f"part {text}: write K/N, such as 3/64")
-        return cls(int(found[1]), int(found[2]))
+        return cls(int(match[1]), int(match[2]))
 
     @classmethod
     def holding(cls, whole: int, of: int) -> Deal:
-        """Return which of `of` deals has one of all draws."""
+        """Return the shard, among `of` shards, of a draw by its number among all draws."""
         return cls(whole % of + 1, of)
 
     def __str__(self) -> str:
         return f"{self.number}/{self.of}"
 
     def whole(self, own: int) -> int:
-        """Return the number among all draws of one of its own."""
+        """Return the number among all draws of a draw of this shard."""
         return own * self.of + self.number - 1
 
     def own(self, whole: int) -> int | None:
-        """Return the number among its own draws of one of all, None where it is dealt to another."""
-        found, other = divmod(whole - self.number + 1, self.of)
-        return None if other else found
+        """Return the number within this shard of one of all draws, or None if it is in another shard."""
+        own, remainder = divmod(whole - self.number + 1, self.of)
+        return None if remainder else own
 
     def share(self, size: int) -> int:
-        """Return how many of so many draws are dealt to it."""
+        """Return the number of draws of this shard among the first `size` draws."""
         return max(-(-(size - self.number + 1) // self.of), 0)
 
 
 ALL = Deal()
-"""All draws, dealt to one."""
+"""All draws in a single shard."""

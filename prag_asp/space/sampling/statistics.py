@@ -1,7 +1,7 @@
-"""What the words of a level are like on average, where they are drawn by weight: exact sums over all of them.
+"""Exact statistics of the words of a level that are sampled by weight.
 
-No word is enumerated: the weight of all words that pass an edge is the weight of all ways to it times that of all ways
-on from it (forward-backward sums over paths, Baum et al. 1970), here in integers of any size.
+No word is enumerated: the weight of all words through an edge is the weight of all paths to it times that of all paths
+from it (forward-backward algorithm, Baum et al. 1970), here in integers of any size.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from prag_asp.space.weights.weights import Weights
 from prag_asp.wording import unknown
 
 ENTROPY_PLACES = 30
-"""Decimal places of an entropy that are right."""
+"""Number of correct decimal places of an entropy."""
 
 Objects = NDArray[np.object_]
 """Integers of any size."""
@@ -36,13 +36,13 @@ Objects = NDArray[np.object_]
 
 @dataclass(frozen=True)
 class Statistics:
-    """Exact figures on a random word of a level: a plan, a task or a skeleton of `length`, drawn by weight.
+    """Exact statistics of a random word of a level: a plan, a task or a skeleton of `length`, sampled by weight.
 
-    `words` counts those of positive weight and `total_weight` sums their weights. `entropy` is in bits, with 30 decimal
-    places. The `expected` mappings hold the expected numbers of occurrences of an action, a name and two consecutive
-    names; the `contains` mappings the probability that a word has an action, a name, an entity, or an entity of a
-    class, at all. Actions, names and pairs that never occur are in none of them; all entities and classes are in
-    theirs. Skeletons have names and pairs alone.
+    `words` is the number of words of positive weight and `total_weight` the sum of their weights. `entropy` is in bits,
+    with 30 decimal places. The `expected` mappings have the expected numbers of occurrences of an action, a name and
+    two consecutive names; the `contains` mappings have the probability that a word contains an action, a name, an
+    entity, or an entity of a class. Actions, names and pairs that never occur are absent; entities and classes are
+    complete. Skeletons have only names and pairs.
     """
 
     by: Level
@@ -60,10 +60,10 @@ class Statistics:
 
 
 def statistics_of(engine: Engine, facts: Facts, by: Level, length: int, weights: Weights) -> Statistics:
-    """Return the statistics of the words of a level and a length, drawn by weights.
+    """Return the statistics of the words of a level and a length, sampled by weight.
 
     Raises:
-        QueryError: there is nothing to draw.
+        QueryError: there is nothing to sample.
     """
     weighed = weighed_words(engine, by, length, weights, plain=True)
     stage("summing up statistics")
@@ -83,7 +83,7 @@ def statistics_of(engine: Engine, facts: Facts, by: Level, length: int, weights:
         return {key: Fraction(weight, total) for key, weight in zip(keys, weights, strict=True) if weight}
 
     def containing(sets: Mapping[str, Collection[int]]) -> dict[str, Fraction]:
-        others = {key: Completions(avoiding(weighed.automaton, found)) for key, found in sets.items()}
+        others = {key: Completions(avoiding(weighed.automaton, excluded)) for key, excluded in sets.items()}
         return {key: 1 - Fraction(int(other.last_row(length)[0]), total) for key, other in others.items()}
 
     actions = {} if by == "skeleton" else shares(occurring, letters)
@@ -107,23 +107,23 @@ def statistics_of(engine: Engine, facts: Facts, by: Level, length: int, weights:
 def weight_of_words_without(
     engine: Engine, facts: Facts, by: Level, length: int, weights: Weights, what: Collection[str]
 ) -> Fraction:
-    """Return the weight of all words of a level and a length that have none of some names and pairs of names.
+    """Return the weight of all words of a level and a length without some names and pairs of names.
 
     Raises:
-        QueryError: one of them is no action's name, nor a pair of such.
+        QueryError: an item is neither an action's name nor a pair of names.
     """
     weighed = engine.weighed(length, weights, plain=True)
     letters = engine.letters
     name_of = letters if by == "skeleton" else tuple(_names(facts, letters))
     numbers = {name: number for number, name in enumerate(sorted(set(name_of)))}
-    asked = [tuple(part.strip() for part in each.split(">")) for each in what]
-    known = numbers.keys() | {action_name(action) for action in (*facts.actions, *facts.pruned)}
-    for name in (name for each in asked for name in each):
-        if name not in known:
-            raise QueryError(unknown(name, sorted(known), "action"))
-    asked = [each for each in asked if numbers.keys() >= {*each}]  # others never occur
-    single = {numbers[each[0]] for each in asked if len(each) == 1}
-    pairs = {(numbers[one], numbers[two]) for one, two in (each for each in asked if len(each) == 2)}
+    patterns = [tuple(part.strip() for part in text.split(">")) for text in what]
+    declared = numbers.keys() | {action_name(action) for action in (*facts.actions, *facts.pruned)}
+    for name in (name for pattern in patterns for name in pattern):
+        if name not in declared:
+            raise QueryError(unknown(name, sorted(declared), "action"))
+    patterns = [pattern for pattern in patterns if numbers.keys() >= {*pattern}]  # others never occur
+    single = {numbers[pattern[0]] for pattern in patterns if len(pattern) == 1}
+    pairs = {(numbers[pattern[0]], numbers[pattern[1]]) for pattern in patterns if len(pattern) == 2}
     places = np.array([numbers[name] for name in name_of], dtype=np.int64)
     return weight_without(weighed.automaton, length, places, single, pairs) * weighed.unit
 
@@ -134,7 +134,7 @@ def _names(facts: Facts, letters: Sequence[str]) -> Iterator[str]:
 
 
 def _mentions(facts: Facts, letters: Sequence[str]) -> tuple[dict[str, set[int]], dict[str, set[int]]]:
-    """Return the letters that name each entity, and those that name one of each class."""
+    """Return the letters that use each entity, and those that use an entity of each class."""
     symbols = {str(action): action for action in facts.actions}
     by_entity: dict[str, set[int]] = {str(entity): set() for entity in facts.entities}
     by_class: dict[str, set[int]] = {str(name): set() for _, name in sorted(facts.memberships, key=str)}
@@ -150,7 +150,7 @@ def _mentions(facts: Facts, letters: Sequence[str]) -> tuple[dict[str, set[int]]
 
 
 def crossings(completions: Completions, length: int) -> list[int]:
-    """Return for each edge the weight of all words that pass it, as often as they do."""
+    """Return for each edge the weight of all words through it, once for each passage."""
     automaton = completions.automaton
     transitions = np.zeros(len(automaton.letters), dtype=object)
     for step, over in enumerate(_forward(automaton, length)):
@@ -159,7 +159,7 @@ def crossings(completions: Completions, length: int) -> list[int]:
 
 
 def consecutive(completions: Completions, length: int, names: NDArray[np.int64]) -> dict[tuple[int, int], int]:
-    """Return for two names the weight of all words in which the second follows the first, as often as it does.
+    """Return for pairs of names the weight of all words with consecutive occurrences, once for each occurrence.
 
     `names` maps letters to numbers of names.
     """
@@ -180,11 +180,11 @@ def consecutive(completions: Completions, length: int, names: NDArray[np.int64])
         behind = factors * completions.row(length - step - 2)[automaton.targets].astype(object)
         before, after = _summed(over, into, len(coming)), _summed(behind, out_of, len(leaving))
         sums += np.array(before, dtype=object)[left] * np.array(after, dtype=object)[right]
-    found: dict[tuple[int, int], int] = {}
+    weights: dict[tuple[int, int], int] = {}
     for one, two, weight in zip((coming[left] % width).tolist(), (leaving[right] % width).tolist(), sums, strict=True):
         if weight:
-            found[one, two] = found.get((one, two), 0) + int(weight)
-    return found
+            weights[one, two] = weights.get((one, two), 0) + int(weight)
+    return weights
 
 
 def weight_without(
@@ -194,9 +194,9 @@ def weight_without(
     single: Collection[int],
     pairs: Collection[tuple[int, int]],
 ) -> int:
-    """Return the weight of all words that have none of some `single` names, nor some `pairs` of consecutive ones.
+    """Return the weight of all words without any of the `single` names and `pairs` of consecutive names.
 
-    `names` maps letters to numbers of names. States are distinguished by the name of the action before them.
+    `names` maps letters to numbers of names. States are split by the name of the preceding action.
     """
     if not automaton.states:
         return 0
@@ -224,7 +224,7 @@ def weight_without(
 
 
 def entropy(automaton: Automaton, transitions: Sequence[int], total: int) -> Decimal:
-    """Return the entropy in bits of a word drawn by weight: log2 of the total less the expected log2 of a weight.
+    """Return the entropy in bits of a word sampled by weight: log2 of the total minus the expected log2 of a weight.
 
     `transitions` are the `crossings`. The expected numbers of edges are exact; only logarithms are rounded.
     """
@@ -239,7 +239,7 @@ def entropy(automaton: Automaton, transitions: Sequence[int], total: int) -> Dec
 
 
 def _forward(automaton: Automaton, length: int) -> Iterator[Objects]:
-    """Yield for each step the weight of all ways that end with each edge."""
+    """Yield for each step the weight of all paths that end with each edge."""
     row = np.zeros(automaton.states, dtype=object)
     row[0] = 1
     factors = _factors(automaton)

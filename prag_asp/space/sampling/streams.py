@@ -9,6 +9,7 @@ from fractions import Fraction
 from functools import lru_cache, partial
 from itertools import accumulate
 from math import lcm
+from typing import Protocol
 
 import numpy as np
 
@@ -35,9 +36,23 @@ BATCH = 2048
 """Words that are sampled together at most."""
 
 
+class ProbablePlan(Protocol):
+    """A sampled plan with its probability."""
+
+    @property
+    def word(self) -> tuple[str, ...]:
+        """The texts of its actions."""
+        ...
+
+    @property
+    def probability(self) -> Fraction:
+        """The probability of the draw."""
+        ...
+
+
 @dataclass(frozen=True)
 class Portion:
-    """The words of one length: their letters and sampler, and what they weigh together, above 0."""
+    """The words of one length: their letters, their sampler, and their total weight, which is above 0."""
 
     length: int
     letters: Letters
@@ -70,7 +85,7 @@ def make_sampler(
 def weighed_words(
     engine: Engine, by: Level, length: int, weights: Weights, *, goals: bool = False, plain: bool = False
 ) -> Weighed:
-    """Return the words of a level and a length with their weights, as the engine does.
+    """Return the weighted words of a level and a length from the engine.
 
     Raises:
         QueryError: no word has a weight above 0.
@@ -84,9 +99,9 @@ def weighed_words(
 
 
 def sample_batches(sampler: Sampler, letters: Letters, seed: int) -> Iterator[list[Draw]]:
-    """Yield words of one length with their probability, in batches that grow, without end.
+    """Yield words of one length with their probability, in growing batches, endlessly.
 
-    A draw depends on the seed and its number alone.
+    A draw depends only on the seed and its number.
     """
     stage("sampling")
     bits = SeededBits(seed)
@@ -106,10 +121,10 @@ def _sample(
 
 
 def sample_batches_of_lengths(portions: Sequence[Portion], seed: int) -> Iterator[list[Draw]]:
-    """Yield words with their probability among all portions, in batches that grow, without end.
+    """Yield words with their probability among all portions, in growing batches, endlessly.
 
     The length is sampled first, by its exact share of the weight. Lengths, and the words of each length, use
-    independent random bits, so all draws are independent; a draw depends on the seed and its number alone.
+    independent random bits, so all draws are independent; a draw depends only on the seed and its number.
     """
     stage("sampling")
     choose = _portion_chooser(portions, seed)
@@ -142,6 +157,6 @@ def _portion_chooser(portions: Sequence[Portion], seed: int) -> Callable[[int, i
 
 @lru_cache(maxsize=1 << 16)
 def log_probability(probability: Fraction) -> float:
-    """Return the natural logarithm, rounded correctly, so that it is the same float on every machine."""
+    """Return the natural logarithm, correctly rounded, so that every machine gives the same float."""
     with localcontext(Context(prec=40, Emax=10**9, Emin=-(10**9))):
         return float((Decimal(probability.numerator) / Decimal(probability.denominator)).ln())

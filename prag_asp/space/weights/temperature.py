@@ -1,4 +1,4 @@
-"""The temperature of weights: from exploitation, the weights themselves, to exploration, where all count the same."""
+"""The temperature of weights: from the weights themselves (exploitation) to equal weights (exploration)."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from prag_asp.space.weights.weights import Number, Weights, parse_number
 INFINITE = "inf"
 LARGEST_DENOMINATOR = 10_000
 DIGITS = 40
-"""Decimal digits after the point: far more than tell fractions with such denominators apart."""
+"""Digits after the decimal point: far more than distinguish fractions with such denominators."""
 
 LARGEST_EXPONENT = 1000
-"""Powers of ten beyond which a weight is refused."""
+"""Largest power of ten of a weight."""
 
 Key = TypeVar("Key")
 
@@ -27,10 +27,10 @@ Temperature = Number
 def tempered(weights: Weights, temperature: Temperature) -> Weights:
     """Return the weights at a temperature T: each weight w, of an entity with its classes, becomes about w^(1/T).
 
-    T = 1 leaves them, T below 1 sharpens them, and where T is ``inf`` whatever weighs more than 0 weighs the same.
-    0 stays 0. A power with a whole exponent is exact; any other becomes the nearest fraction with a denominator of at
-    most 10000, or where it is below 1 the inverse of that for its inverse. The power is computed in decimal digits,
-    so it is the same on every machine, and everything from then on is exact.
+    T = 1 keeps the weights, T below 1 sharpens them, and T = ``inf`` makes all positive weights equal; 0 stays 0.
+    Powers with whole exponents are exact. Other powers above 1 are rounded to the nearest fraction with a denominator
+    of at most 10000; powers below 1 are the inverse of the rounded inverse. Decimal arithmetic makes the result the
+    same on every machine, and all later computations are exact.
 
     Raises:
         QueryError: the temperature is no number above 0, or too low.
@@ -38,17 +38,17 @@ def tempered(weights: Weights, temperature: Temperature) -> Weights:
     exponent = _exponent(temperature)
 
     def powers(stated: Mapping[Key, Fraction]) -> dict[Key, Fraction]:
-        found = {key: power(weight, exponent) for key, weight in stated.items()}
-        return {key: weight for key, weight in found.items() if weight != 1}
+        raised = {key: power(weight, exponent) for key, weight in stated.items()}
+        return {key: weight for key, weight in raised.items() if weight != 1}
 
     return Weights(powers(weights.names), powers(weights.pairs), powers(weights.actions), powers(weights.entities))
 
 
 def power(weight: Fraction, exponent: Fraction) -> Fraction:
-    """Return `weight` to the power of an exponent of at least 0, as `tempered` says.
+    """Return `weight` to the power of an exponent of at least 0, rounded as in `tempered`.
 
     Raises:
-        QueryError: the power has more than a thousand digits.
+        QueryError: the power has more than 1000 digits.
     """
     if weight in (0, 1):
         return weight

@@ -1,4 +1,4 @@
-"""Enumerated words as an automaton: a tree with a leaf for each."""
+"""Enumerated words as a tree automaton with a leaf for each word."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def word_tree(
     weights: Sequence[Fraction] | None = None,
     ends: Sequence[Hashable] | None = None,
 ) -> Weighed:
-    """Return words of one length, in order of their letters, with a weight for each and a goal for each of `ends`."""
+    """Return words of one length, in order of their letters, with their weights and the goals of their `ends`."""
     numbers: dict[tuple[int, ...], int] = {} if not words else {(): 0}
     for depth in range(1, length + 1):
         for word in words:

@@ -1,7 +1,7 @@
-"""Weights: how much more often than another a task is drawn, as exact fractions.
+"""Sampling weights of tasks, as exact fractions.
 
 The weight of a plan is the product of the weights of its actions, of its pairs of consecutive actions, and of each
-entity that it uses, once; an entity weighs what it and all its classes weigh together.
+distinct entity that it uses; the weight of an entity includes those of its classes.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ from prag_asp.wording import unknown
 Number = int | Fraction | Decimal | str
 
 EXPONENT = re.compile(r"[-+]?(?P<digits>[\d_.]*)(?:[eE](?P<exponent>[-+]?\d{1,18}))?\d*")
-"""A number as text; what follows an exponent of 18 digits does not matter any more."""
+"""A number as text; digits after an exponent of 18 digits do not matter."""
 
 MANY_KINDS = 1 << 61
-"""Where the number of a kind of edges is beyond this, kinds are numbered anew: twice as much still has 64 bits."""
+"""Numbers of edge kinds are compressed above this bound, so that doubling them fits into 64 bits."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Weights:
 
     @property
     def of_actions_alone(self) -> bool:
-        """Whether a plan weighs no more than the product of what its actions weigh, each by itself."""
+        """True if the weight of a plan is the product of the weights of its single actions."""
         return not self.pairs and not self.entities
 
     def of_action(self, action: clingo.Symbol) -> Fraction:
@@ -70,11 +70,11 @@ class Weights:
         return prod((self.entities[entity] for entity in used), start=weight)
 
 
-def parse_weights(given: Mapping[str, Number], facts: Facts) -> Weights:
-    """Return the weights that `given` states for keys such as ``grasp``, ``grasp>move``, ``apple`` or ``apple_1``.
+def parse_weights(stated: Mapping[str, Number], facts: Facts) -> Weights:
+    """Parse weights of keys such as ``grasp``, ``grasp>move``, ``apple`` or ``apple_1``.
 
-    A key is an action's name, a pair of names, a single action, an entity or a class; a float is refused, because its
-    decimal digits are not its value.
+    A key is an action's name, a pair of names, a single action, an entity or a class. Floats are refused because their
+    decimal digits are not their exact value.
 
     Raises:
         QueryError: a key is unknown or ambiguous, or a weight is not a number of at least 0.
@@ -84,11 +84,11 @@ def parse_weights(given: Mapping[str, Number], facts: Facts) -> Weights:
     entities = {str(entity): entity for entity in facts.entities}
     actions = {str(action): action for action in facts.declared_actions}
     shared = shared_names(facts)
-    found_names: dict[str, Fraction] = {}
+    by_name: dict[str, Fraction] = {}
     pairs: dict[tuple[str, str], Fraction] = {}
     singles: dict[clingo.Symbol, Fraction] = {}
     by_entity = dict.fromkeys(facts.entities, Fraction(1))
-    for key, number in given.items():
+    for key, number in stated.items():
         weight = parse_weight(key, number)
         first, arrow, second = (part.strip() for part in key.partition(">"))
         if arrow:
@@ -98,7 +98,7 @@ def parse_weights(given: Mapping[str, Number], facts: Facts) -> Weights:
         elif key in shared:
             refuse_ambiguous(key, facts)
         elif key in names:
-            found_names[key] = weight
+            by_name[key] = weight
         elif key in actions:
             singles[actions[key]] = weight
         elif key in entities:
@@ -110,7 +110,7 @@ def parse_weights(given: Mapping[str, Number], facts: Facts) -> Weights:
         else:
             raise QueryError(unknown(key, sorted({*names, *classes, *entities}), "action, class or entity"))
     return Weights(
-        {key: weight for key, weight in found_names.items() if weight != 1},
+        {key: weight for key, weight in by_name.items() if weight != 1},
         {key: weight for key, weight in pairs.items() if weight != 1},
         {key: weight for key, weight in singles.items() if weight != 1},
         {key: weight for key, weight in by_entity.items() if weight != 1},
@@ -130,7 +130,7 @@ def parse_weight(key: str, number: Number) -> Fraction:
 
 
 def parse_number(what: str, number: Number) -> Fraction:
-    """Return an exact number as a fraction, read from decimal digits or from p/q; `what` is how errors call it.
+    """Return an exact number as a fraction, read from decimal digits or from p/q; `what` names it in errors.
 
     Raises:
         QueryError: it is no exact number.
@@ -146,7 +146,7 @@ def parse_number(what: str, number: Number) -> Fraction:
 
 
 def _exponent(number: Number) -> int:
-    """Return how many digits stand before or behind the point of a number, at most, without writing them."""
+    """Return an upper bound on the digits before and after the decimal point, without expanding the number."""
     if isinstance(number, Decimal):
         return abs(number.adjusted()) if number.is_finite() else 0
     if isinstance(number, str):
@@ -156,10 +156,10 @@ def _exponent(number: Number) -> int:
 
 
 def refuse_weights(level: str, weights: Weights, model: DomainLogic, length: int) -> None:
-    """Refuse weights that a level cannot have.
+    """Refuse weights that a level does not support.
 
     Raises:
-        QueryError: skeletons are weighed, or two interchangeable entities of tasks weigh differently.
+        QueryError: skeletons have weights, or two interchangeable entities of tasks have different weights.
     """
     if weights and level == "skeleton":
         raise QueryError("skeletons have no weights; choose task or plan, or give weights={} (--uniform)")
@@ -171,7 +171,7 @@ def refuse_unequal(weights: Weights, groups: Sequence[Sequence[clingo.Symbol]]) 
     """Refuse weights that differ between interchangeable entities, because a task does not distinguish them.
 
     Raises:
-        QueryError: two interchangeable entities weigh differently.
+        QueryError: two interchangeable entities have different weights.
     """
     for group in groups:
         first = weights.entities.get(group[0], Fraction(1))
@@ -190,16 +190,16 @@ def refuse_unequal(weights: Weights, groups: Sequence[Sequence[clingo.Symbol]]) 
 
 
 def weighing_facts(weights: Weights) -> tuple[list[str], list[clingo.Symbol]]:
-    """Return the facts for ``rules/weights.lp``, and the atoms that then tell what an edge weighs."""
+    """Return the facts for ``rules/weights.lp``, and the atoms that it derives to weigh an edge."""
     pairs = [clingo.Function("weighed", list(map(clingo.Function, pair))) for pair in sorted(weights.pairs)]
     entities = [clingo.Function("weighed", [entity]) for entity in sorted(weights.entities)]
-    found = [clingo.Function("follows", pair.arguments) for pair in pairs]
-    found += [clingo.Function("first_use", entity.arguments) for entity in entities]
-    return [REQUEST.fact(each) for each in (*pairs, *entities)], [FINDING.timeless(each) for each in found]
+    findings = [clingo.Function("follows", pair.arguments) for pair in pairs]
+    findings += [clingo.Function("first_use", entity.arguments) for entity in entities]
+    return [REQUEST.fact(term) for term in (*pairs, *entities)], [FINDING.timeless(term) for term in findings]
 
 
 class Walks(Protocol):
-    """Words of one length that are found by choosing letter by letter; `total` is the sum of their weights."""
+    """Words of one length that are chosen letter by letter; `total` is the sum of their weights."""
 
     total: int
 
@@ -210,11 +210,11 @@ class Walks(Protocol):
 
 @dataclass(frozen=True)
 class Weighed:
-    """The words of a level as paths of an automaton: a word weighs the product of its edges, times `unit`.
+    """The words of a level as paths of an automaton; the weight of a word is the product of its edges, times `unit`.
 
-    `goals` numbers what is known after an edge that is the last of a word, shape (edges,); None where nobody asked.
-    `ranking` walks along the words where a path stands for several, or where states are never listed, so that the
-    automaton is empty; it is None where each path is one word.
+    `goals` numbers the known final states after each edge, shape (edges,); None if they were not requested.
+    `ranking` walks along the words if a path stands for several words, or if states are not listed, so that the
+    automaton is empty; it is None if each path is one word.
     """
 
     completions: Completions
@@ -235,7 +235,7 @@ class Weighed:
 
 
 def edge_weights(actions: Sequence[clingo.Symbol], weights: Weights) -> tuple[list[Fraction], list[Fraction]]:
-    """Return what an edge weighs by its letter, and by each of the labels of `weighing_facts` that is true."""
+    """Return the weight of an edge by its letter, and the factor for each true label of `weighing_facts`."""
     by_label = [weights.pairs[pair] for pair in sorted(weights.pairs)]
     by_label += [weights.entities[entity] for entity in sorted(weights.entities)]
     return [weights.of_action(action) for action in actions], by_label
@@ -244,7 +244,7 @@ def edge_weights(actions: Sequence[clingo.Symbol], weights: Weights) -> tuple[li
 def weigh(
     automaton: Automaton, labels: NDArray[np.bool_], actions: Sequence[clingo.Symbol], weights: Weights
 ) -> tuple[Automaton, int]:
-    """Return the automaton with a whole number on each edge, and how much more that is than the edge's weight.
+    """Return the automaton with integer edge weights, and the factor by which these exceed the exact weights.
 
     `actions` are its letters; the columns of `labels`, shape (edges, labels), are the atoms of `weighing_facts`.
     """
@@ -260,7 +260,7 @@ def weigh(
 
 
 def _kinds(letters: NDArray[np.integer[Any]], labels: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the first edge of each kind and the kind of each edge; those of a kind have the same letter and labels."""
+    """Return the first edge of each kind and the kind of each edge; a kind is a letter with labels."""
     kinds = letters.astype(np.int64)
     for column in labels.T:
         kinds = 2 * kinds + column
