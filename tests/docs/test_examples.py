@@ -117,7 +117,7 @@ def test_a_piece_of_a_program_fits_into_the_example(piece: Block, dishes: Path) 
         text.write(f"#program base.\n{piece.text}")
     domain = load_domain(dishes)
     by_engine = {engine: TaskSpace(domain, 3, engine=engine) for engine in ("automaton", "clingo")}
-    assert set(by_engine["automaton"].words("plan")) == set(by_engine["clingo"].words("plan"))
+    assert set(by_engine["automaton"].enumerate("plan")) == set(by_engine["clingo"].enumerate("plan"))
     assert 0 < by_engine["automaton"].count() == by_engine["clingo"].count()
 
 
