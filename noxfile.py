@@ -1,4 +1,4 @@
-"""What has to hold before a change lands, in parts: each in an environment of its own."""
+"""The checks that must pass before a change is merged, each in a separate environment."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ nox.options.sessions = ["lint", "docs", "tests"]
 nox.options.error_on_missing_interpreters = False
 
 LOGIC = ("program", "lint", "domain", "logic", "space")
-"""The folders of tests that ask neither for physics nor for pages."""
+"""The folders of tests that need neither physics nor documentation."""
 
 
 @nox.session(python=["3.10", "3.11", "3.12", "3.13"])
@@ -34,7 +34,7 @@ def fresh(session: nox.Session) -> None:
 
 @nox.session
 def learning(session: nox.Session) -> None:
-    """Run the tests of environments with those that learn, which other sessions skip: they load PyTorch."""
+    """Run the tests of RL environments, including those that train policies and need PyTorch."""
     session.install("-e", ".[test,learning]")
     session.run("pytest", "tests/rl", *session.posargs)
 
@@ -49,6 +49,6 @@ def lint(session: nox.Session) -> None:
 
 @nox.session
 def docs(session: nox.Session) -> None:
-    """Build the pages into site/, with every warning an error."""
+    """Build the documentation into site/, with warnings as errors."""
     session.install("-e", ".[docs]")
     session.run("mkdocs", "build", "--strict", env={"NO_MKDOCS_2_WARNING": "1"})

@@ -1,8 +1,8 @@
-"""What a picture with depth and entities costs, beside one of the robot's whole meshes, in alternated blocks.
+"""The cost of a camera image with depth and segmentation, compared with rendering the full robot meshes.
 
     python benchmarks/cameras.py tabletop --size 128 --blocks 12
 
-Processor time of one core in milliseconds, the smallest and the middle of the blocks: read the ratios.
+Both run in alternating blocks; the table shows the minimum and the median processor time on one core in milliseconds.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from rich.console import Console
 from rich.table import Table
 
 from prag_asp import TaskSpace, load_domain, load_scene
-from prag_asp.physics import Budget, Demonstration, Staging, film, open_validator
+from prag_asp.physics import Budget, Demonstration, Staging, Tier, film, open_validator
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.filming.film import moment_of
 from prag_asp.physics.filming.studio import matrices, open_studio
@@ -27,11 +27,11 @@ from prag_asp.scene.cameras import Camera
 from prag_asp.scene.scene import Scene
 
 PICTURES = 8
-"""Pictures of a block, evenly over the recording."""
+"""The number of images in a block, evenly spaced over the episode."""
 
 
 def main() -> None:
-    """Demonstrate a task, look at it in several ways, print a table."""
+    """Demonstrate a task, render it in several ways, and print a table."""
     options = _options()
     scene = load_scene(load_domain(options.domain))
     shown = _demonstrated(options.domain, scene, options.seed)
@@ -42,7 +42,7 @@ def main() -> None:
         studio = resources.enter_context(open_studio(shown.sized_scene(scene), shown.objects))
         whole = resources.enter_context(open_simulator(shown.sized_scene(scene), visual=True))
 
-        def ours(camera: Camera) -> None:
+        def simplified(camera: Camera) -> None:
             for moment in moments:
                 studio.show(moment)
                 studio.take(camera)
@@ -50,14 +50,14 @@ def main() -> None:
         def meshes(camera: Camera) -> None:
             for moment in moments:
                 whole.show(moment)
-                studio.show(moment)  # which knows where the camera at the wrist is
+                studio.show(moment)  # gives the pose of the wrist camera
                 view = matrices(camera, studio.pose(camera))
                 tiny = {"renderer": pybullet.ER_TINY_RENDERER, "shadow": 0, "physicsClientId": whole.client}
                 pybullet.getCameraImage(*camera.size, *view, **tiny)
 
         for name, camera in cameras.items():
-            ways[name, "few corners, table by rays"] = lambda camera=camera: ours(camera)
-            ways[name, "whole meshes"] = lambda camera=camera: meshes(camera)
+            ways[name, "simplified meshes, ray-cast table"] = lambda camera=camera: simplified(camera)
+            ways[name, "full meshes"] = lambda camera=camera: meshes(camera)
         blocks: dict[tuple[str, str], list[float]] = {way: [] for way in ways}
         for _ in range(options.blocks):
             for way, run in ways.items():
@@ -65,29 +65,31 @@ def main() -> None:
     staging = Staging(tuple(cameras), (options.size, options.size), rate=20)
     pictures = len(shown.times) * len(cameras)
     filmed = [_timed(lambda: film(shown, scene, staging), pictures) for _ in range(3)]
-    table = Table("camera", "how", "least, ms", "middle, ms", "whole : ours")
-    for (name, how), found in blocks.items():
-        ratio = statistics.median(blocks[name, "whole meshes"]) / statistics.median(found)
-        table.add_row(name, how, f"{min(found):.2f}", f"{statistics.median(found):.2f}", f"{ratio:.1f}")
-    table.add_row("all", "a whole film, compressed", f"{min(filmed):.2f}", f"{statistics.median(filmed):.2f}", "")
+    table = Table("camera", "how", "min, ms", "median, ms", "full : ours")
+    for (name, how), times in blocks.items():
+        ratio = statistics.median(blocks[name, "full meshes"]) / statistics.median(times)
+        table.add_row(name, how, f"{min(times):.2f}", f"{statistics.median(times):.2f}", f"{ratio:.1f}")
+    table.add_row(
+        "all", "film of all cameras, compressed", f"{min(filmed):.2f}", f"{statistics.median(filmed):.2f}", ""
+    )
     Console().print(table)
 
 
 def _timed(run: Callable[[], object], count: int) -> float:
-    """Return the milliseconds of processor time that one of so many pictures takes."""
+    """Return the milliseconds of processor time for each of `count` images."""
     begun = time.process_time()
     run()
     return (time.process_time() - begun) / count * 1000
 
 
 def _demonstrated(name: str, scene: Scene, seed: int) -> Demonstration:
-    """Return the recording of the first task that is demonstrated."""
+    """Return the demonstration of the first task that has one."""
     with open_validator(scene) as validator:
         for index, task in enumerate(TaskSpace(load_domain(name), 3).stream(seed=seed)):
-            verdict = validator.validate(task, seed=seed, index=index, budget=Budget(tier="demonstration"))
+            verdict = validator.validate(task, seed=seed, index=index, budget=Budget(tier=Tier.DEMONSTRATION))
             if verdict.demonstration is not None:
                 return verdict.demonstration
-    raise AssertionError("spaces have no end of draws")
+    raise AssertionError("a stream of tasks never ends")
 
 
 def _options() -> argparse.Namespace:

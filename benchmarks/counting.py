@@ -1,4 +1,4 @@
-"""Exact counting beside clingo's enumeration, in one run: python benchmarks/counting.py."""
+"""Compare exact counting with clingo's enumeration: python benchmarks/counting.py."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ ENUMERATED = 7
 
 
 def seconds(work: Callable[[], object]) -> float:
-    """Return how long a piece of work takes."""
+    """Return the wall-clock seconds that a function takes."""
     begun = perf_counter()
     work()
     return perf_counter() - begun
@@ -32,16 +32,16 @@ def main() -> None:
     rate = models / seconds(lambda: TaskSpace(domain, ENUMERATED, engine="clingo").count("plan"))
     for length in (ENUMERATED, 15, 30, 1000):
         space = TaskSpace(domain, length, engine="automaton")
-        own = seconds(lambda space=space: space.count("plan"))  # type: ignore[misc]
+        ours = seconds(lambda space=space: space.count("plan"))  # type: ignore[misc]
         count = space.count("plan")
         digits = len(str(count))
         peer = count // int(rate)
         shown = f"{peer:,}" if digits < 20 else f"10^{len(str(peer)) - 1}"
-        ratio = int(peer / own) if digits < 20 else 0
+        ratio = int(peer / ours) if digits < 20 else 0
         table.add_row(
             f"{length:,}",
             f"{count:,}" if digits < 20 else f"{digits} digits",
-            f"{own:.3f}",
+            f"{ours:.3f}",
             shown if length == ENUMERATED else f"{shown} (extrapolated)",
             f"{ratio:,}" if ratio else "-",
         )

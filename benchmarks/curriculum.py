@@ -1,6 +1,6 @@
-"""How much a curriculum costs: 100 tasks drawn by weights that are new, by those that were there, and by each course.
+"""The cost of a curriculum: 100 tasks sampled with new weights, with unchanged weights, and by each curriculum.
 
-Processor time, the smallest of some; the first draw, which explores the space, is left out.
+Reports the minimum processor time of several runs. The first sample, which explores the space, is not measured.
 """
 
 from __future__ import annotations
@@ -14,50 +14,51 @@ from rich.table import Table
 
 from prag_asp import TaskSpace, load_domain
 from prag_asp.rl import Adaptive, Bandit, Novelty
-from prag_asp.rl.curriculum.task_pool import Pool
-from prag_asp.rl.curriculum.task_sampler import Attempt, Course, Episode
+from prag_asp.rl.curriculum.task_pool import TaskPool
+from prag_asp.rl.curriculum.task_sampler import Attempt, EpisodeResult, TaskSampler
 
 SPACES = {"prag": 15, "tabletop": 5}
 COUNT, TIMES = 100, 3
 
 
 def smallest(work: Callable[[int], object]) -> float:
-    """Return the smallest processor time of some tries, in seconds."""
-    found = []
+    """Return the minimum processor time of `TIMES` runs, in seconds."""
+    times = []
     for number in range(TIMES):
         begun = process_time()
         work(number)
-        found.append(process_time() - begun)
-    return min(found)
+        times.append(process_time() - begun)
+    return min(times)
 
 
-def lot(course: Course, pool: Pool) -> None:
-    """Take a lot of tasks, and report on each: the course weighs anew."""
+def lot(sampler: TaskSampler, pool: TaskPool) -> None:
+    """Sample `COUNT` tasks and report the result of each, so that the sampler updates its weights."""
     for number in range(COUNT):
-        offer = course.offer()
-        course.settle(offer.word, True)
-        actions = pool.task(offer).actions
+        proposal = sampler.propose()
+        sampler.note_feasibility(proposal.word, True)
+        actions = pool.task(proposal).actions
         attempts = [
             Attempt(action, actions[i - 1] if i else None, (number + i) % 3 > 0) for i, action in enumerate(actions)
         ]
-        course.report(Episode(len(actions), 0, attempts, number % 2 > 0))
+        sampler.update(EpisodeResult(len(actions), 0, attempts, number % 2 > 0))
 
 
 def figures(space: TaskSpace) -> Iterator[str]:
-    """Yield the processor time of each kind of draw."""
+    """Yield the processor time of each way to sample."""
     names = sorted({str(action).split("(")[0] for action in space.domain.facts.actions})
 
-    def drawn(number: int) -> None:
+    def sample(number: int) -> None:
         weights = {each: f"{number + place + 2}/3" for place, each in enumerate(names)}
         list(islice(space.stream(seed=1, weights={**weights, f"{names[0]}>{names[1]}": 3}), COUNT))
 
-    yield f"{smallest(drawn):.2f}"
-    yield f"{smallest(lambda _: drawn(TIMES - 1)):.2f}"
-    pool = Pool(space)
+    yield f"{smallest(sample):.2f}"
+    yield f"{smallest(lambda _: sample(TIMES - 1)):.2f}"
+    pool = TaskPool(space)
     for kind in (Adaptive(lot=COUNT), Bandit(lot=COUNT), Novelty(), Novelty("skeletons"), Novelty("tasks")):
-        course = kind.course(pool)
-        lot(course, pool)
-        yield f"{smallest(lambda _, course=course: lot(course, pool)):.2f}"
+        sampler = kind.task_sampler(pool)
+        sampler.seed(0)
+        lot(sampler, pool)
+        yield f"{smallest(lambda _, sampler=sampler: lot(sampler, pool)):.2f}"
 
 
 def main() -> None:

@@ -1,10 +1,10 @@
-"""How many witnesses of random tasks the robot performs in a world with forces, how fast, and why the rest fail.
+"""Success rate, speed and causes of failure when the simulated robot executes witnesses of random tasks.
 
     python benchmarks/demonstrations.py tabletop --count 80
 
-The witness of a task is the first that settles and has free ways of the arm, and it is performed once: no second try
-hides a failure. Only the performing is timed, on one core, by processor time. Tasks whose robot touches a ball are
-told apart.
+The witness of a task is the first one that passes the tier `transit`; it is executed once, so that no retry hides a
+failure. Only the execution is timed, by processor time on one core. Tasks in which the robot touches a ball are
+counted separately.
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ from rich.console import Console
 from rich.table import Table
 
 from prag_asp import Scene, TaskSpace, load_domain, load_scene
-from prag_asp.physics import Budget, open_validator
+from prag_asp.physics import Budget, Tier, open_validator
 from prag_asp.physics.demonstration.performance import open_performer
 from prag_asp.physics.symbolic_facts import PhysicalTask, physical_task
 from prag_asp.physics.world.simulator import open_simulator
 
-ACCEPTED = Budget(tier="transit")
+ACCEPTED = Budget(tier=Tier.TRANSIT)
 KINDS = ("boxes and cans", "balls")
 
 
 @dataclass
 class Outcome:
-    """What became of the tasks of one kind and length."""
+    """The results of the tasks of one kind and length."""
 
     tasks: int = 0
     seconds: float = 0.0
@@ -39,7 +39,7 @@ class Outcome:
 
 
 def main() -> None:
-    """Draw tasks, find witnesses, perform them, print two tables."""
+    """Sample tasks, find witnesses, execute them, and print two tables."""
     options = _options()
     domain = load_domain(options.domain)
     scene = load_scene(domain)
@@ -50,28 +50,28 @@ def main() -> None:
         open_performer(scene, planner) as performer,
     ):
         for length in options.lengths:
-            drawn = TaskSpace(domain, length).sample(options.count, seed=options.seed, weights={})
-            for index, task in enumerate(drawn):
+            tasks = TaskSpace(domain, length).sample(options.count, seed=options.seed, weights={})
+            for index, task in enumerate(tasks):
                 witness = validator.validate(task, seed=options.seed, index=index, budget=ACCEPTED).witness
                 if witness is None:
                     continue
-                seen = physical_task(task, scene)
-                outcome = outcomes[KINDS[_touches_ball(seen, scene)], length]
+                physical = physical_task(task, scene)
+                outcome = outcomes[KINDS[_touches_ball(physical, scene)], length]
                 begun = time.process_time()
-                demonstration = performer.perform(seen, witness)
+                demonstration = performer.perform(physical, witness)
                 outcome.seconds += time.process_time() - begun
                 outcome.tasks += 1
                 outcome.frames += len(demonstration.times)
                 outcome.causes[demonstration.cause] += 1
     console = Console()
-    console.print(_successes(outcomes, f"{options.domain}: witnesses performed, seed {options.seed}"))
+    console.print(_successes(outcomes, f"{options.domain}: executed witnesses, seed {options.seed}"))
     console.print(_causes(outcomes))
     console.print(f"largest memory {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB")
 
 
 def _options() -> argparse.Namespace:
     """Read the command line."""
-    parser = argparse.ArgumentParser(description="Let the robot perform witnesses of random tasks.")
+    parser = argparse.ArgumentParser(description="Let the simulated robot execute witnesses of random tasks.")
     parser.add_argument("domain", nargs="?", default="tabletop")
     parser.add_argument("--lengths", type=int, nargs="+", default=[3, 4, 5, 6])
     parser.add_argument("--count", type=int, default=80, help="tasks of each length")
@@ -79,16 +79,16 @@ def _options() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def _touches_ball(seen: PhysicalTask, scene: Scene) -> bool:
-    """Tell whether the robot goes to a ball, or holds one."""
-    touched = {each for e in seen.effects for each in (e.grasps, e.holds, e.releases, e.visits) if each}
+def _touches_ball(task: PhysicalTask, scene: Scene) -> bool:
+    """Return whether the robot approaches or holds a ball."""
+    touched = {each for e in task.effects for each in (e.grasps, e.holds, e.releases, e.visits) if each}
     return any(scene.shapes[entity].kind == "sphere" for entity in touched)
 
 
 def _successes(outcomes: dict[tuple[str, int], Outcome], title: str) -> Table:
     """Return the table of successes and speeds."""
     table = Table(title=title)
-    for name in ("kind", "length", "tasks", "performed", "share", "tasks/s/core", "seconds of the robot"):
+    for name in ("kind", "length", "tasks", "executed", "share", "tasks/s/core", "robot time, s"):
         table.add_column(name, justify="right")
     for kind in KINDS:
         rows = [(str(length), outcome) for (each, length), outcome in outcomes.items() if each == kind]
@@ -109,7 +109,7 @@ def _successes(outcomes: dict[tuple[str, int], Outcome], title: str) -> Table:
 
 
 def _causes(outcomes: dict[tuple[str, int], Outcome]) -> Table:
-    """Return the table of why tasks failed."""
+    """Return the table of the causes of failure."""
     table = Table(title="tasks that failed, by cause")
     table.add_column("cause")
     for kind in KINDS:

@@ -1,8 +1,8 @@
-"""Counting through decision diagrams beside CUDD and OxiDD, in one run: python benchmarks/diagrams.py.
+"""Compare counting by our decision diagrams with CUDD and OxiDD: python benchmarks/diagrams.py.
 
-It needs pip install dd oxidd. The domain `carry` has 1.8 * 10^8 states. Both libraries are given the actions by hand,
-and counts as binary digits, one diagram each: CUDD's diagrams with numbers hold floats, which are not exact, and OxiDD
-has none in Python.
+Requires `pip install dd oxidd`. The domain `carry` has 1.8 * 10^8 states. For both libraries the actions are encoded by
+hand, and a count is a list of diagrams, one for each binary digit: CUDD's diagrams with numeric terminals hold floats,
+which are not exact, and OxiDD has none in Python.
 """
 
 from __future__ import annotations
@@ -38,13 +38,13 @@ def formula(steps: int) -> int:
     return int(whole[moves] * factorial(moves))
 
 
-def own(steps: int) -> int:
+def ours(steps: int) -> int:
     """Count as `prag-asp count benchmarks/carry --by plan --engine symbolic` does."""
     return TaskSpace(load_domain(Path(__file__).parent / "carry"), steps, engine="symbolic").count("plan")
 
 
 def cudd(steps: int) -> int:
-    """Count by CUDD: the states reached, then for each step back the sums of binary digits."""
+    """Count with CUDD: compute the reachable states, then go backwards and add up binary digits."""
     bdd = import_module("dd.cudd").BDD()
     bdd.configure(reordering=False)
     at = {(t, p): f"at{t}_{p}" for t in range(THINGS) for p in range(PLACES)}
@@ -60,11 +60,11 @@ def cudd(steps: int) -> int:
     start = dict.fromkeys((*held, *at.values()), False) | {at[t, t]: True for t in range(THINGS)}
     reached = frontier = bdd.cube(start)
     while frontier != bdd.false:
-        found = bdd.false
+        successors = bdd.false
         for guard, changes in actions:
-            found |= bdd.exist(list(changes), frontier & guard) & bdd.cube(changes)
-        frontier = found & ~reached
-        reached |= found
+            successors |= bdd.exist(list(changes), frontier & guard) & bdd.cube(changes)
+        frontier = successors & ~reached
+        reached |= successors
     row = [reached & bdd.cube({at[t, t + 1]: True for t in range(THINGS)})]
     for _ in range(steps):
         total: list[Any] = []
@@ -75,17 +75,17 @@ def cudd(steps: int) -> int:
 
 
 def oxidd(steps: int) -> int:
-    """Count by OxiDD in the same way as by CUDD."""
+    """Count with OxiDD in the same way as with CUDD."""
     manager = import_module("oxidd.bcdd").BCDDManager(20_000_000, 4_000_000, 1)
     conjunction = import_module("oxidd.util").BooleanOperator.AND
     places = {(t, p): THINGS + PLACES * t + p for t in range(THINGS) for p in range(PLACES)}
     variables = [manager.var(each) for each in manager.add_vars(THINGS + len(places))]
 
     def cube(values: Mapping[int, bool]) -> Any:
-        found = manager.true()
+        product = manager.true()
         for number, value in values.items():
-            found &= variables[number] if value else ~variables[number]
-        return found
+            product &= variables[number] if value else ~variables[number]
+        return product
 
     free = cube(dict.fromkeys(range(THINGS), False))
     actions = []
@@ -97,11 +97,11 @@ def oxidd(steps: int) -> int:
     start, nothing = cube(first), manager.false()
     reached = frontier = start
     while frontier != nothing:
-        found = nothing
+        successors = nothing
         for guard, changes, read in actions:
-            found |= frontier.apply_exists(conjunction, guard, read) & changes
-        frontier = found & ~reached
-        reached |= found
+            successors |= frontier.apply_exists(conjunction, guard, read) & changes
+        frontier = successors & ~reached
+        reached |= successors
     row = [reached & cube({places[t, t + 1]: True for t in range(THINGS)})]
     for _ in range(steps):
         total: list[Any] = []
@@ -133,18 +133,18 @@ def added(bdd: Any, first: list[Any], second: list[Any]) -> list[Any]:
     return digits if carry == bdd.false else [*digits, carry]
 
 
-WAYS: Mapping[str, Callable[[int], int]] = {"own": own, "cudd": cudd, "oxidd": oxidd}
+WAYS: Mapping[str, Callable[[int], int]] = {"ours": ours, "cudd": cudd, "oxidd": oxidd}
 
 
 def main() -> None:
-    """Print the table, each count from a process of its own; or, with a way and a length, count so."""
+    """Print the table, each count from a separate process; with arguments METHOD LENGTH, count in this process."""
     if len(sys.argv) > 1:
         begun = process_time()
         count = WAYS[sys.argv[1]](int(sys.argv[2]))
         memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1000
         sys.stdout.write(json.dumps([str(count), process_time() - begun, memory]))
         return
-    table = Table("length", "way", "plans", "as the formula", "CPU, s", "memory, MB")
+    table = Table("length", "method", "plans", "equals the formula", "CPU, s", "memory, MB")
     for length in LENGTHS:
         for way in WAYS:
             done = subprocess.run(

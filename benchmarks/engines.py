@@ -1,6 +1,6 @@
-"""The four engines that count plans, on domains that suit one or another: python benchmarks/engines.py [SECONDS].
+"""Compare the four engines on domains that suit one or another of them: python benchmarks/engines.py [SECONDS].
 
-Each has a process of its own and so many seconds of processor time; sharp needs its extra.
+Each count runs in a separate process, limited to SECONDS of processor time; the engine sharp needs its extra.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ import resource
 import sys
 from pathlib import Path
 
-from peers_process import limit_processor_time, measured, tell
+from peers_process import limit_processor_time, measured, report
 from rich.console import Console
 from rich.table import Table
 
@@ -36,29 +36,29 @@ fluent(lit(L)) :- entity(L,_). action(light(L)) :- entity(L,_).
 precondition(light(L),lit(L),false) :- entity(L,_). postcondition(light(L),lit(L),true) :- entity(L,_).
 """
 CASES = {
-    "none the same as the last but one": (APART, "", (10, 20)),
+    "no action equal to the last but one": (APART, "", (10, 20)),
     "prag, loop-free": ("prag", "loop-free", (4,)),
     "hanoi, loop-free": ("hanoi", "loop-free", (10,)),
     "12 in a row, neighbours swap": (ROW, "", (6, 8)),
     "40 lamps, each lit once": (LAMPS, "", (4, 5)),
 }
-"""Domains, by name or as text, a condition on their plans, and lengths."""
+"""For each case: a domain (its name or its text), a condition on plans, and the lengths."""
 
 
 def count(case: str, engine: str, length: int) -> None:
-    """Count in this process, and tell the number and the processor seconds of it and of its children."""
+    """Count in this process, and report the count and the processor seconds of this process and its children."""
     domain, condition, _ = CASES[case]
     loaded = load_domain(domain) if "\n" not in domain else load_domain(text=domain)
     space = TaskSpace(loaded, length, engine=engine, limits=Limits(cached=False))
     before = resource.getrusage(resource.RUSAGE_SELF)
-    found = (space.where(condition) if condition else space).count("plan")
+    result = (space.where(condition) if condition else space).count("plan")
     after, below = resource.getrusage(resource.RUSAGE_SELF), resource.getrusage(resource.RUSAGE_CHILDREN)
     own = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    tell(count=str(found), seconds=round(own + below.ru_utime + below.ru_stime, 2))
+    report(count=str(result), seconds=round(own + below.ru_utime + below.ru_stime, 2))
 
 
 def main(limit: float) -> None:
-    """Count each case with each engine, check that all agree, and print a table."""
+    """Count each case with each engine, check that all counts agree, and print a table."""
     table = Table("domain", "length", "plans", *ENGINES, title=f"processor seconds, at most {limit:g}")
     for case, (_, _, lengths) in CASES.items():
         for length in lengths:

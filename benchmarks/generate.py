@@ -1,8 +1,8 @@
-"""How much longer a data set takes than validation alone of the same tasks, and what memory and opening cost.
+"""The cost of generating a dataset compared with validating the same tasks, its memory, and the time to open it.
 
-``python benchmarks/generate.py [--tasks 300] [--workers 2] [--rounds 3] [--large 100000]`` draws tasks of `tabletop`,
-lengths 3-6, and prints ratios of times that were taken by turns; then, without physics, memory of this process for
-data sets of two sizes, and how long one takes to be opened and one of its tasks to be read.
+``python benchmarks/generate.py [--tasks 300] [--workers 2] [--rounds 3] [--large 100000]`` samples tasks of `tabletop`,
+lengths 3-6, and prints ratios of alternating measurements; then, without physics, the memory for datasets of two sizes,
+and the time to open a dataset and read one task.
 """
 
 from __future__ import annotations
@@ -39,13 +39,13 @@ print(json.dumps([time.perf_counter() - begun, resource.getrusage(resource.RUSAG
 
 
 def say(line: str) -> None:
-    """Print a line at once."""
+    """Print a line and flush."""
     sys.stdout.write(f"{line}\n")
     sys.stdout.flush()
 
 
 def computed(work: Callable[[], object]) -> float:
-    """Return how many seconds this process and the workers that it has ended compute for something."""
+    """Return the processor seconds of a function in this process and in workers that have ended."""
 
     def now() -> float:
         each = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
@@ -57,7 +57,7 @@ def computed(work: Callable[[], object]) -> float:
 
 
 def seconds(work: Callable[[], object]) -> float:
-    """Return how long something takes."""
+    """Return the wall-clock seconds that a function takes."""
     begun = time.perf_counter()
     work()
     return time.perf_counter() - begun
@@ -70,48 +70,48 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--large", type=int, default=100_000)
-    given = parser.parse_args()
+    options = parser.parse_args()
     spaces = TaskSpace(load_domain("tabletop"), LENGTHS)
     (part,) = ordered_parts(spaces, Division.parse(None), seed=0, weights=spaces.weights()).values()
 
     def validated(draws: int) -> None:
-        drawn = (task for _, task in islice(with_tasks(spaces, part.draws()), draws))
-        for _ in validate_tasks(drawn, scene_of(spaces.domain), seed=0, workers=given.workers):
+        tasks = (task for _, task in islice(with_tasks(spaces, part.draws()), draws))
+        for _ in validate_tasks(tasks, scene_of(spaces.domain), seed=0, workers=options.workers):
             pass
 
     def one(folder: Path) -> None:
         generate(spaces, folder, tasks=1)
 
     def whole(folder: Path) -> None:
-        generate(spaces, folder, tasks=given.tasks, workers=given.workers)
+        generate(spaces, folder, tasks=options.tasks, workers=options.workers)
 
-    with TemporaryDirectory() as made:
-        folder = Path(made)
+    with TemporaryDirectory() as temporary:
+        folder = Path(temporary)
         pairs = []
-        validated(given.tasks)  # what is explored and kept once is not measured
-        for number in range(given.rounds):
+        validated(options.tasks)  # fills the caches, which are not measured
+        for number in range(options.rounds):
             along = computed(partial(whole, folder / str(number)))
             (note,) = Dataset.open(folder / str(number)).manifest.parts
-            alone = computed(partial(validated, note.draws))  # those that are refused take longest
+            alone = computed(partial(validated, note.draws))  # including the infeasible tasks, which take longest
             pairs.append(along / alone)
-            say(f"{given.tasks} tasks, seconds computed: {alone:.2f} for verdicts, {along:.2f} in all: {pairs[-1]:.3f}")
+            say(f"{options.tasks} tasks, CPU seconds: validation {alone:.2f}, total {along:.2f}, ratio {pairs[-1]:.3f}")
         say(f"median ratio {median(pairs):.3f}")
-        say(f"of which a data set of one task takes {computed(partial(one, folder / 'one')):.2f} s")
-        for tasks in (given.large // 10, given.large):
-            done = subprocess.run(
+        say(f"a dataset of one task takes {computed(partial(one, folder / 'one')):.2f} s")
+        for tasks in (options.large // 10, options.large):
+            process = subprocess.run(
                 [sys.executable, "-c", MEASURE, str(folder / f"large{tasks}"), str(tasks)], check=True,
                 capture_output=True, text=True,
             )  # fmt: skip
-            took, memory = json.loads(done.stdout)
-            say(f"{tasks} tasks without physics: {took:.1f} s, {memory:.0f} MB at most")
-        last = folder / f"large{given.large}"
-        number = 77_777 * given.large // 100_000
+            duration, memory = json.loads(process.stdout)
+            say(f"{tasks} tasks without physics: {duration:.1f} s, peak memory {memory:.0f} MB")
+        last = folder / f"large{options.large}"
+        number = 77_777 * options.large // 100_000
 
         def read() -> None:
             Dataset.open(last).task(number)
 
         read()
-        say(f"opened, task {number} read: {1000 * median(seconds(read) for _ in range(9)):.1f} ms")
+        say(f"opening and reading task {number}: {1000 * median(seconds(read) for _ in range(9)):.1f} ms")
 
 
 if __name__ == "__main__":

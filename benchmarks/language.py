@@ -1,10 +1,10 @@
-"""Whether every instruction is read back, by its text alone, to the task that it tells, over all domains and languages.
+"""Check that every instruction is parsed back, from its text alone, to its task, for all domains and languages.
 
     python benchmarks/language.py --count 10000
 
-Tasks of lengths 3 to 6 are told and read by two tellers that share nothing. Vague instructions have to give the facts
-that the task brings about, default and exact ones its plan, subgoals its actions. It ends with code 1 where one does
-not, and says which.
+Instructions of tasks of lengths 3 to 6 are written and parsed by two independent writers. A vague instruction must give
+the goal facts of the task, a default or exact one its plan, and a subgoal its action. Exits with code 1 and a list of
+the errors if one does not.
 """
 
 from __future__ import annotations
@@ -30,49 +30,49 @@ LENGTHS = (3, 4, 5, 6)
 
 
 def main() -> None:
-    """Draw tasks, tell them, read them back, print a table and what is wrong."""
+    """Sample tasks, write their instructions, parse them back, and print a table and the errors."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--count", type=int, default=1000, help="tasks in all")
+    parser.add_argument("--count", type=int, default=1000, help="total number of tasks")
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
-    spoken = [(domain, language) for domain in _domains() for language in languages(domain.settings)]
-    table = Table("domain", "language", "tasks", "read back", "by a name", "ms to tell", "ms to read")
-    wrong = list[str]()
-    for domain, language in spoken:
-        tasks = list(_drawn(domain, -(-options.count // len(spoken)), options.seed))
+    pairs = [(domain, language) for domain in _domains() for language in languages(domain.settings)]
+    table = Table("domain", "language", "tasks", "parsed back", "by a name", "ms to write", "ms to parse")
+    errors = list[str]()
+    for domain, language in pairs:
+        tasks = list(_sampled(domain, -(-options.count // len(pairs)), options.seed))
         writer, reader = instruction_writer_of(domain, language), instruction_writer_of(domain, language)
         begin = time.perf_counter()
-        told = [writer.instructions(task, seed=options.seed) for task in tasks]
+        annotations = [writer.instructions(task, seed=options.seed) for task in tasks]
         middle = time.perf_counter()
-        faults = [text for task, each in zip(tasks, told, strict=True) for text in _faults(reader, task, each)]
+        faults = [text for task, each in zip(tasks, annotations, strict=True) for text in _faults(reader, task, each)]
         end = time.perf_counter()
-        wrong += [f"{domain.name} {language}: {fault}" for fault in faults]
-        named = sum(bool(each.named) for each in told)
+        errors += [f"{domain.name} {language}: {fault}" for fault in faults]
+        named = sum(bool(each.named) for each in annotations)
         right = f"{100 * (1 - len({fault.split(':')[0] for fault in faults}) / len(tasks)):.6g} %"
         cost = ((middle - begin) / len(tasks), (end - middle) / len(tasks))
         costs = [f"{1e3 * each:.2f}" for each in cost]
         table.add_row(domain.name, language, str(len(tasks)), right, str(named), *costs)
     Console(width=120).print(table)
-    for text in wrong[:50]:
+    for text in errors[:50]:
         Console().print(text, soft_wrap=True, highlight=False)
-    sys.exit(bool(wrong))
+    sys.exit(bool(errors))
 
 
 def _domains() -> list[Domain]:
     examples = sorted(each.parent for each in (ROOT / "examples").glob("*/domain.lp"))
-    return [load_domain(each) for each in (*shipped_domains(), *examples)]
+    return [load_domain(each) for each in [*shipped_domains(), *examples]]
 
 
-def _drawn(domain: Domain, number: int, seed: int) -> Iterator[Task]:
-    """Yield tasks of all lengths; of few there may be all."""
+def _sampled(domain: Domain, number: int, seed: int) -> Iterator[Task]:
+    """Yield tasks of all lengths, distinct at each length."""
     for place, length in enumerate(LENGTHS):
         share = number // len(LENGTHS) + (place < number % len(LENGTHS))
         yield from TaskSpace(domain, length).sample(share, seed=seed, weights={})
 
 
-def _faults(reader: InstructionWriter, task: Task, told: Instructions) -> Iterator[str]:
-    """Yield what is not read back."""
-    for level, text in {"vague": told.vague, "default": told.default, "exact": told.exact}.items():
+def _faults(reader: InstructionWriter, task: Task, annotation: Instructions) -> Iterator[str]:
+    """Yield a description of each instruction that is not parsed back."""
+    for level, text in {"vague": annotation.vague, "default": annotation.default, "exact": annotation.exact}.items():
         try:
             reading = reader.read(task, text)
         except PragError as error:
@@ -80,15 +80,15 @@ def _faults(reader: InstructionWriter, task: Task, told: Instructions) -> Iterat
             continue
         right = reading.goal == reader.goal(task) if level == "vague" else reading.actions == task.actions
         if not right:
-            yield f"{task}: {level}: {text} read as {reading}"
-    for number, (action, text) in enumerate(zip(task.actions, told.subgoals, strict=True)):
+            yield f"{task}: {level}: {text} parsed as {reading}"
+    for number, (action, text) in enumerate(zip(task.actions, annotation.subgoals, strict=True)):
         try:
             read = reader.read(context_of(task, number), text).actions
         except PragError as error:
             yield f"{task}: subgoal {number + 1}: {text} {error}"
             continue
         if read != (action,):
-            yield f"{task}: subgoal {number + 1}: {text} read as {read}"
+            yield f"{task}: subgoal {number + 1}: {text} parsed as {read}"
 
 
 if __name__ == "__main__":

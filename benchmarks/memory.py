@@ -1,9 +1,9 @@
-"""Whether the memory of a process that validates tasks stays flat: its resident set over many tasks of mixed lengths.
+"""Check that the resident memory of a process that validates many tasks of mixed lengths stays flat.
 
     python benchmarks/memory.py tabletop --count 20000
 
-Tasks are drawn in this process and validated in another, whose memory is measured. Ends with code 1 where that has
-grown by 20 MB or more since the first --warm-up tasks.
+Tasks are sampled in this process and validated in another one, whose memory is measured. Exits with code 1 if the
+memory has grown by 20 MB or more after the first --warm-up tasks.
 """
 
 from __future__ import annotations
@@ -30,11 +30,13 @@ from prag_asp.physics import TIERS, Budget, Verdict, open_validator
 from prag_asp.scene.scene import Scene
 
 LIMIT = 20.0
+"""The growth that is allowed, in MB."""
+
 STATM = Path("/proc/self/statm")
 
 
 def main() -> None:
-    """Validate tasks, print the memory as it goes, and judge its growth."""
+    """Validate tasks, print the memory over time, and check its growth."""
     options = _options()
     domain = load_domain(options.domain)
     spaces = [TaskSpace(domain, length) for length in options.lengths]
@@ -57,32 +59,32 @@ def main() -> None:
     console = Console()
     console.print(table)
     grown = curve[-1][1] - first
-    console.print(f"grown by {grown:.1f} MB since task {options.warm_up:,}; less than {LIMIT:.0f} MB are allowed")
+    console.print(f"growth since task {options.warm_up:,}: {grown:.1f} MB; limit: {LIMIT:.0f} MB")
     if options.output is not None:
-        _draw(curve, domain.name, options.output)
+        _plot(curve, domain.name, options.output)
     sys.exit(0 if grown < LIMIT else 1)
 
 
 _resources = ExitStack()
 _validators: list[Callable[[Task, int], Verdict]] = []
-"""What the process that validates keeps open."""
+"""The open resources and the validator of the worker process."""
 
 
 def _open(scene: Scene, seed: int, budget: Budget) -> None:
-    """Open a validator for as long as this process lives."""
+    """Open a validator for the lifetime of this process."""
     validator = _resources.enter_context(open_validator(scene))
     _validators.append(lambda task, index: validator.validate(task, seed=seed, index=index, budget=budget))
 
 
 def _validate(tasks: list[Task], first: int) -> float:
-    """Validate tasks, and return the memory of this process afterwards."""
+    """Validate tasks and return the memory of this process afterwards."""
     for index, task in enumerate(tasks, first):
         _validators[0](task, index)
     return megabytes()
 
 
 def megabytes() -> float:
-    """Return the resident memory of this process; where the system does not tell, the largest it ever was."""
+    """Return the resident memory of this process in MB; its peak if the system does not report the current value."""
     if STATM.exists():
         return int(STATM.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20
     largest = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
@@ -94,25 +96,25 @@ def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description="Measure the memory of a process that validates tasks.")
     parser.add_argument("domain", nargs="?", default="tabletop")
     parser.add_argument("--lengths", type=int, nargs="+", default=[3, 4, 5, 6])
-    parser.add_argument("--count", type=int, default=20_000, help="tasks in all, of all lengths in turn")
-    parser.add_argument("--every", type=int, default=1000, help="tasks from one measurement to the next")
-    parser.add_argument("--warm-up", type=int, default=1000, help="tasks after which growth counts")
+    parser.add_argument("--count", type=int, default=20_000, help="total number of tasks, lengths in turn")
+    parser.add_argument("--every", type=int, default=1000, help="tasks between two measurements")
+    parser.add_argument("--warm-up", type=int, default=1000, help="tasks before growth is measured")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--restarts", type=int, default=Budget().restarts)
     parser.add_argument("--samples", type=int, default=Budget().samples)
     parser.add_argument("--tier", choices=TIERS, default=TIERS[0])
-    parser.add_argument("--output", type=Path, help="PNG for the curve")
+    parser.add_argument("--output", type=Path, help="PNG file for the curve")
     return parser.parse_args()
 
 
 def _mixed(streams: list[Iterator[Task]]) -> Iterator[Task]:
-    """Yield tasks of all streams in turn."""
+    """Yield tasks from all streams in turn."""
     for stream in cycle(streams):
         yield next(stream)
 
 
-def _draw(curve: list[tuple[int, float]], name: str, file: Path) -> None:
-    """Draw the memory over the tasks."""
+def _plot(curve: list[tuple[int, float]], name: str, file: Path) -> None:
+    """Plot the memory over the number of tasks."""
     step = max(1, len(curve) // 10)
     places = [f"{number / 1000:g}k" if k % step == step - 1 else "" for k, (number, _) in enumerate(curve)]
     top = 50 * (1 + int(max(size for _, size in curve) / 50))

@@ -1,8 +1,8 @@
-"""How much sooner two nodes of a Ray cluster of one processor each make a data set than one, and what is computed here.
+"""The speed-up of dataset generation with two single-processor Ray nodes, and the processor time of the driver.
 
-``python benchmarks/nodes.py [--tasks 2000] [--rounds 2]`` starts clusters on this machine and draws tasks of
-`tabletop`, lengths 3-6. Each cluster looks at some tasks first: what its processes load once is not measured. All
-share the processors of this machine, so two nodes need a machine with nothing else to do.
+``python benchmarks/nodes.py [--tasks 2000] [--rounds 2]`` starts clusters on this machine and samples tasks
+of `tabletop`, lengths 3-6. Each cluster first validates some tasks, so that start-up is not measured. All nodes share
+the processors of this machine, which must otherwise be idle.
 """
 
 from __future__ import annotations
@@ -33,15 +33,15 @@ print(cluster.address, flush=True)
 sys.stdin.read()
 cluster.shutdown()
 """
-"""Starts a cluster, says where, and ends with its input."""
+"""A program that starts a cluster, prints its address, and stops at the end of its input."""
 
 WARM = 200
-"""Tasks that a cluster looks at before it is measured."""
+"""The number of tasks that a cluster validates before it is measured."""
 
 
 @contextmanager
 def cluster(nodes: int) -> Iterator[None]:
-    """Have a cluster of so many nodes of one processor, beside one for what manages it."""
+    """Run a cluster of `nodes` single-processor nodes and a head node."""
     process = subprocess.Popen(
         [sys.executable, "-c", NODES, str(nodes)], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL, text=True,
@@ -50,7 +50,7 @@ def cluster(nodes: int) -> Iterator[None]:
         assert process.stdout is not None
         address = process.stdout.readline().strip()
         if not address:
-            raise SystemExit("no cluster has started; install the extra: pip install 'prag-asp[ray]'")
+            raise SystemExit("no cluster has started; install the extra ray: pip install 'prag-asp[ray]'")
         os.environ["RAY_ADDRESS"] = address
         yield
     finally:
@@ -59,29 +59,29 @@ def cluster(nodes: int) -> Iterator[None]:
 
 
 def computed() -> float:
-    """Return how many seconds this process, and that which talks to Ray for it, have computed."""
+    """Return the processor seconds of this process and of its Ray client."""
     each = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     return sum(used.ru_utime + used.ru_stime for used in each)
 
 
 def measured(nodes: int, tasks: int) -> tuple[float, float]:
-    """Return the seconds that a data set takes on so many nodes, and those that are computed here for it.
+    """Return the wall-clock seconds of generating `tasks` on `nodes` nodes, and the processor seconds of the driver.
 
-    What two data sets take that differ in `tasks` alone is subtracted: each run connects and draws pictures.
+    They are differences of two runs, because each run has fixed costs: it connects to Ray and renders pictures.
     """
     spaces = TaskSpace(load_domain("tabletop"), range(3, 7))
-    with TemporaryDirectory() as made, cluster(nodes):
-        took = []
-        for name, wanted in (("warm", WARM), ("few", WARM), ("many", WARM + tasks)):
+    with TemporaryDirectory() as folder, cluster(nodes):
+        durations = []
+        for name, number in (("warm", WARM), ("few", WARM), ("many", WARM + tasks)):
             begun, before = time.perf_counter(), computed()
-            generate(spaces, Path(made) / name, tasks=wanted, on="ray")
-            took.append((time.perf_counter() - begun, computed() - before))
-    (_, (few, little), (many, much)) = took
+            generate(spaces, Path(folder) / name, tasks=number, on="ray")
+            durations.append((time.perf_counter() - begun, computed() - before))
+    (_, (few, little), (many, much)) = durations
     return many - few, much - little
 
 
 def positive(text: str) -> int:
-    """Return a number of one or more."""
+    """Return a text as a number of at least 1."""
     number = int(text)
     if number < 1:
         raise argparse.ArgumentTypeError(f"{text} is less than 1")
@@ -93,13 +93,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--tasks", type=positive, default=2000)
     parser.add_argument("--rounds", type=positive, default=2)
-    given = parser.parse_args()
+    options = parser.parse_args()
     ratios = []
-    for _ in range(given.rounds):
-        (one, here), (two, there) = measured(1, given.tasks), measured(2, given.tasks)
+    for _ in range(options.rounds):
+        (one, here), (two, there) = measured(1, options.tasks), measured(2, options.tasks)
         ratios.append(one / two)
-        line = f"{given.tasks} tasks: {one:.1f} s on one node, {two:.1f} s on two: {one / two:.2f} times as fast; "
-        line += f"computed here {1000 * here / given.tasks:.2f} and {1000 * there / given.tasks:.2f} ms a task\n"
+        line = f"{options.tasks} tasks: {one:.1f} s on one node, {two:.1f} s on two: speed-up {one / two:.2f}; "
+        driver = f"{1000 * here / options.tasks:.2f} and {1000 * there / options.tasks:.2f}"
+        line += f"driver {driver} ms of processor time a task\n"
         sys.stdout.write(line)
         sys.stdout.flush()
     sys.stdout.write(f"median {median(ratios):.2f}\n")

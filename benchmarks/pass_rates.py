@@ -1,9 +1,9 @@
-"""The paper's test of physical validation: the share of random sequences that pass, by budget, length and objects.
+"""The paper's experiment on physical validation: the share of feasible random sequences by budget, length and objects.
 
     python benchmarks/pass_rates.py --domain prag --count 10000
 
-Tasks are drawn uniformly from the exact task spaces, as many of each length. Writes pass_rates_DOMAIN.json and .png
-into the folder of --output. Objects are those that the actions of a task name; others of the scene stand around.
+Tasks are sampled uniformly from the exact task spaces, the same number of each length. Writes pass_rates_DOMAIN.json
+and .png into the folder --output. Only objects named by the actions of a task are counted.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ PAPER = 78.3
 
 BUDGETS = ("1x1", "1x10", "2x10", "6x10", "10x10", "20x20")
 FEWEST = 20
-"""Tasks of a kind below which a share says too little for a line of the figure."""
+"""The minimum number of tasks for a line in the figure."""
 
 HERE = Path(__file__).parent
 
 
 @dataclass
 class Outcome:
-    """What became of all tasks at one budget; by length and by number of objects: tasks, and those that passed."""
+    """The results of all tasks at one budget; by length and by number of objects: tasks, and those that passed."""
 
     budget: Budget
     seconds: float = 0.0
@@ -51,7 +51,7 @@ class Outcome:
     reasons: Counter[str] = field(default_factory=Counter)
 
     def add(self, verdict: Verdict, length: int, objects: int) -> None:
-        """Count a verdict on a task of a length with so many objects."""
+        """Count a verdict on a task with `length` actions and `objects` objects."""
         self.tasks += 1
         self.passed += verdict.feasible
         for counts, key in ((self.lengths, length), (self.sizes, objects)):
@@ -77,7 +77,7 @@ class Outcome:
 
 
 def main() -> None:
-    """Draw the tasks, validate them at each budget, print tables, write the results and a figure."""
+    """Sample tasks, validate them at each budget, print tables, and write the results and a figure."""
     options = _options()
     domain = load_domain(options.domain)
     scene = load_scene(domain)
@@ -94,8 +94,8 @@ def main() -> None:
         console.print(table)
     options.output.mkdir(parents=True, exist_ok=True)
     file = options.output / f"pass_rates_{domain.name}"
-    told = {"domain": domain.name, "seed": options.seed, "paper_percent": PAPER}
-    results = {**told, "outcomes": [outcome.to_json() for outcome in outcomes]}
+    header = {"domain": domain.name, "seed": options.seed, "paper_percent": PAPER}
+    results = {**header, "outcomes": [outcome.to_json() for outcome in outcomes]}
     file.with_suffix(".json").write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
     plots.draw(_panels(outcomes), f"{domain.name}: {len(tasks):,} random tasks that pass", file.with_suffix(".png"))
     Console(stderr=True).print(f"wrote {file}.json and .png")
@@ -103,9 +103,9 @@ def main() -> None:
 
 def _options() -> argparse.Namespace:
     """Read the command line."""
-    parser = argparse.ArgumentParser(description="Measure the share of random tasks that physics finds feasible.")
+    parser = argparse.ArgumentParser(description="Measure the share of random tasks that are physically feasible.")
     parser.add_argument("--domain", default="prag")
-    parser.add_argument("--count", type=int, default=10_000, help="tasks in all, as many of each length")
+    parser.add_argument("--count", type=int, default=10_000, help="total number of tasks, the same for each length")
     parser.add_argument("--lengths", type=int, nargs="+", default=[3, 4, 5, 6])
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--workers", type=int, default=1)
@@ -121,7 +121,7 @@ def _budget(text: str) -> Budget:
 
 
 def _objects(task: Task, scene: Scene) -> int:
-    """Return how many bodies the actions of a task name."""
+    """Return the number of bodies that the actions of a task name."""
     bodies = {entity for entity, shape in scene.shapes.items() if shape.kind not in ("robot", "table")}
     return len(bodies & {entity for action in task.actions for entity in action.arguments})
 
@@ -137,8 +137,8 @@ def _measure(
     """Validate all tasks at a budget."""
     outcome, begun = Outcome(budget), _processor_seconds()
     verdicts = validate_tasks(tasks, scene, seed=options.seed, workers=options.workers, budget=budget)
-    told = track(verdicts, f"budget {_name(budget)}", total=len(tasks), console=Console(stderr=True))
-    for task, objects, verdict in zip(tasks, sizes, told, strict=True):
+    progress = track(verdicts, f"budget {_name(budget)}", total=len(tasks), console=Console(stderr=True))
+    for task, objects, verdict in zip(tasks, sizes, progress, strict=True):
         outcome.add(verdict, len(task), objects)
     outcome.seconds = _processor_seconds() - begun
     return outcome
@@ -173,8 +173,8 @@ def _rates(options: argparse.Namespace, outcomes: Sequence[Outcome], by: str) ->
 
 
 def _causes(outcomes: Sequence[Outcome]) -> Table:
-    """Return why attempts failed, and why tasks did, by budget."""
-    table = Table(title="failed attempts for each 100 tasks by cause; failed tasks by their commonest cause")
+    """Return the table of the causes of failed attempts and tasks, by budget."""
+    table = Table(title="failed attempts per 100 tasks, by cause; failed tasks, by their most common cause")
     table.add_column("cause")
     for outcome in outcomes:
         table.add_column(_name(outcome.budget), justify="right")

@@ -1,9 +1,9 @@
-"""Exact counting and sampling beside the tools that others use: python benchmarks/peers.py --limit 60.
+"""Compare exact counting and sampling with other tools: python benchmarks/peers.py --limit 60.
 
-The peers are installed by: pip install pyganak d4solver tididi-cnf pyapproxmc pyunigen pycmsgen. A peer that is
-missing, fails or takes longer than the limit is shown as '-', with the reason below the table. Seconds are of processor
-time. It ends with code 1 where two exact counts differ, or where the automaton is less than 10,000 times as fast as
-clingo at length 15.
+Install the other tools with: pip install pyganak d4solver tididi-cnf pyapproxmc pyunigen pycmsgen. A tool that
+is missing, fails or exceeds the limit is shown as '-', with the reason below the table. Seconds are processor time.
+Exits with code 1 if two exact counts differ, or if the automaton is less than 10,000 times as fast as clingo at length
+15.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ SAMPLED_LENGTH = 5
 
 @dataclass(frozen=True)
 class Cell:
-    """How long a tool took for a question, or would take; or why it did not answer."""
+    """The measured or extrapolated time of a tool for a count; or why it has none."""
 
     seconds: float | None
     count: int | None = None
@@ -43,7 +43,7 @@ class Cell:
 
 
 def main_table(limit: float) -> tuple[Table, list[str], list[str]]:
-    """Return the table of counting, the reasons for what is missing, and the faults found."""
+    """Return the table of counting, the reasons for missing results, and the faults."""
     table = Table("", "count", *COUNTERS, title="counting, processor seconds (times the automaton's)")
     reasons: list[str] = []
     faults: list[str] = []
@@ -53,32 +53,32 @@ def main_table(limit: float) -> tuple[Table, list[str], list[str]]:
         for tool in COUNTERS:
             print(f"{level}s of length {length}: {tool}", file=sys.stderr)  # noqa: T201
             if tool not in ENUMERATORS:
-                cells[tool] = _counted(measured(HERE / "peers_counting.py", [tool, *_asked(level, length)], limit))
+                cells[tool] = _counted(measured(HERE / "peers_counting.py", [tool, *_arguments(level, length)], limit))
                 continue
             if (tool, level) not in enumerated:
-                longest = max(asked for kind, asked in QUESTIONS if kind == level)
-                arguments = [tool, *_asked(level, longest)]
+                longest = max(number for kind, number in QUESTIONS if kind == level)
+                arguments = [tool, *_arguments(level, longest)]
                 enumerated[tool, level] = measured(HERE / "peers_counting.py", arguments, limit)
             cells[tool] = _extrapolated(enumerated[tool, level], level, length, faults)
-        own = cells["automaton"]
-        if own.count is None or not own.seconds:
-            raise SystemExit(f"the automaton did not count {level}s of length {length}: {own.failure}")
+        ours = cells["automaton"]
+        if ours.count is None or not ours.seconds:
+            raise SystemExit(f"the automaton did not count {level}s of length {length}: {ours.failure}")
         for tool, cell in cells.items():
-            if tool != "approxmc" and cell.count not in (None, own.count):
-                faults.append(f"{level}s of length {length}: {tool} counts {cell.count:,}, the automaton {own.count:,}")
+            if tool != "approxmc" and cell.count not in (None, ours.count):
+                faults.append(f"{level}s of length {length}: {tool} counts {cell.count:,}, automaton {ours.count:,}")
             if cell.failure:
                 reasons.append(f"{tool}, {level}s of length {length}: {cell.failure}")
         table.add_row(
-            f"{level}s, n = {length}", f"{own.count:,}" if own.count < 10**15 else f"{own.count:.1e}",
-            *(_shown(cell, own, tool) for tool, cell in cells.items()),
+            f"{level}s, n = {length}", f"{ours.count:,}" if ours.count < 10**15 else f"{ours.count:.1e}",
+            *(_shown(cell, ours, tool) for tool, cell in cells.items()),
         )  # fmt: skip
         clingo = cells["clingo"].seconds
-        if (level, length) == ("plan", 15) and (clingo is None or Fraction(clingo) < REQUIRED * Fraction(own.seconds)):
+        if (level, length) == ("plan", 15) and (clingo is None or Fraction(clingo) < REQUIRED * Fraction(ours.seconds)):
             faults.append("the automaton is less than 10,000 times as fast as clingo at length 15")
     return table, reasons, faults
 
 
-def _asked(level: str, length: int) -> list[str]:
+def _arguments(level: str, length: int) -> list[str]:
     return [str(TRANSPORT), level, str(length)]
 
 
@@ -89,7 +89,7 @@ def _counted(run: Run) -> Cell:
 
 
 def _extrapolated(run: Run, level: str, length: int, faults: list[str]) -> Cell:
-    """Return the time of an enumerator; of a length that it did not finish, by the rate of the longest that it did."""
+    """Return the time of an enumerator; extrapolated from its longest finished length if it did not finish this one."""
     for result in run.results:
         if result["length"] == length:
             return Cell(result["seconds"], result["count"])
@@ -103,25 +103,25 @@ def _extrapolated(run: Run, level: str, length: int, faults: list[str]) -> Cell:
     return Cell(float(Fraction(longest["seconds"]) * ratio), estimated_from=longest["length"])
 
 
-def _shown(cell: Cell, own: Cell, tool: str) -> str:
-    if cell.seconds is None or own.seconds is None:
+def _shown(cell: Cell, ours: Cell, tool: str) -> str:
+    if cell.seconds is None or ours.seconds is None:
         return "-"
     seconds = f"{cell.seconds:.3f}" if cell.seconds < 1 else f"{cell.seconds:,.1f}"
     if cell.seconds >= 10**6:
         seconds = f"{cell.seconds:.1e}"
     if tool == "automaton":
         return seconds
-    ratio = cell.seconds / own.seconds
+    ratio = cell.seconds / ours.seconds
     times = f"{ratio:,.0f}x" if ratio < 10**6 else f"{ratio:.0e}x"
-    told = f"\nfrom n = {cell.estimated_from}" if cell.estimated_from else ""
-    if tool == "approxmc" and cell.count is not None and own.count:
-        told = f"\n{float(Fraction(cell.count, own.count) - 1):+.1%}"
-    return f"{'~' if cell.estimated_from else ''}{seconds} ({times}){told}"
+    note = f"\nfrom n = {cell.estimated_from}" if cell.estimated_from else ""
+    if tool == "approxmc" and cell.count is not None and ours.count:
+        note = f"\n{float(Fraction(cell.count, ours.count) - 1):+.1%}"
+    return f"{'~' if cell.estimated_from else ''}{seconds} ({times}){note}"
 
 
 def sampling_table(limit: float, draws: int) -> tuple[Table, list[str]]:
-    """Return the table of sampling, and the reasons for what is missing."""
-    table = Table("", "draws", "draws/s", "chi2/df", title="sampling 1,250 plans; chi2/df is 1 for uniform draws")
+    """Return the table of sampling, and the reasons for missing results."""
+    table = Table("", "samples", "samples/s", "chi2/df", title="sampling 1,250 plans; chi2/df is 1 for uniform samples")
     reasons = []
     with TemporaryDirectory() as folder:
         text = (TRANSPORT / "domain.lp").read_text(encoding="utf-8")
@@ -141,12 +141,10 @@ def sampling_table(limit: float, draws: int) -> tuple[Table, list[str]]:
 
 
 @click.command()
-@click.option(
-    "--limit", type=float, default=60, show_default=True, help="Processor seconds for each tool and question."
-)
-@click.option("--draws", type=int, default=12_500, show_default=True, help="Draws of each sampler.")
+@click.option("--limit", type=float, default=60, show_default=True, help="Processor seconds for each tool and count.")
+@click.option("--draws", type=int, default=12_500, show_default=True, help="Number of samples of each tool.")
 def main(limit: float, draws: int) -> None:
-    """Print the tables of counting and of sampling, and what is missing in them."""
+    """Print the tables of counting and of sampling, and the reasons for missing results."""
     console = Console(width=None if sys.stdout.isatty() else 160)
     table, reasons, faults = main_table(limit)
     sampling, more = sampling_table(limit, draws)

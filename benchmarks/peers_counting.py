@@ -1,6 +1,6 @@
-"""Count with one tool, in a process of its own: python benchmarks/peers_counting.py SECONDS TOOL FOLDER LEVEL LENGTH.
+"""Count with one tool in a separate process: python benchmarks/peers_counting.py SECONDS TOOL FOLDER LEVEL LENGTH.
 
-Each tool is timed from the domain to the count: grounding, clauses and all.
+Each tool is timed from the domain to the count: including grounding and translation to clauses.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-from peers_process import lengths_up_to, limit_processor_time, tell, timed
+from peers_process import lengths_up_to, limit_processor_time, report, timed
 
 from prag_asp import Domain, TaskSpace, load_domain
 from prag_asp.logic.domain_logic import DomainLogic
@@ -17,21 +17,21 @@ from prag_asp.logic.formula.cnf import Cnf
 from prag_asp.space.engines.word_formula import word_formula
 
 ENUMERATORS = {"clingo": "clingo", "python-sat": "sat"}
-"""Tools that find the words one by one, with the engine that does it."""
+"""Tools that enumerate the plans one by one, with the name of our engine for each."""
 
 
 def formula(domain: Domain, level: Any, length: int) -> Cnf:
-    """Return the clauses that all counters get."""
+    """Return the clauses for all counters."""
     return word_formula(DomainLogic(domain), level, length).cnf
 
 
 def by_engine(name: str) -> Callable[[Domain, Any, int], int]:
-    """Return how one of our engines counts."""
+    """Return a function that counts with one of our engines."""
     return lambda domain, level, length: TaskSpace(domain, length, engine=name).count(level)
 
 
 def by_ganak(domain: Domain, level: Any, length: int) -> int:
-    """Count with pyganak, projected."""
+    """Count with pyganak, with projection."""
     import pyganak  # noqa: PLC0415
 
     cnf = formula(domain, level, length)
@@ -43,11 +43,11 @@ def by_ganak(domain: Domain, level: Any, length: int) -> int:
 
 
 def by_d4(domain: Domain, level: Any, length: int) -> int:
-    """Count with d4, which its bindings let count models alone."""
+    """Count with d4, whose bindings do not support projection."""
     import py_d4  # noqa: PLC0415
 
     if level == "skeleton":
-        raise SystemExit("the bindings count without projection only")
+        raise SystemExit("the bindings do not support projection")
     cnf = formula(domain, level, length)
     return int(py_d4.Solver([list(clause) for clause in cnf.clauses], cnf.variables).count().getResult())
 
@@ -83,13 +83,13 @@ TOOLS: dict[str, Callable[[Domain, Any, int], int]] = {
 
 
 def main() -> None:
-    """Count, and tell the count and the seconds; an enumerator tells those of every length on the way."""
+    """Report the count and the seconds; an enumerator reports those of every length up to LENGTH."""
     seconds, tool, folder, level, last = sys.argv[1:]
     limit_processor_time(float(seconds))
     domain = load_domain(folder)
     for length in lengths_up_to(int(last)) if tool in ENUMERATORS else [int(last)]:
         count, taken = timed(lambda length=length: TOOLS[tool](domain, level, length))  # type: ignore[misc]
-        tell(length=length, count=count, seconds=taken)
+        report(length=length, count=count, seconds=taken)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
-"""Count or draw the answer sets of one program with one tool: python benchmarks/peers_models.py SECONDS TOOL PROGRAM.
+"""Count or sample the answer sets of one program with one tool: python benchmarks/peers_models.py SECONDS TOOL PROGRAM.
 
-Counters of clauses are timed alone, on the clauses that we make; those of programs from the text to the count.
+Model counters for clauses are timed alone, on our clauses; answer-set counters from the text to the count.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from tempfile import TemporaryDirectory
 from time import monotonic
 
 import clingo
-from peers_process import limit_processor_time, processor_seconds, tell, timed
+from peers_process import limit_processor_time, processor_seconds, report, timed
 
 from prag_asp import answer_sets
 from prag_asp.logic.formula.cnf import Cnf
@@ -32,10 +32,10 @@ CONNECTED = (
 CIRCLE = "{ c(X,1..k) } = 1 :- X = 1..n. :- c(X,C), c(X+1,C). :- c(1,C), c(n,C)."
 
 ENUMERATED = 1_000_000
-"""Answer sets that clingo finds of each program; the time for all of them is extrapolated."""
+"""The number of answer sets that clingo enumerates; the time for all of them is extrapolated."""
 
 REPORT = 5.0
-"""Seconds between two results of a sampler, so that one that is stopped has told one."""
+"""Seconds between two results of a sampler, so that there is a result if it is stopped."""
 
 OURS = "prag-asp models"
 
@@ -43,87 +43,87 @@ Model = tuple[object, ...]
 
 
 @dataclass(frozen=True)
-class Asked:
+class Program:
     """A program, with values for its constants."""
 
     text: str
     constants: dict[str, int]
 
     @property
-    def whole(self) -> str:
-        """Its text, values and all."""
+    def full_text(self) -> str:
+        """The text with the values of its constants."""
         return "".join(f"#const {name} = {value}.\n" for name, value in self.constants.items()) + self.text
 
     def clauses(self) -> tuple[Cnf, bool]:
-        """Return the clauses that all counters get, and whether atoms of the program depend on themselves."""
+        """Return the clauses for all counters, and whether the program has positive loops."""
         ground = answer_sets(text=self.text, constants=self.constants).ground
         formula = model_formula(ground, project=False, copied=False)
         return formula.cnf, bool(formula.completion.loops)
 
 
 PROGRAMS = {
-    "independent sets of 6 x 290, tight": Asked(INDEPENDENT, {"n": 6, "m": 290}),
-    "connected subgraphs of 3 x 6, loops": Asked(CONNECTED, {"n": 3, "m": 6}),
-    "connected subgraphs of 3 x 7, loops": Asked(CONNECTED, {"n": 3, "m": 7}),
-    "connected subgraphs of 4 x 6, loops": Asked(CONNECTED, {"n": 4, "m": 6}),
+    "independent sets of 6 x 290, tight": Program(INDEPENDENT, {"n": 6, "m": 290}),
+    "connected subgraphs of 3 x 6, loops": Program(CONNECTED, {"n": 3, "m": 6}),
+    "connected subgraphs of 3 x 7, loops": Program(CONNECTED, {"n": 3, "m": 7}),
+    "connected subgraphs of 4 x 6, loops": Program(CONNECTED, {"n": 4, "m": 6}),
 }
-COLOURINGS = Asked(CIRCLE, {"n": 6, "k": 5})
+COLOURINGS = Program(CIRCLE, {"n": 6, "k": 5})
 """4,100 answer sets."""
 
 
-def ours(asked: Asked) -> tuple[int, float]:
-    """Count as the command does."""
-    answer_sets(text="{a;b}. a :- b. b :- a.").count()  # what is imported when it is first used
-    return timed(lambda: answer_sets(text=asked.text, constants=asked.constants).count())
+def ours(program: Program) -> tuple[int, float]:
+    """Count as the command `prag-asp models count` does."""
+    answer_sets(text="{a;b}. a :- b. b :- a.").count()  # load lazy imports
+    return timed(lambda: answer_sets(text=program.text, constants=program.constants).count())
 
 
-def ganak(asked: Asked) -> tuple[int, float]:
+def ganak(program: Program) -> tuple[int, float]:
     """Count with pyganak."""
-    cnf, _ = asked.clauses()
+    cnf, _ = program.clauses()
     return timed(lambda: count_models(cnf))
 
 
-def d4(asked: Asked) -> tuple[int, float]:
-    """Count with d4, which its bindings let count models alone: atoms that nothing shows have to follow from others."""
+def d4(program: Program) -> tuple[int, float]:
+    """Count with d4, whose bindings do not support projection: hidden atoms must be determined by shown ones."""
     import py_d4  # noqa: PLC0415
 
-    cnf, loops = asked.clauses()
+    cnf, loops = program.clauses()
     if loops:
-        raise SystemExit("the bindings count without projection only")
+        raise SystemExit("the bindings do not support projection")
     clauses = [list(clause) for clause in cnf.clauses]
     return timed(lambda: int(py_d4.Solver(clauses, cnf.variables).count().getResult()))
 
 
-def aspmc(asked: Asked) -> tuple[int, float]:
-    """Count with aspmc, by its usual compiler, sharpsat-td."""
+def aspmc(program: Program) -> tuple[int, float]:
+    """Count with aspmc and its default compiler, sharpsat-td."""
 
     def count() -> int:
         with TemporaryDirectory() as folder:
-            (Path(folder) / "program.lp").write_text(asked.whole, encoding="utf-8")
+            (Path(folder) / "program.lp").write_text(program.full_text, encoding="utf-8")
             command = [Path(sys.executable).with_name("aspmc"), "-m", "asp", "-c", "program.lp"]
-            done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True)
-        found = re.search(r"overall weight of the program is (\d+)", done.stdout + done.stderr)
-        if found is None:
-            raise SystemExit((done.stdout + done.stderr).strip().splitlines()[-1])
-        return int(found[1])
+            process = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True)
+        match = re.search(r"overall weight of the program is (\d+)", process.stdout + process.stderr)
+        if match is None:
+            raise SystemExit((process.stdout + process.stderr).strip().splitlines()[-1])
+        return int(match[1])
 
     return timed(count)
 
 
-def enumerated(asked: Asked) -> tuple[int, float]:
-    """Return how many answer sets clingo finds, with no callback, up to a bound."""
+def enumerated(program: Program) -> tuple[int, float]:
+    """Enumerate answer sets with clingo, without a callback, up to `ENUMERATED`."""
 
-    def find() -> int:
+    def enumerate_models() -> int:
         control = clingo.Control([str(ENUMERATED)])
-        control.add("base", [], asked.whole)
+        control.add("base", [], program.full_text)
         control.ground([("base", [])])
         control.solve()
         return int(control.statistics["summary"]["models"]["enumerated"])
 
-    return timed(find)
+    return timed(enumerate_models)
 
 
-COUNTERS: dict[str, Callable[[Asked], tuple[int, float]]] = {
+COUNTERS: dict[str, Callable[[Program], tuple[int, float]]] = {
     OURS: ours,
     "pyganak": ganak,
     "d4": d4,
@@ -132,31 +132,31 @@ COUNTERS: dict[str, Callable[[Asked], tuple[int, float]]] = {
 }
 
 
-def drawn(asked: Asked) -> Iterator[Model]:
-    """Draw as the command does."""
-    yield from answer_sets(text=asked.text, constants=asked.constants).sample(10**9, seed=1)
+def sampled(program: Program) -> Iterator[Model]:
+    """Sample as the command `prag-asp models sample` does."""
+    yield from answer_sets(text=program.text, constants=program.constants).sample(10**9, seed=1)
 
 
-def unigen(asked: Asked) -> Iterator[Model]:
-    """Draw almost uniformly with unigen, 50 at a time."""
+def unigen(program: Program) -> Iterator[Model]:
+    """Sample almost uniformly with unigen, in batches of 50."""
     import pyunigen  # noqa: PLC0415
 
-    cnf, _ = asked.clauses()
+    cnf, _ = program.clauses()
     seeds = random.Random(0)
     while True:
         sampler = pyunigen.Sampler(seed=seeds.randrange(2**31))
         for clause in cnf.clauses:
             sampler.add_clause(list(clause))
-        _, _, found = sampler.sample(num=50, sampling_set=list(cnf.shown))
-        for model in found:
+        _, _, models = sampler.sample(num=50, sampling_set=list(cnf.shown))
+        for model in models:
             yield tuple(literal for literal in model if literal > 0)
 
 
-def cmsgen(asked: Asked) -> Iterator[Model]:
-    """Draw with cmsgen, which promises nothing but looks at random."""
+def cmsgen(program: Program) -> Iterator[Model]:
+    """Sample with cmsgen, which gives no guarantee of uniformity."""
     import pycmsgen  # noqa: PLC0415
 
-    cnf, _ = asked.clauses()
+    cnf, _ = program.clauses()
     solver = pycmsgen.Solver(seed=1)
     solver.add_clauses([list(clause) for clause in cnf.clauses])
     while True:
@@ -164,35 +164,35 @@ def cmsgen(asked: Asked) -> Iterator[Model]:
         yield tuple(variable for variable in cnf.shown if values[variable])
 
 
-SAMPLERS: dict[str, Callable[[Asked], Iterator[Model]]] = {OURS: drawn, "pyunigen": unigen, "pycmsgen": cmsgen}
+SAMPLERS: dict[str, Callable[[Program], Iterator[Model]]] = {OURS: sampled, "pyunigen": unigen, "pycmsgen": cmsgen}
 
 
-def draw(tool: str) -> None:
-    """Draw 100 times as many colourings as there are, and tell the rate and how far they are from uniform."""
+def sample(tool: str) -> None:
+    """Take 100 samples for each colouring; report the rate and the deviation from the uniform distribution."""
     number = answer_sets(text=COLOURINGS.text, constants=COLOURINGS.constants).count()
-    begun, told = processor_seconds(), monotonic()
+    begun, reported = processor_seconds(), monotonic()
     seen: Counter[Model] = Counter()
     for draws, model in enumerate(SAMPLERS[tool](COLOURINGS), 1):
         seen[model] += 1
-        if draws == 100 * number or monotonic() - told > REPORT:
-            told = monotonic()
+        if draws == 100 * number or monotonic() - reported > REPORT:
+            reported = monotonic()
             expected = draws / number
             squares = sum((often - expected) ** 2 for often in seen.values()) + (number - len(seen)) * expected**2
             spread = squares / expected / (number - 1)
-            tell(draws=draws, seconds=processor_seconds() - begun, spread=spread, distinct=len(seen), of=number)
+            report(draws=draws, seconds=processor_seconds() - begun, spread=spread, distinct=len(seen), of=number)
         if draws == 100 * number:
             return
 
 
 def main() -> None:
-    """Count a program, or draw colourings where none is named."""
+    """Count a program, or sample colourings if no program is given."""
     seconds, tool, *program = sys.argv[1:]
     limit_processor_time(float(seconds))
     if not program:
-        draw(tool)
+        sample(tool)
         return
     count, taken = COUNTERS[tool](PROGRAMS[program[0]])
-    tell(count=str(count), seconds=taken)
+    report(count=str(count), seconds=taken)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Run one peer in a process of its own, with a time limit: one that hangs, aborts or is missing harms no other."""
+"""Run one tool in a separate process with a time limit, so that a hang or a crash does not affect the others."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from pathlib import Path
 from typing import Any
 
 MARK = "RESULT "
-"""What a line with a result begins with: some peers write noise to stdout."""
+"""The prefix of a line with a result: some tools write other text to stdout."""
 
 PATIENCE = 8
-"""How much longer by the clock than in processor time a peer may take: the machine may be busy."""
+"""The wall-clock limit as a multiple of the limit of processor time, because the machine may be busy."""
 
 
 @dataclass(frozen=True)
 class Run:
-    """The results of one peer, in the order in which it told them, and why there are no more, if there are none."""
+    """The results of one tool in the order of their reports, and the reason if it failed."""
 
     results: tuple[dict[str, Any], ...]
     failure: str
 
 
 def measured(script: Path, arguments: Sequence[str], limit: float) -> Run:
-    """Run a script until it ends or has used up its processor time, and return the results that it told until then."""
+    """Run a script until it ends or exceeds its processor time, and return the results that it has reported."""
     process = subprocess.Popen(
         [sys.executable, str(script), str(limit), *arguments],
         stdout=subprocess.PIPE,
@@ -44,7 +44,7 @@ def measured(script: Path, arguments: Sequence[str], limit: float) -> Run:
     try:
         printed, complaint = process.communicate(timeout=PATIENCE * limit)
     except subprocess.TimeoutExpired:
-        failure = f"not finished after {PATIENCE * limit:g} s by the clock"
+        failure = f"not finished after {PATIENCE * limit:g} s of wall-clock time"
     finally:
         with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
@@ -60,30 +60,30 @@ def measured(script: Path, arguments: Sequence[str], limit: float) -> Run:
 
 
 def limit_processor_time(seconds: float) -> None:
-    """Have the system end this process once it has used up some seconds of processor time."""
+    """Set a limit of `seconds` more of processor time for this process."""
     soft = math.ceil(processor_seconds() + seconds)
     resource.setrlimit(resource.RLIMIT_CPU, (soft, soft + 1))
 
 
-def tell(**result: Any) -> None:
-    """Tell a result to the process that measures."""
+def report(**result: Any) -> None:
+    """Report a result to the measuring process."""
     sys.stdout.write(f"\n{MARK}{json.dumps(result)}\n")
     sys.stdout.flush()
 
 
 def processor_seconds() -> float:
-    """Return the seconds of processor time of this process and of those that it has waited for."""
-    used = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    return sum(each.ru_utime + each.ru_stime for each in used)
+    """Return the seconds of processor time of this process and of its ended children."""
+    usages = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(each.ru_utime + each.ru_stime for each in usages)
 
 
 def timed(work: Callable[[], Any]) -> tuple[Any, float]:
-    """Return the result of some work, and the seconds of processor time that it took."""
+    """Return the result of a function, and the seconds of processor time that it took."""
     begun = processor_seconds()
     result = work()
     return result, processor_seconds() - begun
 
 
 def lengths_up_to(last: int) -> Iterator[int]:
-    """Yield the lengths that an enumerator tries, one after the other."""
+    """Yield the lengths for an enumerator, in order."""
     yield from range(5, last + 1)

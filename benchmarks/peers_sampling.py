@@ -1,4 +1,4 @@
-"""Draw with one tool, in a process of its own: python benchmarks/peers_sampling.py SECONDS TOOL FOLDER LENGTH DRAWS."""
+"""Sample with one tool in a separate process: python benchmarks/peers_sampling.py SECONDS TOOL FOLDER LENGTH DRAWS."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from time import monotonic
 
 import clingo
-from peers_process import limit_processor_time, processor_seconds, tell
+from peers_process import limit_processor_time, processor_seconds, report
 
 from prag_asp import Domain, TaskSpace, load_domain
 from prag_asp.logic.domain_logic import DomainLogic
@@ -19,24 +19,24 @@ from prag_asp.program.grounding import Grounder
 from prag_asp.space.engines.word_formula import word_formula
 
 REPORT = 5.0
-"""Seconds between two results, so that a tool that is stopped has told one."""
+"""Seconds between two results, so that there is a result if the tool is stopped."""
 
 Draws = Iterator[tuple[object, ...]]
 
 
 def plan_formula(domain: Domain, length: int) -> Cnf:
-    """Return the clauses that all samplers get."""
+    """Return the clauses for all samplers."""
     return word_formula(DomainLogic(domain), "plan", length).cnf
 
 
 def automaton(domain: Domain, length: int) -> Draws:
-    """Draw with our engine."""
+    """Sample with our engine."""
     for draw in TaskSpace(domain, length, engine="automaton").sampling(weights={}, by="plan").draws(seed=0):
         yield draw.word
 
 
 def unigen(domain: Domain, length: int) -> Draws:
-    """Draw almost uniformly with unigen, 50 at a time."""
+    """Sample almost uniformly with unigen, in batches of 50."""
     import pyunigen  # noqa: PLC0415
 
     cnf = plan_formula(domain, length)
@@ -45,13 +45,13 @@ def unigen(domain: Domain, length: int) -> Draws:
         sampler = pyunigen.Sampler(seed=seeds.randrange(2**31))
         for clause in cnf.clauses:
             sampler.add_clause(list(clause))
-        _, _, found = sampler.sample(num=50, sampling_set=list(cnf.shown))
-        for model in found:
+        _, _, models = sampler.sample(num=50, sampling_set=list(cnf.shown))
+        for model in models:
             yield tuple(literal for literal in model if literal > 0)
 
 
 def cmsgen(domain: Domain, length: int) -> Draws:
-    """Draw with cmsgen, which promises nothing but looks at random."""
+    """Sample with cmsgen, which gives no guarantee of uniformity."""
     import pycmsgen  # noqa: PLC0415
 
     cnf = plan_formula(domain, length)
@@ -63,22 +63,22 @@ def cmsgen(domain: Domain, length: int) -> Draws:
 
 
 def clingo_signs(domain: Domain, length: int) -> Draws:
-    """Draw with clingo, all decisions and signs at random, by a new search for each plan."""
+    """Sample with clingo: random decisions and signs, and a new search for each plan."""
     grounder = Grounder(DomainLogic(domain).program, "1", "--rand-freq=1", "--sign-def=rnd")
     grounder.ground([("base", []), *unrolled(length)])
-    found: list[tuple[object, ...]] = []
+    plans: list[tuple[object, ...]] = []
 
-    def keep(model: clingo.Model) -> None:
+    def add(model: clingo.Model) -> None:
         atoms = model.symbols(atoms=True)
-        found.append(tuple(sorted(str(atom) for atom in atoms if atom.match("occurs", 2))))
+        plans.append(tuple(sorted(str(atom) for atom in atoms if atom.match("occurs", 2))))
 
     seeds = random.Random(0)
     while True:
         solver = grounder.control.configuration.solver
         assert isinstance(solver, clingo.Configuration)
         solver[0].seed = str(seeds.randrange(2**31))
-        grounder.control.solve(on_model=keep)
-        yield found.pop()
+        grounder.control.solve(on_model=add)
+        yield plans.pop()
 
 
 TOOLS: dict[str, Callable[[Domain, int], Draws]] = {
@@ -90,24 +90,24 @@ TOOLS: dict[str, Callable[[Domain, int], Draws]] = {
 
 
 def main() -> None:
-    """Draw, and tell the rate and how far the frequencies are from uniform, every few seconds and at the end."""
-    seconds, tool, folder, length, wanted = sys.argv[1:]
+    """Sample, and report the rate and the deviation from uniform frequencies, every few seconds and at the end."""
+    seconds, tool, folder, length, draws = sys.argv[1:]
     limit_processor_time(float(seconds))
     domain = load_domain(folder)
     plans = TaskSpace(domain, int(length)).count("plan")
-    begun, told = processor_seconds(), monotonic()
+    begun, reported = processor_seconds(), monotonic()
     seen: Counter[tuple[object, ...]] = Counter()
     for number, word in enumerate(TOOLS[tool](domain, int(length)), 1):
         seen[word] += 1
-        if number == int(wanted) or monotonic() - told > REPORT:
-            told = monotonic()
-            tell(draws=number, seconds=processor_seconds() - begun, spread=_spread(seen, plans), plans=plans)
-        if number == int(wanted):
+        if number == int(draws) or monotonic() - reported > REPORT:
+            reported = monotonic()
+            report(draws=number, seconds=processor_seconds() - begun, spread=_spread(seen, plans), plans=plans)
+        if number == int(draws):
             break
 
 
 def _spread(seen: Counter[tuple[object, ...]], plans: int) -> float:
-    """Return chi-square over its degrees of freedom: about 1 for uniform draws, however many there are."""
+    """Return chi-square over its degrees of freedom: about 1 for uniform samples, for any number of them."""
     expected = seen.total() / plans
     assert len(seen) <= plans
     squares = sum((number - expected) ** 2 for number in seen.values()) + (plans - len(seen)) * expected**2

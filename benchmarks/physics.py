@@ -1,8 +1,8 @@
-"""How fast tasks are validated, how many pass at which budget, and why the rest fail, by length.
+"""Speed of validation, pass rate at a budget, and causes of failure, by length.
 
     python benchmarks/physics.py tabletop --lengths 3 4 5 6 --count 400
 
-Tasks are drawn beforehand; only their validation is timed, on one core, by processor time.
+Tasks are sampled beforehand; only their validation is timed, by processor time on one core.
 """
 
 from __future__ import annotations
@@ -16,14 +16,15 @@ from rich.console import Console
 from rich.table import Table
 
 from prag_asp import Task, TaskSpace, load_domain, load_scene
-from prag_asp.physics import CAUSES, TIERS, Budget, Validator, open_validator
+from prag_asp.physics import CAUSES, TIERS, Budget, Tier, Validator, open_validator
 
 WARM_UP = 20
+"""The number of tasks that are validated before measuring."""
 
 
 @dataclass
 class Outcome:
-    """What became of the tasks of one length."""
+    """The results of the tasks of one length."""
 
     tasks: int = 0
     seconds: float = 0.0
@@ -34,33 +35,33 @@ class Outcome:
 
     @property
     def speed(self) -> float:
-        """Tasks a second and core."""
+        """Tasks per second and core."""
         return self.tasks / self.seconds if self.seconds else 0.0
 
     def add(self, other: Outcome) -> None:
         """Add the tasks of another outcome."""
         self.tasks, self.seconds = self.tasks + other.tasks, self.seconds + other.seconds
         self.restarts += other.restarts
-        for mine, theirs in zip(self._counters(), other._counters(), strict=True):
-            mine.update(theirs)
+        for ours, theirs in zip(self._counters(), other._counters(), strict=True):
+            ours.update(theirs)
 
     def _counters(self) -> tuple[Counter[str], ...]:
         return self.statuses, self.causes, self.reasons
 
 
 def main() -> None:
-    """Draw tasks, validate them, print two tables."""
+    """Sample tasks, validate them, and print two tables."""
     options = _options()
-    budget = Budget(options.restarts, options.samples, options.tier)
+    budget = Budget(options.restarts, options.samples, Tier(options.tier))
     domain = load_domain(options.domain)
     scene = load_scene(domain)
-    drawn = {
+    tasks_by_length = {
         n: list(TaskSpace(domain, n).sample(options.count, seed=options.seed, weights={})) for n in options.lengths
     }
     with open_validator(scene) as validator:
-        for index, task in enumerate(next(iter(drawn.values()))[:WARM_UP]):
+        for index, task in enumerate(next(iter(tasks_by_length.values()))[:WARM_UP]):
             validator.validate(task, seed=options.seed + 1, index=index)
-        by_length = {n: _measure(validator, tasks, options.seed, budget) for n, tasks in drawn.items()}
+        by_length = {n: _measure(validator, tasks, options.seed, budget) for n, tasks in tasks_by_length.items()}
     total = Outcome()
     for outcome in by_length.values():
         total.add(outcome)
@@ -74,7 +75,7 @@ def main() -> None:
 
 def _options() -> argparse.Namespace:
     """Read the command line."""
-    parser = argparse.ArgumentParser(description="Time the validation of random tasks, by length.")
+    parser = argparse.ArgumentParser(description="Measure the validation of random tasks, by length.")
     parser.add_argument("domain", nargs="?", default="tabletop")
     parser.add_argument("--lengths", type=int, nargs="+", default=[3, 4, 5, 6])
     parser.add_argument("--count", type=int, default=400, help="tasks of each length")
@@ -117,7 +118,7 @@ def _speeds(columns: dict[str, Outcome], title: str) -> Table:
 
 
 def _causes(columns: dict[str, Outcome]) -> Table:
-    """Return the table of why attempts failed, and why tasks did."""
+    """Return the table of the causes of failed attempts and of failed tasks."""
     table = Table(title="failed attempts by cause, and failed tasks by reason")
     table.add_column("cause")
     for name in columns:

@@ -1,4 +1,4 @@
-"""What tools have said of planning tasks, kept in a file: a run that was broken off goes on where it was."""
+"""The answers of tools on planning tasks, saved in a file so that an interrupted run can be resumed."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from pathlib import Path
 from peers_process import Run
 
 UNFINISHED = "not finished"
-"""How a failure begins that a higher limit may mend."""
+"""The prefix of a failure that a higher limit may resolve."""
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What a tool says of a task and a length, at a limit of processor seconds; without a count, why not.
+    """The count of a tool for a task and a length within a limit of processor seconds, or its failure.
 
-    It has `accepted` a task that it could read.
+    `accepted` says whether the tool could read the task.
     """
 
     task: str
@@ -30,37 +30,37 @@ class Answer:
     failure: str
 
     def within(self, limit: float) -> Answer:
-        """Return what the tool says at a limit."""
+        """Return the answer within another limit."""
         if self.count is None or self.seconds <= limit:
             return self
         return replace(self, count=None, limit=limit, failure=f"{UNFINISHED} after {limit:g} s")
 
     def settles(self, limit: float) -> bool:
-        """Tell whether it is known what the tool says at a limit."""
+        """Return whether this answer determines the answer within a limit."""
         return self.count is not None or self.limit >= limit or not self.failure.startswith(UNFINISHED)
 
 
 class Answers:
-    """All answers, in a file of JSON lines where there is one; the last one of a tool, a task and a length counts."""
+    """All answers, saved in a file of JSON lines if `path` is given; the last one for a key is valid."""
 
     def __init__(self, path: Path | None) -> None:
         self._path = path
         lines = path.read_text().splitlines() if path and path.is_file() else []
-        found = (Answer(**json.loads(line)) for line in lines)
-        self._known = {(each.task, each.tool, each.length): each for each in found}
+        answers = (Answer(**json.loads(line)) for line in lines)
+        self._saved = {(each.task, each.tool, each.length): each for each in answers}
 
-    def get(self, task: str, tool: str, length: int, limit: float, ask: Callable[[], Run] | None) -> Answer | None:
-        """Return what a tool says; if that is not known, ask it, or return None where it is not to be asked."""
+    def get(self, task: str, tool: str, length: int, limit: float, run: Callable[[], Run] | None) -> Answer | None:
+        """Return the saved answer; without one, that of `run`, or None if `run` is None."""
         key = (task, tool, length)
-        known = self._known.get(key)
-        if known is None or not known.settles(limit):
-            if ask is None:
+        answer = self._saved.get(key)
+        if answer is None or not answer.settles(limit):
+            if run is None:
                 return None
-            known = self._known[key] = _answer(key, limit, ask())
+            answer = self._saved[key] = _answer(key, limit, run())
             if self._path:
                 with self._path.open("a") as file:
-                    file.write(json.dumps(asdict(known)) + "\n")
-        return known.within(limit)
+                    file.write(json.dumps(asdict(answer)) + "\n")
+        return answer.within(limit)
 
 
 def _answer(key: tuple[str, str, int], limit: float, run: Run) -> Answer:

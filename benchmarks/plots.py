@@ -1,4 +1,4 @@
-"""Figures for a paper: curves and heat maps side by side in one picture, and pictures with captions."""
+"""Figures for a paper: curves and heat maps side by side, and images with captions."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from PIL import Image, ImageDraw, ImageFont
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
-"""Colours that colour-blind readers tell apart (Okabe and Ito 2008)."""
+"""A palette for colour-blind readers (Okabe and Ito 2008)."""
 
 GREY, GRID = "#777777", "#e3e6ea"
 HEAT = LinearSegmentedColormap.from_list("heat", ["#fdf1e7", "#005a8c"])
 NOTHING, DARK = "#f4f5f7", 0.55
-"""The colour of a cell where there is nothing, and the share of the largest value from which a cell's text is white."""
+"""The colour of an empty cell, and the share of the largest value above which a cell's text is white."""
 
 PANEL, DOTS = (6.2, 5.2), 100
-"""Inches of a panel, and pixels an inch."""
+"""The size of a panel in inches, and the resolution in pixels per inch."""
 
 GAP, LINE = 16, 24
-"""Pixels between pictures, and of a line of a caption."""
+"""The gap between images and the height of a caption line, in pixels."""
 
 
 @dataclass(frozen=True)
 class Curves:
-    """A panel of lines over named places of the x axis; `reference` is a dashed line with its name."""
+    """A panel of lines over labelled positions of the x axis; `reference` is the label and height of a dashed line."""
 
     title: str
     across: str
@@ -45,7 +45,7 @@ class Curves:
 
 @dataclass(frozen=True)
 class Heat:
-    """A panel of coloured cells: `cells` by row, from the top down, None where there is nothing; 0 to `high`."""
+    """A panel of coloured cells: `cells` by row, from top to bottom, None if empty; the scale is 0 to `high`."""
 
     title: str
     across: str
@@ -58,7 +58,7 @@ class Heat:
 
 
 def draw(panels: Sequence[Curves | Heat], title: str, file: Path, across: int = 3) -> None:
-    """Write panels under a title as a PNG, at most `across` of them in a row."""
+    """Write panels under a title as a PNG, at most `across` in a row."""
     columns = min(across, len(panels))
     rows = -(-len(panels) // columns)
     layout = ConstrainedLayoutEngine(w_pad=0.12, h_pad=0.12)
@@ -105,7 +105,7 @@ def _heat(axes: Axes, panel: Heat) -> None:
 
 
 def gallery(pictures: Sequence[Image.Image], captions: Sequence[Sequence[str]], file: Path) -> None:
-    """Write pictures side by side as a PNG, each above the lines of its caption."""
+    """Write images side by side as a PNG, each above its caption."""
     wide, high = pictures[0].size
     room = LINE * max(map(len, captions)) + 3 * GAP
     sheet = Image.new("RGB", (len(pictures) * (wide + GAP) + GAP, high + room), "white")

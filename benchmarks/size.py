@@ -1,4 +1,4 @@
-"""How large spaces may be: the time and memory of whole processes that count: python benchmarks/size.py."""
+"""Time and memory for counting large spaces, measured on whole processes: python benchmarks/size.py."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rich.table import Table
 
 HERE = Path(__file__).parent
 RUNS = 7
-"""Runs of the small case, of which the best and the median are shown."""
+"""The number of runs of the small case; the table shows the minimum and the median."""
 
 LARGE: tuple[tuple[str, str, dict[str, int], int, str], ...] = (
     ("lamps, 10^6 states", "lamps", {"lamps": 20}, 20, "plan"),
@@ -35,12 +35,12 @@ LARGE: tuple[tuple[str, str, dict[str, int], int, str], ...] = (
     ("1,000 cubes, small-model reduction", "cubes", {"cubes": 1000}, 7, "plan"),
     ("the same", "cubes", {"cubes": 1000}, 7, "task"),
 )
-"""What it is, the folder, its constants, the length and the level."""
+"""For each case: a description, the folder, its constants, the length and the level."""
 
 
 @dataclass(frozen=True)
 class Run:
-    """What a process printed, its time by the clock and by the processor in seconds, and its peak memory in bytes."""
+    """The output of a process, its wall-clock and processor time in seconds, and its peak memory in bytes."""
 
     answer: str
     seconds: float
@@ -49,7 +49,7 @@ class Run:
 
 
 def run(arguments: Sequence[str], cache: str = "") -> Run:
-    """Run `prag-asp` with a cache folder, or with none."""
+    """Run `prag-asp` with a cache folder, or without a cache."""
     begun = perf_counter()
     process = subprocess.Popen(
         [sys.executable, "-c", "from prag_asp.cli import main; main()", *arguments],
@@ -66,8 +66,8 @@ def run(arguments: Sequence[str], cache: str = "") -> Run:
     return Run(answer, perf_counter() - begun, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024)
 
 
-def copied(folder: str, constants: dict[str, int], target: Path) -> Path:
-    """Copy a benchmark's domain with other constants, and return its folder."""
+def copy_domain(folder: str, constants: dict[str, int], target: Path) -> Path:
+    """Copy a benchmark's domain with different constants, and return its folder."""
     text = (HERE / folder / "domain.lp").read_text(encoding="utf-8")
     for name, value in constants.items():
         text = re.sub(rf"#const {name} = \d+\.", f"#const {name} = {value}.", text)
@@ -78,7 +78,7 @@ def copied(folder: str, constants: dict[str, int], target: Path) -> Path:
 
 
 def small(cache: Path) -> Iterator[tuple[str, ...]]:
-    """Yield rows for the small case: with an empty cache each time, then with what the first run left."""
+    """Yield the rows of the small case: with an empty cache, then with a filled cache."""
     arguments = ["count", "prag", "--length", "15", "--by", "skeleton"]
     cold = [run(arguments, str(cache / f"cold_{number}")) for number in range(RUNS)]
     run(arguments, str(cache / "warm"))
@@ -91,14 +91,14 @@ def small(cache: Path) -> Iterator[tuple[str, ...]]:
 
 
 def main() -> None:
-    """Print one table."""
+    """Print the table."""
     table = Table("space", "length", "count", "seconds", "processor, s", "MB", "again, s")
     with TemporaryDirectory() as folder:
         place = Path(folder)
         for row in small(place / "small"):
             table.add_row(*row)
         for name, source, constants, length, level in LARGE:
-            domain = copied(source, constants, place)
+            domain = copy_domain(source, constants, place)
             arguments = ["count", str(domain), "--length", str(length), "--by", level]
             first = run(arguments, str(place / "large"))
             again = run(arguments, str(place / "large"))

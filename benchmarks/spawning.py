@@ -1,14 +1,13 @@
-"""Spawn objects so that relations hold, by three ways of drawing: success and time over objects and relations.
+"""Spawn objects so that relations hold, by three methods: success and time over numbers of objects and relations.
 
     python benchmarks/spawning.py --count 100
 
-The paper compares spawning by volumes with pictures of DALL-E 2. Here it is compared with what it replaces: (a) draw
-all objects uniformly in the box; (b) draw each object, in the order in which they are named, from the volumes of what
-is said of it and of objects that have a place; (c) the library's own placement, which also turns relations around and
-orders objects. Relations are drawn from those that hold in a random arrangement, so that every scene can be spawned. A
-scene is right where every relation passes its predicate's check, everything is in the box, and nothing collides in
-PyBullet. Ways (b) and (c) begin a scene anew at most --restarts times (what the default budget allows), (a) at most
---draws times.
+The paper compares spawning by volumes with images of DALL-E 2. Here it is compared with simpler methods: (a) sample all
+objects uniformly in the box; (b) sample each object, in the order of the names, from the intersection of the volumes of
+its relations to objects that are already placed; (c) the placement of the package, which also inverts relations and
+orders objects. The relations hold in some random arrangement, so that every scene is possible. A scene is correct if
+every relation passes its predicate's check, all objects are in the box, and nothing collides in PyBullet. Methods (b)
+and (c) restart a scene at most --restarts times, (a) at most --draws times.
 """
 
 from __future__ import annotations
@@ -33,13 +32,14 @@ from spawning_ways import (
     SHAPES,
     by_placement,
     by_volumes,
+    correct,
     kind_of,
-    right,
+    random_task,
     uniform,
-    wanted_scene,
 )
 
-from prag_asp.physics.pictures.rendering import picture
+from prag_asp.physics.pictures.camera import picture
+from prag_asp.physics.pictures.views import view_from
 from prag_asp.physics.search.attempt import Search
 from prag_asp.physics.search.foresight import foresee
 from prag_asp.physics.situation import Situation
@@ -49,11 +49,13 @@ from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.scene import Scene, Shape
 
 HERE = Path(__file__).parent
+SIZE = (560, 470)
+"""The size of an image, in pixels."""
 
 
 @dataclass
 class Cell:
-    """What became of the scenes with so many objects and relations, for one way of drawing."""
+    """The results for one method and one number of objects and relations."""
 
     scenes: int = 0
     spawned: int = 0
@@ -61,7 +63,7 @@ class Cell:
 
     @property
     def percent(self) -> float:
-        """The share of scenes that were spawned."""
+        """The share of spawned scenes."""
         return 100 * self.spawned / self.scenes
 
     @property
@@ -75,7 +77,7 @@ Cells = dict[tuple[str, int, int], Cell]
 
 
 def main() -> None:
-    """Measure all ways, print the tables, write figures and pictures."""
+    """Measure all methods, print the tables, and write the figures and images."""
     options = _options()
     scene = Scene(
         shapes={"panda": Shape("robot"), "table": Shape("table"), **{name: SHAPES[kind_of(name)] for name in COLORS}},
@@ -96,12 +98,12 @@ def main() -> None:
         for objects, relations in track(possible, "scenes", console=Console(stderr=True)):
             for number in range(options.count):
                 key = [options.seed, objects, relations, number]
-                wanted = wanted_scene(simulator.scene, np.random.default_rng(key), objects, relations)
+                task = random_task(simulator.scene, np.random.default_rng(key), objects, relations)
                 for name, (way, tries) in ways.items():
-                    search = Search(simulator, wanted.objects, np.random.default_rng([*key, 1]), foresee(wanted, scene))
-                    found = _measure(cells.setdefault((name, objects, relations), Cell()), way, search, wanted, tries)
-                    if found is not None and way is by_placement and objects == relations == MOST:
-                        hardest.append((found, wanted))
+                    search = Search(simulator, task.objects, np.random.default_rng([*key, 1]), foresee(task, scene))
+                    situation = _measure(cells.setdefault((name, objects, relations), Cell()), way, search, task, tries)
+                    if situation is not None and way is by_placement and objects == relations == MOST:
+                        hardest.append((situation, task))
     _report(list(ways), cells, possible, options)
     if hardest:
         _pictures(scene, hardest[:3], options.output / "spawning_scenes.png")
@@ -109,35 +111,35 @@ def main() -> None:
 
 def _options() -> argparse.Namespace:
     """Read the command line."""
-    parser = argparse.ArgumentParser(description="Spawn objects so that relations hold, by three ways of drawing.")
-    parser.add_argument("--count", type=int, default=100, help="scenes of each number of objects and relations")
+    parser = argparse.ArgumentParser(description="Spawn objects so that relations hold, by three methods.")
+    parser.add_argument("--count", type=int, default=100, help="scenes for each number of objects and relations")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--draws", type=int, default=500, help="scenes that uniform drawing may draw for each")
-    parser.add_argument("--restarts", type=int, default=100, help="scenes that the other ways may begin for each")
+    parser.add_argument("--draws", type=int, default=500, help="samples of the uniform method for each scene")
+    parser.add_argument("--restarts", type=int, default=100, help="restarts of the other methods for each scene")
     parser.add_argument("--output", type=Path, default=HERE / "figures", help="folder for figures and results")
     return parser.parse_args()
 
 
-def _measure(cell: Cell, way: Way, search: Search, wanted: PhysicalTask, tries: int) -> Situation | None:
-    """Spawn a scene, and count it where it is right; time is that of the way alone."""
+def _measure(cell: Cell, way: Way, search: Search, task: PhysicalTask, tries: int) -> Situation | None:
+    """Spawn a scene, and count it if it is correct; only the method is timed."""
     begun = time.process_time()
-    found = way(search, wanted, tries)
+    situation = way(search, task, tries)
     cell.seconds += time.process_time() - begun
     cell.scenes += 1
-    if found is None or not right(search, found, wanted.initial):
+    if situation is None or not correct(search, situation, task.initial):
         return None
     cell.spawned += 1
-    return found
+    return situation
 
 
 def _report(
     ways: Sequence[str], cells: Cells, possible: Sequence[tuple[int, int]], options: argparse.Namespace
 ) -> None:
-    """Print tables, and write the numbers and the figures."""
+    """Print the tables, and write the results and the figures."""
     console = Console()
     for what in ("percent", "milliseconds"):
         titles = {"percent": "% of scenes spawned", "milliseconds": "processor ms for each scene"}
-        table = Table(title=f"{titles[what]}, over all numbers of relations; {options.count} scenes each")
+        table = Table(title=f"{titles[what]}, mean over all numbers of relations; {options.count} scenes each")
         table.add_column("objects")
         for name in ways:
             table.add_column(name, justify="right")
@@ -158,21 +160,21 @@ def _report(
 
 
 def _panels(ways: Sequence[str], cells: Cells) -> list[plots.Curves | plots.Heat]:
-    """Return maps of success, and under them maps of time."""
+    """Return heat maps of success, followed by heat maps of time."""
     names = [f"({letter}) {name}" for letter, name in zip("abc", ways, strict=True)]
     counts, rows = [str(n) for n in range(MOST + 1)], range(MOST, 0, -1)
     slowest = max(cell.milliseconds for cell in cells.values())
     panels: list[plots.Curves | plots.Heat] = []
     for what, high, unit in (("percent", 100.0, "% spawned"), ("milliseconds", slowest, "ms a scene")):
         for name, title in zip(ways, names, strict=True):
-            found = [
+            values = [
                 [getattr(cells[name, n, r], what) if (name, n, r) in cells else None for r in range(MOST + 1)]
                 for n in rows
             ]
             shown = "{:.0f}".format if what == "percent" else _short
             panels.append(
                 plots.Heat(
-                    f"{title}: {unit}", "relations", "objects", counts, [str(n) for n in rows], found, high, shown
+                    f"{title}: {unit}", "relations", "objects", counts, [str(n) for n in rows], values, high, shown
                 )
             )
     return panels
@@ -184,14 +186,14 @@ def _short(value: float) -> str:
 
 
 def _pictures(scene: Scene, shown: Sequence[tuple[Situation, PhysicalTask]], file: Path) -> None:
-    """Write pictures of scenes with their relations under them."""
+    """Write images of scenes with their relations as captions."""
     with open_simulator(scene, visual=True) as simulator:
         home = {name: Arm(arm.robot.home, arm.robot.opening) for name, arm in simulator.arms.items()}
         images, captions = [], []
-        for situation, wanted in shown:
+        for situation, task in shown:
             moment = Moment(situation.poses, home)
-            images.append(picture(simulator, moment, (560, 470)))
-            beside = [fact for fact in wanted.initial if fact.predicate.name in DIRECTIONS]
+            images.append(picture(simulator, moment, SIZE, view_from(simulator.scene, SIZE[0] / SIZE[1])))
+            beside = [fact for fact in task.initial if fact.predicate.name in DIRECTIONS]
             captions.append([fact.sentence() for fact in beside])
     plots.gallery(images, captions, file)
 

@@ -1,4 +1,4 @@
-"""Three ways to spawn random objects so that random relations hold; `spawning.py` compares them."""
+"""Three methods to spawn random objects so that random relations hold; `spawning.py` compares them."""
 
 from __future__ import annotations
 
@@ -36,20 +36,21 @@ COLORS = {
     "brown_ball": "#8a5a3c",
 }
 BOX = (0.32, 0.62, -0.42, 0.42)
-"""All of it is within reach, so that no way of drawing is at a disadvantage: low x, high x, low y, high y in metres."""
+"""The workspace as low x, high x, low y, high y in metres; all of it is within reach."""
 
 MOST = 8
+"""The largest number of objects, and of relations."""
 
 
-def wanted_scene(scene: Scene, rng: np.random.Generator, objects: int, relations: int) -> PhysicalTask:
-    """Return random relations of random objects that hold together in some arrangement."""
+def random_task(scene: Scene, rng: np.random.Generator, objects: int, relations: int) -> PhysicalTask:
+    """Return a task whose initial state has random relations that hold together in some arrangement."""
     names = tuple(str(name) for name in rng.permutation(list(COLORS))[:objects])
     while True:
-        situation = _arranged(scene, rng, names)
+        situation = _random_arrangement(scene, rng, names)
         pairs = [pair if rng.random() < 0.5 else pair[::-1] for pair in combinations(names, 2)]
-        true = [Atom(name, pair) for pair in pairs for name in DIRECTIONS if PREDICATES[name].holds(situation, pair)]
-        if len(true) >= relations:
-            chosen = [true[k] for k in rng.permutation(len(true))[:relations]]
+        facts = [Atom(name, pair) for pair in pairs for name in DIRECTIONS if PREDICATES[name].holds(situation, pair)]
+        if len(facts) >= relations:
+            chosen = [facts[k] for k in rng.permutation(len(facts))[:relations]]
             state = {Atom("on_top", (name, "table")): True for name in names} | dict.fromkeys(chosen, True)
             entities = {name: kind_of(name) for name in names}
             return physical_task(Task("spawning", (), entities, state, (), (), {}), scene)
@@ -60,8 +61,8 @@ def kind_of(name: str) -> str:
     return name.partition("_")[2]
 
 
-def _arranged(scene: Scene, rng: np.random.Generator, names: Sequence[str]) -> Situation:
-    """Return objects that stand anywhere in the box, their bounding boxes apart."""
+def _random_arrangement(scene: Scene, rng: np.random.Generator, names: Sequence[str]) -> Situation:
+    """Return objects at random poses in the box, with disjoint bounding boxes."""
     situation = _empty(scene)
     while len(situation.poses) < len(names):
         situation = _empty(scene)
@@ -75,25 +76,25 @@ def _arranged(scene: Scene, rng: np.random.Generator, names: Sequence[str]) -> S
 
 
 def _boxes_meet(situation: Situation, one: str, two: str) -> bool:
-    """Tell whether the bounding boxes of two objects on the table overlap, seen from above."""
+    """Return whether the bounding boxes of two objects on the table overlap, seen from above."""
     first, second = situation.body(one), situation.body(two)
     return all(first.low[i] < second.high[i] and second.low[i] < first.high[i] for i in (0, 1))
 
 
 def _empty(scene: Scene) -> Situation:
-    """Return a table with nothing on it."""
+    """Return an empty table."""
     return Situation(scene, {})
 
 
 def _anywhere(scene: Scene, rng: np.random.Generator, name: str) -> Pose:
-    """Return a pose on the table in the box, uniformly."""
+    """Return a uniformly sampled pose on the table in the box."""
     yaw = rng.uniform(-np.pi, np.pi)
     x, y = rng.uniform(BOX[0], BOX[1]), rng.uniform(BOX[2], BOX[3])
     return Pose((float(x), float(y), scene.shapes[name].half[2]), yaw_quaternion(float(yaw)))
 
 
-def right(search: Search, situation: Situation, facts: Sequence[Fact]) -> bool:
-    """Tell whether every relation passes its check, everything is in the box, and nothing collides."""
+def correct(search: Search, situation: Situation, facts: Sequence[Fact]) -> bool:
+    """Return whether every relation passes its check, all objects are in the box, and nothing collides."""
     inside = all(
         BOX[0] <= pose.position[0] <= BOX[1] and BOX[2] <= pose.position[1] <= BOX[3]
         for pose in situation.poses.values()
@@ -103,42 +104,42 @@ def right(search: Search, situation: Situation, facts: Sequence[Fact]) -> bool:
     return colliding(search.simulator, situation, search.objects, search.objects) is None
 
 
-def uniform(search: Search, wanted: PhysicalTask, tries: int) -> Situation | None:
-    """Draw all objects uniformly, until a scene is right."""
+def uniform(search: Search, task: PhysicalTask, tries: int) -> Situation | None:
+    """Sample all objects uniformly until a scene is correct."""
     for _ in range(tries):
-        poses = {name: _anywhere(search.scene, search.rng, name) for name in wanted.objects}
+        poses = {name: _anywhere(search.scene, search.rng, name) for name in task.objects}
         situation = _empty(search.scene).with_poses(poses)
-        if right(search, situation, wanted.initial):
+        if correct(search, situation, task.initial):
             return situation
     return None
 
 
-def by_volumes(search: Search, wanted: PhysicalTask, tries: int) -> Situation | None:
-    """Draw object by object from the volumes of what is said of it and of objects that have a place."""
+def by_volumes(search: Search, task: PhysicalTask, tries: int) -> Situation | None:
+    """Sample object by object from the volumes of its relations to objects that are already placed."""
     for _ in range(tries):
         situation = _empty(search.scene)
-        for name in wanted.objects:
+        for name in task.objects:
             quaternion = yaw_quaternion(search.uniform(-np.pi, np.pi))
             height = extents(search.scene.shapes[name], quaternion)[2]
             volume = Volume((BOX[0], BOX[2], height), (BOX[1], BOX[3], height))
-            for fact in wanted.initial:
+            for fact in task.initial:
                 if fact.arguments[0] == name and fact.arguments[1] in situation.poses:
                     volume = volume.meet(fact.predicate.volume(situation, fact.arguments, quaternion))
             floor = volume.floor()
-            at = None if floor is None else volume.draw(floor, search.uniform)
-            if at is None:
+            position = None if floor is None else volume.sample(floor, search.uniform)
+            if position is None:
                 break
-            situation = situation.with_pose(name, Pose(at, quaternion))
-        if len(situation.poses) == len(wanted.objects) and right(search, situation, wanted.initial):
+            situation = situation.with_pose(name, Pose(position, quaternion))
+        if len(situation.poses) == len(task.objects) and correct(search, situation, task.initial):
             return situation
     return None
 
 
-def by_placement(search: Search, wanted: PhysicalTask, tries: int) -> Situation | None:
-    """Draw the scene as validation draws the first state of a task."""
+def by_placement(search: Search, task: PhysicalTask, tries: int) -> Situation | None:
+    """Sample the scene as validation samples the initial state of a task."""
     for _ in range(tries):
         try:
-            return sample_initial_state(search, wanted).situation
+            return sample_initial_state(search, task).situation
         except Failure:
             continue
     return None

@@ -1,10 +1,10 @@
-"""How much faster two processes validate than one, and that they find the same, byte for byte.
+"""The speed-up of validation with two processes, and a check that the verdicts are identical, byte for byte.
 
     python benchmarks/workers.py tabletop --count 2000
 
-Speed is by the clock, so the machine should be idle: its load is shown. The start of the processes is left out: the
-clock runs from the first --warm-up verdicts on. Processor time tells what the clock hides on a busy machine: what this
-process spends is not shared, what the workers spend is (with their start).
+Speed is measured by wall-clock time, so the machine should be idle: its load is shown. The start of the processes is
+excluded: time is measured after the first --warm-up verdicts. The processor time of this process is the sequential
+part; that of the workers (including their start) is the parallel part.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from prag_asp.scene.scene import Scene
 
 
 class Run(NamedTuple):
-    """Tasks a second by the clock, seconds of processor time here and in the workers, and a digest of all verdicts."""
+    """Tasks per second (wall clock), processor seconds of this process and of the workers, and a digest."""
 
     speed: float
     here: float
@@ -39,14 +39,14 @@ class Run(NamedTuple):
 
 
 def main() -> None:
-    """Validate the same tasks with each number of processes, print a table, compare the verdicts."""
+    """Validate the same tasks with each number of processes, print a table, and compare the verdicts."""
     options = _options()
     domain = load_domain(options.domain)
     tasks = TaskSpace(domain, options.length).sample(options.count, seed=options.seed, weights={})
     load = os.getloadavg()[0]
     measured = {number: _measure(tasks, scene_of(domain), number, options) for number in options.workers}
     table = Table(title=f"{domain.name}, length {options.length}: {os.cpu_count()} cores, load {load:.1f} before")
-    for name in ("workers", "tasks/s", "times as fast", "CPU here", "CPU there", "SHA-256"):
+    for name in ("workers", "tasks/s", "speed-up", "CPU here", "CPU workers", "SHA-256"):
         table.add_column(name, justify="right")
     first = measured[options.workers[0]].speed
     for number, run in measured.items():
@@ -73,8 +73,8 @@ def _measure(tasks: Sequence[Task], scene: Scene, workers: int, options: argpars
     digest, begun = hashlib.sha256(), 0.0
     before = [_processor_seconds(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     verdicts = validate_tasks(tasks, scene, seed=options.seed, workers=workers)
-    told = track(verdicts, f"{workers} workers", total=len(tasks), console=Console(stderr=True))
-    for number, verdict in enumerate(told):
+    progress = track(verdicts, f"{workers} workers", total=len(tasks), console=Console(stderr=True))
+    for number, verdict in enumerate(progress):
         if number == options.warm_up:
             begun = time.perf_counter()
         digest.update(json.dumps(verdict.to_json()).encode())
@@ -84,7 +84,7 @@ def _measure(tasks: Sequence[Task], scene: Scene, workers: int, options: argpars
 
 
 def _processor_seconds(who: int) -> float:
-    """Return the processor time of this process, or of those that it has started and that have ended."""
+    """Return the processor time of this process, or of its ended child processes."""
     usage = resource.getrusage(who)
     return usage.ru_utime + usage.ru_stime
 

@@ -1,17 +1,16 @@
-"""How much more two processes do than one: environments, and beside them what this machine lets any two processes do.
+"""The speed-up of two processes over one: of environments, and of other programs as a reference for this machine.
 
     python benchmarks/learning/beside.py --rounds 5
 
-Two processes of anything slow each other down where they share a clock, a cache or a machine with others. So the same
-is measured of Python that adds, and of PyBullet that lets a robot and seven cubes be, neither with a word of ours: no
-environment can do better than these. `in step` are two environments of one `AsyncVectorEnv`, beside one of it: there, a
-process of Gymnasium waits for the slower one at each step, and has the observations of both copied.
+Two processes slow each other down if they share clock rate, caches or other load. So the same is measured for a loop
+in Python and for a PyBullet simulation of a robot and seven cubes, both without our code: they bound the speed-up of an
+environment. `in step` are two environments of one `AsyncVectorEnv` compared with one: there, Gymnasium waits for the
+slower one at each step and copies the observations of both.
 
-All take turns. A process works for so many seconds, from a word on that both are told, and counts what it has done; so
-nothing waits for another one's end. Printed are the medians of the rounds, and the lowest and the highest ratio.
-Seconds of processor time tell what the work itself costs more beside another one, seconds on the clock also who else
-was busy. It ends with code 1 where two environments do less than 1.8 times what one does, and less than nine tenths of
-that where the machine lets PyBullet itself do less than twice as much: then it says so.
+The kinds alternate. Each process works for a fixed time after a common start signal and counts its steps. The table
+shows the medians of the rounds and the range of the ratio. Processor time measures the slow-down of the work itself;
+wall-clock time also includes other load. Exits with code 1 if the speed-up of environments is below 1.8 or, if that of
+PyBullet alone is below 2, below nine tenths of that.
 """
 
 from __future__ import annotations
@@ -34,10 +33,10 @@ from rich.table import Table
 from prag_asp import TaskSpace, load_domain
 
 LEAST_TOGETHER = 1.8
-"""How many times as much as one two processes shall do."""
+"""The required speed-up of two processes."""
 
 SEED = 0
-"""The seed of tasks and actions: all processes do the same work, so none has more of it by chance."""
+"""The seed of tasks and actions, so that all processes do the same work."""
 
 
 def ours() -> gymnasium.Env[Any, Any]:
@@ -47,7 +46,7 @@ def ours() -> gymnasium.Env[Any, Any]:
 
 
 def acting(env: gymnasium.Env[Any, Any]) -> Callable[[], int]:
-    """Return what takes a step, or begins an episode where one is over."""
+    """Return a function that takes a step, after a reset if the episode is over."""
     env.action_space.seed(SEED)
     env.reset(seed=SEED)
     over = False
@@ -64,7 +63,7 @@ def acting(env: gymnasium.Env[Any, Any]) -> Callable[[], int]:
 
 
 def in_step(count: int) -> Callable[[], int]:
-    """Return what takes a step of so many environments, each in a process of its own."""
+    """Return a function that takes a step of `count` environments, each in a separate process."""
     envs = gymnasium.vector.AsyncVectorEnv([ours] * count, context="spawn")
     envs.action_space.seed(SEED)
     envs.reset(seed=[SEED] * count)
@@ -77,7 +76,7 @@ def in_step(count: int) -> Callable[[], int]:
 
 
 def falling() -> Callable[[], int]:
-    """Return what lets PyBullet take as many steps as a control step of ours has."""
+    """Return a function that takes as many simulation steps as one of our control steps has."""
     import pybullet  # noqa: PLC0415
     import pybullet_data  # noqa: PLC0415
 
@@ -98,7 +97,7 @@ def falling() -> Callable[[], int]:
 
 
 def adding() -> int:
-    """Add for about as long as a step takes."""
+    """Compute for about the duration of a step."""
     return int(sum(number * number for number in range(10_000)) > 0)
 
 
@@ -113,14 +112,14 @@ KINDS = (*ALONE, IN_STEP)
 
 
 class Done(NamedTuple):
-    """How much was done in a second on the clock, and in one of processor time."""
+    """The steps per second of wall-clock time, and per second of processor time."""
 
     rate: float
     efficiency: float
 
 
 def work(kind: str, count: int, seconds: float) -> None:
-    """Say when all is there, wait for a word, work, and say how much was done and in how much processor time."""
+    """Print a line when ready, wait for the start signal, work, and print the rates by both kinds of time."""
     act = in_step(count) if kind == IN_STEP else ALONE[kind]()
     begun = time.perf_counter()
     while time.perf_counter() < begun + 0.2:
@@ -136,7 +135,7 @@ def work(kind: str, count: int, seconds: float) -> None:
 
 
 def together(kind: str, count: int, seconds: float) -> Done:
-    """Return what so many of a kind do side by side, from when all are there."""
+    """Return the results of `count` processes of a kind that run in parallel."""
     processes = 1 if kind == IN_STEP else count
     code = f"import sys; sys.path.insert(0, {sys.path[0]!r}); import beside; beside.work({kind!r}, {count}, {seconds})"
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
@@ -149,59 +148,61 @@ def together(kind: str, count: int, seconds: float) -> Done:
         assert each.stdin is not None
         each.stdin.write("go\n")
         each.stdin.flush()
-    told = [each.communicate()[0].split() for each in running]
-    return Done(sum(float(rate) for rate, _ in told), mean(float(each) for _, each in told))
+    outputs = [each.communicate()[0].split() for each in running]
+    return Done(sum(float(rate) for rate, _ in outputs), mean(float(each) for _, each in outputs))
 
 
 def measured(rounds: int, seconds: float) -> dict[str, list[tuple[Done, Done]]]:
-    """Return what one and two of each kind do, in each round."""
-    found: dict[str, list[tuple[Done, Done]]] = {kind: [] for kind in KINDS}
+    """Return the results of one and of two processes of each kind, in each round."""
+    results: dict[str, list[tuple[Done, Done]]] = {kind: [] for kind in KINDS}
     for _ in track(range(rounds), "one and two processes", console=Console(stderr=True), transient=True):
-        for kind, done in found.items():
+        for kind, done in results.items():
             done.append((together(kind, 1, seconds), together(kind, 2, seconds)))
-    return found
+    return results
 
 
 def ratio(done: list[tuple[Done, Done]]) -> float:
-    """Return how many times as much as one two do, on the clock, in the middle of the rounds."""
+    """Return the median speed-up of two processes by wall-clock time."""
     return median(two.rate / one.rate for one, two in done)
 
 
-def table(found: dict[str, list[tuple[Done, Done]]]) -> Table:
+def table(results: dict[str, list[tuple[Done, Done]]]) -> Table:
     """Return the table of all kinds."""
-    heads = ("two beside one", "one, /s", "two, /s", "times one", "lowest, highest", "times, by processor time")
-    told = Table(*heads)
-    for kind, done in found.items():
+    heads = ("kind", "one, /s", "two, /s", "speed-up", "min, max", "by processor time")
+    result = Table(*heads)
+    for kind, done in results.items():
         times = [two.rate / one.rate for one, two in done]
         one, two = (median(each.rate for each in side) for side in zip(*done, strict=True))
-        # Those in step compute in processes of their own, whose time the one that waits for them does not see.
+        # The processor time of `AsyncVectorEnv` workers is not measured by the process that waits for them.
         own = "-" if kind == IN_STEP else f"{2 * median(two.efficiency / one.efficiency for one, two in done):.2f}"
         row = (f"{one:,.0f}", f"{two:,.0f}", f"{ratio(done):.2f}", f"{min(times):.2f}, {max(times):.2f}", own)
-        told.add_row(kind, *row)
-    return told
+        result.add_row(kind, *row)
+    return result
 
 
 def verdict(times: float, most: float) -> tuple[bool, str]:
-    """Return whether two environments do enough, and say it beside what the machine lets PyBullet do at `most`.
+    """Return whether the speed-up `times` of environments suffices, and a message; `most` is that of PyBullet alone.
 
-    Enough are nine tenths of twice as much, or of what PyBullet does where that is less.
+    The required speed-up is nine tenths of 2, or of `most` if that is less.
     """
-    told = f"two processes do {times:.2f} times what one does, PyBullet alone {most:.2f} times"
+    message = f"speed-up of two processes: {times:.2f}; of PyBullet alone: {most:.2f}"
     if most < LEAST_TOGETHER:
-        told += f"; as this machine is now, no two processes do {LEAST_TOGETHER} times what one does"
-    return times >= LEAST_TOGETHER / 2 * min(2.0, most), told
+        message += f"; on this machine, in its present state, no speed-up of {LEAST_TOGETHER} is possible"
+    return times >= LEAST_TOGETHER / 2 * min(2.0, most), message
 
 
 @click.command()
 @click.option("--rounds", type=click.IntRange(min=1), default=5, show_default=True)
-@click.option("--seconds", type=click.FloatRange(min=0.1), default=4.0, show_default=True, help="How long each works.")
+@click.option(
+    "--seconds", type=click.FloatRange(min=0.1), default=4.0, show_default=True, help="Duration of each measurement."
+)
 def main(rounds: int, seconds: float) -> None:
-    """Measure all kinds by turns."""
-    found = measured(rounds, seconds)
-    enough, told = verdict(ratio(found[ENVIRONMENT]), ratio(found[PHYSICS]))
+    """Measure all kinds in turn."""
+    results = measured(rounds, seconds)
+    enough, message = verdict(ratio(results[ENVIRONMENT]), ratio(results[PHYSICS]))
     console = Console()
-    console.print(table(found))
-    console.print(told, highlight=False)
+    console.print(table(results))
+    console.print(message, highlight=False)
     sys.exit(int(not enough))
 
 

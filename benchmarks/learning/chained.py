@@ -1,11 +1,10 @@
-"""Success against length: policies chained along held-out plans of six actions, each from where the last left all.
+"""Success over plan length: policies chained along held-out plans of six actions, each continuing from the last state.
 
     python benchmarks/learning/chained.py --learned MODELS
 
-Three are compared: the oracle; clones of its behaviour in 200 demonstrations that end well, one network for each of
-three seeds; and, with `--learned`, what curves.py has learned of approach and grasp (`--models MODELS`), where the
-oracle does the rest.
-Writes chained.parquet and chained.png into the folder of --output. It needs the extra `learning`.
+Compares the oracle; behaviour cloning from 200 successful demonstrations, one network for each of three seeds; and,
+with `--learned`, policies for approach and grasp trained by curves.py (`--models MODELS`), with the oracle for other
+actions. Writes chained.parquet and chained.png into the folder --output. Requires the extra `learning`.
 """
 
 from __future__ import annotations
@@ -25,14 +24,14 @@ from matplotlib.figure import Figure
 from rich.console import Console
 from rich.table import Table
 from stable_baselines3 import SAC
-from starts import HELD_OUT, TRAINING, moved, shown, witnessed
+from starts import HELD_OUT, TRAINING, action_scale, features_of, witnessed
 
 from prag_asp.rl import Layout, OraclePolicy, Rate, TaskEnv, run
 from prag_asp.rl.skill_chains import Policy
 
 DOMAIN, LEARNED = "prag", ("approach", "grasp")
 WEIGHTS = {"approach": 6, "withdraw": 6, "grasp": 6, "drop": 6}
-"""Tasks drawn uniformly carry something nearly all the time, for there are so many ways to do that."""
+"""Uniformly sampled tasks consist mostly of carrying, because there are many more ways to carry an object."""
 
 COLOURS = {"oracle": "#777777", "cloned": "#0072b2", "learned": "#d55e00"}
 LABELS = {"oracle": "oracle", "cloned": "cloned", "learned": "approach and grasp learned, the rest oracle"}
@@ -41,14 +40,14 @@ Policies = Policy | Mapping[str, Policy]
 
 
 def main() -> None:
-    """Clone, chain, write what became of each run, print the tables and draw the figure."""
+    """Clone and chain policies, write the results of each run, print the tables and draw the figure."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--demonstrations", type=int, default=200, help="how many that end well are learned from")
-    parser.add_argument("--epochs", type=int, default=60, help="how often a clone goes through them")
-    parser.add_argument("--count", type=int, default=30, help="how many held-out tasks are pursued")
-    parser.add_argument("--length", type=int, default=6, help="how many actions they have")
-    parser.add_argument("--seeds", type=int, default=3, help="how many policies of a kind are chained")
-    parser.add_argument("--learned", type=Path, help="a folder of policies that curves.py has learned")
+    parser.add_argument("--demonstrations", type=int, default=200, help="successful demonstrations to learn from")
+    parser.add_argument("--epochs", type=int, default=60, help="training epochs of a clone")
+    parser.add_argument("--count", type=int, default=30, help="held-out tasks")
+    parser.add_argument("--length", type=int, default=6, help="actions of each task")
+    parser.add_argument("--seeds", type=int, default=3, help="policies of each kind")
+    parser.add_argument("--learned", type=Path, help="a folder of policies trained by curves.py")
     parser.add_argument("--output", type=Path, default=Path("learned"), help="the folder of the runs and the figure")
     options = parser.parse_args()
     torch.set_num_threads(1)
@@ -74,48 +73,52 @@ def main() -> None:
 
 
 def _policies(env: TaskEnv, options: argparse.Namespace) -> Iterator[tuple[str, int, Policies]]:
-    """Yield each kind of policies, its seed, and the policies."""
+    """Yield each kind of policies with its seed and the policies."""
     expert = OraclePolicy(env)
     yield "oracle", 0, expert
     rest = {skill.partition("(")[0]: expert for skill in env.layout.skills}
     for seed in range(options.seeds if options.learned is not None else 0):
         own = {name: _learned(options.learned, name, seed, env.layout) for name in LEARNED}
         yield "learned", seed, {**rest, **own}
-    demonstrated = _demonstrated(options.demonstrations)
+    examples = _collect(options.demonstrations)
     for seed in range(options.seeds):
-        yield "cloned", seed, Clone(cloned(demonstrated, epochs=options.epochs, seed=seed), env.layout)
+        yield "cloned", seed, Clone(cloned(examples, epochs=options.epochs, seed=seed), env.layout)
 
 
-def _demonstrated(count: int) -> list[Demonstration]:
-    """Return so many demonstrations that end well, and tell of how many tasks they came."""
+def _collect(count: int) -> list[Demonstration]:
+    """Return `count` successful demonstrations, and print the number of tasks that were tried."""
     before = time.process_time()
     drawn = witnessed(DOMAIN, 4, seed=TRAINING, weights=WEIGHTS)
-    found, asked = demonstrations(drawn, count, seed=TRAINING)
+    examples, tried = demonstrations(drawn, count, seed=TRAINING)
     drawn.close()
-    steps, seconds = sum(len(each.actions) for each in found), time.process_time() - before
-    Console().print(f"{count} of {asked} demonstrations end well: {steps:,} steps, {seconds:.0f} s\n", highlight=False)
-    return found
+    steps, seconds = sum(len(each.actions) for each in examples), time.process_time() - before
+    Console().print(f"{count} of {tried} demonstrations succeed: {steps:,} steps, {seconds:.0f} s\n", highlight=False)
+    return examples
 
 
 def _learned(folder: Path, name: str, seed: int, layout: Layout) -> Policy:
-    """Return a policy for a skill that curves.py has learned."""
-    model, show, times = SAC.load(folder / f"{name}_dense_{seed}", device="cpu"), shown(layout), moved(name)
-    return lambda observation: model.predict(show(observation), deterministic=True)[0] * times
+    """Return a policy for a skill that curves.py has trained."""
+    model, features, scale = (
+        SAC.load(folder / f"{name}_dense_{seed}", device="cpu"),
+        features_of(layout),
+        action_scale(name),
+    )
+    return lambda observation: model.predict(features(observation), deterministic=True)[0] * scale
 
 
 def so_far(rows: Sequence[dict[str, Any]], length: int) -> Table:
-    """Return the table of how many plans came to each length, of all and of those that came to the one before."""
-    found = Table("policy", "actions", "plans done so far", "of those of one action less")
+    """Return the table of the plans that reached each length, of all and of those that reached the previous one."""
+    table = Table("policy", "actions", "plans done so far", "of those of one action less")
     for kind in dict.fromkeys(row["policy"] for row in rows):
-        came = [sum(row["reached"] >= count for row in rows if row["policy"] == kind) for count in range(length + 1)]
+        reached = [sum(row["reached"] >= count for row in rows if row["policy"] == kind) for count in range(length + 1)]
         for count in range(1, length + 1):
-            parts = Rate(came[count], came[0]), Rate(came[count], came[count - 1])
-            found.add_row(LABELS[kind], str(count), *map(str, parts))
-    return found
+            parts = Rate(reached[count], reached[0]), Rate(reached[count], reached[count - 1])
+            table.add_row(LABELS[kind], str(count), *map(str, parts))
+    return table
 
 
 def draw(rows: Sequence[dict[str, Any]], length: int) -> Figure:
-    """Return a figure of the share of plans of which so many actions were done, with intervals of 95 %."""
+    """Return a figure of the share of plans that reached each length, with 95 % intervals."""
     figure = Figure(figsize=(6.4, 3.8), layout="constrained")
     axes = figure.add_subplot()
     lengths = range(1, length + 1)

@@ -1,16 +1,16 @@
-"""How fast a skill is learned from each kind of reward: soft actor-critic, begun in the states of witnesses.
+"""Learning curves of a skill for each kind of reward: soft actor-critic that begins in states of witnesses.
 
     python benchmarks/learning/curves.py approach --steps 5000
     python benchmarks/learning/curves.py grasp --steps 4000 --rewards dense
     python benchmarks/learning/curves.py grasp --begin task --rewards dense
 
-Each policy learns from subgoals of some witnesses, and is tested with those of others; with `--unseen box_1` also of an
-object that no task names of those that it learns from. With `--begin`, tasks that end with the skill are learned as a
-whole, from home (`task`), from a subgoal drawn uniformly (`any`), or from one nearer and nearer to home (`backwards`);
-`last` begins with the skill itself. All of these are tested with the last subgoal and with whole tasks.
+Each policy is trained on subgoals of one set of witnesses and tested on another; with `--unseen box_1`, tested on an
+object that no training task names. With `--begin`, whole tasks that end with the skill are learned: episodes begin at
+the home pose (`task`), at a uniformly sampled subgoal (`any`), at a subgoal that moves back towards home (`backwards`),
+or at the skill itself (`last`). These policies are tested on the last subgoal and on whole tasks.
 
-Appends to SKILL.parquet in the folder of --output and draws SKILL.png; seeds that are there already are not learned
-anew. It needs the extra `learning`, and takes about a minute for a seed.
+Appends to SKILL.parquet in the folder --output and draws SKILL.png; seeds in the file are not trained again. Requires
+the extra `learning`; takes about a minute for each seed.
 """
 
 from __future__ import annotations
@@ -29,7 +29,17 @@ from normed import Normed
 from rich.console import Console
 from rich.table import Table
 from stable_baselines3 import SAC
-from starts import DOMAINS, HELD_OUT, TRAINING, FromStarts, Moved, Seen, Start, require_apart, starts
+from starts import (
+    DOMAINS,
+    HELD_OUT,
+    TRAINING,
+    FromStarts,
+    ScaledActions,
+    SkillObservations,
+    Start,
+    require_apart,
+    starts,
+)
 
 from prag_asp.rl import Backwards, Rate, TaskEnv
 from prag_asp.rl.rewards import REWARDS
@@ -40,44 +50,48 @@ SETTINGS: dict[str, Any] = {
     "policy": "MlpPolicy", "learning_rate": 1e-3, "gamma": 0.95, "batch_size": 128, "learning_starts": 300,
     "gradient_steps": 2, "policy_kwargs": {"net_arch": [64, 64]}, "device": "cpu",
 }  # fmt: skip
-"""What soft actor-critic is told; all else is as Stable-Baselines3 has it."""
+"""The parameters of soft actor-critic; others have the default values of Stable-Baselines3."""
 
 OWN: dict[str, dict[str, Any]] = {"grasp": {"policy": Normed, "ent_coef": "auto_0.02"}}
-"""What it is told of a skill otherwise. To close the fingers earns little and ends the episode.
+"""The parameters that differ for a skill. Closing the fingers earns little and ends the episode.
 
-So with the weight of entropy that it begins with as a rule, it learns first to put that off; and with critics that are
-not normed, it unlearns a grasp again as they promise more and more.
+With the default initial entropy coefficient, the agent first learns to postpone it; without normalised critics, it
+unlearns the grasp again because their estimates keep growing.
 """
 
 AT_MOST = 100
-"""For how many steps a subgoal may be pursued in a test, and as a rule."""
+"""The time limit of a subgoal in steps, in tests and by default."""
 
 STEPS = {"grasp": 25}
-"""For how many steps a skill may be pursued in an episode that is learned from, where that is fewer than as a rule."""
+"""The time limit of a skill in training episodes, in steps, if it differs from the default."""
 
 BEGUN: dict[str, dict[str, Any]] = {
     "last": {"stage": -1}, "task": {"stage": 0}, "any": {"stage": "any"}, "backwards": {"curriculum": Backwards()},
 }  # fmt: skip
-"""Where episodes begin that are learned from, in tasks that end with a skill, as an environment is told."""
+"""The arguments of the environment for the stage at which training episodes begin."""
 
 PURSUED = 50
-"""For how many steps each subgoal of such tasks may be pursued in an episode that is learned from."""
+"""The time limit of each subgoal of whole tasks in training episodes, in steps."""
 
 
 def main() -> None:
-    """Learn what is not learned yet, write the curves, print the table and draw the figure."""
+    """Train the missing policies, write the curves, print the table and draw the figure."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("skill", choices=sorted(DOMAINS), help="the action that is learned")
     parser.add_argument("--rewards", nargs="*", choices=REWARDS, default=list(REWARDS))
-    parser.add_argument("--steps", type=int, default=5000, help="how many steps a policy learns for")
-    parser.add_argument("--every", type=int, default=1000, help="after how many steps it is tested each time")
-    parser.add_argument("--seeds", type=int, default=3, help="how many policies learn from each reward")
-    parser.add_argument("--training", type=int, default=100, help="how many witnesses are learned from")
-    parser.add_argument("--held-out", type=int, default=30, help="how many others it is tested with")
-    parser.add_argument("--unseen", help="an object that is tested with and not learned with, such as box_1")
-    parser.add_argument("--begin", choices=BEGUN, help="learn from whole tasks that end with the skill, begun so")
+    parser.add_argument("--steps", type=int, default=5000, help="training steps of a policy")
+    parser.add_argument("--every", type=int, default=1000, help="steps between two tests")
+    parser.add_argument("--seeds", type=int, default=3, help="policies for each reward")
+    parser.add_argument("--training", type=int, default=100, help="training witnesses")
+    parser.add_argument("--held-out", type=int, default=30, help="test witnesses")
+    parser.add_argument("--unseen", help="an object that occurs only in tests, such as box_1")
+    parser.add_argument(
+        "--begin", choices=BEGUN, help="train on whole tasks that end with the skill; where episodes begin"
+    )
     parser.add_argument("--output", type=Path, default=Path("learned"), help="the folder of the curves and figures")
-    parser.add_argument("--models", type=Path, help="a folder for what is learned, as Stable-Baselines3 writes it")
+    parser.add_argument(
+        "--models", type=Path, help="a folder for the trained policies, in the format of Stable-Baselines3"
+    )
     options = parser.parse_args()
     torch.set_num_threads(1)
     options.output.mkdir(parents=True, exist_ok=True)
@@ -86,8 +100,8 @@ def main() -> None:
     path = options.output / f"{name}.parquet"
     rows = pq.read_table(path).to_pylist() if path.exists() else []
     learned = {(row["reward"], row["seed"]) for row in rows}
-    asked = [(reward, seed) for reward in options.rewards for seed in range(options.seeds)]
-    if missing := [each for each in asked if each not in learned]:
+    requests = [(reward, seed) for reward in options.rewards for seed in range(options.seeds)]
+    if missing := [each for each in requests if each not in learned]:
         last = options.begin is not None
         given = starts(options.skill, options.training, seed=TRAINING, without=options.unseen, last=last)
         others = starts(options.skill, options.held_out, seed=HELD_OUT, only=options.unseen, last=last)
@@ -102,7 +116,7 @@ def main() -> None:
 def curve(
     given: Sequence[Start], others: Sequence[Start], reward: str, seed: int, options: argparse.Namespace, name: str
 ) -> Iterator[dict[str, Any]]:
-    """Yield how a policy does with held-out witnesses as it learns."""
+    """Train a policy and yield its success on held-out witnesses over time."""
     console = Console(stderr=True)
     env, test = begun(given, reward, seed=seed, begin=options.begin), begun(others, "sparse")
     wholes = begun(others, "sparse", begin="task") if options.begin is not None else None
@@ -136,20 +150,20 @@ def curve(
 
 
 def begun(given: Sequence[Start], reward: Any, *, seed: int | None = None, begin: str | None = None) -> FromStarts:
-    """Return an environment that begins with some subgoals of a skill: in turn to be tested, or drawn to be learned.
+    """Return an environment whose episodes begin with given subgoals: sampled if there is a seed, else in turn.
 
     With `begin`, an episode lasts until the whole task ends, and begins as `BEGUN` says.
     """
     task, witness, stage = given[0]
     least = STEPS.get(task.actions[stage].name, AT_MOST) if begin is None else PURSUED
-    asked: dict[str, Any] = {"until": "subgoal"} if begin is None else BEGUN[begin]
+    options: dict[str, Any] = {"until": "subgoal"} if begin is None else BEGUN[begin]
     steps = AT_MOST if seed is None else least
-    env = TaskEnv(task=task, witness=witness, reward=reward, steps=steps, **asked)
-    return FromStarts(Moved(Seen(env)), given, seed=seed, there=begin is None)
+    env = TaskEnv(task=task, witness=witness, reward=reward, steps=steps, **options)
+    return FromStarts(ScaledActions(SkillObservations(env)), given, seed=seed, at_stage=begin is None)
 
 
 def reaches(model: SAC, env: FromStarts) -> bool:
-    """Tell whether a policy reaches the next subgoal of an environment."""
+    """Return whether a policy reaches the next subgoal of an environment."""
     seen, _ = env.reset()
     done = late = False
     while not done and not late:
@@ -159,16 +173,16 @@ def reaches(model: SAC, env: FromStarts) -> bool:
 
 def _pooled(rows: Sequence[dict[str, Any]]) -> dict[str, dict[int, Rate]]:
     """Return the rates of all seeds together, by reward and step."""
-    found: dict[str, dict[int, Rate]] = {}
+    rates: dict[str, dict[int, Rate]] = {}
     for row in rows:
-        steps = found.setdefault(row["reward"], {})
+        steps = rates.setdefault(row["reward"], {})
         successes, trials = steps.get(row["step"], (0, 0))
         steps[row["step"]] = Rate(successes + row["successes"], trials + row["trials"])
-    return found
+    return rates
 
 
 def _table(rows: Sequence[dict[str, Any]]) -> Table:
-    """Return the table of the last tests."""
+    """Return the table of the final tests."""
     wholes = "whole" in rows[0]
     table = Table("reward", "steps", "seeds", "all", *["whole tasks"] * wholes, "processor seconds of a seed")
     for reward, steps in _pooled(rows).items():
@@ -182,7 +196,7 @@ def _table(rows: Sequence[dict[str, Any]]) -> Table:
 
 
 def draw(rows: Sequence[dict[str, Any]], title: str) -> Figure:
-    """Return a figure of the curves: each seed, and all together with their intervals of 95 %."""
+    """Return a figure of the curves: each seed, and the pooled rate with 95 % intervals."""
     figure = Figure(figsize=(6.4, 3.8), layout="constrained")
     axes = figure.add_subplot()
     for reward, steps in _pooled(rows).items():

@@ -1,10 +1,10 @@
-"""What was learned, tested with witnesses and tasks that nobody looked at while its settings were chosen.
+"""The final test of trained policies on witnesses and tasks that were not used for choosing settings.
 
     python benchmarks/learning/fresh.py MODELS
 
-MODELS is the folder of policies that curves.py has learned (`--models MODELS`). Each is tested with other witnesses of
-tasks of two actions, as it learned from, and with tasks of three actions, none of which it learned from. Writes
-fresh.parquet into the folder of --output. It needs the extra `learning`.
+MODELS is the folder of policies trained by curves.py (`--models MODELS`). Each is tested on new witnesses of tasks of
+two actions, the length of its training tasks, and on tasks of three actions, which are all new. Writes fresh.parquet
+into the folder --output. Requires the extra `learning`.
 """
 
 from __future__ import annotations
@@ -29,24 +29,24 @@ SKILLS, LENGTHS = ("approach", "grasp"), (2, 3)
 
 
 def main() -> None:
-    """Test all policies, write what became of each, and print a table."""
+    """Test all policies, write the results, and print a table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("models", type=Path, help="the folder of the policies")
-    parser.add_argument("--count", type=int, default=30, help="how many subgoals of each kind they are tested with")
-    parser.add_argument("--training", type=int, default=100, help="how many witnesses they learned from")
+    parser.add_argument("--count", type=int, default=30, help="test subgoals of each kind")
+    parser.add_argument("--training", type=int, default=100, help="training witnesses of the policies")
     parser.add_argument("--seed", type=int, default=FRESH, help="the seed of the tasks and their witnesses")
-    parser.add_argument("--unseen", help="test what curves.py has learned without this object, with it")
+    parser.add_argument("--unseen", help="test policies that were trained without this object on it")
     parser.add_argument("--output", type=Path, default=Path("learned"), help="the folder of the table")
     options = parser.parse_args()
     unseen = options.unseen
     added = "" if unseen is None else f"_unseen_{unseen}"
     if not any(_seeds(options.models, skill + added, reward) for skill, reward in itertools.product(SKILLS, REWARDS)):
-        parser.error(f"{options.models} has no policies; learn some: curves.py approach --models {options.models}")
+        parser.error(f"{options.models} has no policies; train some: curves.py approach --models {options.models}")
     torch.set_num_threads(1)
     rows = []
     table = Table("skill", "reward", "actions of the tasks", "seeds", "all")
     for skill, length in itertools.product(SKILLS, LENGTHS):
-        learned = [(reward, found) for reward in REWARDS if (found := _seeds(options.models, skill + added, reward))]
+        learned = [(reward, paths) for reward in REWARDS if (paths := _seeds(options.models, skill + added, reward))]
         if not learned:
             continue
         given = starts(skill, options.count, seed=options.seed, length=length, only=unseen)
@@ -69,7 +69,7 @@ def main() -> None:
 
 
 def _rate(model: SAC, test: FromStarts, count: int) -> Rate:
-    """Return how many of so many subgoals a policy reaches."""
+    """Return the rate at which a policy reaches `count` subgoals."""
     return Rate(sum([reaches(model, test) for _ in range(count)]), count)
 
 

@@ -1,11 +1,11 @@
-"""Whether the memory of a process that learns stays flat: its resident set over a million steps of an environment.
+"""Check that the resident memory of a learning process stays flat over a million steps of an environment.
 
     python benchmarks/learning/lasting.py
 
-One environment takes random actions, with all that it can be asked to keep between its episodes: tasks of two actions
-of `tabletop`, drawn from the space and validated as they come, an adaptive curriculum, subgoals walked back from the
-last one, and a reward that fades with success. It takes about a quarter of an hour of processor time, and ends with
-code 1 where the process has grown by 20 MB or more after the first measurement.
+One environment takes random actions, with everything that keeps state between episodes: tasks of two actions of
+`tabletop` that are sampled and validated lazily, an adaptive curriculum, a backwards curriculum over subgoals, and a
+reward that is annealed with success. It takes about a quarter of an hour of processor time, and exits with code 1 if
+the memory has grown by 20 MB or more after the first measurement.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from memory import LIMIT, megabytes
 @click.option("--every", type=click.IntRange(min=1), default=100_000, show_default=True, help="Steps of a measurement.")
 @click.option("--seed", type=int, default=0, show_default=True, help="The seed of tasks and actions.")
 def main(steps: int, every: int, seed: int) -> None:
-    """Act, print the memory as it goes, and judge its growth."""
+    """Act, print the memory over time, and check its growth."""
     space = TaskSpace(load_domain("tabletop"), length=2)
     env = TaskEnv(space, curriculum=(Adaptive(), Backwards()), reward="faded")
     env.action_space.seed(seed)
@@ -43,12 +43,12 @@ def main(steps: int, every: int, seed: int) -> None:
             episodes += 1
         if step % every == 0 or step == steps:
             sizes.append(megabytes())
-            told = f"{step:,} steps, {episodes:,} episodes, {time.process_time():.0f} s: {sizes[-1]:.1f} MB"
-            console.print(told, highlight=False)
+            line = f"{step:,} steps, {episodes:,} episodes, {time.process_time():.0f} s: {sizes[-1]:.1f} MB"
+            console.print(line, highlight=False)
     env.close()
     grown = sizes[-1] - sizes[0]
-    told = f"grown by {grown:.1f} MB since step {min(every, steps):,}; less than {LIMIT:.0f} MB are allowed"
-    console.print(told, highlight=False)
+    line = f"growth since step {min(every, steps):,}: {grown:.1f} MB; limit: {LIMIT:.0f} MB"
+    console.print(line, highlight=False)
     sys.exit(int(grown >= LIMIT))
 
 

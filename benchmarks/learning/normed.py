@@ -1,4 +1,4 @@
-"""Soft actor-critic whose critics keep what they promise in bounds: each layer of them is normalised."""
+"""Soft actor-critic with layer normalisation in the critics, which bounds their estimates."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from torch import nn
 class NormedCritic(ContinuousCritic):
     """Has a layer normalisation (Ba, Kiros, Hinton 2016) between each hidden layer and its activation.
 
-    What a critic says of an action that nobody has tried is then bounded by the weights of its last layer, so that it
+    The estimate for an untried action is then bounded by the weights of the last layer, so that it
     cannot grow from update to update (Ball, Smith, Kostrikov, Levine 2023, *Efficient online reinforcement learning
     with offline data*).
     """
 
-    def __init__(self, *given: Any, **named: Any):
-        super().__init__(*given, **named)
+    def __init__(self, *arguments: Any, **options: Any):
+        super().__init__(*arguments, **options)
         self.q_networks = [_normed(network) for network in self.q_networks]
         for index, network in enumerate(self.q_networks):
             self.add_module(f"qf{index}", network)
 
 
 class Normed(SACPolicy):
-    """The policy of soft actor-critic as Stable-Baselines3 has it, with normed critics."""
+    """The policy of soft actor-critic as Stable-Baselines3 has it, with normalised critics."""
 
     def make_critic(self, features_extractor: BaseFeaturesExtractor | None = None) -> ContinuousCritic:
         """Return the critics."""
@@ -34,7 +34,7 @@ class Normed(SACPolicy):
 
 
 def _normed(network: nn.Sequential) -> nn.Sequential:
-    """Return a network with a normalisation behind each linear layer but the last."""
+    """Return a network with a layer normalisation after each linear layer except the last."""
     layers: list[nn.Module] = []
     for layer in network:
         layers.append(layer)

@@ -1,8 +1,8 @@
-"""How often the scripted oracle ends well: by skill, each begun in the state of a witness, and in whole tasks.
+"""Success rate of the scripted oracle: by skill, beginning in the state of a witness, and on whole tasks.
 
     python benchmarks/learning/oracle.py --count 100
 
-No witness here was looked at while the oracle was written. Intervals are Wilson's, of 95 %.
+These witnesses were not used in the development of the oracle. Intervals are Wilson's 95 % intervals.
 """
 
 from __future__ import annotations
@@ -17,25 +17,25 @@ from starts import DOMAINS, HELD_OUT, Start, starts, witnessed
 from prag_asp.rl import OraclePolicy, Rate, Rollouts, TaskEnv, run
 
 AIMS = {"approach": 95, "grasp": 95, "pick": 85, "place": 85, "tabletop, 4 actions": 60, "prag, 4 actions": 60}
-"""What it should reach, in percent."""
+"""The required success rates, in percent."""
 
 PATIENCE = 300
-"""For how many steps it may pursue a subgoal."""
+"""The time limit of a subgoal, in steps."""
 
 
 def main() -> None:
-    """Let the oracle pursue held-out subgoals and tasks, and print two tables."""
+    """Run the oracle on held-out subgoals and tasks, and print two tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--count", type=int, default=100, help="how many of each kind")
-    parser.add_argument("--tries", type=int, default=1, help="how often each subgoal may be tried")
+    parser.add_argument("--count", type=int, default=100, help="number of each kind")
+    parser.add_argument("--tries", type=int, default=1, help="tries for each subgoal")
     parser.add_argument("--seed", type=int, default=HELD_OUT + 1, help="the seed of the tasks and their witnesses")
     options = parser.parse_args()
-    table = Table("kind", "ended well", "aim")
+    table = Table("kind", "success", "required")
     for skill in DOMAINS:
         given = starts(skill, options.count, seed=options.seed, length=4)
         rate = subgoals(given, tries=options.tries)
         table.add_row(skill, str(rate), f"{AIMS[skill]} %")
-    parts = Table("of whole tasks", "reached, where it was come to")
+    parts = Table("stage or action of whole tasks", "reached, of those that began it")
     for domain in sorted(set(DOMAINS.values())):
         runs = whole(domain, options.count, seed=options.seed + 1, tries=options.tries)
         kind = f"{domain}, 4 actions"
@@ -48,18 +48,18 @@ def main() -> None:
 
 
 def subgoals(given: Sequence[Start], *, tries: int) -> Rate:
-    """Return how often the oracle reaches subgoals that begin in the states of witnesses."""
-    ended = []
+    """Return the success rate of the oracle on subgoals that begin in states of witnesses."""
+    successes = []
     for start in given:
         env = TaskEnv(task=start.task, witness=start.witness, stage=start.stage, until="subgoal", reward="sparse")
         runs = run(env, OraclePolicy(env), 1, tries=tries, patience=PATIENCE)
         env.close()
-        ended.append(runs.whole().successes)
-    return Rate(sum(ended), len(ended))
+        successes.append(runs.whole().successes)
+    return Rate(sum(successes), len(successes))
 
 
 def whole(domain: str, count: int, *, seed: int, tries: int) -> Rollouts:
-    """Return what became of whole tasks of four actions."""
+    """Return the rollouts of whole tasks of four actions."""
     drawn = witnessed(domain, 4, seed=seed)
     given = [next(drawn) for _ in range(count)]
     drawn.close()

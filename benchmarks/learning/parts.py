@@ -1,13 +1,13 @@
-"""A whole pick from home, learned by parts: an approach, and a grasp that begins where that approach has ended.
+"""A whole pick from the home pose, learned in parts: an approach, and a grasp that begins where the approach ends.
 
     python benchmarks/learning/parts.py
 
 Soft actor-critic learns each part of the tasks of `prag` that approach an object and grasp it. The grasp is learned
-twice: from the states of witnesses, and from those in which the approach ends that was learned before. Both are chained
-from home with held-out witnesses, for the predicates to say when the grasp takes over.
+twice: from states of witnesses, and from the final states of the learned approach. Both are chained from the home pose
+on held-out witnesses; the predicates decide when the grasp takes over.
 
-Writes parts.parquet and parts.png into the folder of --output; seeds that are there already are not learned anew. It
-needs the extra `learning`, and takes about three minutes of processor time for a seed.
+Writes parts.parquet and parts.png into the folder --output; seeds in the file are not trained again. Requires the extra
+`learning`; takes about three minutes of processor time for each seed.
 """
 
 from __future__ import annotations
@@ -37,20 +37,22 @@ LEARNED_FROM = ("witnesses", "where the approach ends")
 COLOURS = dict(zip(LEARNED_FROM, ("#0072b2", "#d55e00"), strict=True))
 
 IN_VAIN = 5
-"""After how many approaches in a row that fail a grasp is learned from the state of a witness."""
+"""The number of failed approaches in a row after which an episode begins in the state of a witness."""
 
 
 def main() -> None:
-    """Learn what is not learned yet, write the curves, print the table and draw the figure."""
+    """Train the missing policies, write the curves, print the table and draw the figure."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--approach", type=int, default=6000, help="how many steps an approach learns for")
-    parser.add_argument("--grasp", type=int, default=2000, help="how many steps a grasp learns for")
-    parser.add_argument("--every", type=int, default=1000, help="after how many steps they are tested each time")
-    parser.add_argument("--seeds", type=int, default=3, help="how many policies of each kind learn")
-    parser.add_argument("--training", type=int, default=100, help="how many witnesses are learned from")
-    parser.add_argument("--held-out", type=int, default=30, help="how many others they are tested with")
+    parser.add_argument("--approach", type=int, default=6000, help="training steps of an approach")
+    parser.add_argument("--grasp", type=int, default=2000, help="training steps of a grasp")
+    parser.add_argument("--every", type=int, default=1000, help="steps between two tests")
+    parser.add_argument("--seeds", type=int, default=3, help="policies of each kind")
+    parser.add_argument("--training", type=int, default=100, help="training witnesses")
+    parser.add_argument("--held-out", type=int, default=30, help="test witnesses")
     parser.add_argument("--output", type=Path, default=Path("learned"), help="the folder of the curves and the figure")
-    parser.add_argument("--models", type=Path, help="a folder for what is learned, as Stable-Baselines3 writes it")
+    parser.add_argument(
+        "--models", type=Path, help="a folder for the trained policies, in the format of Stable-Baselines3"
+    )
     options = parser.parse_args()
     torch.set_num_threads(1)
     options.output.mkdir(parents=True, exist_ok=True)
@@ -70,7 +72,7 @@ def main() -> None:
 def learned(
     given: Sequence[Start], others: Sequence[Start], seed: int, options: argparse.Namespace
 ) -> Iterator[dict[str, Any]]:
-    """Yield how chained policies do from home as the approach is learned, and then each of two grasps."""
+    """Train the approach and then each of two grasps; yield the success of chained policies from home over time."""
     first = begun(given, "dense", seed=seed)
     approach = SAC(env=first, seed=seed, **SETTINGS)
     yield from _curve("approach", "witnesses", approach, {"approach": approach}, others, seed, options)
@@ -95,7 +97,7 @@ def _curve(
     seed: int,
     options: argparse.Namespace,
 ) -> Iterator[dict[str, Any]]:
-    """Let a model learn a skill, and yield from time to time how far all models come, chained from home."""
+    """Train a model for a skill; yield at intervals how many stages the chained models reach from home."""
     console, seconds = Console(stderr=True), 0.0
     test = begun(others, "sparse", begin="task")
     policies = {name: _policy(each) for name, each in models.items()}
@@ -123,14 +125,14 @@ def _curve(
 
 
 def _policy(model: SAC) -> Policy:
-    """Return what a model does at its best."""
+    """Return the deterministic policy of a model."""
     return lambda seen: model.predict(seen, deterministic=True)[0]
 
 
 class After(gymnasium.Wrapper):
-    """Begins each episode where a policy has reached the first subgoal of a task, and lasts for a `limit` of steps.
+    """Begins each episode where a policy has reached the first subgoal of a task; an episode lasts `limit` steps.
 
-    Where it fails so often in a row that no end can be hoped for, an episode begins in the state of a witness.
+    After `IN_VAIN` failures in a row, it begins in the state of a witness instead.
     """
 
     def __init__(self, env: FromStarts, model: SAC, *, limit: int):
@@ -138,7 +140,7 @@ class After(gymnasium.Wrapper):
         self._policy, self._limit, self._left = _policy(model), limit, limit
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
-        """Let the policy reach the subgoal, from one start after another."""
+        """Run the policy to the subgoal, from one start after another."""
         self._left = self._limit
         for _ in range(IN_VAIN):
             seen, info = self.env.reset(seed=seed)
@@ -152,7 +154,7 @@ class After(gymnasium.Wrapper):
         return self.env.reset(options={"stage": 1})
 
     def step(self, action: Any) -> Any:
-        """Act; time is up by the count of this episode alone."""
+        """Act; the time limit counts the steps of this episode alone."""
         seen, gain, done, _, info = self.env.step(action)
         self._left -= 1
         return seen, gain, done, self._left <= 0 and not done, info
@@ -165,8 +167,8 @@ def _last(rows: Sequence[dict[str, Any]], skill: str, whence: str) -> list[dict[
 
 
 def table(rows: Sequence[dict[str, Any]]) -> Table:
-    """Return the table of the last tests: how many came to hold the object, and what the parts have of it."""
-    found = Table("grasp learned from", "approach", "grasp, once there", "whole pick, seeds", "whole pick", "seconds")
+    """Return the table of the final tests: success of whole picks, and of each part."""
+    result = Table("grasp learned from", "approach", "grasp, once there", "whole pick, seeds", "whole pick", "seconds")
     before = _last(rows, "approach", "witnesses")
     for whence in LEARNED_FROM:
         last = _last(rows, "grasp", whence)
@@ -174,12 +176,12 @@ def table(rows: Sequence[dict[str, Any]]) -> Table:
         seeds = ", ".join(f"{row['grasp'] / row['trials']:.2f}" for row in last)
         seconds = sum(row["processor_seconds"] for row in (*before, *last)) / len(last)
         parts = Rate(approached, trials), Rate(held, approached)
-        found.add_row(whence, *map(str, parts), seeds, str(Rate(held, trials)), f"{seconds:.0f}")
-    return found
+        result.add_row(whence, *map(str, parts), seeds, str(Rate(held, trials)), f"{seconds:.0f}")
+    return result
 
 
 def draw(rows: Sequence[dict[str, Any]]) -> Figure:
-    """Return a figure of whole picks against the steps of both parts, with intervals of 95 %, and each seed."""
+    """Return a figure of whole picks over training steps: each seed, and the pooled rate with 95 % intervals."""
     figure = Figure(figsize=(6.4, 3.8), layout="constrained")
     axes = figure.add_subplot()
     learned_before = max(row["step"] for row in rows if row["skill"] == "approach")

@@ -1,10 +1,10 @@
-"""Control steps and resets a second beside other environments: python benchmarks/learning/rates.py --blocks 12.
+"""Compare control steps and resets per second with other environments: python benchmarks/learning/rates.py --blocks 12.
 
-The peers are installed by: pip install panda-gym gymnasium-robotics 'mujoco<3.12', for with later ones Fetch fails to
-begin. One that is missing, or fails so, is shown as '-'. Each environment takes random actions for a block of steps,
-the environments by turns, so that a busy machine is as busy for all; of each, the middle block and the fastest count.
-Seconds are of processor time. It ends with code 1 where the middle of our blocks is below 1.3 times that of panda-gym's
-PickAndPlace, or two processes together do too little: beside.py says what, and is run at the end.
+Install the others with: pip install panda-gym gymnasium-robotics 'mujoco<3.12' (with later versions Fetch fails to
+start). One that is missing or fails is shown as '-'. The environments alternate, each with random actions for a
+block of steps, so that other load affects all alike; the table shows the median and the fastest block. Seconds are
+processor time. Exits with code 1 if our median rate is below 1.3 times that of panda-gym's PickAndPlace, or if the
+parallel speed-up measured by beside.py, which runs at the end, is too low.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ LEAST_TIMES = 1.3
 
 
 def panda(name: str) -> Callable[[], gymnasium.Env[Any, Any]]:
-    """Return what makes an environment of panda-gym, which says something as it is loaded."""
+    """Return a factory of an environment of panda-gym, which prints a message on import."""
 
     def make() -> gymnasium.Env[Any, Any]:
         with redirect_stdout(StringIO()):
@@ -75,23 +75,25 @@ def block(env: gymnasium.Env[Any, Any], steps: int) -> tuple[float, float]:
 @click.command()
 @click.option("--blocks", type=click.IntRange(min=1), default=12, show_default=True)
 @click.option("--steps", type=click.IntRange(min=100), default=500, show_default=True, help="Steps of a block.")
-@click.option("--rounds", type=click.IntRange(min=1), default=5, show_default=True, help="Of one and two processes.")
-@click.option("--seconds", type=click.FloatRange(min=0.1), default=4.0, show_default=True, help="How long these work.")
+@click.option(
+    "--rounds", type=click.IntRange(min=1), default=5, show_default=True, help="Rounds of one and two processes."
+)
+@click.option("--seconds", type=click.FloatRange(min=0.1), default=4.0, show_default=True, help="Duration of each.")
 def main(blocks: int, steps: int, rounds: int, seconds: float) -> None:
-    """Measure all environments by turns."""
-    found, missing = {}, []
+    """Measure all environments in turn."""
+    envs, missing = {}, []
     for name, make in ENVIRONMENTS.items():
         try:
-            found[name] = make()
+            envs[name] = make()
         except (ImportError, AssertionError, gymnasium.error.Error) as error:  # MuJoCo is too new
             missing.append(f"{name}: {error!r}")
-    taken: dict[str, list[tuple[float, float]]] = {name: [] for name in found}
-    for env in found.values():
+    taken: dict[str, list[tuple[float, float]]] = {name: [] for name in envs}
+    for env in envs.values():
         env.reset(seed=0)
         env.action_space.seed(0)
         block(env, steps)
     for _ in range(blocks):
-        for name, env in found.items():
+        for name, env in envs.items():
             taken[name].append(block(env, steps))
     rates = {name: 1 / median(step for step, _ in each) for name, each in taken.items()}
     heads = ("environment", "steps/s", "fastest block", "times ours", "reset, ms")
@@ -102,17 +104,19 @@ def main(blocks: int, steps: int, rounds: int, seconds: float) -> None:
             continue
         fastest, reset = 1 / min(step for step, _ in taken[name]), 1e3 * median(reset for _, reset in taken[name])
         table.add_row(name, f"{rates[name]:.0f}", f"{fastest:.0f}", f"{rates[name] / rates[OURS]:.2f}", f"{reset:.2f}")
-    for env in found.values():
+    for env in envs.values():
         with suppress(Exception):
             env.close()
     side_by_side = beside.measured(rounds, seconds)
-    enough, told = beside.verdict(*(beside.ratio(side_by_side[kind]) for kind in (beside.ENVIRONMENT, beside.PHYSICS)))
+    enough, message = beside.verdict(
+        *(beside.ratio(side_by_side[kind]) for kind in (beside.ENVIRONMENT, beside.PHYSICS))
+    )
     console = Console()
     console.print(table)
     for line in missing:
         console.print(line, markup=False)
     console.print(beside.table(side_by_side))
-    console.print(told, highlight=False)
+    console.print(message, highlight=False)
     slow = PICK in rates and rates[OURS] < LEAST_TIMES * rates[PICK]
     sys.exit(int(slow or not enough))
 

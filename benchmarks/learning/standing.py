@@ -1,11 +1,11 @@
-"""Whether every state in which an episode can begin stands: for a second after a reset, with its facts.
+"""Check that every state in which an episode can begin is stable: its facts hold for a second after a reset.
 
     python benchmarks/learning/standing.py
 
-It resets to every stage of the witnesses of tasks, drawn uniformly from the shipped domains that have a scene, lets no
-arm move for 20 steps, and counts the stages of which all facts of the state still hold, and the facts themselves. Then
-it begins with each of them once more, one task after another, and tells the processor time that a reset takes. It ends
-with 1 where a fact does not hold.
+It resets to every stage of the witnesses of uniformly sampled tasks of the shipped domains with a scene, takes 20 steps
+without arm motion, and counts the stages in which all facts of the state still hold, and the facts. Then it resets to
+each of them again, alternating between tasks, and measures the processor time of a reset. Exits with code 1 if a fact
+does not hold.
 """
 
 from __future__ import annotations
@@ -29,23 +29,25 @@ from prag_asp.rl import Rate, TaskEnv
 SHIPPED = ("prag", "tabletop", "kitchen", "two_arms")
 
 SECOND = 20
-"""How many steps of 1/20 s a state shall stand."""
+"""The duration of the check, in steps of 1/20 s."""
 
 
 def main() -> None:
-    """Let all states stand, and print a table, and what has fallen."""
+    """Check all states, and print a table and the facts that do not hold."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--count", type=int, default=200, help="how many witnesses, of all domains together")
-    parser.add_argument("--length", type=int, default=4, help="how many actions their tasks have")
+    parser.add_argument("--count", type=int, default=200, help="total number of witnesses")
+    parser.add_argument("--length", type=int, default=4, help="actions of each task")
     parser.add_argument("--seed", type=int, default=0, help="the seed of the tasks and their witnesses")
     options = parser.parse_args()
-    heads = ("domain", "witnesses", "stages that stand", "facts that hold", "a reset, ms")
+    heads = ("domain", "witnesses", "stable stages", "facts that hold", "reset, ms")
     table, fallen = Table(*heads), list[str]()
     for number, domain in enumerate(SHIPPED):
         count = (options.count + number) // len(SHIPPED)
         stages, facts, taken, lost = stood(domain, count, length=options.length, seed=options.seed)
-        told = f"{1000 * median(taken):.2f}" if taken else "-"
-        table.add_row(domain, str(count), *(f"{rate.successes:,} of {rate.trials:,}" for rate in (stages, facts)), told)
+        milliseconds = f"{1000 * median(taken):.2f}" if taken else "-"
+        table.add_row(
+            domain, str(count), *(f"{rate.successes:,} of {rate.trials:,}" for rate in (stages, facts)), milliseconds
+        )
         fallen += lost
     console = Console()
     console.print(table)
@@ -55,7 +57,7 @@ def main() -> None:
 
 
 def stood(domain: str, count: int, *, length: int, seed: int) -> tuple[Rate, Rate, list[float], list[str]]:
-    """Return how many stages stand, how many facts hold, what each reset takes, and which facts do not hold."""
+    """Return the rates of stable stages and of facts that hold, the seconds of each reset, and the failed facts."""
     drawn = witnessed(domain, length, seed=seed)
     given = list(itertools.islice(drawn, count))
     drawn.close()
@@ -73,7 +75,7 @@ def stood(domain: str, count: int, *, length: int, seed: int) -> tuple[Rate, Rat
             facts += held
             stages.append(all(held))
             lost = [fact.sentence() for fact, holds in zip(states[stage], held, strict=True) if not holds]
-            fallen += [f"{domain}, {task}, stage {stage}: no longer so: {each}" for each in lost]
+            fallen += [f"{domain}, {task}, stage {stage}: no longer holds: {each}" for each in lost]
     if env is not None:
         taken += resets(env, given)
         env.close()
@@ -81,7 +83,7 @@ def stood(domain: str, count: int, *, length: int, seed: int) -> tuple[Rate, Rat
 
 
 def resets(env: TaskEnv, given: Sequence[tuple[Task, Witness]]) -> Iterator[float]:
-    """Yield the seconds of processor time that it takes to begin with each stage, the first of all tasks first."""
+    """Yield the processor seconds of a reset to each stage, all tasks at the first stage first."""
     for stage in range(max(len(task.actions) for task, _ in given)):
         for task, witness in given:
             begun = process_time()

@@ -1,4 +1,4 @@
-"""Write the commands into the page that has a mark for them, from what ``--help`` says of each."""
+"""Write the reference of commands, generated from their ``--help``, into the page with the placeholder."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from prag_asp.cli import cli
 
 MARK = "<!-- commands -->"
 WIDTH = 10_000
-"""Columns of a usage line: it is never broken."""
+"""The width of a usage line in columns, so that it is never wrapped."""
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
-    """Put the commands where a page has the mark."""
-    return markdown.replace(MARK, "\n".join(told())) if MARK in markdown else markdown
+    """Replace the placeholder of a page by the commands."""
+    return markdown.replace(MARK, "\n".join(command_lines())) if MARK in markdown else markdown
 
 
-def told() -> Iterator[str]:
+def command_lines() -> Iterator[str]:
     """Yield the lines of the page for all commands, in the order of ``prag-asp --help``."""
     top = click.Context(cli, info_name="prag-asp", **cli.context_settings)
     yield from _command(top, "prag-asp")
@@ -31,7 +31,7 @@ def told() -> Iterator[str]:
 
 
 def _command(context: click.Context, heading: str) -> Iterator[str]:
-    """Yield the lines for one command: its usage, what it does, and its options."""
+    """Yield the lines for one command: usage, description and options."""
     command = context.command
     usage = click.HelpFormatter(width=WIDTH)
     command.format_usage(context, usage)
@@ -39,9 +39,9 @@ def _command(context: click.Context, heading: str) -> Iterator[str]:
     yield f"```text\n{usage.getvalue().strip().removeprefix('Usage: ')}\n```\n"
     yield f"{cleandoc(command.help or '')}\n"
     records = [record for parameter in command.get_params(context) if (record := parameter.get_help_record(context))]
-    yield "| option | what |\n|---|---|"
-    for names, what in filter(all, records):
-        yield f"| {_cell(f'`{names}`')} | {_cell(what)} |"
+    yield "| option | description |\n|---|---|"
+    for names, description in filter(all, records):
+        yield f"| {_cell(f'`{names}`')} | {_cell(description)} |"
     yield ""
     if isinstance(command, click.Group) and context.parent is not None:
         for name in command.list_commands(context):

@@ -1,6 +1,6 @@
-"""Write the encodings into the page that has a mark for them: what they say of themselves, and their rules.
+"""Write the encodings into the page with the placeholder: their documentation and their rules.
 
-A file begins with its title, ``%#``; a block ``%*! head`` to ``*%`` tells what a predicate means.
+A file begins with its title, ``%#``; a block ``%*! head`` to ``*%`` documents a predicate.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 
 ENCODINGS = Path(__file__).parent.parent.parent / "encodings"
 MARK = "<!-- encodings -->"
-ROOMS = {
+FOLDERS = {
     ".": "The logic of a plan",
     "rules": "Rules that a domain or a command may add",
     "conditions": "Conditions",
@@ -21,20 +21,20 @@ BLOCK = re.compile(r"%\*! (.*?)\n(.*?)\*%\n", re.DOTALL)
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
-    """Put the encodings where a page has the mark."""
-    return markdown.replace(MARK, "\n".join(told())) if MARK in markdown else markdown
+    """Replace the placeholder of a page by the encodings."""
+    return markdown.replace(MARK, "\n".join(encoding_lines())) if MARK in markdown else markdown
 
 
-def told() -> Iterator[str]:
+def encoding_lines() -> Iterator[str]:
     """Yield the lines of the page for all encodings."""
-    for room, heading in ROOMS.items():
+    for folder, heading in FOLDERS.items():
         yield f"## {heading}\n"
-        for path in sorted((ENCODINGS / room).glob("*.lp")):
+        for path in sorted((ENCODINGS / folder).glob("*.lp")):
             yield from _file(path)
 
 
 def _file(path: Path) -> Iterator[str]:
-    """Yield the lines for one encoding: its title, its predicates, and its rules to be unfolded."""
+    """Yield the lines for one encoding: its title, its predicates, and its rules in a collapsible block."""
     title, text = path.read_text(encoding="utf-8").split("\n", 1)
     name = path.relative_to(ENCODINGS)
     yield f"### {name} {{ data-toc-label='{path.name}' }}\n\n{title.removeprefix('%#').strip()}.\n"

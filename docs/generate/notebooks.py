@@ -1,4 +1,4 @@
-"""Show the notebooks of examples/ as pages, with what their cells printed and drew."""
+"""Show the notebooks of examples/ as pages, with the outputs of their cells."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ NOTEBOOKS = Path(__file__).parent.parent.parent / "examples" / "notebooks"
 def on_files(files: Files, config: MkDocsConfig) -> None:
     """Add a page for each notebook."""
     for path in sorted(NOTEBOOKS.glob("*.ipynb")):
-        text = "\n".join(told(path))
+        text = "\n".join(notebook_lines(path))
         files.append(File.generated(config, f"notebooks/{path.stem}.md", content=text))
 
 
-def told(path: Path) -> Iterator[str]:
+def notebook_lines(path: Path) -> Iterator[str]:
     """Yield the parts of a notebook as Markdown."""
     cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
     for number, cell in enumerate(cells):
@@ -32,13 +32,13 @@ def told(path: Path) -> Iterator[str]:
         if number == 0:
             yield f"*This page is the notebook `examples/notebooks/{path.name}`.*\n"
         for output in cell.get("outputs", ()):
-            yield _shown(output)
+            yield _output(output)
 
 
-def _shown(output: dict[str, Any]) -> str:
-    """Return what one output of a cell shows."""
+def _output(output: dict[str, Any]) -> str:
+    """Return an output of a cell as Markdown."""
     data = output.get("data", {})
     if "image/png" in data:
-        return f"![What the cell draws](data:image/png;base64,{data['image/png'].strip()})\n"
+        return f"![Output of the cell](data:image/png;base64,{data['image/png'].strip()})\n"
     text = "".join(output.get("text") or data["text/plain"])
     return f"```text\n{text.rstrip()}\n```\n"

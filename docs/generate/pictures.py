@@ -1,6 +1,6 @@
-"""Draw the pictures of these pages: tasks drawn and validated from one seed each, and a curve.
+"""Generate the pictures of the documentation: tasks, each sampled and validated from one seed, and a curve.
 
-Run:  .venv/bin/python docs/generate/pictures.py [NAME...]        (needs the extras `pictures` and `formats`)
+Run:  .venv/bin/python docs/generate/pictures.py [NAME...]        (requires the extras `pictures` and `formats`)
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ from prag_asp.scene.colours import more_colours
 ROOT = Path(__file__).parent.parent.parent
 PICTURES = ROOT / "docs" / "pictures"
 COLOURS = 256
-"""A picture has so many, which makes its file half as large."""
+"""The number of colours of a picture, which halves the size of its file."""
 
 MARGIN = 14
 
 
 @dataclass(frozen=True)
 class Strip:
-    """A film strip: of the first feasible task that a seed draws from a domain, and how its frames are laid out."""
+    """A film strip of the first feasible task sampled from a domain with a seed, and the layout of its frames."""
 
     domain: str
     length: int
@@ -65,13 +65,13 @@ STRIPS = {
 
 
 def draw(strip: Strip) -> Image.Image:
-    """Return a film strip, in few colours."""
+    """Return a film strip with a reduced palette."""
     path = ROOT / strip.domain
     domain = load_domain(path if path.is_dir() else strip.domain, trust=True)
     scene = load_scene(domain)
     space = TaskSpace(domain, strip.length).where(*strip.where)
-    drawn = space.stream(seed=strip.seed, weights=strip.weights)
-    checked = ((task, validate_task(task, scene, seed=strip.seed).witness) for task in drawn)
+    tasks = space.stream(seed=strip.seed, weights=strip.weights)
+    checked = ((task, validate_task(task, scene, seed=strip.seed).witness) for task in tasks)
     task, witness = next((task, witness) for task, witness in checked if witness is not None)
     captions = instruction_writer_of(domain).captions(task)
     picture = film_strip(task, witness, scene, size=strip.frame, columns=strip.columns, captions=captions)
@@ -83,13 +83,13 @@ def draw(strip: Strip) -> Image.Image:
 
 
 FILMED = Staging(("front", "wrist"), (160, 160), rate=5)
-"""What the page on cameras shows, of the first task of length 2 that seed 8 draws from `tabletop`."""
+"""The cameras for the page on cameras, which shows the first task of length 2 of `tabletop` with seed 8."""
 
 GAP = 6
 
 
 def draw_films() -> Image.Image:
-    """Return four moments of a demonstration as two cameras see it: colours, depth and entities."""
+    """Return four frames of a demonstration from two cameras: colour, depth and segmentation."""
     space = TaskSpace(load_domain("tabletop"), 2)
     with TemporaryDirectory() as folder:
         next(feasible(space, seed=8, demonstrate=folder, staging=FILMED))
@@ -107,21 +107,21 @@ def draw_films() -> Image.Image:
 
 
 FIRST = "tabletop --length 2 --tasks 4 --seed 0 --split train=0.75,test=0.25 --demonstrate --cameras front,wrist"
-"""What the page on the first data set makes."""
+"""The arguments of the page on the first dataset."""
 
 ENLARGED, LINE = 2, 40
 
 
 def draw_first() -> Image.Image:
-    """Return four moments of the first episode of a LeRobotDataset, as the videos have them, with their words."""
-    with TemporaryDirectory() as made:
-        folder = Path(made)
+    """Return four frames of the first episode of a LeRobotDataset, from its videos, with their instructions."""
+    with TemporaryDirectory() as temporary:
+        folder = Path(temporary)
         quiet = {"stdout": subprocess.DEVNULL, "cwd": folder}
         subprocess.run(["prag-asp", "generate", *FIRST.split(), "-o", "first"], check=True, **quiet)
         subprocess.run(["prag-asp", "export", "lerobot", "first", "-o", "lerobot"], check=True, **quiet)
         episode = read_table(folder / "lerobot/data/chunk-000/file-000.parquet").to_pylist()
         subtasks = read_table(folder / "lerobot/meta/subtasks.parquet").to_pylist()
-        (words,) = (each["task"] for each in read_table(folder / "lerobot/meta/tasks.parquet").to_pylist()[:1])
+        (instruction,) = (each["task"] for each in read_table(folder / "lerobot/meta/tasks.parquet").to_pylist()[:1])
         rows = [row for row in episode if row["episode_index"] == 0]
         moments = [rows[round(share * (len(rows) - 1))] for share in (0.1, 0.4, 0.65, 1.0)]
         films = {}
@@ -131,40 +131,40 @@ def draw_first() -> Image.Image:
     side = ENLARGED * films["front"][0].width
     page = Image.new("RGB", (4 * (side + GAP) - GAP, 2 * (side + GAP) + 2 * LINE), "white")
     pen, font = ImageDraw.Draw(page), ImageFont.load_default(size=15)
-    pen.text((MARGIN, LINE / 2), words, fill="black", font=font, anchor="lm")
+    pen.text((MARGIN, LINE / 2), instruction, fill="black", font=font, anchor="lm")
     for column, row in enumerate(moments):
         left = column * (side + GAP)
         for line, pictures in enumerate(films.values()):
             enlarged = pictures[row["frame_index"]].resize((side, side), Image.Resampling.LANCZOS)
             page.paste(enlarged, (left, LINE + line * (side + GAP)))
-        told = "\n".join(wrap(subtasks[row["subtask_index"]]["subtask"], 32))
-        pen.multiline_text((left + 4, page.height - LINE + 2), told, fill="black", font=font)
+        subtask = "\n".join(wrap(subtasks[row["subtask_index"]]["subtask"], 32))
+        pen.multiline_text((left + 4, page.height - LINE + 2), subtask, fill="black", font=font)
     return reduced(page)
 
 
 def in_grey(picture: Picture) -> np.ndarray:
-    """Return the depth of a picture in grey, what is near dark, and nothing white."""
+    """Return the depth of a picture in grey: near is dark, the background is white."""
     depth = picture.depth.astype(float)
-    seen = depth > 0
-    low, high = depth[seen].min(), depth[seen].max()
-    grey = np.where(seen, 30 + 190 * (depth - low) / (high - low), 255)
+    visible = depth > 0
+    low, high = depth[visible].min(), depth[visible].max()
+    grey = np.where(visible, 30 + 190 * (depth - low) / (high - low), 255)
     return np.repeat(grey.astype(np.uint8)[..., None], 3, axis=-1)
 
 
 def in_palette(picture: Picture, count: int) -> np.ndarray:
-    """Return the entities of a picture in a colour each."""
+    """Return the segmentation of a picture with one colour for each entity."""
     colours = ["#ffffff", "#d9cfc0", *more_colours(("#ffffff", "#d9cfc0"), count)]
     palette = np.array([[int(colour[i : i + 2], 16) for i in (1, 3, 5)] for colour in colours], dtype=np.uint8)
     return palette[picture.segmentation]
 
 
 def reduced(picture: Image.Image) -> Image.Image:
-    """Return a picture in few colours."""
+    """Return a picture with a reduced palette."""
     return picture.convert("RGB").quantize(COLOURS, kmeans=2, dither=Image.Dither.NONE)
 
 
 def main(names: list[str]) -> None:
-    """Draw the pictures of some names, or all."""
+    """Generate the named pictures, by default all."""
     for name in names or [*STRIPS, "curve", "cameras", "first_dataset"]:
         target = PICTURES / f"{name}.png"
         if name == "curve":

@@ -1,4 +1,4 @@
-"""Parsers of words of a command line: domains before other words, lengths, constants."""
+"""Parse the words of a command line: domains before other words, lengths, constants."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from prag_asp.errors import QueryError
 from prag_asp.program.paths import is_file_name
 
 MOST_LENGTHS = 1_000_000
-"""Lengths in one request: each takes memory of its own."""
+"""The most lengths in one request, because each takes memory."""
 
 RANGE = re.compile(r"(?P<first>\d+)\.\.(?P<last>\d+)")
 
@@ -26,15 +26,15 @@ def domain_and_others(words: Sequence[str]) -> tuple[tuple[str, ...], tuple[str,
 
 
 def parse_lengths(text: str) -> int | range:
-    """Return the number of actions that a text states, or all numbers of a range such as ``3..6``.
+    """Return the number of actions in a text, or all numbers of a range such as ``3..6``.
 
     Raises:
-        QueryError: it states neither.
+        QueryError: the text is neither.
     """
-    found = RANGE.fullmatch(text.strip())
-    if found is None:
+    match = RANGE.fullmatch(text.strip())
+    if match is None:
         return _parse_number(text, "write a whole number, such as 4, or A..B for all from A to B")
-    first, last = int(found["first"]), int(found["last"])
+    first, last = int(match["first"]), int(match["last"])
     if first > last:
         raise QueryError(f"--length {text}: the first is above the last; write {last}..{first}")
     if last - first >= MOST_LENGTHS:
@@ -43,10 +43,10 @@ def parse_lengths(text: str) -> int | range:
 
 
 def parse_length(text: str) -> int:
-    """Return the number of actions that a text states.
+    """Return the number of actions in a text.
 
     Raises:
-        QueryError: it states none, or a range.
+        QueryError: the text is no number, or a range.
     """
     if RANGE.fullmatch(text.strip()):
         raise QueryError(f"--length {text}: a range, but one length is needed; give a number, such as 4")
@@ -64,7 +64,7 @@ def _parse_number(text: str, hint: str) -> int:
 
 
 def parse_constant_options(options: Sequence[str]) -> dict[str, str]:
-    """Return the constants that options of the form NAME=VALUE set.
+    """Return the constants set by options of the form NAME=VALUE.
 
     Raises:
         QueryError: an option is of another form, or a constant is set twice.

@@ -1,4 +1,4 @@
-"""Options that name a domain and a task space of it."""
+"""Options that define a domain and a task space."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class DomainOptions:
-    """The domain and the task space that a command line names.
+    """The domain and the task space defined by a command line.
 
-    `recorded` is a task of a file, made with constants of the domain; constants of the command line override those.
+    `recorded` is a task of a file with constants for the domain; constants of the command line override these.
     """
 
     names: tuple[str, ...] = ()
@@ -54,10 +54,10 @@ class DomainOptions:
         return replace(self, names=self.names or (named_domain(record, folder),), recorded=recorded)
 
     def domain(self, *, tell: bool = True) -> Domain:
-        """Load the domain; with `tell`, print how many warnings there are about it.
+        """Load the domain; with `tell`, print the number of warnings about it.
 
         Raises:
-            DomainError: something is wrong with it, or with the constants that a task of a file names.
+            DomainError: the domain is wrong, or the constants of a task of a file are.
         """
         try:
             domain = self._load({} if self.recorded is None else self.recorded.task.constants)
@@ -121,12 +121,12 @@ class DomainOptions:
 
 
 def domain_options(*options: Decorator) -> Decorator:
-    """Give a command these options, whose values it gets as one value `request`."""
+    """Give a command these options, as one value `request`."""
     return grouped("request", DomainOptions, options)
 
 
 def _note_unread_settings(names: Sequence[str]) -> None:
-    """Print once that the settings of a folder are not read if its domain.lp is given as a file."""
+    """Print a note, once, that the settings of a folder are not read if its domain.lp is given as a file."""
     for name in names:
         settings = Path(name).parent / "domain.toml"
         if Path(name).name == "domain.lp" and settings.is_file():
@@ -171,7 +171,7 @@ PROGRAM = (
     ),
     click.option("--strict", is_flag=True, help="Treat warnings of `prag-asp check` as errors."),
 )  # fmt: skip
-"""How a domain is loaded."""
+"""Options for loading a domain."""
 
 DOMAIN = (
     click.argument(
@@ -186,7 +186,7 @@ OF_FILE = (
     ),
     *PROGRAM,
 )  # fmt: skip
-"""A domain of tasks in a file."""
+"""The domain of the tasks in a file, and options for loading it."""
 
 WHERE = click.option(
     "--where", metavar="CONDITION", multiple=True, shell_complete=shell_completion.conditions,
@@ -210,7 +210,7 @@ ENGINE = (
         help="Cache results that took long to compute, for later runs.  [default: cache]",
     ),
 )  # fmt: skip
-"""Which tasks of the domain, and how they are counted."""
+"""Conditions on tasks, and the engine that counts them."""
 
 SPACE = (*DOMAIN, LENGTH, *ENGINE)
 SPACES = (*DOMAIN, LENGTHS, *ENGINE)

@@ -1,4 +1,4 @@
-"""How a command ends: with a result, an error, a signal, or at a limit; one line on stderr and an exit code.
+"""The end of a command by a result, an error, a signal, or a limit: one line on stderr and an exit code.
 
 On Linux the command runs as the child of a supervisor (`prag_asp.cli.supervision`). It reports its limits, its stage
 and its end through a pipe, so that the supervisor can print the line where the command itself cannot.
@@ -39,7 +39,7 @@ class Terminated(KeyboardInterrupt):
 
 
 class LimitStruck(BaseException):
-    """The supervisor has stopped the command at a limit on time or memory, and will print the line for it."""
+    """The supervisor has stopped the command at a limit on time or memory, and will print the line about it."""
 
 
 SIGNALS: dict[int, type[BaseException]] = {
@@ -47,18 +47,18 @@ SIGNALS: dict[int, type[BaseException]] = {
     signal.SIGTERM: Terminated,
     signal.SIGALRM: LimitStruck,
 }
-"""The signals that end a command, and what each raises in it. Only the supervisor sends SIGALRM."""
+"""The exception that each signal raises in a command. Only the supervisor sends SIGALRM."""
 
 ENDS = {signal.SIGINT: ("interrupted", Exit.INTERRUPTED), signal.SIGTERM: ("terminated", Exit.TERMINATED)}
-"""The line and the exit code of a command that somebody ends by a signal."""
+"""The line and the exit code of a command that is ended by a signal of the user."""
 
 ERRORS = (Exception, KeyboardInterrupt, LimitStruck)
-"""What `report_end` takes."""
+"""The types of errors that `report_end` accepts."""
 
 
 @dataclass
 class _CommandState:
-    """The command of this process: its limits, its stage, and the signal that it has received."""
+    """The command of this process: its limits, its stage, and the signal received."""
 
     pipe: int | None = None
     begun: float = field(default_factory=monotonic)
@@ -103,7 +103,7 @@ def running() -> Iterator[None]:
 def _on_signal(number: int, frame: FrameType | None) -> None:
     """Raise the exception of a signal, once: Ctrl-C reaches the command twice, from the terminal and the supervisor.
 
-    From then on Python reports no errors of objects that the exception left half-made.
+    From then on Python reports no errors from objects that the exception left incomplete.
     """
     if _state.signal is not None and _state.pipe is not None:
         return
@@ -134,9 +134,9 @@ def limits(*, cached: bool = True) -> Limits:
 
 
 def report_end(error: BaseException) -> int:
-    """Print why the command ends, and return its exit code.
+    """Print the reason why the command ends, and return its exit code.
 
-    An error is an interruption once a signal has arrived, whatever native code has made of it.
+    After a signal, any error counts as an interruption, because native code may turn one into the other.
 
     Raises:
         BaseException: the error itself, if it is a bug of ours.
@@ -169,7 +169,7 @@ def report_end(error: BaseException) -> int:
 
 
 def finish(code: int) -> None:
-    """Ignore signals from here on, and tell the supervisor the exit code, unless that is to print why it ends."""
+    """Ignore signals from now on, and report the exit code, unless the supervisor is about to print a line itself."""
     _ignore_signals()
     try:
         if sys.stdout is not None:
@@ -216,7 +216,7 @@ def _out_of_memory(error: BaseException | None) -> bool:
 
 
 def _report(kind: str, text: str = "") -> None:
-    """Tell the supervisor something; a report for which the pipe has no room is dropped."""
+    """Send a report to the supervisor; it is dropped if the pipe is full."""
     if _state.pipe is not None:
         try:
             os.write(_state.pipe, f"{kind} {text}".encode(errors="replace")[:LONGEST_REPORT] + b"\n")

@@ -1,4 +1,4 @@
-"""With which codes the command ends: the one table of them."""
+"""The exit codes of the command."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ MEANINGS = {
     Exit.INTERRUPTED: "interrupted by Ctrl-C",
     Exit.TERMINATED: "ended by SIGTERM",
 }
-"""What each code says."""
+"""The meaning of each code, for the help."""
 
 OF_ERRORS = {NotFound: Exit.NOT_FOUND, LimitReached: Exit.LIMIT, OutputError: Exit.OUTPUT, WorkerError: Exit.WORKERS}
 
 
 def exit_of(error: BaseException) -> Exit:
-    """Return the code for an error of this package; what is not in the table is about what was given."""
+    """Return the exit code for an error of this package; errors that are not in the table are about the input."""
     return next((code for kind, code in OF_ERRORS.items() if isinstance(error, kind)), Exit.BAD_INPUT)

@@ -1,4 +1,4 @@
-"""Lines on stdout or in a file, which is written whole."""
+"""Write lines to stdout, or atomically to a file."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from prag_asp.errors import OutputError
 from prag_asp.output import new_folder, open_atomic
 from prag_asp.output.atomic_file import AtomicFile, is_stream, output_errors
 
-HELD = 1 << 20
-"""Bytes of lines that are held back before they are written to a file."""
+BUFFER = 1 << 20
+"""Bytes of lines that are buffered before they are written to a file."""
 
 
 class Writer(Protocol):
-    """Takes lines."""
+    """Accepts lines."""
 
     def write(self, line: str, *, flush: bool = False) -> None:
         """Write a line; with `flush`, a stream shows it at once."""
@@ -27,7 +27,7 @@ class Writer(Protocol):
 
 
 class _StreamWriter:
-    """Writes lines to a stream as they come."""
+    """Writes lines to a stream immediately."""
 
     def __init__(self, stream: Any, name: str) -> None:
         self._stream, self._name = stream, name
@@ -42,21 +42,21 @@ class _StreamWriter:
 
 
 class _FileWriter:
-    """Writes lines to a file, many together."""
+    """Writes lines to a file in batches."""
 
     def __init__(self, file: AtomicFile) -> None:
-        self._file, self._held = file, bytearray()
+        self._file, self._buffer = file, bytearray()
 
     def write(self, line: str, *, flush: bool = False) -> None:
         """Write a line."""
-        self._held += f"{line}\n".encode()
-        if len(self._held) >= HELD:
+        self._buffer += f"{line}\n".encode()
+        if len(self._buffer) >= BUFFER:
             self.flush()
 
     def flush(self) -> None:
-        """Write what was held back."""
-        self._file.write(bytes(self._held))
-        self._held.clear()
+        """Write the buffered lines."""
+        self._file.write(bytes(self._buffer))
+        self._buffer.clear()
 
 
 @contextmanager
@@ -92,10 +92,10 @@ def _stream(output: str | None) -> Iterator[_StreamWriter]:
 
 @contextmanager
 def recordings_folder(folder: str | None) -> Iterator[Path | None]:
-    """Yield a folder for recordings, which is written whole or not at all; without a name, None.
+    """Yield a folder for recordings, which is written atomically; without a name, None.
 
     Raises:
-        OutputError: it holds something already, or cannot be written.
+        OutputError: it exists and is not empty, or cannot be written.
     """
     if folder is None:
         yield None
@@ -105,7 +105,7 @@ def recordings_folder(folder: str | None) -> Iterator[Path | None]:
 
 
 def require_writable(output: str | None) -> None:
-    """Check that a file could be written, without touching it; None is stdout.
+    """Check that a file can be written, without changing it; None is stdout.
 
     Raises:
         OutputError: it cannot.

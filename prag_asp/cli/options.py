@@ -1,4 +1,4 @@
-"""Options that several commands share, as decorators; options that belong together become one value."""
+"""Options shared by several commands, as decorators; related options are grouped into one value."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ Function = Callable[..., Any]
 Decorator = Callable[[Function], Function]
 
 MOST = 10**15
-"""The largest number that a command takes: more than any disk holds, and small enough to be multiplied in 64 bits."""
+"""The largest number that an option accepts: more than any disk can store, and far from an overflow of 64 bits."""
 
 LEAST_MEMORY = 10**7
-"""Less memory, in bytes, than Python takes for itself."""
+"""The smallest memory limit in bytes; Python itself needs more."""
 
 
 def whole(least: int, most: int = MOST) -> Callable[[Any], int]:
-    """Return the type of an option that is a whole number; its bounds stand in errors, not in the help."""
+    """Return the type of an option that is a whole number; its bounds appear in errors, not in the help."""
     bounds = click.IntRange(min=least, max=most)
 
     def integer(value: Any) -> int:
@@ -37,7 +37,7 @@ def whole(least: int, most: int = MOST) -> Callable[[Any], int]:
 
 
 def grouped(name: str, kind: Any, options: Sequence[Decorator]) -> Decorator:
-    """Return a decorator that gives a command some options, whose values it gets as one value of a dataclass."""
+    """Return a decorator that gives a command some options, and passes their values as one dataclass."""
 
     def decorate(function: Function) -> Function:
         @wraps(function)
@@ -107,7 +107,7 @@ trust = click.option("--trust", is_flag=True, help="Run the Python files that do
 
 @dataclass(frozen=True)
 class Approximation:
-    """Whether to estimate a number, and how precisely."""
+    """Options of an estimate: whether to estimate, and how precisely."""
 
     approximate: bool
     epsilon: float | None
@@ -151,7 +151,7 @@ approximation = grouped(
 
 @dataclass(frozen=True)
 class WeightOptions:
-    """The weights of tasks that are sampled."""
+    """Options of the weights for sampling."""
 
     weight: tuple[str, ...] = ()
     uniform: bool = False
@@ -163,8 +163,8 @@ class WeightOptions:
         Raises:
             QueryError: an option is not of the form KEY=W.
         """
-        usual = {} if self.uniform else dict(domain.settings.weights)
-        return {"weights": {**usual, **parse_weight_options(self.weight)}, "temperature": self.temperature.strip()}
+        defaults = {} if self.uniform else dict(domain.settings.weights)
+        return {"weights": {**defaults, **parse_weight_options(self.weight)}, "temperature": self.temperature.strip()}
 
 
 weight_options = grouped(
@@ -185,7 +185,7 @@ weight_options = grouped(
 
 
 def parse_weight_options(options: Sequence[str]) -> dict[str, str]:
-    """Return the weights that options of the form KEY=WEIGHT state.
+    """Return the weights set by options of the form KEY=WEIGHT.
 
     Raises:
         QueryError: an option is of another form.

@@ -1,4 +1,4 @@
-"""Options of commands that validate tasks by physics: how hard, how many processes, and what cameras record."""
+"""Options of commands that validate tasks by physics: effort, number of processes, and cameras."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 BUDGET, TIER = "10x10", "kinematics"
 
 LONGEST_SIZE = 20
-"""Characters of a WxH: more are no number of pixels, and slow to read."""
+"""The most characters of WxH: larger numbers are no image sizes, and slow to parse."""
 
 OPTIONS = (
     click.option(
@@ -44,7 +44,7 @@ OPTIONS = (
 
 @dataclass(frozen=True)
 class PhysicsOptions:
-    """How to validate tasks by physics."""
+    """Options of the validation by physics."""
 
     workers: int
     budget: str
@@ -52,7 +52,7 @@ class PhysicsOptions:
     demonstrate: str | None = None
 
     def refuse_without_physics(self, others: Mapping[str, bool]) -> None:
-        """Refuse options of physics where there is none; `others` says which further options of it are given.
+        """Refuse options of physics if it is off; `others` has further options, and whether each is given.
 
         Raises:
             QueryError: an option is given.
@@ -106,7 +106,7 @@ max_draws = click.option(
 
 @dataclass(frozen=True)
 class CameraOptions:
-    """Which cameras record demonstrations, and what is randomized in these."""
+    """Options of demonstrations: the cameras that record them, and the properties that are randomized."""
 
     cameras: str | None = None
     size: str | None = None
@@ -119,10 +119,10 @@ class CameraOptions:
         return self.cameras is not None or self.vary is not None
 
     def check(self, demonstrate: str | None) -> None:
-        """Check that the options fit each other, before anything is loaded.
+        """Check that the options are consistent, before anything is loaded.
 
         Raises:
-            QueryError: one lacks the option that it belongs to.
+            QueryError: an option is given without the one that it depends on.
         """
         for option, value in (("--size", self.size), ("--rate", self.rate)):
             if value is not None and self.cameras is None:
@@ -182,7 +182,7 @@ def _parse_names(option: str, text: str | None) -> tuple[str, ...]:
 
 
 def parse_pixels(text: str) -> tuple[int, int]:
-    """Return the width and height that an option states.
+    """Return the width and height in the value of an option.
 
     Raises:
         QueryError: it is not of the form WxH.

@@ -1,4 +1,4 @@
-"""The commands of ``prag-asp``: the one list of them, each imported when it is needed."""
+"""The list of the commands of ``prag-asp``, each of which is imported when it is needed."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from prag_asp.cli.exits import MEANINGS, Exit
 from prag_asp.cli.terminal import say, tell_line
 
 PROGRAM, COMPLETION = "prag-asp", "_PRAG_ASP_COMPLETE"
-"""The name of the program, and the variable by which a shell asks it for completions."""
+"""The name of the program, and the environment variable by which a shell requests completions."""
 
 COMMANDS = {
     "check": "check",
@@ -53,7 +53,7 @@ GROUPS = {
 """The commands in the order of the help."""
 
 GARBAGE = (100_000, 50, 100)
-"""Thresholds of Python's garbage collector: a ground program is many small values without cycles, so it runs seldom."""
+"""Thresholds of Python's garbage collector, for few runs: a ground program is many small values without cycles."""
 
 
 class Commands(click.Group):
@@ -85,7 +85,7 @@ class Commands(click.Group):
                 )
 
     def main(self, args: Sequence[str] | None = None, prog_name: str | None = None, *_: Any, **__: Any) -> Any:
-        """Run a command line, or answer a shell that asks for completions, and return the exit code."""
+        """Run a command line, or print the completions that a shell requests, and return the exit code."""
         name = prog_name or PROGRAM
         if os.environ.get(COMPLETION):
             from prag_asp.cli.shell_completion import complete
@@ -109,11 +109,11 @@ class Commands(click.Group):
 
 
 SHORT_HELP = 88
-"""Characters of a command's help in the list of commands."""
+"""The most characters of the help of a command in the list of commands."""
 
 
 def _print_usage_error(error: click.ClickException) -> None:
-    """Print in one line what is wrong with a command line; a group without a command prints its help."""
+    """Print the error of a command line as one line; a group without a command prints its help."""
     context = error.ctx if isinstance(error, click.UsageError) else None
     if isinstance(error, getattr(click.exceptions, "NoArgsIsHelpError", ())) or context is None:
         error.show()

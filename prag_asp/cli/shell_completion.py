@@ -24,14 +24,14 @@ Items = list["CompletionItem[Any]"]
 Completer = Callable[[click.Context, click.Parameter, str], Items]
 
 ONE_WORD = re.compile(r"[\w./:=+@%^-]*")
-"""What bash reads as one word."""
+"""The texts that bash reads as one word."""
 
 ENTITIES, ACTIONS = ("uses", "avoids"), ("begins", "has", "lacks")
 """Keywords of conditions on entities and classes, and on actions."""
 
 
 def _completer(candidates: Callable[[click.Context, str], Iterable[str]]) -> Completer:
-    """Return a completer that offers the candidates that begin with what is typed."""
+    """Return a completer that offers the candidates that begin with the typed text."""
 
     @wraps(candidates)
     def complete(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
@@ -54,22 +54,22 @@ def files(context: click.Context, parameter: click.Parameter, typed: str) -> Ite
 
 def domains(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
     """Complete shipped domains, and folders and files that are domains; if none fits, any files."""
-    given = context.params.get(parameter.name or "") or ()
-    return _domains_after(given)(context, parameter, typed) or files(context, parameter, typed)
+    words = context.params.get(parameter.name or "") or ()
+    return _domains_after(words)(context, parameter, typed) or files(context, parameter, typed)
 
 
 def actions(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
     """Complete a domain first, then actions of it."""
-    given, others = domain_and_others(context.params.get(parameter.name or "") or ())
-    if not given or (not others and is_file_name(typed)):
+    domain, others = domain_and_others(context.params.get(parameter.name or "") or ())
+    if not domain or (not others and is_file_name(typed)):
         return domains(context, parameter, typed)
     return plan(context, parameter, typed)
 
 
 def shares(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
     """Complete a domain; the names of parts after it are the user's."""
-    given, _ = domain_and_others(context.params.get(parameter.name or "") or ())
-    return [] if given and not is_file_name(typed) else domains(context, parameter, typed)
+    domain, _ = domain_and_others(context.params.get(parameter.name or "") or ())
+    return [] if domain and not is_file_name(typed) else domains(context, parameter, typed)
 
 
 @_completer
@@ -111,8 +111,8 @@ def plan(context: click.Context, typed: str) -> Iterable[str]:
 @_completer
 def prefix(context: click.Context, typed: str) -> Iterable[str]:
     """Complete one more action, or name of an action."""
-    found = _domain(context).facts.actions
-    return _after(typed, [*_names_of(found), *map(str, found)])
+    actions = _domain(context).facts.actions
+    return _after(typed, [*_names_of(actions), *map(str, actions)])
 
 
 @_completer
@@ -140,18 +140,18 @@ def kinds_that_vary(context: click.Context, typed: str) -> Iterable[str]:
 
 @_completer
 def conditions(context: click.Context, typed: str) -> Iterator[str]:
-    """Complete the keyword of a condition, then what it refers to."""
+    """Complete the keyword of a condition, then its argument."""
     from prag_asp.space.conditions.keywords import KEYWORDS
 
-    begun = [word for word in KEYWORDS if f"{word} ".startswith(typed) or typed.startswith(f"{word} ")]
-    if len(begun) != 1 or begun[0] not in (*ENTITIES, *ACTIONS):
-        yield from begun
+    keywords = [word for word in KEYWORDS if f"{word} ".startswith(typed) or typed.startswith(f"{word} ")]
+    if len(keywords) != 1 or keywords[0] not in (*ENTITIES, *ACTIONS):
+        yield from keywords
         return
     facts = _domain(context).facts
-    found = (
-        [*map(str, facts.entities), *sorted(facts.class_names)] if begun[0] in ENTITIES else _names_of(facts.actions)
+    arguments = (
+        [*map(str, facts.entities), *sorted(facts.class_names)] if keywords[0] in ENTITIES else _names_of(facts.actions)
     )
-    yield from (f"{begun[0]} {each}" for each in found)
+    yield from (f"{keywords[0]} {each}" for each in arguments)
 
 
 def _domains_after(words: Sequence[str]) -> Completer:
@@ -171,31 +171,31 @@ def _domain(context: click.Context) -> Domain:
     """Load the domain of the command line typed so far; an option without a value leaves it unparsed."""
     from prag_asp.domain.load import load_domain
 
-    given, _ = domain_and_others(context.params.get("names") or context.params.get("words") or context.args)
-    if STANDARD_INPUT in given:
+    sources, _ = domain_and_others(context.params.get("names") or context.params.get("words") or context.args)
+    if STANDARD_INPUT in sources:
         raise EOFError
     constants = parse_constant_options(context.params.get("constants") or ())
-    return load_domain(*given, constants=constants, encodings=context.params.get("encodings"))
+    return load_domain(*sources, constants=constants, encodings=context.params.get("encodings"))
 
 
-def _names_of(found: Iterable[Any]) -> list[str]:
+def _names_of(actions: Iterable[Any]) -> list[str]:
     from prag_asp.program.entity_names import action_name
 
-    return sorted(set(map(action_name, found)))
+    return sorted(set(map(action_name, actions)))
 
 
-def _after(typed: str, found: Iterable[str]) -> Iterator[str]:
-    """Yield what is typed up to its last blank or comma outside parentheses, followed by each candidate."""
+def _after(typed: str, candidates: Iterable[str]) -> Iterator[str]:
+    """Yield each candidate after the typed text up to its last blank or comma outside parentheses."""
     depth, start = 0, 0
     for position, character in enumerate(typed):
         depth += (character == "(") - (character == ")")
         if depth == 0 and character in " ,":
             start = position + 1
-    yield from (f"{typed[:start]}{each}" for each in found)
+    yield from (f"{typed[:start]}{each}" for each in candidates)
 
 
 def complete(group: click.Group, program: str, variable: str) -> int:
-    """Answer a shell that asks for completions by an environment variable, and return the exit code."""
+    """Print the completions that a shell requests by an environment variable, and return the exit code."""
     from click.shell_completion import shell_complete
 
     add_shells()
@@ -203,14 +203,14 @@ def complete(group: click.Group, program: str, variable: str) -> int:
 
 
 def add_shells() -> None:
-    """Adapt click's completion of bash and fish to texts with parentheses and commas, as actions are."""
+    """Adapt click's completion of bash and fish to texts with parentheses and commas, such as actions."""
     from click.shell_completion import BashComplete, FishComplete, add_completion_class
 
     class Bash(BashComplete):
-        """Quotes what bash would not read as one word."""
+        """Quotes texts that bash would not read as one word."""
 
         def format_completion(self, item: CompletionItem[Any]) -> str:
-            """Return an item as the script reads it; if the user has opened a quote, as it is."""
+            """Return an item in the format of the script, quoted unless the user has opened a quote."""
             words = os.environ["COMP_WORDS"].split("\n")
             number = int(os.environ["COMP_CWORD"])
             quoted = number < len(words) and words[number][:1] in ("'", '"')

@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from prag_asp.dataset.pass_rates import Tally
 
 KINDS = {"not_found": "not found", "infeasible": "proved infeasible", "witness_fails": "witness fails"}
-"""How the table names the verdicts of tasks that did not pass."""
+"""The names of failures in the table, by status."""
 
 
 def tally_line(tally: Tally, what: tuple[str, str], limits: str) -> str:
-    """Return how many tasks passed, as one line; `what` is the noun for one task and for several."""
+    """Return one line with the number of tasks that passed; `what` is the noun for one task and for several."""
     share = f" ({100 * tally.passed / tally.seen:.1f} %, {limits})" if tally.seen else ""
     return f"{plural(tally.seen, *what)}, {tally.passed} passed{share}"
 
@@ -55,7 +55,7 @@ def _print_tally(tally: Tally, line: str) -> None:
 
 
 def _table(tally: Tally) -> Table:
-    """Return a table of how many tasks failed for each reason, and how many attempts for each cause."""
+    """Return a table of the numbers of failed tasks by reason, and of failed attempts by cause."""
     from rich.markup import escape
     from rich.table import Table
 

@@ -1,15 +1,15 @@
-"""The process that watches a command: its time, its memory, and how it ends.
+"""The supervisor, a process that watches the time, the memory and the end of a command.
 
     prag-asp ... ── fork ──> the command, with the same streams, folder, terminal and process group
         │       <── pipe ──    │ its limits, its stage, its exit code
         └── waits, checks limits, passes on signals, and prints the line that the command cannot print any more
 
 Native code (clingo's grounder, solvers, PyBullet) reacts neither to Ctrl-C nor to a limit, and may end the process
-without a word. So the command first gets a signal, and ends as it does after Ctrl-C. If it does not within 2 s, or 8 s
-after it has handled the signal, it is killed with all its workers. If the supervisor is killed, the kernel ends the
-command.
+without a message. So the supervisor first sends a signal, after which the command should end as it does after Ctrl-C.
+If it does not end within 2 s, or 8 s after it has handled the signal, it is killed with all its workers. If the
+supervisor is killed, the kernel ends the command.
 
-This is for Linux; on other systems limits hold only where our own code checks them.
+This works on Linux only; on other systems limits apply only where our own code checks them.
 """
 
 from __future__ import annotations
@@ -31,26 +31,26 @@ POLL = 0.05
 """Seconds between two checks of time and memory."""
 
 UNHEARD, HEARD = 2.0, 8.0
-"""Seconds that the command has to end after a signal, before and after it has handled it.
+"""Seconds within which the command has to end after a signal, before and after it has handled the signal.
 
-Only time in which this process runs counts, not that in which the machine or a terminal (Ctrl-Z) has stopped it.
+Only the time in which this process runs counts, not the time in which the machine or a terminal has suspended it.
 """
 
 SOON = 0.3
 """Seconds within which several signals count as one; a later one kills the command."""
 
 LEAST_GRACE, MOST_GRACE = 1.0, 10.0
-"""Seconds after its time limit that a command has to report what it has found; otherwise a tenth of the limit."""
+"""Bounds, in seconds, on the time that a command has to report its results after the time limit, see `grace`."""
 
 LEAST_ADDRESSES = 200_000_000
-"""Bytes of addresses that clingo and NumPy take before they do anything; with fewer they crash while loading."""
+"""Bytes of address space that clingo and NumPy need to load; with fewer they crash."""
 
 TOO_MUCH = 1.1
-"""Times the memory limit from which the command is killed without a signal before."""
+"""The multiple of the memory limit at which the command is killed without a signal first."""
 
 
 def supervise() -> None:
-    """Continue in a child process; this one watches it, and exits with its code."""
+    """Continue in a child process; this process watches it, and exits with its code."""
     if sys.platform != "linux" or active_count() > 1:
         return
     _require_addresses()
@@ -61,7 +61,7 @@ def supervise() -> None:
     try:
         (reports, pipe), (hanging, held) = os.pipe(), held_line()
         command = os.fork()
-    except OSError:  # no room for one more process
+    except OSError:  # the system allows no further process or file
         signal.pthread_sigmask(signal.SIG_SETMASK, usual)
         return
     if command:
@@ -75,7 +75,7 @@ def supervise() -> None:
 
 
 def _require_addresses() -> None:
-    """Exit where `ulimit -v` leaves less address space than the libraries take."""
+    """Exit if `ulimit -v` allows less address space than the libraries need."""
     import resource
 
     allowed, _ = resource.getrlimit(resource.RLIMIT_AS)
@@ -86,7 +86,7 @@ def _require_addresses() -> None:
 
 
 class _Supervisor:
-    """Waits for a command, and makes sure that it ends."""
+    """Waits for a command, and ensures that it ends."""
 
     def __init__(self, command: int, reports: int, watched: set[signal.Signals]) -> None:
         os.set_blocking(reports, False)
@@ -102,7 +102,7 @@ class _Supervisor:
         self._done: int | None = None
         """The exit code that the command has reported."""
         self._stop: tuple[float, int, str] | None = None
-        """When the command was told to end, and the exit code and the line for that."""
+        """The time at which the command was signalled to end, with the exit code and the line for the reason."""
         self._waited = 0.0
         """Seconds since then."""
 
@@ -110,7 +110,7 @@ class _Supervisor:
         """Wait until the command has ended, and return the exit code."""
         while True:
             before = monotonic()
-            # What a wait returns that a stop (Ctrl-Z) has interrupted may be anything, so it is ignored.
+            # The result is ignored, because it is arbitrary if a stop (Ctrl-Z) interrupts the wait.
             signal.sigtimedwait({signal.SIGCHLD}, POLL)
             sent = signal.sigtimedwait(self._watched, 0)
             if sent is not None:  # first: the command may have ended because of it already
@@ -146,7 +146,7 @@ class _Supervisor:
                 self._done = int(text)
 
     def _pass_on(self, number: int) -> None:
-        """Pass a signal on to the command; kill it at the second one."""
+        """Pass a signal on to the command; kill the command at the second signal."""
         now, (line, code) = monotonic(), ENDS[signal.Signals(number)]
         if self._stop is None or self._stop[1] == Exit.LIMIT:
             self._stop, self._waited = (now, code, line), 0.0
@@ -155,7 +155,7 @@ class _Supervisor:
             self._stop, self._waited = (now, code, line), HEARD
 
     def _check_limits(self) -> None:
-        """Stop the command where a limit is reached; kill it where it takes far too much memory."""
+        """Stop the command at a limit; kill it if it takes far too much memory."""
         if self._done is not None:
             return
         self._usual_memory = self._usual_memory or usual_memory()
@@ -173,7 +173,7 @@ class _Supervisor:
         os.kill(self._command, signal.SIGALRM)
 
     def _kill(self) -> int:
-        """Kill the command and all that it has started, and return the exit code."""
+        """Kill the command and all processes that it has started, and return the exit code."""
         for process in family_of(self._command):
             try:
                 os.kill(process, signal.SIGKILL)
@@ -183,7 +183,7 @@ class _Supervisor:
         return self._code_of(-signal.SIGKILL)
 
     def _code_of(self, status: int) -> int:
-        """Return the exit code of a command that has ended with a status, and print why if it has not."""
+        """Return the exit code for the status of an ended command; print the reason unless it reported a code."""
         if self._done is not None:
             return status if status >= 0 else self._done
         if self._stop is not None:
@@ -197,7 +197,7 @@ class _Supervisor:
 
 
 def _crash(status: int) -> str:
-    """Return how a command was ended that did not end itself: native code may also exit with any code."""
+    """Return a message about a command ended by a signal or by native code, which may exit with any code."""
     if status >= 0:
         return f"native code ended the command with code {status}"
     try:
@@ -213,7 +213,7 @@ def _advice(status: int) -> str:
 
 
 def grace(seconds: float) -> float:
-    """Return the seconds after its time limit that a command may take to report what it has found."""
+    """Return the seconds that a command may take to report its results after its time limit: a tenth of the limit."""
     return min(max(seconds / 10, LEAST_GRACE), MOST_GRACE)
 
 
@@ -227,5 +227,5 @@ def _write_line(line: str) -> None:
 
 
 def _exit(code: int) -> NoReturn:
-    """End this process at once, without what Python does at its end: that is the command's."""
+    """End this process at once, without Python's cleanup, which is left to the command."""
     os._exit(code)

@@ -1,4 +1,4 @@
-"""Options that select tasks (by plan, by rank, or from a file), and options of how tasks are printed."""
+"""Options that select tasks (by plan, by rank, or from a file), and options of the format of printed tasks."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ if TYPE_CHECKING:
 RANKS = re.compile(r"(?P<first>\d{1,4000})(\.\.(?P<last>\d{1,4000}))?")
 
 MOST_TASKS = 1_000_000
-"""Tasks in one request: each becomes files of its own."""
+"""The most tasks in one request, because each is written to its own files."""
 
 
 @dataclass(frozen=True)
 class TaskSelection:
-    """The tasks that a command line selects, if any."""
+    """The tasks selected by a command line, if any."""
 
     plan: str | None = None
     of_length: int | None = None
@@ -43,20 +43,20 @@ class TaskSelection:
         return (self.plan, self.index, self.tasks) != (None, None, None)
 
     def check(self, where: Sequence[str] = ()) -> None:
-        """Check that the options fit each other and the conditions, before anything is loaded.
+        """Check that the options and the conditions are consistent, before anything is loaded.
 
         Raises:
-            QueryError: they do not.
+            QueryError: they are not.
         """
         options = {"--plan": self.plan, "--index": self.index, "--tasks": self.tasks}
-        given = [option for option, value in options.items() if value is not None]
-        if len(given) > 1:
-            raise QueryError(f"{given[0]} and {given[1]} both select tasks; leave one of them out")
+        selectors = [option for option, value in options.items() if value is not None]
+        if len(selectors) > 1:
+            raise QueryError(f"{selectors[0]} and {selectors[1]} both select tasks; leave one of them out")
         if (self.index is None) != (self.of_length is None):
             raise QueryError("--length and --index go together: the rank of a task of length N; give both")
         if self.index is not None:
             _parse_ranks(self.index)
-        if where and not given:
+        if where and not selectors:
             raise QueryError("--where is for tasks; select some with --plan, --index or --tasks")
 
     def of(self, space: TaskSpace) -> tuple[list[str], Iterator[Task]]:
@@ -100,15 +100,15 @@ task_selection = grouped(
 
 
 def _parse_ranks(text: str) -> range:
-    """Return the ranks that a text states.
+    """Return the ranks in a text.
 
     Raises:
-        QueryError: it states none, or too many.
+        QueryError: it has another form, or has too many.
     """
-    found = RANKS.fullmatch(text.strip())
-    if found is None:
+    match = RANKS.fullmatch(text.strip())
+    if match is None:
         raise QueryError(f"--index {text}: write a rank from 0, such as 7, or A..B for all from A to B")
-    first, last = int(found["first"]), int(found["last"] or found["first"])
+    first, last = int(match["first"]), int(match["last"] or match["first"])
     if last < first:
         raise QueryError(f"--index {text}: the first is above the last; write {last}..{first}")
     if last - first >= MOST_TASKS:
@@ -120,7 +120,7 @@ def task_at(space: TaskSpace, rank: int) -> Task:
     """Return the task of a rank.
 
     Raises:
-        QueryError: there is none.
+        QueryError: there is no such task.
     """
     try:
         return space[rank]
@@ -129,10 +129,10 @@ def task_at(space: TaskSpace, rank: int) -> Task:
 
 
 def _read_plans(file: str, space: TaskSpace) -> Mapping[str, tuple[str, ...]]:
-    """Return the plans of a file by their places in it.
+    """Return the plans of a file by their lines.
 
     Raises:
-        QueryError: a line is no task, or one of another domain, or there are too many.
+        QueryError: a line is no task, or is a task of another domain, or there are too many tasks.
     """
     from prag_asp.dataset.jsonl import read_tasks
     from prag_asp.dataset.task_origin import foreign
@@ -167,25 +167,25 @@ LEVELS = ("vague", USUAL, "exact")
 
 @dataclass(frozen=True)
 class TaskFormat:
-    """How tasks are printed: the format of a line, and language and level of instructions."""
+    """The format of printed tasks, and the language and level of instructions."""
 
     form: str
     language: str | None
     level: str | None
 
     def line(self, domain: Domain, seed: int = 0) -> Callable[[Record], str]:
-        """Return a function that writes a record as one line; the seed selects the phrasing of instructions.
+        """Return a function that formats a record as one line; the seed selects the phrasing of instructions.
 
         Raises:
-            QueryError: the domain has no such language, or the options do not go together.
+            QueryError: the domain has no such language, or the options contradict each other.
         """
         from prag_asp.dataset.jsonl import write_line
         from prag_asp.dataset.language import instruction, instruction_writer_of
 
         self.check()
         if self.form == INSTRUCTIONS:
-            teller, level = instruction_writer_of(domain, self.language or ENGLISH), self.level or USUAL
-            return lambda record: str(getattr(teller.instructions(record.task, seed), level))
+            writer, level = instruction_writer_of(domain, self.language or ENGLISH), self.level or USUAL
+            return lambda record: str(getattr(writer.instructions(record.task, seed), level))
         forms: dict[str, Callable[[Record], str]] = {
             "text": lambda record: str(record.task),
             "sentences": lambda record: instruction(record.task, domain.settings.language),
@@ -194,7 +194,7 @@ class TaskFormat:
         return forms[self.form]
 
     def check(self) -> None:
-        """Check that options of instructions are given only with these.
+        """Check that options of instructions are given only with the format instructions.
 
         Raises:
             QueryError: one is given for another format.
@@ -205,7 +205,7 @@ class TaskFormat:
 
 
 def format_options(form: Decorator) -> Decorator:
-    """Give a command options of how tasks are printed, as one value `task_format`; `form` is its --format."""
+    """Give a command the options of the format of tasks, as one value `task_format`; `form` is its option --format."""
     return grouped(
         "task_format", TaskFormat,
         (

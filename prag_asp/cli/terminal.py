@@ -1,4 +1,4 @@
-"""What the command prints: lines on stdout and stderr, tables, and progress on a terminal."""
+"""Print lines on stdout and stderr, tables, and progress on a terminal."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def for_terminal(text: str) -> str:
 
 
 def aligned(rows: Iterable[Sequence[str]]) -> Iterator[str]:
-    """Yield the lines of a table: the first column to the left, the others to the right; all rows have one length."""
+    """Yield the lines of a table with the first column left-aligned, others right-aligned; rows have equal lengths."""
     listed = list(rows)
     widths = [max(map(len, column)) for column in zip(*listed, strict=True)]
     for first, *others in listed:
@@ -45,35 +45,35 @@ def aligned(rows: Iterable[Sequence[str]]) -> Iterator[str]:
 
 
 class Tell(Protocol):
-    """Reports progress: words and, where known, a number of a total."""
+    """Reports progress: a message and, if they are known, the number done and the total."""
 
     def __call__(self, words: str, done: float = 0, total: int | None = None) -> None:
-        """Report it."""
+        """Report progress."""
 
 
 @contextmanager
 def progress() -> Iterator[Tell]:
     """Yield a function that reports progress; a terminal shows it after two seconds.
 
-    A note is a line that stays, on a terminal and elsewhere; the same note is printed once.
+    A note is a permanent line, on a terminal and elsewhere; equal notes are printed once.
     """
-    noted: set[str] = set()
+    printed: set[str] = set()
 
-    def pass_on(words: str) -> None:
+    def forward(words: str) -> None:
         so_far(_first_line(words))
-        if isinstance(words, Note) and words not in noted:
-            noted.add(words)
+        if isinstance(words, Note) and words not in printed:
+            printed.add(words)
             note(words)
 
     if not sys.stderr.isatty():
-        yield lambda words, done=0, total=None: pass_on(words)
+        yield lambda words, done=0, total=None: forward(words)
         return
     begun = monotonic()
     shown: list[tuple[Progress, TaskID]] = []
     with ExitStack() as bars:
 
         def tell(words: str, done: float = 0, total: int | None = None) -> None:
-            pass_on(words)
+            forward(words)
             first = not shown
             if first:
                 if monotonic() - begun <= PATIENCE:
@@ -99,7 +99,7 @@ def _first_line(words: str) -> str:
 
 
 def _bar() -> Progress:
-    """Return a line on stderr that disappears at the end: a spinner, words, and a bar if there is a total."""
+    """Return a progress line on stderr, which is removed at the end: a spinner, a message, and a bar for a total."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, SpinnerColumn, Task, TextColumn, TimeRemainingColumn
 

@@ -1,4 +1,4 @@
-"""Task spaces and physics together: feasible tasks, checked again, written to files and read from them.
+"""Datasets of tasks: filtered by physics, revalidated, written to files, read from them, and exported.
 
 >>> from itertools import islice
 >>> from prag_asp import TaskSpace, load_domain

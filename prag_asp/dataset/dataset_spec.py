@@ -1,4 +1,4 @@
-"""The request of a dataset as one value: everything that determines its bytes, besides its task space."""
+"""The request of a dataset as one value: everything besides the task space that determines its bytes."""
 
 from __future__ import annotations
 
@@ -24,24 +24,24 @@ if TYPE_CHECKING:
     from prag_asp.space.without_replacement import Division
 
 SHARD = 1000
-"""Tasks of a full shard by default."""
+"""The default number of tasks in a full shard."""
 
 LARGEST_SHARD, MOST_STARTS = 20_000, 1000
-"""The tasks of a shard, and the witnesses of one task, are in memory at once: some GB at these numbers."""
+"""Limits on the tasks of a shard and the witnesses of a task: each are in memory at once, some GB at these numbers."""
 
 DRAWS_FOR_EACH = 1000
-"""Draws per requested task after which a part is given up by default."""
+"""Draws per requested task after which sampling for a part stops, by default."""
 
 LARGEST_SEED = 2**63 - 1
 """The largest seed that a column of 64-bit integers holds."""
 
 
 class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
-    """The request of a dataset, as `generate` takes it and as dataset.json holds it.
+    """The request of a dataset, as `generate` takes it and dataset.json stores it.
 
     `split` has the exact share of each part. `weights` and `temperature` are exact numbers as text. Without a `budget`,
-    physics is not asked. `part` is such as ``3/64`` where other machines make the rest: only every 64th draw, from the
-    third on, belongs to the dataset then.
+    physics is not run. `part`, such as ``3/64``, selects every 64th draw from the third on; other machines generate
+    the rest.
 
     Raises:
         QueryError: a number is out of range.
@@ -98,14 +98,14 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     ) -> DatasetSpec:
         """Return the request of a dataset of `tasks` different feasible tasks of a domain.
 
-        Tasks are sampled without replacement, by the weights of the domain unless others are given; lengths have their
-        exact shares, or with `evenly` take turns. With `split`, each part gets its share of the tasks, and no two parts
-        have a task (with `skeletons`: a skeleton) in common; with `hold_out`, only ``test`` has what is held out.
-        `starts` is the number of initial states of each task that a witness is searched from. With `demonstrate`, the
-        robot performs each task as `staging` says: cameras that film, and what varies. Without `physics`, which is the
-        default where the domain has no scene, all sampled tasks are taken. Instructions are in a `language` of the
-        domain, and use some of its `phrasings`, such as ``1 of 2``. A `shard` holds at most that many tasks. With
-        ``part="3/64"``, only every 64th draw is validated, from the third on, for a 64th of the tasks.
+        Tasks are sampled without replacement, by `weights` or those of the domain; lengths occur by their exact shares,
+        or take turns with `evenly`. With `split`, each part gets its share of the tasks, and no two parts have a task
+        (with `skeletons`: a skeleton) in common; with `hold_out`, only ``test`` has the tasks held out. A witness is
+        searched from `starts` initial states of each task. With `demonstrate`, the robot performs each task; `staging`
+        has the cameras that film it and the properties that vary. Without `physics`, the default if the domain has no
+        scene, all sampled tasks are accepted. Instructions are in a `language` of the domain, and use some of its
+        `phrasings`, such as ``1 of 2``. A shard has at most `shard` tasks. With ``part="3/64"``, only every 64th draw
+        from the third on is validated, for a 64th of the tasks.
 
         Raises:
             QueryError: a value is out of range, or two of them contradict each other.
@@ -118,7 +118,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         from prag_asp.space.without_replacement import Division
 
         division = Division.parse(split, skeletons=skeletons, hold_out=hold_out)
-        given = domain.settings.weights if weights is None else weights
+        weights = domain.settings.weights if weights is None else weights
         return cls(
             tasks=tasks,
             seed=seed,
@@ -128,7 +128,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
             starts=starts,
             demonstrate=demonstrate,
             evenly=evenly,
-            weights={key: str(weight) for key, weight in given.items()},
+            weights={key: str(weight) for key, weight in weights.items()},
             temperature=str(temperature),
             budget=chosen,
             shard=shard,
@@ -140,10 +140,10 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def division(self) -> Division:
-        """How tasks are divided into parts.
+        """The division of the tasks into parts.
 
         Raises:
-            QueryError: the shares do not add up to 1, or do not fit the rest.
+            QueryError: the shares do not add up to 1, or contradict the other options.
         """
         from prag_asp.space.without_replacement import Division
 
@@ -151,18 +151,18 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def deal(self) -> Deal:
-        """Which draws belong to it, of those of all machines."""
+        """The draws of this machine among those of all machines."""
         return ALL if self.part is None else Deal.parse(self.part)
 
     def tasks_of(self, share: Fraction) -> int:
         """Return the number of tasks of a part with a share, rounded up: a larger request never has fewer.
 
-        Of several machines, each makes the same number.
+        Each of several machines generates the same number.
         """
         return ceil(Fraction(ceil(self.tasks * share), self.deal.of))
 
     def draws_of(self, share: Fraction, max_draws: int | None) -> int:
-        """Return the number of draws after which a part with a share is given up."""
+        """Return the number of draws after which sampling for a part with a share stops."""
         return max_draws or DRAWS_FOR_EACH * self.tasks_of(share)
 
     def fixed(self) -> dict[str, Any]:
@@ -173,10 +173,10 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
 def _budget(
     domain: Domain, physics: bool | None, requested: Budget | None, demonstrate: bool, starts: int
 ) -> Budget | None:
-    """Return the budget of physics, with the tier of demonstrations where these are recorded; None without physics.
+    """Return the budget of physics, with the tier of demonstrations if these are recorded; None without physics.
 
     Raises:
-        QueryError: something is requested that only physics gives, and physics is not asked.
+        QueryError: an option needs physics, which is off.
         PhysicsMissingError: PyBullet is not installed.
     """
     from prag_asp.physics import require_physics
@@ -190,11 +190,11 @@ def _budget(
 
 
 def require_staging(staging: Staging, domain: Domain, demonstrate: bool, starts: int) -> None:
-    """Check what is staged before anything is written.
+    """Check cameras and variations before anything is written.
 
     Raises:
-        QueryError: nothing is demonstrated, the scene has no such camera, or colours vary from one initial state of a
-            task to the next, while its instructions name the colours of one.
+        QueryError: there are no demonstrations, the scene lacks a camera, or colours vary between the initial states of
+            a task, whose instructions name the colours of only one.
         SceneError: the domain has no scene.
     """
     from prag_asp.dataset.scenes import scene_of
@@ -209,13 +209,13 @@ def require_staging(staging: Staging, domain: Domain, demonstrate: bool, starts:
 
 
 def budget_of(budget: Budget | None, demonstrate: str | Path | None) -> Budget:
-    """Return a budget with the tier of demonstrations where these are to be recorded."""
+    """Return a budget, with the tier of demonstrations if these are recorded."""
     budget = budget or Budget()
     return budget if demonstrate is None else Budget(budget.restarts, budget.samples, Tier.DEMONSTRATION)
 
 
 def require_demonstrated(staging: Staging, demonstrate: str | Path | None) -> None:
-    """Check that tasks are demonstrated where that is staged.
+    """Check that tasks are demonstrated if cameras or variations are requested.
 
     Raises:
         QueryError: they are not.

@@ -1,4 +1,4 @@
-"""The folder of the demonstrations of some tasks, one file a task."""
+"""A folder of recorded demonstrations, one file per task."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ NAME = re.compile(r"(\d{6,})\.npz")
 
 
 class Recordings:
-    """Writes demonstrations into a folder, each file whole; no folder, no files."""
+    """Writes demonstrations into a folder, each file atomically; without a folder, it writes nothing."""
 
     def __init__(self, folder: str | Path | None):
-        """Make the folder, where there is to be one.
+        """Create the folder, if there is one.
 
         Raises:
-            OutputError: it cannot be made.
+            OutputError: it cannot be created.
         """
         self._folder = None if folder is None else make_folder(folder)
 
     def write(self, number: int, demonstration: Demonstration | None) -> str | None:
-        """Write the demonstration of the task on a line, counted from 1, and return the name of its file.
+        """Write the demonstration of the task of a line, counted from 1, and return the name of its file.
 
         Raises:
             OutputError: it cannot be written.
@@ -40,14 +40,14 @@ class Recordings:
 
 
 def name_of(number: int) -> str:
-    """Return the name of the file for the task on a line, counted from 1."""
+    """Return the name of the file for the task of a line, counted from 1."""
     return f"{number:06d}.npz"
 
 
 def remove_after(folder: str | Path, number: int) -> None:
-    """Remove the recordings of lines above a number: an interrupted run has left them."""
+    """Remove the recordings of lines after a number, which an interrupted run left behind."""
     for path in [*Path(folder).glob("*.npz")]:
-        found = NAME.fullmatch(path.name)
-        if found is not None and int(found[1]) > number:
+        match = NAME.fullmatch(path.name)
+        if match is not None and int(match[1]) > number:
             with suppress(OSError):
                 path.unlink()

@@ -1,4 +1,4 @@
-"""Make a dataset: sample without replacement, validate each task by physics, write it down."""
+"""Generate a dataset: sample without replacement, validate each task by physics, and write the result."""
 
 from __future__ import annotations
 
@@ -30,22 +30,22 @@ def generate(
     """Write a dataset of different feasible tasks of a space into a folder, and open it.
 
     The request is a `spec`, or keywords such as ``tasks=100, seed=7, split={"train": 0.8, "test": 0.2}``, which
-    `DatasetSpec.of` takes and documents. A part of the split is given up after `max_draws` draws, by default 1000 for
-    each task.
+    `DatasetSpec.of` documents. Sampling for a part of the split stops after `max_draws` draws, by default 1000 per
+    task.
 
-    An interrupted run is resumed by the same call; a larger number of tasks extends the dataset. Its bytes depend on
-    the request alone, not on the number of `workers`, nor on where these run: with ``on="ray"``, on the nodes of a Ray
-    cluster. With ``part="3/64"``, the folder holds one of 64 machine parts, of which `merge` makes the dataset.
+    The same call resumes an interrupted run; a larger number of tasks extends the dataset. Its bytes depend on the
+    request alone, neither on the number of `workers` nor on where they run: with ``on="ray"``, on the nodes of a Ray
+    cluster. With ``part="3/64"``, the folder is one of 64 machine parts, which `merge` combines into the dataset.
 
     Raises:
-        QueryError: there is nothing to sample, or the request is wrong.
-        SceneError: the domain has no scene, or a task names something for which the scene has no shape.
-        OutputError: the folder holds something else, or a file cannot be written.
-        NotFound: fewer tasks are found in `max_draws` draws a part, or there are no more; those found are written.
-        WorkerError: workers died again and again.
+        QueryError: the space is empty, or the request is wrong.
+        SceneError: the domain has no scene, or the scene lacks the shape of an entity of a task.
+        OutputError: the folder contains something else, or a file cannot be written.
+        NotFound: `max_draws` draws per part, or the whole space, have too few feasible tasks; these are written.
+        WorkerError: workers died repeatedly.
         DatasetsMissingError: pyarrow is not installed.
         RayMissingError: Ray is requested, but not installed.
-        TypeError: there is neither a `spec` nor a request, or both.
+        TypeError: both a `spec` and keywords are given, or neither.
     """
     require_pyarrow()
     executor = executor_of(workers, on)

@@ -22,7 +22,7 @@ from prag_asp.task import FrozenDict, Task
 class Record:
     """A task with its verdict and witness as plain values, None without physics.
 
-    `place` is the ``file:line`` that it was read from.
+    `place` is the ``file:line`` of its source.
     """
 
     task: Task
@@ -63,32 +63,32 @@ def _action_json(action: Atom) -> str:
 
 
 def _mapping_json(values: Mapping[Any, Any]) -> str:
-    """Return what a task knows as JSON; frozen mappings are shared between tasks, so their texts are cached."""
-    return _frozen_json(values) if isinstance(values, FrozenDict) else _json(_spelled(values))
+    """Return a mapping of a task as JSON; frozen mappings are shared between tasks, so their texts are cached."""
+    return _frozen_json(values) if isinstance(values, FrozenDict) else _json(_with_text_keys(values))
 
 
 @lru_cache(maxsize=1 << 13)
 def _frozen_json(values: FrozenDict[Any, Any]) -> str:
-    return _json(_spelled(values))
+    return _json(_with_text_keys(values))
 
 
-def _spelled(values: Mapping[Any, Any]) -> dict[str, Any]:
+def _with_text_keys(values: Mapping[Any, Any]) -> dict[str, Any]:
     return {str(key): value for key, value in values.items()}
 
 
 def read_tasks(file: str | Path) -> Iterator[Record]:
-    """Yield the records of a file of JSON lines; text that is not UTF-8 is reported as any other mistake.
+    """Yield the records of a file of JSON lines.
 
     Raises:
         OSError: the file cannot be read.
-        QueryError: a line is no record; the message names it.
+        QueryError: a line is no record, or not UTF-8; the message names it.
     """
     with open_text(file) as stream:
         yield from read_lines(lines_of(stream), str(file))
 
 
 class _Line(msgspec.Struct):
-    """A line of a file: what each of its fields has to be."""
+    """The fields of a line of a file, and their types."""
 
     domain: str
     actions: list[str]
@@ -104,7 +104,7 @@ class _Line(msgspec.Struct):
 
 
 def read_lines(lines: Iterable[str], name: str) -> Iterator[Record]:
-    """Yield the records of lines of JSON; `name` is how errors call the file.
+    """Yield the records of lines of JSON; `name` is the name of the file in errors.
 
     Raises:
         QueryError: a line is no record; the message names it.
@@ -126,10 +126,10 @@ def _record(line: _Line) -> Record:
         domain=line.domain,
         actions=tuple(map(parse_atom, line.actions)),
         entities=FrozenDict(line.entities),
-        initial=_known(line.initial),
-        states=tuple(map(_known, line.states)),
-        subgoals=tuple(map(_known, line.subgoals)),
-        goal=_known(line.goal),
+        initial=_state(line.initial),
+        states=tuple(map(_state, line.states)),
+        subgoals=tuple(map(_state, line.subgoals)),
+        goal=_state(line.goal),
         log_probability=line.log_probability,
         constants=FrozenDict(line.constants),
     )
@@ -138,5 +138,5 @@ def _record(line: _Line) -> Record:
     return Record(task, line.verdict, line.witness)
 
 
-def _known(values: Mapping[str, bool]) -> FrozenDict[Atom, bool]:
+def _state(values: Mapping[str, bool]) -> FrozenDict[Atom, bool]:
     return FrozenDict({parse_atom(fluent): value for fluent, value in values.items()})

@@ -1,4 +1,4 @@
-"""Learned rules: what physics proves impossible in the scene of a domain, as invariants of it."""
+"""Learned rules: combinations of facts that physics proves impossible in the scene of a domain, as invariants."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Learned:
-    """Rules ``impossible(F,G)``, the `text` of a file that states them, and the `domain` with them."""
+    """Rules ``impossible(F,G)``, the number of their proofs, the `text` of learned.lp, and the `domain` with them."""
 
     rules: tuple[str, ...]
     proofs: int
@@ -35,15 +35,15 @@ class Learned:
 def learn(
     domain: Domain, *, path: Path = Path(LEARNED), progress: Callable[[str], None] = lambda words: None
 ) -> Learned:
-    """Return what physics proves impossible in the scene of a domain and the domain does not exclude itself.
+    """Return rules for the facts that physics proves impossible and that the domain does not exclude itself.
 
-    What a learned.lp of the domain states is learned anew. `path` is the file that messages about the rules name.
+    An existing learned.lp of the domain is ignored. Messages about the rules name the file `path`.
 
     Raises:
-        SceneError: the domain has no scene, or one that lacks the shape of an entity.
+        SceneError: the domain has no scene, or the scene lacks the shape of an entity.
         PhysicsMissingError: PyBullet is not installed.
     """
-    found = rules(prove_exclusions(domain.facts, scene_of(domain), progress), domain.facts)
-    text = text_of(found, domain.label)
-    after = with_learned(domain, (Source(path, text),)) if found else domain
-    return Learned(tuple(map(str, found)), sum(len(rule.proofs) for rule in found), text, after)
+    learned = rules(prove_exclusions(domain.facts, scene_of(domain), progress), domain.facts)
+    text = text_of(learned, domain.label)
+    after = with_learned(domain, (Source(path, text),)) if learned else domain
+    return Learned(tuple(map(str, learned)), sum(len(rule.proofs) for rule in learned), text, after)

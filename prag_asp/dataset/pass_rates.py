@@ -1,4 +1,4 @@
-"""Tallies of tasks: how many passed physics, and why others failed."""
+"""Pass rates of physics: counts of feasible tasks, and of the reasons why others failed."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ if TYPE_CHECKING:
 
 @dataclass
 class Tally:
-    """How many tasks were looked at, how many passed, and why the rest failed.
+    """The number of validated tasks, of feasible ones, and of failures by reason.
 
-    `reasons` counts the tasks that did not pass by their status and reason, `causes` the failed attempts of all tasks.
+    `reasons` counts the tasks that failed by status and reason, `causes` the failed attempts of all tasks.
     """
 
     seen: int = 0
@@ -37,5 +37,5 @@ class Tally:
 
     @property
     def proved(self) -> int:
-        """How many tasks are proved infeasible."""
+        """The number of tasks proved infeasible."""
         return sum(number for (status, _), number in self.reasons.items() if status == "infeasible")

@@ -1,4 +1,4 @@
-"""The feasible ones of the tasks that are drawn from a space."""
+"""Filter the tasks sampled from a space by physics."""
 
 from __future__ import annotations
 
@@ -34,28 +34,29 @@ def feasible(
     tally: Tally | None = None,
     **drawing: Any,
 ) -> Generator[Record, None, None]:
-    """Yield the feasible tasks among those drawn from a space, each with its verdict and its witness, without end.
+    """Yield feasible tasks sampled from a space, each with its verdict and its witness, without end.
 
-    `scene` is that of the space's domain unless another is given, `drawing` what `TaskSpace.stream` takes beside the
-    seed; with ``distinct=True`` (and weights alone), no task is drawn twice, and it ends with the last one. It ends
-    after so many `draws`, feasible or not; `tally` counts all of them. With `demonstrate`, the robot performs each
-    task, and recordings are written into that folder, which is made where it is missing, with what `staging` asks for:
-    cameras that film, and what varies. What is yielded depends on the seed alone, not on the number of `workers`.
+    `scene` is by default the scene of the domain, and `drawing` has options of `TaskSpace.stream`; with
+    ``distinct=True`` (and weights alone), no task is sampled twice, and the iterator ends with the last task. It also
+    ends after a number of `draws`, feasible or not; `tally` counts all of them. With `demonstrate`, the robot performs
+    each task, and recordings are written into that folder, which is created if it is missing; `staging` has the
+    cameras that film the tasks and the properties that vary. The results depend on the seed alone, not on the number
+    of `workers`.
 
     Raises:
-        SceneError: the domain has no scene, or a task names something for which the scene has no shape.
-        QueryError: the space is empty, or the draw is asked for in a wrong way.
+        SceneError: the domain has no scene, or the scene lacks the shape of an entity of a task.
+        QueryError: the space is empty, or a sampling option is wrong.
         OutputError: a recording cannot be written.
-        WorkerError: workers died again and again.
+        WorkerError: workers died repeatedly.
     """
-    looked_at = draws_looked_at(
+    records = validated_draws(
         space, scene, seed=seed, workers=workers, budget=budget, demonstrate=demonstrate, staging=staging, draws=draws,
         tally=tally, **drawing,
     )  # fmt: skip
-    return _feasible(looked_at)
+    return _feasible(records)
 
 
-def draws_looked_at(
+def validated_draws(
     space: TaskSpace,
     scene: Scene | None = None,
     *,
@@ -68,7 +69,7 @@ def draws_looked_at(
     tally: Tally | None = None,
     **drawing: Any,
 ) -> Generator[Record | None, None, None]:
-    """Yield the record of each draw as `feasible` does, and None for each that is not feasible.
+    """Yield the record of each draw as `feasible` does, and None for each draw that is not feasible.
 
     Raises:
         PragError: as `feasible` does.
@@ -83,10 +84,10 @@ def draws_looked_at(
     return _recorded(again, verdicts, Recordings(demonstrate), tally)
 
 
-def _feasible(looked_at: Generator[Record | None, None, None]) -> Generator[Record, None, None]:
-    """Yield the records alone."""
-    with closing(looked_at):
-        for record in looked_at:
+def _feasible(records: Generator[Record | None, None, None]) -> Generator[Record, None, None]:
+    """Yield the records that are not None."""
+    with closing(records):
+        for record in records:
             if record is not None:
                 yield record
 
@@ -94,7 +95,7 @@ def _feasible(looked_at: Generator[Record | None, None, None]) -> Generator[Reco
 def _recorded(
     tasks: Iterator[Task], verdicts: Generator[Verdict, None, None], recordings: Recordings, tally: Tally
 ) -> Generator[Record | None, None, None]:
-    """Yield the records of the feasible ones of some tasks, record their demonstrations, and count all."""
+    """Yield the record of each feasible task and None for others, save demonstrations, and count all tasks."""
     with closing(verdicts):
         for task, verdict in zip(tasks, verdicts, strict=False):
             tally.add(verdict)

@@ -1,4 +1,4 @@
-"""Check tasks of a file again: whether their plans are valid and physically feasible."""
+"""Revalidate the tasks of a file: check that their plans are valid and physically feasible."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from prag_asp.dataset.dataset_spec import budget_of, require_demonstrated
 from prag_asp.dataset.episode_files import Recordings
 from prag_asp.dataset.jsonl import Record, read_tasks
 from prag_asp.dataset.scenes import scene_of
-from prag_asp.dataset.task_origin import foreign, index_of, named_domain, read_witness, told_with_place
+from prag_asp.dataset.task_origin import errors_with_place, foreign, index_of, named_domain, read_witness
 from prag_asp.domain.load import load_domain
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Demonstration, Staging, validate_numbered
@@ -28,18 +28,19 @@ if TYPE_CHECKING:
     from prag_asp.scene.scene import Scene
     from prag_asp.task import Task
 
-TOLD_TOGETHER = 128
-"""Tasks whose states are computed together; as many are read ahead."""
+BATCH = 128
+"""The most tasks whose states are computed together, and that are read ahead."""
 
 CheckedRecord = tuple[Record, str]
-"""A record, and what is wrong with its task as a value, "" if nothing is."""
+"""A record, and the fault of its task, "" if it is valid."""
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """The outcome of a task: feasible, not_found, infeasible, invalid or witness_fails; reason and failed attempts.
+    """The outcome of a task: its status, reason and causes of failed attempts.
 
-    `detail` names in words the fact or the bodies to blame for the reason, where they are known.
+    `status` is feasible, not_found, infeasible, invalid or witness_fails. `detail` names the fact or the bodies
+    responsible, if they are known.
     """
 
     record: Record
@@ -74,17 +75,16 @@ def recheck(
     load: Callable[[Record, Path], Domain] | None = None,
     folder: Path = Path(),
 ) -> Generator[Outcome, None, None]:
-    """Yield the outcome of each task of a file, or of records: whether its plan is valid and a robot can do it.
+    """Yield the outcome of each task of a file, or of records: check that the plan is valid and feasible.
 
-    Physics looks for witnesses anew, with the same outcome for a task wherever it stands; with `witness_only` it checks
-    those in the file. Without a `domain`, each record names its own: a shipped one, or a folder, here or beside the
-    file (in `folder`, for records); `load` says how it is loaded where that takes more. Tasks have to satisfy the
-    conditions `where`. With `demonstrate`, the robot performs each task, and recordings are written into that folder,
-    with what `staging` asks for.
-    Records are read a little ahead.
+    Physics searches new witnesses, with an outcome that does not depend on the position of the task; with
+    `witness_only` it checks the witnesses in the file. Without a `domain`, each record names its own: a shipped one, or
+    a folder, in the current folder or next to the file (for records, in `folder`); `load` loads it if that needs more.
+    Tasks have to satisfy the conditions `where`. With `demonstrate`, the robot performs each task, and recordings are
+    written into that folder, with the cameras and variations of `staging`. Records are read a little ahead.
 
     Raises:
-        QueryError: a line of the file is no task, or a domain that it names is not found; the message has the place.
+        QueryError: a line of the file is no task, or its domain is not found; the message has the line.
         SceneError: a domain has no scene.
         OutputError: a recording cannot be written.
     """
@@ -102,7 +102,7 @@ def recheck(
         first = next(group)
         own = load(first, folder) if domain is None else domain
         checked = _with_faults(chain([first], group), TaskSpace(own, 0).where(*where))
-        check, scene = _witnesses if witness_only else _anew, scene_of(own)
+        check, scene = _check_witnesses if witness_only else _search, scene_of(own)
         if staging is not None:
             staging.cameras_of(scene)
         for outcome in check(checked, scene, search):
@@ -112,23 +112,23 @@ def recheck(
 
 
 def _with_faults(records: Iterable[Record], space: TaskSpace) -> Iterator[CheckedRecord]:
-    """Yield records with what is wrong with their tasks as values."""
-    for batch in growing_batches(records, TOLD_TOGETHER):
+    """Yield records with the faults of their tasks."""
+    for batch in growing_batches(records, BATCH):
         valid = [record.task in space.at(len(record.task)) for record in batch]
-        plans = (tuple(map(str, r.task.actions)) for r, known in zip(batch, valid, strict=True) if known)
+        plans = (tuple(map(str, r.task.actions)) for r, is_plan in zip(batch, valid, strict=True) if is_plan)
         expected = space.tasks_of_plans(plans)
-        for record, known in zip(batch, valid, strict=True):
-            yield record, _fault(record.task, next(expected)) if known else _stranger(record, space.domain)
+        for record, is_plan in zip(batch, valid, strict=True):
+            yield record, _fault(record.task, next(expected)) if is_plan else _foreign_plan(record, space.domain)
 
 
-def _stranger(record: Record, domain: Domain) -> str:
-    """Return that a plan is none of a domain, and which domain the file says that it is of."""
+def _foreign_plan(record: Record, domain: Domain) -> str:
+    """Return the fault of a plan that is none of a domain, with the domain that the file names if it is another."""
     other = foreign(record, domain)
     return f"its plan is none of {domain.name}{f'; {other}' if other else ''}"
 
 
 def _fault(task: Task, expected: Task) -> str:
-    """Return what is wrong with a task as a value, or nothing."""
+    """Return the fault of a task, "" if it equals the expected one."""
     names = {
         "entities": "entities",
         "initial": "initial state",
@@ -141,8 +141,8 @@ def _fault(task: Task, expected: Task) -> str:
     return f"its {', '.join(wrong)} {verb} not what its actions make" if wrong else ""
 
 
-def _anew(records: Iterator[CheckedRecord], scene: Scene, search: _RecheckOptions) -> Iterator[Outcome]:
-    """Yield the outcome of a new search for each task."""
+def _search(records: Iterator[CheckedRecord], scene: Scene, search: _RecheckOptions) -> Iterator[Outcome]:
+    """Yield the outcome of each task by a new search for a witness."""
     waiting: deque[CheckedRecord] = deque()
 
     def valid() -> Iterator[tuple[int, Task]]:
@@ -169,46 +169,46 @@ def _invalid(waiting: deque[CheckedRecord]) -> Iterator[Outcome]:
         yield Outcome(record, "invalid", fault)
 
 
-def _witnesses(records: Iterator[CheckedRecord], scene: Scene, search: _RecheckOptions) -> Iterator[Outcome]:
-    """Yield the outcome of checking the witness of each record, by the tiers of a budget."""
+def _check_witnesses(records: Iterator[CheckedRecord], scene: Scene, search: _RecheckOptions) -> Iterator[Outcome]:
+    """Yield the outcome of each task by a check of its witness, by the tiers of the budget."""
     waiting: deque[tuple[Record, Outcome | None]] = deque()
 
-    def shown() -> Iterator[tuple[int, tuple[Task, Witness]]]:
+    def witnesses() -> Iterator[tuple[int, tuple[Task, Witness]]]:
         for record, fault in records:
-            found = _shown(record, fault, scene)
-            waiting.append((record, found if isinstance(found, Outcome) else None))
-            if not isinstance(found, Outcome):
-                yield index_of(record), (record.task, found)
+            witness = _witness_or_outcome(record, fault, scene)
+            waiting.append((record, witness if isinstance(witness, Outcome) else None))
+            if not isinstance(witness, Outcome):
+                yield index_of(record), (record.task, witness)
 
     checked = check_numbered(
-        shown(), scene, budget=search.budget, seed=search.seed, workers=search.workers, staging=search.staging
+        witnesses(), scene, budget=search.budget, seed=search.seed, workers=search.workers, staging=search.staging
     )
     with closing(checked) as outcomes:
         for _, fault, demonstration in outcomes:
-            yield from _known(waiting)
+            yield from _leading_outcomes(waiting)
             record, _ = waiting.popleft()
             if fault is None:
                 yield Outcome(record, "feasible", demonstration=demonstration)
             else:
                 yield Outcome(record, "witness_fails", fault.text or fault.cause)
-    yield from _known(waiting)
+    yield from _leading_outcomes(waiting)
 
 
-def _shown(record: Record, fault: str, scene: Scene) -> Witness | Outcome:
-    """Return the witness of a record, or the outcome of the record without checking one."""
+def _witness_or_outcome(record: Record, fault: str, scene: Scene) -> Witness | Outcome:
+    """Return the witness of a record, or its outcome if there is no witness to check."""
     if fault:
         return Outcome(record, "invalid", fault)
     if record.witness is None:
         return Outcome(record, "not_found", "the file has no witness for it")
     try:
-        with told_with_place(record):
+        with errors_with_place(record):
             return read_witness(record, scene)
     except QueryError as error:
         return Outcome(record, "witness_fails", str(error))
 
 
-def _known(waiting: deque[tuple[Record, Outcome | None]]) -> Iterator[Outcome]:
-    """Yield the leading outcomes that are known already."""
+def _leading_outcomes(waiting: deque[tuple[Record, Outcome | None]]) -> Iterator[Outcome]:
+    """Yield the outcomes before the first record whose witness is still to be checked."""
     while waiting and (outcome := waiting[0][1]) is not None:
         waiting.popleft()
         yield outcome

@@ -1,4 +1,4 @@
-"""The scene of a domain, as physics uses it."""
+"""Load the scene of a domain for physics."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ if TYPE_CHECKING:
 
 
 def scene_of(domain: Domain) -> Scene:
-    """Return the scene of a domain, all its spatial predicates ready for use.
+    """Return the scene of a domain, with its user-defined spatial predicates loaded.
 
     Raises:
-        SceneError: the domain has no scene, or a Python file of it is not trusted, or fails.
+        SceneError: the domain has no scene, or one of its Python files is not trusted or fails.
     """
     scene = load_scene(domain)
     own_predicates(scene)

@@ -1,4 +1,4 @@
-"""The domain, the search index and the position in a file of recorded tasks."""
+"""The origin of a task in a file: its domain, its search index, and its line."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ if TYPE_CHECKING:
     from prag_asp.scene.scene import Scene
 
 INDEX_BYTES = 6
-"""So many bytes make a number that every reader of JSON keeps exactly."""
+"""Bytes of an index derived from a plan: every JSON reader represents a number of 6 bytes exactly."""
 
 MEND = "draw the task anew, or set its witness to null"
 
 
 def named_domain(record: Record, folder: Path) -> str:
-    """Return the name of the shipped domain that a record names, or the folder of another, here or in `folder`.
+    """Return the shipped domain that a record names, or the folder of another, in the current folder or in `folder`.
 
-    A name that leads elsewhere, by a link too, is none: whoever wrote the file may not have another folder read.
+    A name that leads outside these folders, even by a link, is refused: a file must not make us read other folders.
 
     Raises:
-        QueryError: there is neither.
+        QueryError: there is no such domain.
     """
     from prag_asp.program.paths import domain_folder, shipped_domains
 
@@ -48,7 +48,7 @@ def named_domain(record: Record, folder: Path) -> str:
 
 
 def foreign(record: Record, domain: Domain) -> str:
-    """Return that a record names another domain than one, nothing where it names the same."""
+    """Return a message if a record names another domain, "" if it names this one."""
     own = record.task.domain
     return (
         "" if own == domain.name else f"the file says that it is of {own!r}, but it is read as one of {domain.name!r}"
@@ -56,10 +56,10 @@ def foreign(record: Record, domain: Domain) -> str:
 
 
 def read_witness(record: Record, scene: Scene) -> Witness:
-    """Return the witness of a record that has one, of a task in a scene.
+    """Return the witness of a record that has one.
 
     Raises:
-        QueryError: it is of another form; the message names the field, but not the place of the record.
+        QueryError: it is malformed; the message names the field, but not the line of the record.
     """
     from prag_asp.physics import Witness
 
@@ -70,14 +70,14 @@ def read_witness(record: Record, scene: Scene) -> Witness:
 
 
 @contextmanager
-def told_with_place(record: Record, domain: Domain | None = None, advice: str = "") -> Iterator[None]:
-    """Begin the message of an error with the file and the line of a record, and end it with advice.
+def errors_with_place(record: Record, domain: Domain | None = None, advice: str = "") -> Iterator[None]:
+    """Add the file and the line of a record to the message of an error, and advice to its end.
 
-    Where the record, read as one of a `domain`, names another, the message says so.
+    If the record names another domain than `domain`, the message includes that.
 
     Raises:
-        QueryError: what is done with the record raises one.
-        SceneError: the same.
+        QueryError: the body raises one.
+        SceneError: the body raises one.
     """
     try:
         yield
@@ -88,9 +88,9 @@ def told_with_place(record: Record, domain: Domain | None = None, advice: str = 
 
 
 def index_of(record: Record) -> int:
-    """Return the index of a record's verdict, so that the same search is done; without one, one of its actions."""
-    known = (record.verdict or {}).get("index")
-    if type(known) is int and known >= 0:
-        return known
+    """Return the index of the verdict of a record, which repeats its search; without one, a hash of its plan."""
+    index = (record.verdict or {}).get("index")
+    if type(index) is int and index >= 0:
+        return index
     plan = " ".join(map(str, record.task.actions))
     return int.from_bytes(blake2b(plan.encode(), digest_size=INDEX_BYTES).digest(), "big")

@@ -1,4 +1,4 @@
-"""Jobs of validation: what physics says of the task of a draw and of further initial states of it, and its texts."""
+"""Validation jobs: the verdict on the task of a draw, its further initial states, and its texts."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ if TYPE_CHECKING:
     from prag_asp.space.distinct_sampling import RankedDraw
 
 START = 1 << 32
-"""The difference between the indices of two searches in a row for the same task."""
+"""The difference between the indices of consecutive searches for the same task."""
 
 TRIES = 4
-"""Searches for each requested initial state, at most: one that finds none is replaced by the next."""
+"""The most searches per requested initial state: a search that finds no new one is replaced by the next."""
 
 
 class ValidationJob(NamedTuple):
-    """A draw to validate: its number in its part, the index of its first search, and its task or where that is."""
+    """A draw to validate: its number in its part, the index of its first search, and its task or its undecoded draw."""
 
     number: int
     search: int
@@ -38,9 +38,9 @@ class ValidationJob(NamedTuple):
 
 
 class JobResult(NamedTuple):
-    """The result of a job: a `DrawResult` as JSON, files of recordings by initial states, and its row.
+    """The result of a job: a `DrawResult` as JSON, the recording from each initial state, and its row.
 
-    The row is None where the job came with its task.
+    The row is None if the job came with its task.
     """
 
     result: bytes
@@ -50,7 +50,7 @@ class JobResult(NamedTuple):
 
 @dataclass(frozen=True)
 class ValidationSetup:
-    """How the draws of a part are validated: by physics with a `scene`; `captions` make tasks and texts of draws."""
+    """The options to validate the draws of a part: with a `scene`, by physics; with `captions`, draws are decoded."""
 
     part: str
     seed: int
@@ -63,7 +63,7 @@ class ValidationSetup:
 
 @dataclass(frozen=True)
 class CaptionSetup:
-    """What makes tasks of the draws of a space of some lengths and conditions, and texts of the tasks."""
+    """The options to decode draws of a space into tasks, and to write the texts of the tasks."""
 
     domain: Domain
     lengths: tuple[int, ...]
@@ -77,11 +77,11 @@ class CaptionSetup:
 def open_job_validator(setup: ValidationSetup) -> Iterator[Callable[[int, ValidationJob], JobResult]]:
     """Yield a function that validates a job with a task; search s of a draw has the index ``search + s * START``.
 
-    So its results depend on the seed and these two alone. A search that finds no witness, or one from an initial state
-    that is there already, is replaced by the next one, up to `TRIES` for each initial state.
+    The results depend on the seed and on this index alone. A search that finds no witness, or a witness from an initial
+    state that another search found, is replaced by the next one, up to `TRIES` for each initial state.
 
     Raises:
-        SceneError: the scene cannot be built, or a task names something for which it has no shape.
+        SceneError: the scene cannot be built, or lacks the shape of an entity of a task.
     """
     with _validator(setup) as validator:
 
@@ -96,10 +96,10 @@ def open_job_validator(setup: ValidationSetup) -> Iterator[Callable[[int, Valida
 def open_draw_validator(
     setup: ValidationSetup, captions: CaptionSetup
 ) -> Iterator[Callable[[Sequence[ValidationJob]], tuple[list[JobResult], bytes]]]:
-    """Yield a function that makes tasks of draws and validates them; it returns results, and their rows as Arrow.
+    """Yield a function that decodes draws into tasks and validates them; it returns results, and their rows as Arrow.
 
     Raises:
-        SceneError: the scene cannot be built, or a task names something for which it has no shape.
+        SceneError: the scene cannot be built, or lacks the shape of an entity of a task.
     """
     from prag_asp.dataset.store.columns import TableBuilder, packed
     from prag_asp.dataset.store.shard_writer import row_of
@@ -108,20 +108,20 @@ def open_draw_validator(
     with _validator(setup) as validator:
 
         def results(jobs: Sequence[ValidationJob]) -> tuple[list[JobResult], bytes]:
-            placed = [job.drawn for job in jobs if not isinstance(job.drawn, Task)]
-            every, rows = [], TableBuilder("refused")  # all of its columns are columns of tasks, too
-            for job, each, task in zip(jobs, placed, tasks(placed), strict=True):
+            draws = [job.drawn for job in jobs if not isinstance(job.drawn, Task)]
+            job_results, rows = [], TableBuilder("refused")  # the table of tasks has all of its columns, too
+            for job, draw, task in zip(jobs, draws, tasks(draws), strict=True):
                 result, encoded = _result(setup, job, task, validator)
-                every.append(encoded)
-                rows.add(row_of(each, task, result, captioner(task, result.colours)))
-            return every, packed(rows.table())
+                job_results.append(encoded)
+                rows.add(row_of(draw, task, result, captioner(task, result.colours)))
+            return job_results, packed(rows.table())
 
         yield results
 
 
 @contextmanager
 def _validator(setup: ValidationSetup) -> Iterator[Validator | None]:
-    """Yield a validator of the scene, where there is one.
+    """Yield a validator of the scene, None without one.
 
     Raises:
         SceneError: the scene cannot be built.
@@ -136,7 +136,7 @@ def _validator(setup: ValidationSetup) -> Iterator[Validator | None]:
 
 
 def _tasks_and_texts(setup: CaptionSetup) -> tuple[Callable[[Sequence[RankedDraw]], list[Task]], Captioner]:
-    """Return a function that makes tasks of draws, many together, and one that makes the texts of a task."""
+    """Return a function that decodes a batch of draws into tasks, and a captioner of the tasks."""
     from prag_asp.dataset.store.instructions import captioner_of
     from prag_asp.space.task_space import TaskSpace
 
@@ -161,23 +161,23 @@ def _result(
 
 
 def _verdicts(setup: ValidationSetup, job: ValidationJob, task: Task, validator: Validator) -> list[Verdict]:
-    """Return the verdict on a task, or if it is feasible one for each of its initial states, in order of searches."""
+    """Return the verdict on a task, or if it is feasible, one for each of its initial states in order of search."""
 
     def verdict(search: int) -> Verdict:
         index = job.search + search * START
         return validator.validate(task, seed=setup.seed, budget=setup.budget, index=index, staging=setup.staging)
 
-    different: dict[str, Verdict] = {}
-    found = verdict(0)
-    if found.witness is None or setup.starts == 1:
-        return [found]
+    distinct: dict[str, Verdict] = {}
+    result = verdict(0)
+    if result.witness is None or setup.starts == 1:
+        return [result]
     for search in range(1, TRIES * setup.starts + 1):
-        if found.witness is not None:
-            different.setdefault(initial_state_key(found.witness), found)
-        if len(different) == setup.starts or search == TRIES * setup.starts:
+        if result.witness is not None:
+            distinct.setdefault(initial_state_key(result.witness), result)
+        if len(distinct) == setup.starts or search == TRIES * setup.starts:
             break
-        found = verdict(search)
-    return list(different.values())
+        result = verdict(search)
+    return list(distinct.values())
 
 
 def _witness_json(verdict: Verdict) -> msgspec.Raw:
@@ -185,17 +185,17 @@ def _witness_json(verdict: Verdict) -> msgspec.Raw:
 
 
 def _without_witness(verdict: Verdict) -> dict[str, Any]:
-    """Return a verdict as a value of JSON; its witness has a table of its own."""
+    """Return a verdict as a JSON value, without its witness, which goes into a separate table."""
     return {name: value for name, value in verdict.to_json().items() if name != "witness"}
 
 
 def initial_state_key(witness: Witness) -> str:
-    """Return a text that two witnesses have in common if and only if they have the same initial state."""
+    """Return a text that is equal for two witnesses if and only if they have the same initial state."""
     return json.dumps([witness.moments[0].to_json(), dict(witness.sizes)], sort_keys=True)
 
 
 def _recording_info(demonstration: Demonstration | None, content: bytes | None) -> RecordingInfo | None:
-    """Return the description of a recording, which has no file yet."""
+    """Return the record of a recording that has no file yet."""
     if demonstration is None or content is None:
         return None
     ends, seconds = [int(frame) for frame in demonstration.ends], float(demonstration.times[-1])

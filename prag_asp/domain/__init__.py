@@ -1,1 +1,1 @@
-"""A folder on disk made into a Domain: read, checked, and written anew."""
+"""Load a domain from files and check it; write a new domain to start from."""

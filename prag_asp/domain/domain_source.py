@@ -18,12 +18,12 @@ BOTH = "give a domain, then its problem: DOMAIN.pddl PROBLEM.pddl"
 
 
 def find_domain(names: Sequence[str | Path | Source], text: str | None) -> tuple[str, Path | None, list[Path | Source]]:
-    """Return the name of a domain, its folder if it has one, and the files and texts that it is read from, in order.
+    """Return the name of a domain, its folder if it has one, and its files and texts in order.
 
-    It is given as one name or folder, or as any number of files and at most one text.
+    The arguments are one name or folder, or any number of files and at most one text.
 
     Raises:
-        DomainError: there is no such domain, or the names are of several kinds.
+        DomainError: there is no such domain, or the arguments are of several kinds.
     """
     files = list(dict.fromkeys([*names, *([] if text is None else [text_source("text", text)])]))
     if not files:
@@ -47,7 +47,7 @@ def find_domain(names: Sequence[str | Path | Source], text: str | None) -> tuple
 
 
 def _imported(files: Sequence[str | Path | Source]) -> Imported:
-    """Return the logic program of a domain and a problem of PDDL.
+    """Return the logic program of a PDDL domain and problem.
 
     Raises:
         DomainError: there are not exactly two files, or they cannot be imported.

@@ -1,4 +1,4 @@
-"""Digests of domains: domains with equal digests have the same tasks, and the same verdicts on them."""
+"""Digests of domains: domains with equal digests have the same tasks with the same verdicts."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from prag_asp.program.paths import PACKAGE
 from prag_asp.safe_reading import is_inside, read_bytes
 
 MESH = re.compile(rb"""filename\s*=\s*["']([^"']+)["']""")
-"""Finds the meshes that a URDF names."""
+"""The file names of the meshes in a URDF."""
 
 
 def domain_digest(domain: Domain) -> str:
-    """Return a digest of all that tasks of a domain and verdicts on them depend on, with the files of its scene."""
+    """Return a digest of everything that the tasks of a domain and their verdicts depend on, including scene files."""
     settings = domain.settings
     files = {str(path): file_digest(path) for path in scene_files(settings.scene, settings.path.parent)}
     content = [
@@ -41,12 +41,12 @@ def code_digest(encodings: Path) -> str:
 
 @cache
 def _package_digest() -> str:
-    """Return a digest of the files of this package, read once in a process."""
+    """Return a digest of the files of this package, computed once per process."""
     return files_digest([*PACKAGE.rglob("*.py"), *(PACKAGE / "grammar").glob("*.toml")], PACKAGE)
 
 
 def scene_files(table: object, folder: Path) -> Iterator[Path]:
-    """Yield the files that a table of a scene names, and the meshes that these name."""
+    """Yield the files that the table of a scene names, and the meshes of the URDF files among them."""
     for text in sorted(set(_texts(table))):
         path = folder / text
         if len(text) < 256 and "\0" not in text and is_inside(path, folder) and path.is_file():

@@ -1,4 +1,4 @@
-"""Load a domain: find its files, read them, and check them."""
+"""Load a domain: find, read and check its files."""
 
 from __future__ import annotations
 
@@ -40,19 +40,19 @@ LEARNED = "learned.lp"
 """The file of invariants that physics has proved; `prag-asp learn` writes it."""
 
 NO_SETTINGS = Path("<no domain.toml>")
-"""Where the settings of a domain that has no folder would be; there is no such file."""
+"""The pseudo-path of the settings of a domain without a folder."""
 
 
 @dataclass(frozen=True)
 class Domain:
     """A domain that has passed every check.
 
-    `program` is the whole logic program (the encodings, the domain's own files and the rules asked for), `facts` what
-    its base part states. `folder` is None unless the domain was given as a name or a folder. Physics runs the Python
-    files of the domain only where it is `trusted`. `learned` are the impossible fluents that only the file of learned
-    invariants states, `constants` the values given to ``#const``s by name, `warnings` the problems that are no errors.
-    `reduction` is the small-model reduction of `program`, if there is one: counts use it, and everything that reads
-    `facts` grounds all entities. `irreducible` is the reason why a domain with many alike entities has none.
+    `program` is the whole logic program (encodings, files of the domain and selected rules), `facts` are those of its
+    base part. `folder` is None unless the domain was loaded by its name or folder. Physics runs the Python
+    files of the domain only if it is `trusted`. `learned` are the pairs of impossible fluents that only the file of
+    learned invariants states, `constants` the values set for ``#const``s by name. `reduction` is the small-model
+    reduction of `program`, if there is one: counts use it, and reading `facts` grounds all entities. `irreducible` is
+    the reason why a domain with many alike entities has none.
     """
 
     name: str
@@ -70,9 +70,9 @@ class Domain:
 
     @property
     def label(self) -> str:
-        """The name, and the constants that were set: ``hanoi (discs=4)``."""
-        given = ", ".join(f"{name}={value}" for name, value in self.constants.items())
-        return f"{self.name} ({given})" if given else self.name
+        """The name with the constants that were set: ``hanoi (discs=4)``."""
+        settings = ", ".join(f"{name}={value}" for name, value in self.constants.items())
+        return f"{self.name} ({settings})" if settings else self.name
 
 
 def load_domain(
@@ -87,19 +87,18 @@ def load_domain(
     learned: bool = True,
     strict: bool = False,
 ) -> Domain:
-    """Read and check a domain, given as a shipped name, as a folder, as files that end in .lp, or as a text.
+    """Read and check a domain: a shipped name, a folder, files that end in .lp, or a text.
 
-    Files (``-`` is standard input) and a text together are one domain, named after the first. A file includes from its
-    own folder, a text from the working directory; they come without settings. Two files that end in .pddl, a domain
-    and its problem, are read as such. `constants` are values for ``#const``s of the domain. `settings` is a file to
-    read in place of the folder's domain.toml; paths in it begin at its folder.
+    Files (``-`` is standard input) and a text together form one domain, named after the first. Includes are resolved in
+    the folder of a file, for a text in the working directory; such a domain has no domain.toml. Two files that end in
+    .pddl are a PDDL domain and its problem. `constants` are values for ``#const``s of the domain. `settings` is a file
+    to read in place of the folder's domain.toml; its relative paths begin at its own folder.
 
     `rules` are names of files in the encodings' folder ``rules``; one with arguments, such as ``at_most(grasp,2)``, is
     also stated as a fact. `encodings` is a folder to use in place of the shipped encodings. With `flat`, the composites
     of the domain are ignored: any sequence of its actions may be a plan. With `trust`, physics may run the Python files
-    that its domain.toml names; nothing else does. Without `learned`, the file of learned invariants is left out; it is
-    read where a folder has one, unless `settings` give another scene than it was learned from. With `strict`, warnings
-    are errors.
+    that domain.toml names; nothing else runs them. Without `learned`, the file of learned invariants of a folder is not
+    read. It is not read with `settings` either, which may describe another scene. With `strict`, warnings are errors.
 
     Raises:
         DomainError: something is wrong with the files; the message has one line for each problem.
@@ -112,15 +111,15 @@ def load_domain(
     own = each_once(each for entry in entries for each in read_sources(entry, encodings, own=folder))
     own = set_constants(own, values, name) if values else own
     selected = tuple(each for rule in rules for each in rule_sources(rule, encodings))
-    known = {each.path.resolve() for each in core}
+    core_paths = {each.path.resolve() for each in core}
     added = (*asked_sources(own, encodings), *own, *selected)
-    extra = tuple(each for each in added if each.path.resolve() not in known)
+    extra = tuple(each for each in added if each.path.resolve() not in core_paths)
     program = Program((*core, *each_once(extra)))
     path = folder / LEARNED if learned and folder and settings is None else None
     path = path if path is not None and os.path.lexists(path) else None
     table_file = _settings(settings, folder)
-    found = None if path else find_reduction(program, table_file)
-    reduction, irreducible = (found, "") if isinstance(found, Reduction) else (None, found or "")
+    outcome = None if path else find_reduction(program, table_file)
+    reduction, irreducible = (outcome, "") if isinstance(outcome, Reduction) else (None, outcome or "")
     checked = reduction.checked if reduction else check(program, table_file)
     if strict:
         raise_problems(each.as_error() for each in first_of_each(checked.warnings))
@@ -136,16 +135,16 @@ def load_domain(
     return with_learned(domain, read_sources(path, encodings, own=folder)) if path else domain
 
 
-def _settings(given: str | Path | None, folder: Path | None) -> Source:
-    """Return the file of settings; it need not be there, unless it is given.
+def _settings(settings: str | Path | None, folder: Path | None) -> Source:
+    """Return the file of settings, empty if the domain has none.
 
     Raises:
-        DomainError: it is given, and is not there; or it cannot be read.
+        DomainError: the user named a file that does not exist, or the file cannot be read.
     """
-    if given is not None:
-        if not os.path.lexists(given):
-            raise DomainError(f"{given}: no such file of settings; give one written like a domain.toml")
-        return Source(Path(given), read_text(Path(given)))
+    if settings is not None:
+        if not os.path.lexists(settings):
+            raise DomainError(f"{settings}: no such file of settings; give one written like a domain.toml")
+        return Source(Path(settings), read_text(Path(settings)))
     if folder is None:
         return Source(NO_SETTINGS, "")
     path = folder / "domain.toml"
@@ -153,10 +152,10 @@ def _settings(given: str | Path | None, folder: Path | None) -> Source:
 
 
 def load_scene(domain: Domain) -> Scene:
-    """Return the scene of a domain that `load_domain` has read; its Python predicates are trusted where it is.
+    """Return the scene of a domain; its Python predicates are trusted if the domain is.
 
     Raises:
-        SceneError: the domain has none.
+        SceneError: the domain has no scene, or it is invalid.
     """
     if not domain.settings.scene:
         if domain.settings.path == NO_SETTINGS:
@@ -175,12 +174,12 @@ def with_learned(domain: Domain, sources: tuple[Source, ...]) -> Domain:
     """Return a domain with learned invariants, each stated as ``impossible(F,G)``.
 
     Raises:
-        DomainError: the sources state something else, or speak of what the domain does not declare.
+        DomainError: the sources state something else, or use undeclared fluents.
     """
     program = Program(each_once((*domain.program.sources, *sources)))
     impossible = check_learned(program, sources).impossible
-    known = {frozenset(pair) for pair in domain.facts.impossible}
-    added = {frozenset(pair): pair for pair in impossible if frozenset(pair) not in known}
+    stated = {frozenset(pair) for pair in domain.facts.impossible}
+    added = {frozenset(pair): pair for pair in impossible if frozenset(pair) not in stated}
     return replace(
         domain,
         program=program,

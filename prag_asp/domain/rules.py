@@ -13,25 +13,25 @@ from prag_asp.wording import did_you_mean
 
 
 def rule_sources(rule: str, encodings: Path) -> tuple[Source, ...]:
-    """Return the files of a rule; one with arguments is also stated as a fact, in a file of the rule's own text.
+    """Return the files of a rule; a rule with arguments is also stated as a fact, in an additional source.
 
     Raises:
         DomainError: there is no such rule, or it takes another number of arguments.
     """
     atom = parse_atom(rule)
     folder = encodings / "rules"
-    known = rule_names(encodings)
-    if atom.name not in known:
-        otherwise = f"there are {', '.join(known) or 'none'} in {folder}"
-        raise DomainError(f"{rule}: no such rule; {did_you_mean(atom.name, known, otherwise)}")
+    names = rule_names(encodings)
+    if atom.name not in names:
+        otherwise = f"there are {', '.join(names) or 'none'} in {folder}"
+        raise DomainError(f"{rule}: no such rule; {did_you_mean(atom.name, names, otherwise)}")
     sources = read_sources(folder / f"{atom.name}.lp", encodings)
     if not atom.arguments:
         return sources
-    taken = _argument_counts(sources, atom.name)
-    if len(atom.arguments) not in taken:
-        if not taken:
+    counts_taken = _argument_counts(sources, atom.name)
+    if len(atom.arguments) not in counts_taken:
+        if not counts_taken:
             raise DomainError(f"{rule}: the rule {atom.name} takes no arguments; write {atom.name}")
-        counts = " or ".join(map(str, sorted(taken)))
+        counts = " or ".join(map(str, sorted(counts_taken)))
         raise DomainError(
             f"{rule}: the rule {atom.name} takes {counts} arguments, not {len(atom.arguments)}; "
             f"see the head of {folder / atom.name}.lp"
@@ -40,6 +40,6 @@ def rule_sources(rule: str, encodings: Path) -> tuple[Source, ...]:
 
 
 def _argument_counts(sources: tuple[Source, ...], name: str) -> set[int]:
-    """Return the numbers of arguments of the facts that a rule reads under its name."""
+    """Return the arities of the facts that a rule reads under its name."""
     statements, _ = parse_sources((source, False) for source in sources)
     return {len(atom.arguments) for statement in statements for atom in statement.body if atom.name == name}

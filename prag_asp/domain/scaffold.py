@@ -1,4 +1,4 @@
-"""Write a small domain to start from, which passes the checks and whose tasks are feasible."""
+"""Write a small domain to start from. It passes all checks, and its tasks are feasible."""
 
 from __future__ import annotations
 
@@ -99,11 +99,11 @@ tray_1 = [0.47, 0.26, 90]
 
 
 def write_new_domain(name: str, parent: Path = Path()) -> Path:
-    """Write a small domain to start from below a folder, and return its own; `name` may be a path that ends in it.
+    """Write a small domain to start from into a new folder `name` below `parent`, and return this folder.
 
     Raises:
-        DomainError: the name is no name, or the folder exists.
-        OutputError: the folder cannot be made or written; there is none then.
+        DomainError: the name is invalid, or the folder exists.
+        OutputError: the folder cannot be written; it is not created then.
     """
     folder = parent / name
     if not NAME.fullmatch(Path(name).name) or name.endswith(("/", "\\")):

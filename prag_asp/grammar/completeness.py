@@ -1,4 +1,4 @@
-"""Check that the words of a language are complete: kinds of values, braces, forms by gender and case."""
+"""Check the word table of a language for completeness: types of values, braces, forms by gender and case."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from prag_asp.tables.report import TableEntry
 from prag_asp.wording import did_you_mean, listed
 
 PARTS = ("the", "place", "size", "color", "noun")
-"""What a phrase is made of."""
+"""The parts of a noun phrase."""
 
 BRACES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "frames": {
@@ -24,31 +24,31 @@ BRACES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     },
     "joints": {"sentences": (), "facts": (), "steps": ()},
 }
-"""What stands in braces in texts of a language; the second of the exact ones has the facts, too."""
+"""The names in braces in the texts of a language; the second of the exact frames also has the facts."""
 
 
 def check_kinds(words: TableEntry) -> None:
-    """Report words that no language has, and those of another kind than in English."""
-    known = {**shipped_table("en"), "numbers": [], "contractions": {}}
-    words.require_known(known)
+    """Report unknown words, and words whose value has another type than in English."""
+    english = {**shipped_table("en"), "numbers": [], "contractions": {}}
+    words.require_known(english)
     for name, entry in words.entries():
-        if name in known and not _is_like(entry.value, known[name]):
-            like = known[name]
+        if name in english and not _is_like(entry.value, english[name]):
+            like = english[name]
             kind = "a table" if isinstance(like, Mapping) else "a list of texts" if isinstance(like, list) else "a text"
             entry.add(f"needs {kind}; write it as in the table of English")
 
 
-def _is_like(value: object, known: object) -> bool:
-    """Return whether a value of a table of words has the kind of the same one in English."""
-    if isinstance(known, Mapping):
+def _is_like(value: object, model: object) -> bool:
+    """Return whether a value of a word table has the type of its English `model`."""
+    if isinstance(model, Mapping):
         return isinstance(value, Mapping) and bool(value)
-    if isinstance(known, list):
+    if isinstance(model, list):
         return isinstance(value, list) and bool(value) and all(isinstance(each, str) and each for each in value)
     return isinstance(value, str)
 
 
 def check_forms(entry: TableEntry, words: Words) -> None:
-    """Report forms and braces that a language lacks, or has too many of; its tables are all there."""
+    """Report missing and superfluous forms and braces of a language; its tables have to be complete."""
     table = words.table
     unknown = next((part for part in table["phrase"] if part not in PARTS), None)
     if unknown is not None or "noun" not in table["phrase"]:
@@ -58,8 +58,8 @@ def check_forms(entry: TableEntry, words: Words) -> None:
         ("modified", ("phrase", "where", "is"), "where"),
     ):
         for text in [table[key]] if isinstance(table[key], str) else table[key]:
-            found = _braces(text)
-            if found is None or not set(found) <= set(names) or needed not in found:
+            braces = _braces(text)
+            if braces is None or not set(braces) <= set(names) or needed not in braces:
                 entry.at(key).add(f"has {{{needed}}}, and no other braces than {listed(names)}; got {text!r}")
     if any(_braces(text) and (_braces(text) or ())[:1] != ("phrase",) for text in table["modified"]):
         entry.at("modified").add("says where before the {phrase}; begin with it")
@@ -74,7 +74,7 @@ def check_forms(entry: TableEntry, words: Words) -> None:
 
 
 def _check_texts(words: TableEntry, table: Mapping[str, Any]) -> None:
-    """Report frames and joints that are missing, or have other braces than they need."""
+    """Report frames and joints that are missing, or have wrong braces."""
     for part, keys in BRACES.items():
         for key, names in keys.items():
             entry, value, like = words.at(part).at(key), table[part].get(key), shipped_table("en")[part][key]
@@ -90,7 +90,7 @@ def _check_texts(words: TableEntry, table: Mapping[str, Any]) -> None:
 
 
 def _check_agreement(entry: TableEntry, words: Words) -> None:
-    """Report the forms by gender and case that are missing."""
+    """Report missing forms by gender and case."""
     for word in ("the", "it", "is", "is_not"):
         for gender in words.genders:
             lacking = [case for case in words.cases if not words.agreeing(word, gender, case)]
@@ -121,7 +121,7 @@ def _has(forms: Mapping[str, Any], name: str) -> bool:
 
 
 def _braces(text: str) -> tuple[str, ...] | None:
-    """Return the names in braces in their order, None where they do not match."""
+    """Return the names in braces in order, or None if the braces do not match."""
     try:
         return tuple(name for _, name, _, _ in Formatter().parse(text) if name is not None)
     except ValueError:

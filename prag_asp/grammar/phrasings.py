@@ -1,4 +1,4 @@
-"""Subsets of paraphrases: ``1 of 2`` is every second one from the first on."""
+"""Subsets of paraphrases: ``1 of 2`` is every second paraphrase, starting with the first."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ Way = TypeVar("Way")
 
 SPELLED = re.compile(r"(?P<number>[1-9][0-9]{0,3}) of (?P<all>[1-9][0-9]{0,3})")
 FRAMES = ("vague", "default")
-"""The levels whose frames differ from phrasing to phrasing; that of ``exact`` numbers the actions."""
+"""The levels whose frames have paraphrases; the frames of ``exact`` number the actions."""
 
 
 @dataclass(frozen=True)
 class Phrasings:
-    """Of each list of paraphrases, every `all`-th from the `number`-th on, counted from 1.
+    """Every `all`-th paraphrase of each list, starting with the `number`-th, counted from 1.
 
-    A list without any of these, such as one with a single paraphrase, is used as a whole.
+    A list without any of these, such as a list of one paraphrase, is used completely.
     """
 
     number: int = 1
@@ -33,42 +33,42 @@ class Phrasings:
 
     @classmethod
     def parse(cls, text: str) -> Phrasings:
-        """Return the phrasings that a text spells, all of them where it is empty.
+        """Parse a subset of phrasings; an empty text is the set of all.
 
         Raises:
-            QueryError: it spells none.
+            QueryError: the text is not of the form ``1 of 2``.
         """
-        found = SPELLED.fullmatch(" ".join(text.split()))
+        match = SPELLED.fullmatch(" ".join(text.split()))
         if not text.strip():
             return cls()
-        if found is None or int(found["number"]) > int(found["all"]):
+        if match is None or int(match["number"]) > int(match["all"]):
             raise QueryError(f"phrasings {text!r}: write which of how many, such as '1 of 2'")
-        return cls(int(found["number"]), int(found["all"]))
+        return cls(int(match["number"]), int(match["all"]))
 
     def __str__(self) -> str:
         return f"{self.number} of {self.all}" if self.all > 1 else ""
 
     def has(self, place: int) -> bool:
-        """Return whether the paraphrase at a place of its list, from 0, is one of these."""
+        """Return whether the subset contains the paraphrase at an index of its list."""
         return place % self.all == self.number - 1
 
     def of(self, ways: Sequence[Way]) -> Sequence[Way]:
-        """Return those of a list of paraphrases; all where there are none."""
+        """Return the paraphrases of a list in the subset, or all if there are none."""
         if self.all == 1:
             return ways
         return [way for place, way in enumerate(ways) if self.has(place)] or ways
 
     def disjoint(self, other: Phrasings) -> bool:
-        """Return whether no paraphrase is in both, for lists of any length (by the Chinese remainder theorem)."""
+        """Return whether two subsets are disjoint for lists of any length (by the Chinese remainder theorem)."""
         return (self.number - other.number) % gcd(self.all, other.all) != 0
 
     def require(
         self, actions: Mapping[Signature, Sequence[Template]], frames: Mapping[str, Any], language: str
     ) -> None:
-        """Check that each action and each instruction has such a phrasing.
+        """Check that each action and each frame of instructions has a paraphrase in the subset.
 
         Raises:
-            QueryError: one has too few sentences.
+            QueryError: an action or a level has too few.
         """
         if self.all == 1:
             return

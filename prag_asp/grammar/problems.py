@@ -1,4 +1,4 @@
-"""Check the tables of a domain's languages: unknown names, wrong braces, missing forms, sentences that are alike."""
+"""Check the tables of a domain's languages: unknown names, wrong braces, missing forms, ambiguous sentences."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ FACT_KEYS = ("is", "not", "where", "of", "silent")
 
 
 def grammar_problems(settings: Settings, facts: Facts) -> list[TableProblem]:
-    """Return the problems of a domain's languages, and of the sentences right under ``[language]``."""
-    known, problems = tables(settings), list[TableProblem]()
+    """Return the problems of a domain's languages, and of the sentences directly under ``[language]``."""
+    own_tables, problems = tables(settings), list[TableProblem]()
     for code in languages(settings):
         report = TableReport()
-        _check_language(TableEntry(report, ("language", code), known.get(code, {})), settings, facts, code)
+        _check_language(TableEntry(report, ("language", code), own_tables.get(code, {})), settings, facts, code)
         problems += report.problems
     return problems
 
 
 def _check_language(entry: TableEntry, settings: Settings, facts: Facts, code: str) -> None:
-    """Report the problems of one language of a domain; those of its sentences only where its parts are right."""
+    """Report the problems of one language of a domain; sentences are checked only if its parts are valid."""
     _check_parts(entry, code)
     if not entry.is_sound:
         return
@@ -46,7 +46,7 @@ def _check_language(entry: TableEntry, settings: Settings, facts: Facts, code: s
 
 
 def _check_parts(entry: TableEntry, code: str) -> None:
-    """Report parts that no language has, and words of another kind than those of English."""
+    """Report unknown parts, and words whose value has another type than in English."""
     entry.require_known(PARTS)
     for part, table in entry.entries():
         if part in PARTS:
@@ -65,7 +65,7 @@ class _LanguageChecker:
         self.entry, self.reader, self.code, self.cases = entry, reader, code, reader.words.cases
 
     def check(self) -> None:
-        """Report wrong entries; where there are none, also entries that instructions need and that are missing."""
+        """Report wrong entries; if there are none, also missing entries that instructions need."""
         self._check_actions()
         self._check_facts()
         self._check_nouns()
@@ -75,7 +75,7 @@ class _LanguageChecker:
             self._check_missing()
 
     def _check_missing(self) -> None:
-        """Report what instructions need and no table has."""
+        """Report missing entries that instructions need."""
         lacking: dict[str, list[str]] = {}
         for table, name in self.reader.missing():
             lacking.setdefault(table, []).append(name)
@@ -114,10 +114,10 @@ class _LanguageChecker:
 
     def _check_nouns(self) -> None:
         states, words = self.reader.states, self.reader.words
-        known = {*map(str, states.classes), *states.entity_names}
+        declared = {*map(str, states.classes), *states.entity_names}
         for name, entry in self.entry.at("nouns").entries():
-            if name not in known:
-                hint = did_you_mean(name, known, "give the name of a class or an entity")
+            if name not in declared:
+                hint = did_you_mean(name, declared, "give the name of a class or an entity")
                 entry.add(f"there is no such class or entity; {hint}")
                 continue
             entry.require_known(("noun", "gender", *words.cases))
@@ -129,16 +129,17 @@ class _LanguageChecker:
 
     def _check_values(self) -> None:
         places = (*self.reader.action_arguments.values(), *self.reader.fluent_arguments.values())
-        known = {value for each in places for values in each for value in values} - set(self.reader.states.entity_names)
+        entities = set(self.reader.states.entity_names)
+        arguments = {value for each in places for values in each for value in values} - entities
         for name, entry in self.entry.at("values").entries():
-            if name not in known:
-                hint = did_you_mean(name, known, f"arguments that are no entities are {listed(known)}")
+            if name not in arguments:
+                hint = did_you_mean(name, arguments, f"arguments that are no entities are {listed(arguments)}")
                 entry.add(f"no action or fluent has such an argument; {hint}")
             elif not isinstance(entry.value, str) or not entry.value.strip():
                 entry.needs("a word in quotes")
 
     def _check_sentences(self, entry: TableEntry, arity: int) -> None:
-        """Report a wrong sentence, or wrong ones among several."""
+        """Report the wrong sentences of an entry."""
         texts = _texts(entry.value)
         if not texts or len(texts) < (len(entry.value) if isinstance(entry.value, list) else 1):
             entry.needs("a sentence in quotes, or several in a list")
@@ -154,9 +155,9 @@ class _LanguageChecker:
         own = self.entry.at("actions", {}).value
         above = self.reader.settings.language if self.code == FIRST else {}
         named = [*(name for name in above if name not in own), *own]
-        known = self.reader.actions()
-        ordered = sorted((each for each in known if each[0] in named), key=lambda each: named.index(each[0]))
-        spelled = [(signature, template) for signature in ordered for template in known[signature]]
+        sentences = self.reader.actions()
+        ordered = sorted((each for each in sentences if each[0] in named), key=lambda each: named.index(each[0]))
+        spelled = [(signature, template) for signature in ordered for template in sentences[signature]]
         reported = set[tuple[str, str]]()
         for (one, first), (other, second) in combinations(spelled, 2):
             pair = (one[0], other[0])
@@ -165,14 +166,14 @@ class _LanguageChecker:
                 like = f"a sentence is like one of {one[0]}" if one != other else "two sentences are alike"
                 self._place(other[0], own).add(f"{like}; nobody could distinguish them: change one", "sounds-alike")
         for signature, template in spelled:
-            left = self._left_open(signature, template)
-            if left is not None and (signature[0], "") not in reported:
+            omitted = self._left_open(signature, template)
+            if omitted is not None and (signature[0], "") not in reported:
                 reported.add((signature[0], ""))
-                text = f"a sentence leaves {{{left}}} open, so that two actions sound alike; name it"
+                text = f"a sentence leaves {{{omitted}}} open, so that two actions sound alike; name it"
                 self._place(signature[0], own).add(text, "sounds-alike")
 
     def _place(self, action: str, own: Mapping[str, Any]) -> TableEntry:
-        """Return the entry of the sentences of an action: in the language's table, or right under ``[language]``."""
+        """Return the entry of the sentences of an action: in the language's table, or directly under ``[language]``."""
         return (
             self.entry.at("actions").at(action)
             if action in own
@@ -188,17 +189,17 @@ class _LanguageChecker:
         return all(places[one][i] & places[other][j] for i, j in pairs)
 
     def _left_open(self, signature: Signature, template: Template) -> int | None:
-        """Return an argument that a sentence omits although it distinguishes actions, None where there is none."""
+        """Return an argument that a sentence omits although it distinguishes actions, or None."""
         places = self.reader.action_arguments[signature]
-        out = [index for index, known in enumerate(places) if len(known) > 1 and index not in template.arguments]
-        if not out:
+        omitted = [index for index, values in enumerate(places) if len(values) > 1 and index not in template.arguments]
+        if not omitted:
             return None
         name, arity = signature
         actions = [
             each for each in self.reader.states.declared_actions if (each.name, len(each.arguments)) == (name, arity)
         ]
-        seen = {tuple(str(each.arguments[index]) for index in template.arguments) for each in actions}
-        return out[0] if len(seen) < len(actions) else None
+        distinct = {tuple(str(each.arguments[index]) for index in template.arguments) for each in actions}
+        return omitted[0] if len(distinct) < len(actions) else None
 
 
 def _texts(sentences: object) -> Sequence[str]:
@@ -206,8 +207,8 @@ def _texts(sentences: object) -> Sequence[str]:
 
 
 def _arities(arguments: Mapping[Signature, object]) -> dict[str, int]:
-    """Return the largest number of arguments of each name."""
-    found: dict[str, int] = {}
+    """Return the largest arity of each name."""
+    arities: dict[str, int] = {}
     for name, arity in arguments:
-        found[name] = max(found.get(name, 0), arity)
-    return found
+        arities[name] = max(arities.get(name, 0), arity)
+    return arities

@@ -14,13 +14,13 @@ from prag_asp.program.facts import Facts
 from prag_asp.program.settings import Settings
 
 Signature = tuple[str, int]
-"""The name of an action or a fluent, and how many arguments it has."""
+"""The name and the arity of an action or a fluent."""
 
 FIRST = "en"
-"""The language of the sentences that stand right under ``[language]``."""
+"""The language of the sentences directly under ``[language]``."""
 
 PARTS = ("actions", "facts", "nouns", "values", "words")
-"""The tables of a language in a domain."""
+"""The names of the tables of a language in a domain."""
 
 
 @dataclass(frozen=True)
@@ -32,13 +32,13 @@ class Noun:
 
     @property
     def word(self) -> str:
-        """The noun in the usual case, which stands for all."""
+        """The noun in the default case."""
         return next(iter(self.forms.values()))
 
 
 @dataclass(frozen=True)
 class Where:
-    """A modifier of a noun phrase by a fluent: ``on {1}`` distinguishes its argument `subject`."""
+    """A modifier of a noun phrase from a fluent: ``on {1}`` describes its argument `subject`."""
 
     template: Template
     subject: int
@@ -46,7 +46,7 @@ class Where:
 
 @dataclass(frozen=True)
 class FactForms:
-    """The sentences of a fluent: that it holds, that it does not, its modifiers; a `silent` one is not mentioned."""
+    """The sentences of a true and of a false fluent, and its modifiers; a `silent` fluent is not mentioned."""
 
     true: tuple[Template, ...] = ()
     false: tuple[Template, ...] = ()
@@ -58,8 +58,8 @@ class FactForms:
 class Grammar:
     """All sentences of a domain in one language, and its nouns by the names of classes and entities.
 
-    `values` are the words for what is neither. Any domain has the `plain` sentences of actions, and the `spare` ones of
-    fluents.
+    `values` are the words for other arguments. `plain` are the default sentences of actions, `spare` those of fluents,
+    which every domain has.
     """
 
     words: Words
@@ -72,13 +72,13 @@ class Grammar:
 
 
 class GrammarReader:
-    """Reads the tables of one language of a domain without wrong entries, which the linter reports."""
+    """Reads the tables of one language of a domain, and ignores wrong entries, which the linter reports."""
 
     def __init__(self, settings: Settings, facts: Facts, code: str) -> None:
         """Read the settings and the facts of a domain.
 
         Raises:
-            QueryError: there are no words of this language.
+            QueryError: this language has no words.
         """
         own = settings.grammar.get(code, {})
         self.own: Mapping[str, Any] = own if isinstance(own, Mapping) else {}
@@ -93,24 +93,24 @@ class GrammarReader:
 
     @cached_property
     def action_arguments(self) -> Mapping[Signature, list[set[str]]]:
-        """The arguments at each place of the actions of a name."""
+        """The arguments at each place of the actions with a signature."""
         return _arguments(self.states.declared_actions)
 
     @cached_property
     def fluent_arguments(self) -> Mapping[Signature, list[set[str]]]:
-        """The arguments at each place of the fluents of a name."""
+        """The arguments at each place of the fluents with a signature."""
         return _arguments(self.states.fluents)
 
     def actions(self) -> dict[Signature, tuple[Template, ...]]:
-        """Return the sentences of each action: those of the language's table, or in English right under [language]."""
-        table, found = self._table("actions"), {}
+        """Return the sentences of each action, from the language's table or (in English) directly under [language]."""
+        table, sentences = self._table("actions"), {}
         for name, arity in self.action_arguments:
             texts = listed(table.get(name)) or (self._short(name) if self.code == FIRST else ())
-            found[name, arity] = tuple(self.templates(texts, arity))
-        return found
+            sentences[name, arity] = tuple(self.templates(texts, arity))
+        return sentences
 
     def _short(self, name: str) -> tuple[str, ...]:
-        """Return the sentences right under [language] in which no article stands before the place of an argument."""
+        """Return the sentences directly under [language] without an article before a slot."""
         texts = listed(self.settings.grammar.get(name))
         return tuple(text for text in texts if not any(f"{article} {{" in text for article in self._articles))
 
@@ -119,44 +119,44 @@ class GrammarReader:
         return self.words.articles | {"a", "an"}
 
     def plain(self) -> dict[Signature, Template]:
-        """Return sentences of the name and the arguments of actions, without arguments that all of them share."""
+        """Return default sentences of actions from their name and arguments, without constant arguments."""
         defaults = self.words.table.get("defaults", {})
         if "action" not in defaults:
             return {}
-        found, ways = {}, self._ways() if "from" in defaults and "to" in defaults else {}
+        sentences, ways = {}, self._ways() if "from" in defaults and "to" in defaults else {}
         for (name, arity), places in self.action_arguments.items():
-            named = [index for index, known in enumerate(places) if len(known) > 1]
+            named = [index for index, arguments in enumerate(places) if len(arguments) > 1]
             led = {index: way for index, way in ways.get((name, arity), {}).items() if index in named[1:]}
             every = _joined([f"{{{index}}}" for index in named if index not in led], defaults["all"])
             text = str(defaults["action"]).format(name=plain(name), all=every).strip()
             text += "".join(str(defaults[way]).replace("{0}", f"{{{index}}}") for index, way in sorted(led.items()))
-            found[name, arity] = parse_template(text, self.words.cases, arity)
-        return found
+            sentences[name, arity] = parse_template(text, self.words.cases, arity)
+        return sentences
 
     def _ways(self) -> Mapping[Signature, Mapping[int, str]]:
-        """Return which arguments an action leads ``from`` and ``to``.
+        """Return the arguments of actions that are a source (``from``) or a destination (``to``).
 
-        Each of its actions makes a fluent of two arguments false, or true, of which this is the second one, and the
-        first one is another argument that is no robot.
+        Each action of the signature makes a binary fluent false, or true, whose second argument this is and whose first
+        argument is an earlier argument of the action and no robot.
         """
-        found: dict[Signature, dict[int, str]] = {}
+        directions: dict[Signature, dict[int, str]] = {}
         robots = self._robots()
         for action in self.states.declared_actions:
             signature = action.name, len(action.arguments)
-            known = list(map(str, action.arguments))
+            arguments = list(map(str, action.arguments))
             here: dict[int, str] = {}
             for fluent, value in self.states.postconditions.get(action, ()):
                 pair = list(map(str, fluent.arguments))
-                if len(pair) == 2 and value != "unknown" and pair[0] not in robots and set(pair) <= set(known):
-                    where = len(known) - 1 - known[::-1].index(pair[1])
-                    if known.index(pair[0]) < where:
+                if len(pair) == 2 and value != "unknown" and pair[0] not in robots and set(pair) <= set(arguments):
+                    where = len(arguments) - 1 - arguments[::-1].index(pair[1])
+                    if arguments.index(pair[0]) < where:
                         here[where] = "to" if value == "true" else here.get(where, "from")
-            both = found.setdefault(signature, here)
-            found[signature] = {index: way for index, way in both.items() if here.get(index) == way}
-        return found
+            both = directions.setdefault(signature, here)
+            directions[signature] = {index: way for index, way in both.items() if here.get(index) == way}
+        return directions
 
     def _robots(self) -> frozenset[str]:
-        """Return the entities that are robots in the scene."""
+        """Return the entities and classes that are robots in the scene."""
         shapes = _below(self.settings.scene, "shapes")
         kinds = {name for name, shape in shapes.items() if isinstance(shape, Mapping) and shape.get("kind") == "robot"}
         members = {str(entity) for entity, name in self.states.memberships if str(name) in kinds}
@@ -171,7 +171,7 @@ class GrammarReader:
         }
 
     def _meant(self, name: str, arity: int) -> Mapping[str, Any]:
-        """Return the forms of a fluent that the domain's table does not have."""
+        """Return the forms of a fluent that is not in the domain's table."""
         from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - counting needs no instructions
 
         scene = self.settings.scene
@@ -184,13 +184,13 @@ class GrammarReader:
         return self._default(name, arity)
 
     def spare(self) -> dict[Signature, FactForms]:
-        """Return the default sentences of each fluent, by its name."""
+        """Return the default sentences of each fluent, from its name."""
         return {(name, arity): self.forms(self._default(name, arity), arity) for name, arity in self.fluent_arguments}
 
     def _default(self, name: str, arity: int) -> Mapping[str, Any]:
         """Return the default forms of a fluent: its name and its arguments.
 
-        They have no modifier, because a picture may not show the fluent.
+        They have no modifier, because an image may not show the fluent.
         """
         defaults = _below(self.words.table, "defaults")
         every = _joined([f"{{{index}}}" for index in range(arity)], defaults.get("all", (", ", ", ")))
@@ -198,7 +198,7 @@ class GrammarReader:
         return {key: str(text).replace("{name}", plain(name)).replace("{all}", every) for key, text in forms.items()}
 
     def forms(self, entry: object, arity: int) -> FactForms:
-        """Return the sentences of a fluent from an entry: a sentence, several, or a table of forms."""
+        """Return the sentences of a fluent from an entry: a sentence, a list of sentences, or a table of forms."""
         table = entry if isinstance(entry, Mapping) else {"is": entry}
         true = listed(table.get("is"))
         false = listed(table.get("not"))
@@ -218,17 +218,17 @@ class GrammarReader:
                 yield Where(template, missing[0])
 
     def templates(self, texts: Sequence[str] | Iterator[str], arity: int, verb: str = "is") -> Iterator[Template]:
-        """Yield the sentences that texts spell; one in which a word agrees is several."""
+        """Yield the templates of texts; a text with a word that agrees yields one for each form."""
         for phrasing, text in enumerate(map(self.words.expanded, texts)):
             for genders, form in self._verbs(text, verb):
                 try:
-                    found = parse_template(text, self.words.cases, arity, {"is": form}, genders)
+                    template = parse_template(text, self.words.cases, arity, {"is": form}, genders)
                 except QueryError:
                     continue
-                yield replace(found, phrasing=phrasing)
+                yield replace(template, phrasing=phrasing)
 
     def _verbs(self, text: str, verb: str) -> Iterator[tuple[frozenset[str], str]]:
-        """Yield the forms of a verb with the genders that they go with."""
+        """Yield the forms of a verb with their genders."""
         if not agrees(text):
             yield frozenset(), ""
             return
@@ -239,16 +239,16 @@ class GrammarReader:
             yield frozenset(genders), form
 
     def nouns(self) -> dict[str, Noun]:
-        """Return the noun of each class, and those of entities that have one of their own."""
+        """Return the noun of each class, and of entities with a separate noun."""
         table = self._table("nouns")
-        found = {name: noun for name, entry in table.items() if (noun := self.noun(entry)) is not None}
+        nouns = {name: noun for name, entry in table.items() if (noun := self.noun(entry)) is not None}
         for name in map(str, self.states.classes):
-            if name not in found and self.code == FIRST:
-                found[name] = Noun(self.words.genders[0], dict.fromkeys(self.words.cases, plain(name)))
-        return found
+            if name not in nouns and self.code == FIRST:
+                nouns[name] = Noun(self.words.genders[0], dict.fromkeys(self.words.cases, plain(name)))
+        return nouns
 
     def noun(self, entry: object) -> Noun | None:
-        """Return the noun that a value of a table spells, None where it spells none."""
+        """Return the noun of an entry of a table, or None if it is invalid."""
         table = entry if isinstance(entry, Mapping) else {"noun": entry}
         word, gender = table.get("noun"), table.get("gender", self.words.genders[0])
         if not isinstance(word, str) or not word.strip() or gender not in self.words.genders:
@@ -259,11 +259,11 @@ class GrammarReader:
 
     def values(self) -> dict[str, str]:
         """Return the words for arguments that are neither entities nor classes."""
-        known = self._table("values").items()
-        return {name: self.words.expanded(text) for name, text in known if isinstance(text, str)}
+        words = self._table("values").items()
+        return {name: self.words.expanded(text) for name, text in words if isinstance(text, str)}
 
     def missing(self) -> Iterator[tuple[str, str]]:
-        """Yield the table and the name of each entry that instructions need and the domain lacks."""
+        """Yield the table and the name of each missing entry that instructions need."""
         table = self._table("actions")
         if "action" not in _below(self.words.table, "defaults"):
             yield from (
@@ -279,7 +279,7 @@ class GrammarReader:
 
 
 def languages(settings: Settings) -> tuple[str, ...]:
-    """Return the codes of a domain's languages: English, and those that it has tables for."""
+    """Return the codes of a domain's languages: English, and those with tables."""
     return tuple(dict.fromkeys([FIRST, *tables(settings)]))
 
 
@@ -295,28 +295,28 @@ def listed(texts: object) -> tuple[str, ...]:
 
 
 def plain(name: str) -> str:
-    """Return a name as it reads in a sentence: ``pick_up`` is ``pick up``, ``disc(1)`` is ``disc 1``."""
+    """Return a name as words of a sentence: ``pick up`` for ``pick_up``, ``disc 1`` for ``disc(1)``."""
     return " ".join(
         name.replace("_", " ").replace("(", " ").replace(")", " ").replace(",", " ").replace('"', " ").split()
     )
 
 
 def _joined(words: Sequence[str], between: Sequence[str]) -> str:
-    """Return words in a row, the last after a word of its own."""
+    """Return words joined by the first separator, the last one by the second."""
     return between[1].join(part for part in (between[0].join(words[:-1]), *words[-1:]) if part)
 
 
 def _below(table: object, key: str) -> Mapping[str, Any]:
-    """Return a table of a table, an empty one where there is none."""
-    found = table.get(key) if isinstance(table, Mapping) else None
-    return found if isinstance(found, Mapping) else {}
+    """Return the subtable with a key, empty if there is none."""
+    value = table.get(key) if isinstance(table, Mapping) else None
+    return value if isinstance(value, Mapping) else {}
 
 
 def _arguments(terms: Any) -> dict[Signature, list[set[str]]]:
-    found: dict[Signature, list[set[str]]] = {}
+    by_signature: dict[Signature, list[set[str]]] = {}
     for term in terms:
         arguments = term.arguments
-        places = found.setdefault((term.name, len(arguments)), [set() for _ in arguments])
+        places = by_signature.setdefault((term.name, len(arguments)), [set() for _ in arguments])
         for place, argument in zip(places, arguments, strict=True):
             place.add(str(argument))
-    return found
+    return by_signature

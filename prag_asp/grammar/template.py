@@ -1,4 +1,4 @@
-"""Sentence templates with slots for arguments, ``pick up {1} from {2:dat}``: filled in, and matched with a text."""
+"""Sentence templates with slots for arguments, ``pick up {1} from {2:dat}``: fill them, and match them with texts."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from typing import NamedTuple
 from prag_asp.errors import QueryError
 
 VERBS = ("is",)
-"""Words in braces that agree with the first argument of a sentence, and are another word where it is not so."""
+"""Words in braces that agree with the first argument of a sentence, and have a negated form."""
 
 
 class Slot(NamedTuple):
-    """The place of an argument in a sentence, and the case that it stands in there, "" for the usual one."""
+    """The slot of an argument in a sentence, with its case; "" is the default case."""
 
     argument: int
     case: str = ""
@@ -23,10 +23,10 @@ class Slot(NamedTuple):
 
 @dataclass(frozen=True)
 class Template:
-    """A sentence in pieces: texts and slots by turns, a text first and last.
+    """A sentence of alternating texts and slots, which begins and ends with a text.
 
-    `genders` are set where a word of it agrees with the first argument: the sentence is for those of that gender.
-    `phrasing` is its place, from 0, among the ways to say the same.
+    If a word agrees with the first argument, `genders` are the genders of arguments for which this sentence is used.
+    `phrasing` is its index, from 0, among the paraphrases.
     """
 
     texts: tuple[str, ...]
@@ -35,14 +35,14 @@ class Template:
     phrasing: int = field(default=0, compare=False)
 
     def fill(self, words: Sequence[str]) -> str:
-        """Return the sentence with words for its slots, in their order."""
+        """Return the sentence with words in its slots, in order."""
         parts = [self.texts[0]]
         for word, text in zip(words, self.texts[1:], strict=True):
             parts += (word, text)
         return "".join(parts)
 
     def find(self, text: str, fits: Callable[[str], bool] = bool) -> Iterator[tuple[str, ...]]:
-        """Yield the words for the slots with which this sentence is the text, in every way in which all words fit."""
+        """Yield every assignment of words to the slots that makes this sentence the text, if all words fit."""
         first, last = self.texts[0], self.texts[-1]
         if not self.slots:
             if text == first:
@@ -51,7 +51,7 @@ class Template:
             yield from self._split(text[len(first) : len(text) - len(last)], 1, fits)
 
     def _split(self, text: str, number: int, fits: Callable[[str], bool]) -> Iterator[tuple[str, ...]]:
-        """Yield the ways to split a text by the pieces of text between slots, from that of a number on."""
+        """Yield the ways to split a text at the texts between slots, beginning with the slot of a number."""
         if number == len(self.slots):
             if fits(text):
                 yield (text,)
@@ -66,7 +66,7 @@ class Template:
 
     @cached_property
     def arguments(self) -> tuple[int, ...]:
-        """The arguments that it names, in the order of its slots."""
+        """The arguments of the slots, in order."""
         return tuple(slot.argument for slot in self.slots)
 
 
@@ -77,10 +77,10 @@ def parse_template(
     verbs: Mapping[str, str] | None = None,
     genders: frozenset[str] = frozenset(),
 ) -> Template:
-    """Return the sentence that a text spells; `verbs` are what words in braces stand for, with some `genders`.
+    """Parse a sentence; `verbs` are the forms of verbs in braces for some `genders`.
 
     Raises:
-        QueryError: its braces are wrong; the message says how, and what to do.
+        QueryError: its braces are wrong; the message has the problem and the remedy.
     """
     texts, slots = [""], list[Slot]()
     for literal, name, case in _fields(text):
@@ -97,7 +97,7 @@ def parse_template(
             raise QueryError(f"has {{{name}:{case}}}, which is no case; cases are {', '.join(cases)}")
         slots.append(Slot(int(name), case))
         texts.append("")
-    if any(not between for between in texts[1:-1]):
+    if any(not text_between for text_between in texts[1:-1]):
         raise QueryError("has two places side by side; write a word or a blank between them")
     if not slots and not texts[0].strip():
         raise QueryError("is empty; write a sentence")
@@ -105,7 +105,7 @@ def parse_template(
 
 
 def _fields(text: str) -> Iterator[tuple[str, str | None, str]]:
-    """Yield each text of a template with the name and the case that follow it in braces.
+    """Yield each text of a template with the name and the case in the braces after it.
 
     Raises:
         QueryError: the braces do not match.

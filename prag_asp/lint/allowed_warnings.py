@@ -13,23 +13,23 @@ from prag_asp.program.tokens import comments
 from prag_asp.wording import did_you_mean
 
 ALLOW = re.compile(r"\blint:\s*allow\b(?P<names>[^*#%\n]*)")
-"""The text of such a comment, in a logic program (after %, or in %* *%) and in domain.toml (after #)."""
+"""Such a comment in a logic program (after %, or in %* *%) or in domain.toml (after #)."""
 
 TOML_COMMENT = re.compile(r"#(?P<words>[^#]*\blint:.*)$")
 
 Allowed = Mapping[tuple[Path, int], tuple[str, ...]]
-"""The names that each line allows, whether or not there are such warnings."""
+"""The names that each line allows, even those that are not names of warnings."""
 
 
 def allowed_names(sources: Iterable[Source], settings: Settings) -> Allowed:
     """Return the names that the comments of sources and of a domain.toml allow."""
-    found: dict[tuple[Path, int], tuple[str, ...]] = {}
+    allowed: dict[tuple[Path, int], tuple[str, ...]] = {}
     for source in sources:
         if "lint:" in source.text:
-            found |= {(source.path, line): names for line, names in _names(comments(source.text))}
+            allowed |= {(source.path, line): names for line, names in _names(comments(source.text))}
     lines = enumerate(settings.text.split("\n"), 1)
     spoken = ((line, match["words"]) for line, text in lines if (match := TOML_COMMENT.search(text)))
-    return found | {(settings.path, line): names for line, names in _names(spoken)}
+    return allowed | {(settings.path, line): names for line, names in _names(spoken)}
 
 
 def _names(spoken: Iterable[tuple[int, str]]) -> Iterator[tuple[int, tuple[str, ...]]]:

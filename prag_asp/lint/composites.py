@@ -1,4 +1,4 @@
-"""Composites whose stages do not fit together."""
+"""Check the composites and their stages."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from prag_asp.program.facts import Facts
 from prag_asp.program.problem import Problem
 
 MOST_ACTIONS = 100
-"""Actions of the longest composite: the encodings nest them in one term, as deep as there are actions."""
+"""The maximum number of actions of a composite: the encodings nest them in one term of that depth."""
 
 Symbol = clingo.Symbol
 
 
 class Complaint(NamedTuple):
-    """A problem of one composite: the place, the words that follow its name, and the remedy."""
+    """A problem of one composite: the place, the text that follows its name, and the remedy."""
 
     composite: Symbol
     place: RulePlace
@@ -29,7 +29,7 @@ class Complaint(NamedTuple):
 
 
 def composite_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield the problems of composites, stages and free actions; each check needs the ones before to pass."""
+    """Yield the problems of composites, stages and free actions; each check requires that those before pass."""
     undeclared = list(_undeclared(facts, origins))
     yield from undeclared
     yield from _needless(facts, origins)
@@ -56,13 +56,13 @@ def composite_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
 
 
 def grouped(complaints: Iterable[Complaint], name: str = "") -> Iterator[Problem]:
-    """Yield one problem for all composites of one name and one place; with a `name`, a warning of that name."""
+    """Yield one problem for all composites of one name and place; with a `name`, a warning of that name."""
     alike: dict[tuple[str, RulePlace], list[Complaint]] = {}
     for complaint in complaints:
         alike.setdefault((complaint.composite.name, complaint.place), []).append(complaint)
-    for (_, place), found in alike.items():
-        composite, _, words, advice = found[0]
-        more = f" (and {len(found) - 1} more like it)" if len(found) > 1 else ""
+    for (_, place), group in alike.items():
+        composite, _, words, advice = group[0]
+        more = f" (and {len(group) - 1} more like it)" if len(group) > 1 else ""
         yield Problem(*place, f"{composite} {words}{more}; {advice}", name)
 
 
@@ -83,7 +83,7 @@ def _undeclared(facts: Facts, origins: Origins) -> Iterator[Problem]:
 
 
 def _needless(facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield the ``free`` atoms that change nothing."""
+    """Yield the ``free`` atoms without effect."""
     if facts.free and not facts.composites:
         text = "without composites, every action is free; declare a composite, or remove free(...)"
         yield Problem(*origins.place("free", facts.free[0]), text, "no-effect")
@@ -94,7 +94,7 @@ def _needless(facts: Facts, origins: Origins) -> Iterator[Problem]:
 
 
 def _misplaced(facts: Facts, origins: Origins) -> Iterator[Complaint]:
-    """Yield the composites without stages, with gaps between them, or with two parts at one."""
+    """Yield the composites without stages, with gaps between stages, or with two parts at one stage."""
     actions = set(facts.actions)
     for composite in facts.composites:
         stages = facts.stages.get(composite, ())

@@ -1,4 +1,4 @@
-"""Statements that a domain may not have, and rules that stand in the wrong program part."""
+"""Find statements that a domain may not have, and rules in the wrong program part."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ STATED = frozenset(
         ("composite", 1), ("stage", 3), ("free", 1), ("at_most", 2), ("ever", 1),
     ]
 )  # fmt: skip
-"""The predicates of the base part, which hold at every step."""
+"""The predicates of the base part, which do not depend on the step."""
 
 CHOICES = (ASTType.Aggregate, ASTType.Disjunction, ASTType.HeadAggregate)
 TIMED: frozenset[Signature] = frozenset([OCCURS, HOLDS])
@@ -50,13 +50,13 @@ def directive_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
 
 
 def _reserved(statements: Sequence[Statement]) -> set[str]:
-    """Return the names in the arguments of the encodings' atoms."""
+    """Return the names in the arguments of atoms of the encodings."""
     encodings = [each for each in statements if not each.own]
     return names(argument for each in encodings for atom in (*each.heads, *each.body) for argument in atom.arguments)
 
 
 def placement_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the author's rules that stand in the wrong program part."""
+    """Yield the author's rules in the wrong program part."""
     for statement in statements:
         if statement.own and statement.is_rule:
             yield from _timed_problems(statement) if statement.timed else _base_problems(statement)
@@ -77,8 +77,8 @@ def _part_problems(statement: Statement) -> Iterator[Problem]:
     if (name == "base" and count == 0) or (name in TIMED_PARTS and count == 1):
         return
     written = f"#program {name}({','.join(statement.parameters)})" if count else f"#program {name}"
-    known = {"base": "base", **{part: f"{part}(t)" for part in TIMED_PARTS}}
-    near = known.get(name) or known.get(nearest(name, known) or "")
+    parts = {"base": "base", **{part: f"{part}(t)" for part in TIMED_PARTS}}
+    near = parts.get(name) or parts.get(nearest(name, parts) or "")
     hint = f"did you mean {near}?" if near else "the program parts are base, step(t) and check(t)"
     yield statement.problem(f"{written}. is never grounded; {hint}")
 

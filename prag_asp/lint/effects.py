@@ -1,4 +1,4 @@
-"""Statements about actions, the initial state, invariants and the goal, checked against the declarations."""
+"""Check preconditions, effects, the initial state, invariants and the goal against the declarations."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Row = tuple[Symbol, ...]
 ACTION = ("action", 1)
 INVARIANTS = ("exclusive", "implies", "impossible")
 ARITIES = {"precondition": 3, "postcondition": 3, "initially": 2, "goal": 2, **dict.fromkeys(INVARIANTS, 2)}
-"""The numbers of arguments of invariants, and of what gives fluents values; an action comes first where it is 3."""
+"""The arities of invariants and of predicates that assign values to fluents; of 3 arguments, an action is first."""
 
 BOOLEAN = ("true", "false")
 VALUES = {"postcondition": (*BOOLEAN, "unknown")}
@@ -42,15 +42,13 @@ def action_problems(facts: Facts, statements: Iterable[Statement], origins: Orig
     """Yield the problem of a domain without actions: an error if no rule states one, a warning if none fires."""
     if facts.actions:
         return
-    if any(ACTION in (atom.signature for atom in each.heads) or _defines(each, ACTION) for each in _own(statements)):
+    if any(
+        ACTION in (atom.signature for atom in each.heads) or _defines(each, ACTION) for each in statements if each.own
+    ):
         subject = "no rule states an action, so no plan has a step; change the bodies of its rules"
         yield Problem(*origins.place(ACTION[0]), subject, "no-plan")
     else:
         yield Problem(*origins.place(ACTION[0]), "the domain has no action; state one with action(...)")
-
-
-def _own(statements: Iterable[Statement]) -> Iterator[Statement]:
-    return (each for each in statements if each.own)
 
 
 def _defines(statement: Statement, signature: tuple[str, int]) -> bool:
@@ -80,7 +78,7 @@ def _right(predicate: str, values: Assignment, fluents: Collection[Symbol]) -> b
 
 @dataclass
 class _Culprit:
-    """An undeclared term or a wrong value: the message, the remedy, and the places that have it."""
+    """An undeclared term or a wrong value: the message, the remedy, and the places of its occurrences."""
 
     text: str
     hint: str
@@ -88,7 +86,7 @@ class _Culprit:
 
 
 class Findings:
-    """Collects undeclared terms, so that one mistake is reported once even if many atoms follow from it."""
+    """Collects undeclared terms, so that one mistake in many atoms is reported once."""
 
     def __init__(self, origins: Origins, facts: Facts) -> None:
         self._origins = origins
@@ -98,7 +96,7 @@ class Findings:
         self._culprits: dict[tuple[str, str], _Culprit] = {}
 
     def assigned(self, predicate: str, rows: Iterable[list[Symbol]]) -> None:
-        """Find undeclared actions and fluents, and wrong values."""
+        """Check the rows of a predicate that assigns values: undeclared actions and fluents, wrong values."""
         fluents, actions, allowed = self._fluents, self._actions, VALUES.get(predicate, BOOLEAN)
         wrong = (
             row
@@ -119,23 +117,23 @@ class Findings:
 
     @property
     def any(self) -> bool:
-        """Whether any problem was found."""
+        """Whether there is a problem."""
         return bool(self._culprits)
 
     def named(self, predicate: str, rows: Iterable[list[Symbol]]) -> None:
-        """Find the undeclared fluents of a predicate whose arguments are all fluents."""
+        """Check the rows of a predicate whose arguments are all fluents."""
         for row in sorted(row for row in rows if not self._fluents.issuperset(row)):
             for fluent in row:
                 if fluent not in self._fluents:
                     self.undeclared("fluent", fluent, self._facts.fluents, predicate, tuple(row))
 
-    def undeclared(self, kind: str, term: Symbol, known: Iterable[Symbol], predicate: str, row: Row) -> None:
-        """Report a term that is not among the `known` ones of its kind."""
-        same = next((each for each in known if _name(each) == _name(term)), None)
+    def undeclared(self, kind: str, term: Symbol, declared: Iterable[Symbol], predicate: str, row: Row) -> None:
+        """Add a term that is not among the `declared` terms of its kind."""
+        same = next((each for each in declared if _name(each) == _name(term)), None)
         if same is not None:
             hint = f"declared terms look like {same}; fix its arguments, or declare {kind}({term})"
         else:
-            hint = did_you_mean(_name(term), map(_name, known), f"declare it with {kind}({term})")
+            hint = did_you_mean(_name(term), map(_name, declared), f"declare it with {kind}({term})")
         self._add((kind, _name(term)), f"{predicate} speaks of the undeclared {kind} {term}", hint, predicate, row)
 
     def _add(self, key: tuple[str, str], text: str, hint: str, predicate: str, row: Row) -> None:
@@ -143,7 +141,7 @@ class Findings:
         culprit.places.setdefault(self._origins.place(predicate, *row))
 
     def problems(self) -> Iterator[Problem]:
-        """Yield one problem for each culprit, at the first place that has it."""
+        """Yield one problem for each culprit, at its first place."""
         for culprit in self._culprits.values():
             place, *others = culprit.places
             also = f" (also line {', '.join(str(each.line) for each in others)})" if others else ""
@@ -155,7 +153,7 @@ def _name(term: Symbol) -> str:
 
 
 def _doubled(facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield the fluents with two initial values or two goals."""
+    """Yield the fluents with two initial values or two goal values."""
     for predicate, values in (("initially", facts.initially), ("goal", facts.goal)):
         first: dict[Symbol, str] = {}
         for fluent, value in values:
@@ -176,7 +174,7 @@ LIMIT = ("at_most", 2)
 def limit_problems(
     control: clingo.Control, facts: Facts, statements: Sequence[Statement], origins: Origins
 ) -> Iterator[Problem]:
-    """Yield limits of unknown actions, limits that are not numbers, and limits that no rule reads."""
+    """Yield the limits of unknown actions, the limits that are not numbers, and limits that no rule reads."""
     limits = rows(control, *LIMIT)
     names = {action.name for action in facts.actions} if limits else set[str]()
     for name, most in limits:

@@ -1,9 +1,9 @@
-"""The statements of ``ever``: where they lack a fluent that may be true, actions that read it are missing.
+"""Check the statements of ``ever``: if they lack a fluent that may be true, actions whose rules read it are missing.
 
-So are actions whose rules read a fluent that the action does not need.
+Actions are also missing if their rules read a fluent that the action does not need.
 
-Every fluent that is reachable and read has to be stated. By induction over the steps, an action that is not made then
-never occurs, because all steps before it are actions that are made.
+Every fluent that is reachable and read has to be stated. By induction over the steps, an action that is not ground
+then never occurs, because all steps before it are ground actions.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from prag_asp.pruning.relaxed_rules import FluentSetter
 ACTION, PRECONDITION = ("action", 1), ("precondition", 3)
 
 ASKS = "_asks_ever"
-"""The predicate of N, A and F: the N-th rule that reads `ever` makes action A only where fluent F may be true."""
+"""The predicate of N, A and F: the N-th rule that reads `ever` derives action A only if fluent F may be true."""
 
 MISSING = "actions that require it would be missing"
 
@@ -37,7 +37,7 @@ def ever_problems(
 ) -> Iterator[Problem]:
     """Yield the first fluent of each name that may be true at some time and is read by ``ever``, but not stated.
 
-    Without a `reach`, a fluent may be true by the initial state, by an action, or by a user rule that sets it.
+    Without a `reach`, every fluent that the initial state, an action or a user rule may make true counts.
     """
     fluents = {fluent.name for fluent in facts.fluents}
     readers: dict[str, Statement] = {}
@@ -48,27 +48,29 @@ def ever_problems(
     if not readers:
         return
     if not any(map(_states, statements)):
-        told = 'ever is read, but no rule states it; add #include "rules/ever.lp".'
-        yield next(iter(readers.values())).problem(told)
+        text = 'ever is read, but no rule states it; add #include "rules/ever.lp".'
+        yield next(iter(readers.values())).problem(text)
         return
     ever = {fluent for (fluent,) in unsorted_rows(grounder.control, *EVER)}
     may_be_true = _unknown(facts, statements) if reach is None else lambda each: (each, "true") in reach.values
-    told_of: set[str] = set()
+    named: set[str] = set()
     for fluent in facts.fluents:
         reader = readers.get(fluent.name) or readers.get("")
-        if reader and may_be_true(fluent) and fluent not in ever and fluent.name not in told_of:
-            told_of.add(fluent.name)
+        if reader and may_be_true(fluent) and fluent not in ever and fluent.name not in named:
+            named.add(fluent.name)
             yield _problem(fluent, facts, reader, reach.setters if reach else {})
 
 
 def _unknown(facts: Facts, statements: Sequence[Statement]) -> Callable[[clingo.Symbol], bool]:
-    """Return the test of whether a fluent may be true by the initial state, the actions and the user rules."""
+    """Return a test for fluents that the initial state, an action or a user rule may make true."""
     false = {fluent for fluent, value in facts.initially if value == "false"}
-    made = {fluent for values in facts.postconditions.values() for fluent, value in values if value != "false"}
+    set_by_actions = {
+        fluent for values in facts.postconditions.values() for fluent, value in values if value != "false"
+    }
     heads = [atom for each in statements if each.own for atom in each.heads if atom.signature in STATE_PREDICATES]
     set_by_rules = {atom.arguments[0].partition("(")[0] for atom in heads if atom.arguments[1] != "false"}
     any_name = not set_by_rules <= {fluent.name for fluent in facts.fluents}  # a variable, a pool or a constant
-    return lambda fluent: fluent not in false or fluent in made or any_name or fluent.name in set_by_rules
+    return lambda fluent: fluent not in false or fluent in set_by_actions or any_name or fluent.name in set_by_rules
 
 
 def needless_problems(grounder: Grounder, facts: Facts, statements: Sequence[Statement]) -> Iterator[Problem]:
@@ -87,14 +89,14 @@ def needless_problems(grounder: Grounder, facts: Facts, statements: Sequence[Sta
     grounder.add(ASKS, rules)
     grounder.ground([(ASKS, [])])
     graph = invariant_graph(facts)
-    told_of: set[int] = set()
+    warned: set[int] = set()
     for number, action, fluent in unsorted_rows(grounder.control, ASKS, 3):
         needed = entailed(((each, value == "true") for each, value in facts.preconditions.get(action, ())), graph)
-        if number.number not in told_of and (fluent, True) not in needed:
-            told_of.add(number.number)
-            told = f"{action} is made only where {fluent} may be true at some time, but does not need it"
+        if number.number not in warned and (fluent, True) not in needed:
+            warned.add(number.number)
+            problem = f"{action} is made only where {fluent} may be true at some time, but does not need it"
             advice = f"state precondition({action},{fluent},true), or leave ever({fluent}) out"
-            yield asking[number.number].problem(f"{told}, so plans may be missing; {advice}", name="asks-more")
+            yield asking[number.number].problem(f"{problem}, so plans may be missing; {advice}", name="asks-more")
 
 
 def _makes_action(rule: Statement) -> bool:
@@ -111,7 +113,7 @@ def _ever_queries(rule: Statement) -> Iterator[str]:
 
 
 def _demanded(rule: Statement) -> Iterator[tuple[str, str]]:
-    """Yield an action with each fluent, as text, that a rule requires to be true of all its instances."""
+    """Yield an action with each fluent, as text, that a rule requires of all its instances."""
     for head in rule.heads if rule.own else ():
         action, body = head.arguments[:1], [text for _, text in rule.literals]
         if head.signature == PRECONDITION and head.arguments[2] == "true" and body == [f"action({action[0]})"]:
@@ -120,7 +122,7 @@ def _demanded(rule: Statement) -> Iterator[tuple[str, str]]:
 
 
 def _name(atom: AtomNode, fluents: Collection[str]) -> str:
-    """Return the name of the fluents that an atom reads; empty where it may be any, such as a constant."""
+    """Return the name of the fluents that an atom reads; empty if it may be any, such as for a variable."""
     name = atom.arguments[0].partition("(")[0]
     return name if name in fluents else ""
 
@@ -138,9 +140,9 @@ def _problem(
     """Return the problem of a fluent that is not stated, at the user rule that sets it or at the rule that reads it."""
     made_by = setters.get((fluent, "true"))
     if made_by is not None:
-        made = f"leaves open whether {fluent} is" if made_by.head.signature == CHANGED else f"may make {fluent}"
-        told = f"this rule {made} true, but ever does not say so, and {MISSING}"
-        return made_by.rule.problem(f"{told}; state ever({fluent})")
+        effect = f"leaves open whether {fluent} is" if made_by.head.signature == CHANGED else f"may make {fluent}"
+        text = f"this rule {effect} true, but ever does not say so, and {MISSING}"
+        return made_by.rule.problem(f"{text}; state ever({fluent})")
     reason = "it may be so at some step"
     if (fluent, "false") not in facts.initially:
         reason = "it is not false at the start"
@@ -149,5 +151,5 @@ def _problem(
             if any(changed == fluent and value != "false" for changed, value in values):
                 reason = f"{action} may make it so"
                 break
-    told = f"ever does not say that {fluent} may be true, but {reason}, and {MISSING}"
-    return reader.problem(f'{told}; state it, or add #include "rules/ever.lp".')
+    text = f"ever does not say that {fluent} may be true, but {reason}, and {MISSING}"
+    return reader.problem(f'{text}; state it, or add #include "rules/ever.lp".')

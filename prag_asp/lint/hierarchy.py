@@ -1,4 +1,4 @@
-"""Classes and entities that do not fit together, and terms that cannot be names."""
+"""Check the hierarchy of classes and entities, and terms that are not valid names."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def _empty_classes(
     entities: Sequence[tuple[Symbol, Symbol]],
     origins: Origins,
 ) -> Iterator[Problem]:
-    """Yield the classes without entities and without classes below: no rule can ever use them."""
+    """Yield the classes without entities and without subclasses: no rule can ever use them."""
     inhabited = {name for _, name in entities}
     above = {parent for each in parents.values() for parent in each}
     for name in sorted(declared - above - inhabited):
@@ -104,7 +104,7 @@ def term_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
 
 
 def shared_name_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield the names that classes, entities and actions share, at the last declaration."""
+    """Yield the names that several of a class, an entity and an action share, at the last declaration."""
     entities = {str(entity): (entity, name) for entity, name in facts.entities.items()}
     for text in shared_names(facts):
         places = [origins.place("entity", *entities[text])] if text in entities else []
@@ -116,15 +116,15 @@ def shared_name_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
 
 
 def choice_problems(control: clingo.Control, statements: Sequence[Statement], origins: Origins) -> Iterator[Problem]:
-    """Yield the first uncertain atom of each predicate: one that some answer sets of the base part lack.
+    """Yield the first uncertain atom of each predicate: an atom that some answer sets of the base part lack.
 
-    Where `ever` depends on its own negation through the actions, and nothing is chosen, only that is reported.
+    If `ever` depends on its own negation through the actions, and there are no choices, only that is reported.
     """
     ever = [each.symbol for each in control.symbolic_atoms.by_signature(*EVER) if not each.is_fact]
     if ever and not any(each.node.head.ast_type in CHOICES for each in statements if each.own and each.is_rule):
         asking = [each for each in statements if each.own and any(atom.signature == EVER for atom in each.body)]
-        told = f"{min(ever)} depends on actions that ask for it, and that by `not`; say without `not` what may be true"
-        yield asking[0].problem(f"{told}: {EVER_AT_START} {EVER_BY_ACTIONS}")
+        text = f"{min(ever)} depends on actions that ask for it, and that by `not`; say without `not` what may be true"
+        yield asking[0].problem(f"{text}: {EVER_AT_START} {EVER_BY_ACTIONS}")
         return
     for name, arity in sorted(STATED):
         uncertain = [each.symbol for each in control.symbolic_atoms.by_signature(name, arity) if not each.is_fact]

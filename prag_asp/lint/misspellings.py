@@ -1,4 +1,4 @@
-"""Misspelt predicates, about which clingo says nothing, and names that are reserved."""
+"""Find misspelt predicates, which clingo does not report, and reserved names."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ def vocabulary_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
     contract = contract_signatures(statements)
     unread = _unread_heads(statements, contract)
     undefined = _undefined_atoms(statements, contract)
-    known = {name for name, _ in (*contract, *undefined) if not is_reserved(name)}
+    vocabulary = {name for name, _ in (*contract, *undefined) if not is_reserved(name)}
     for signature, (statement, atom) in unread.items():
-        near = nearest(signature[0], known)
+        near = nearest(signature[0], vocabulary)
         for missing in [each for each in undefined if each[0] == near]:
             del undefined[missing]
-        slip = _takes(signature[0], contract) or is_misspelt(signature[0], known)
-        hint = _hint(signature[0], contract, known, "read it in the body of a rule, or remove it")
-        what = "unknown predicate" if near or _takes(signature[0], contract) else "no rule reads"
-        text = f"{what} {spelled(signature)}; {hint}"
-        yield statement.problem(text, atom.line, "" if slip else "unused")
+        misspelt = _takes(signature[0], contract) or is_misspelt(signature[0], vocabulary)
+        hint = _hint(signature[0], contract, vocabulary, "read it in the body of a rule, or remove it")
+        problem = "unknown predicate" if near or _takes(signature[0], contract) else "no rule reads"
+        text = f"{problem} {spelled(signature)}; {hint}"
+        yield statement.problem(text, atom.line, "" if misspelt else "unused")
     yield from _undefined_problems(statements, contract, undefined)
     yield from _reserved_problems(statements)
 
@@ -61,49 +61,49 @@ def is_reserved(name: str) -> bool:
 def _unread_heads(
     statements: Iterable[Statement], contract: set[Signature]
 ) -> dict[Signature, tuple[Statement, AtomNode]]:
-    """Return the author's heads outside of the contract that no body reads, each at its first place."""
-    found: dict[Signature, tuple[Statement, AtomNode]] = {}
+    """Return the author's heads outside of the contract that no body reads, each at its first occurrence."""
+    unread: dict[Signature, tuple[Statement, AtomNode]] = {}
     for statement in statements:
         if statement.own:
             for atom in statement.heads:
                 if atom.signature not in contract:
-                    found.setdefault(atom.signature, (statement, atom))
+                    unread.setdefault(atom.signature, (statement, atom))
     for statement in sorted(statements, key=lambda each: not each.own):
-        if not found:
+        if not unread:
             break
         for atom in statement.body:
-            found.pop(atom.signature, None)
+            unread.pop(atom.signature, None)
         if statement.own and statement.kind in SHOWN:
-            found.pop((statement.node.name, statement.node.arity), None)
-    return found
+            unread.pop((statement.node.name, statement.node.arity), None)
+    return unread
 
 
 def _takes(name: str, defined: Iterable[Signature]) -> str:
-    """Return the numbers of arguments of the predicates of a name, as text; empty if there is none."""
+    """Return the arities of the predicates of a name as text, empty if there is none."""
     return " or ".join(str(arity) for other, arity in sorted(defined) if other == name)
 
 
-def _hint(name: str, defined: Iterable[Signature], known: Iterable[str], otherwise: str) -> str:
+def _hint(name: str, defined: Iterable[Signature], vocabulary: Iterable[str], otherwise: str) -> str:
     counts = _takes(name, defined)
-    return f"{name} takes {counts} arguments" if counts else did_you_mean(name, known, otherwise)
+    return f"{name} takes {counts} arguments" if counts else did_you_mean(name, vocabulary, otherwise)
 
 
 def _undefined_atoms(
     statements: Iterable[Statement], contract: set[Signature]
 ) -> dict[Signature, tuple[Statement, AtomNode]]:
-    """Return the atoms of the author's bodies that are in no head and not in the contract, each at its first place."""
+    """Return the atoms of the author's bodies that no head and no contract defines, each at its first occurrence."""
     defined = set(contract)
     for statement in statements:
         defined |= {atom.signature for atom in statement.heads}
         if statement.own and statement.kind == ASTType.Defined:
             defined.add((statement.node.name, statement.node.arity))
-    found: dict[Signature, tuple[Statement, AtomNode]] = {}
+    undefined: dict[Signature, tuple[Statement, AtomNode]] = {}
     for statement in statements:
         if statement.own:
             for atom in statement.body:
                 if atom.signature not in defined:
-                    found.setdefault(atom.signature, (statement, atom))
-    return found
+                    undefined.setdefault(atom.signature, (statement, atom))
+    return undefined
 
 
 def _undefined_problems(
@@ -112,8 +112,11 @@ def _undefined_problems(
     undefined: Mapping[Signature, tuple[Statement, AtomNode]],
 ) -> Iterator[Problem]:
     defined = contract | {atom.signature for statement in statements for atom in statement.heads}
+    names = {name for name, _ in defined if not is_reserved(name)}
     for signature, (statement, atom) in undefined.items():
-        name, known = signature[0], {other for other, _ in defined if not is_reserved(other)}
-        slip = _takes(name, defined) or is_misspelt(name, known)
-        hint = _hint(name, defined, known, "define it in a fact or a rule, or remove it")
-        yield statement.problem(f"no rule defines {spelled(signature)}; {hint}", atom.line, "" if slip else "undefined")
+        name = signature[0]
+        misspelt = _takes(name, defined) or is_misspelt(name, names)
+        hint = _hint(name, defined, names, "define it in a fact or a rule, or remove it")
+        yield statement.problem(
+            f"no rule defines {spelled(signature)}; {hint}", atom.line, "" if misspelt else "undefined"
+        )

@@ -1,4 +1,4 @@
-"""Actions and composites that can never occur, an initial state that the invariants forbid, and goals out of reach."""
+"""Report actions and composites that can never occur, an initial state that violates invariants, unreachable goals."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from prag_asp.pruning.rejected_composites import RejectedComposites, StageFailur
 
 
 def state_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield why no initial state or no goal state satisfies the invariants."""
+    """Yield the reason why no initial state or no goal state satisfies the invariants."""
     graph = invariant_graph(facts)
     for predicate, values in (("initially", facts.initially), ("goal", facts.goal)):
         pair = conflict(entailed(fluent_values(values), graph))
@@ -27,30 +27,30 @@ def state_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
             yield Problem(*place, f"{predicate} makes {_together(pair)}, but the invariants forbid it; change one")
 
 
-def action_rejections(found: RejectedActions, facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield one warning for all actions of a name that one rule rejects, or a single one where no action is left."""
-    if found.rejections and len(found.rejections) == len(facts.actions):
-        action, rejection = next(iter(found.rejections.items()))
+def action_rejections(rejected: RejectedActions, facts: Facts, origins: Origins) -> Iterator[Problem]:
+    """Yield one warning for all actions of a name that one rule rejects, or a single one if no action remains."""
+    if rejected.rejections and len(rejected.rejections) == len(facts.actions):
+        action, rejection = next(iter(rejected.rejections.items()))
         text = f"no action can ever occur: {action} cannot, because {_reason(rejection)}; change the conditions"
         yield Problem(*_blamed(origins, rejection, action), text, "no-plan")
         return
     alike: dict[tuple[str, RulePlace], list[clingo.Symbol]] = {}
-    for action, rejection in found.rejections.items():
+    for action, rejection in rejected.rejections.items():
         alike.setdefault((action.name, _blamed(origins, rejection, action)), []).append(action)
     for (name, place), actions in alike.items():
         more = f" and {len(actions) - 1} more like it" if len(actions) > 1 else ""
         pattern = f"{name}(...)" if actions[0].arguments else name
         yield Problem(
             *place,
-            f"{actions[0]}{more} can never occur: {_reason(found.rejections[actions[0]])}; "
+            f"{actions[0]}{more} can never occur: {_reason(rejected.rejections[actions[0]])}; "
             f"change the conditions, or exclude it in the body of action({pattern})",
             "never-occurs",
         )
 
 
-def goal_problems(found: RejectedActions, facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield why the goal contradicts what never changes."""
-    pair = conflict(entailed(fluent_values(facts.goal), invariant_graph(facts)), found.static)
+def goal_problems(rejected: RejectedActions, facts: Facts, origins: Origins) -> Iterator[Problem]:
+    """Yield the problem of a goal that contradicts a static value."""
+    pair = conflict(entailed(fluent_values(facts.goal), invariant_graph(facts)), rejected.static)
     if pair:
         changed = any(pair[1][0] == fluent for values in facts.postconditions.values() for fluent, _ in values)
         yield Problem(
@@ -61,12 +61,12 @@ def goal_problems(found: RejectedActions, facts: Facts, origins: Origins) -> Ite
         )
 
 
-def composite_rejections(found: RejectedComposites, facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield the composites that every state rejects, or that none can begin in the initial state."""
-    complaints = list(_failures(facts, composite_actions(facts), found.failures, origins))
-    hopeless = found.none_can_begin and bool(complaints) and len(found.composites) == len(facts.composites)
+def composite_rejections(rejected: RejectedComposites, facts: Facts, origins: Origins) -> Iterator[Problem]:
+    """Yield the composites that every state rejects, and the problem that none can begin in the initial state."""
+    complaints = list(_failures(facts, composite_actions(facts), rejected.failures, origins))
+    hopeless = rejected.none_can_begin and bool(complaints) and len(rejected.composites) == len(facts.composites)
     yield from grouped(complaints, "no-plan" if hopeless else "never-occurs")
-    if found.none_can_begin and not hopeless:
+    if rejected.none_can_begin and not hopeless:
         yield Problem(
             *origins.place("composite", facts.composites[0]),
             "no composite and no free action can begin in the initial state, so there is no plan; "
@@ -75,16 +75,16 @@ def composite_rejections(found: RejectedComposites, facts: Facts, origins: Origi
         )
 
 
-def unreachable_problems(found: Unreachable, origins: Origins) -> Iterator[Problem]:
-    """Yield why no plan reaches the goal, or why no plan has a step."""
-    if found.goal:
-        fluent, value = found.goal[0]
+def unreachable_problems(unreachable: Unreachable, origins: Origins) -> Iterator[Problem]:
+    """Yield the reason why no plan reaches the goal, or why no plan has a step."""
+    if unreachable.goal:
+        fluent, value = unreachable.goal[0]
         text = f"the goal is never reached: it needs {fluent} = {value}, and no action that can occur makes it so"
         place = origins.place("goal", fluent, clingo.Function(value))
         yield Problem(*place, f"{text}; change the goal, or add an action", "no-plan")
-    elif found.instead_of_all is not None:
-        text = f"no action can ever occur: {found.instead_of_all} and all others wait for each other's effects"
-        yield Problem(*origins.place("action", found.instead_of_all), f"{text}; change the conditions", "no-plan")
+    elif unreachable.instead_of_all is not None:
+        text = f"no action can ever occur: {unreachable.instead_of_all} and all others wait for each other's effects"
+        yield Problem(*origins.place("action", unreachable.instead_of_all), f"{text}; change the conditions", "no-plan")
 
 
 def _failures(
@@ -93,7 +93,7 @@ def _failures(
     failures: Mapping[clingo.Symbol, StageFailure],
     origins: Origins,
 ) -> Iterator[Complaint]:
-    """Yield the innermost composites that are rejected, each at the stage of the action to blame."""
+    """Yield the innermost rejected composites, each at the stage of the action to blame."""
     for composite, failure in failures.items():
         stages = facts.stages[composite]
         if any(part in failures for _, part in stages):
@@ -110,7 +110,7 @@ def _failures(
 
 
 def _reason(rejection: Rejection) -> str:
-    """Return why an action is rejected, in words."""
+    """Return the reason of a rejection as text."""
     pair = rejection.first, rejection.second
     if rejection.needs and rejection.static:
         return f"it needs {spell(rejection.second)}, but {_unchanging(rejection.first, rejection.may_change)}"

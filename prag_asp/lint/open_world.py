@@ -1,4 +1,4 @@
-"""Step rules that read a fluent whose value may be unknown: with them, three-valued states are not exact."""
+"""Refuse step rules that read a fluent whose value may be unknown: with them, three-valued states are not exact."""
 
 from __future__ import annotations
 
@@ -37,23 +37,23 @@ def open_world_problems(grounder: Grounder, facts: Facts, statements: Sequence[S
         return
     grounder.state(PRUNED(term) for term in facts.pruned)
     timed = {atom.signature for each in statements if each.timed for atom in each.heads}
-    seen: set[tuple[Path, int]] = set()
+    reported: set[tuple[Path, int]] = set()
     for number, (statement, atom) in enumerate(readings):
         conditions = list(_conditions(statement, timed))
         fluent = _read_fluent(grounder.control, f"{READ}_{number}", atom, conditions, unsure)
-        if fluent is None or (statement.path, statement.line) in seen:
+        if fluent is None or (statement.path, statement.line) in reported:
             continue
-        seen.add((statement.path, statement.line))
+        reported.add((statement.path, statement.line))
         yield statement.problem(f"this rule of a step reads {fluent}, {unsure[fluent]}", atom.line)
 
 
 def _unsure(control: clingo.Control, facts: Facts) -> dict[clingo.Symbol, str]:
     """Return the fluents that may be unknown, each with the reason and the remedy."""
-    known = {atom.symbol.arguments[0] for atom in control.symbolic_atoms.by_signature(*HOLDS)}
+    initially_known = {atom.symbol.arguments[0] for atom in control.symbolic_atoms.by_signature(*HOLDS)}
     unsure = {
         fluent: f"which is unknown at the start; state initially({fluent}, ...), or include rules/closed_world.lp"
         for fluent in facts.fluents
-        if fluent not in known
+        if fluent not in initially_known
     }
     for action, values in facts.postconditions.items():
         for fluent, value in values:
@@ -65,15 +65,15 @@ def _unsure(control: clingo.Control, facts: Facts) -> dict[clingo.Symbol, str]:
 def _read_fluent(
     control: clingo.Control, part: str, atom: AtomNode, conditions: Sequence[str], unsure: Iterable[clingo.Symbol]
 ) -> clingo.Symbol | None:
-    """Return the first fluent of `unsure` that a rule may read by an atom, or None."""
+    """Return the first fluent of `unsure` that a rule may read through an atom, or None."""
     numbers = itertools.count()
     fluent = ANONYMOUS.sub(lambda _: f"_V{next(numbers)}", atom.arguments[0])
     facts = " ".join(f"{UNSURE}({each})." for each in unsure)
     for name, restricting in ((part, conditions), (f"{part}_at_all", ())):
         several = ";" in fluent or ".." in fluent
-        read = [f"{UNSURE}({POOLED})", f"{POOLED} = {fluent}"] if several else [f"{UNSURE}({fluent})"]
+        literals = [f"{UNSURE}({POOLED})", f"{POOLED} = {fluent}"] if several else [f"{UNSURE}({fluent})"]
         head = POOLED if several else fluent
-        rule = f"{name}({head}) :- {'; '.join([*read, *restricting])}."
+        rule = f"{name}({head}) :- {'; '.join([*literals, *restricting])}."
         try:
             control.add(name, [], f"{facts}\n{rule}")
             control.ground([(name, [])])
@@ -84,7 +84,7 @@ def _read_fluent(
 
 
 def _conditions(statement: Statement, timed: set[Signature]) -> Iterator[str]:
-    """Yield the conditions of a rule that do not depend on the step, and so restrict the fluents that it reads."""
+    """Yield the conditions of a rule that do not depend on the step; they restrict the fluents that it reads."""
     bound: set[str] = set()
     comparisons: list[str] = []
     for node, text in statement.literals:

@@ -1,4 +1,4 @@
-"""The rules that state ground atoms, which clingo's ground program does not record."""
+"""The rules from which ground atoms of the base part come, which clingo does not record."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class RulePlace(NamedTuple):
 
 
 class Origins:
-    """The places where the base part states its atoms; it is grounded once more on first use."""
+    """The places of the rules that derive the atoms of the base part, which is grounded once more on first use."""
 
     def __init__(self, statements: Sequence[Statement]) -> None:
         self._statements = statements
@@ -34,7 +34,7 @@ class Origins:
         return _trace([each for each in self._statements if each.part == "base" and each.kind != ASTType.Program])
 
     def place(self, predicate: str, *arguments: clingo.Symbol) -> RulePlace:
-        """Return the first rule that states the atom, or else the first that states the predicate."""
+        """Return the place of the first rule that derives an atom, or else that derives its predicate."""
         traced = self._traces.get((predicate, arguments))
         if traced:
             return RulePlace(traced[0].path, traced[0].line)
@@ -43,12 +43,12 @@ class Origins:
         return RulePlace(stating[0].path, stating[0].line) if stating else RulePlace(own[0].path, 1)
 
     def violated(self) -> list[Statement]:
-        """Return the own constraints of the base part that what it states violates."""
+        """Return the author's constraints of the base part that its facts violate."""
         return [each for each in self._traces.get((VIOLATED, ()), ()) if each.own]
 
 
 def _trace(base: Sequence[Statement]) -> dict[tuple[str, tuple[clingo.Symbol, ...]], list[Statement]]:
-    """Ground the base part without its constraints, every head marked with its rule."""
+    """Ground the base part without its constraints, each head tagged with its rule."""
     lines = [each.text for each in base if not each.is_rule or each.heads]
     for number, statement in enumerate(base):
         if statement.is_rule and statement.node.head.ast_type == ASTType.Literal:

@@ -1,4 +1,4 @@
-"""domain.toml: unknown keys, wrong types, weights of unknown names, and a scene that physics cannot build."""
+"""Check domain.toml: unknown keys, wrong types, weights of unknown names, and an invalid scene."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ TYPES: Mapping[str, tuple[type, str]] = {
     "language": (dict, 'a table, such as [language] with grasp = "grasp {1}" below it'),
     "scene": (dict, "a table that begins with [scene]"),
 }
-"""The type of each key, and how messages name it."""
+"""The type of each key, and its description in messages."""
 
 
 def table_problems(table: Mapping[str, Any], settings: Settings) -> Iterator[Problem]:
@@ -46,9 +46,9 @@ def table_problems(table: Mapping[str, Any], settings: Settings) -> Iterator[Pro
 
 
 def name_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
-    """Yield the weights, the sentences and the parts of the scene that do not fit what the logic declares.
+    """Yield the weights, the sentences and the parts of the scene that do not match the declarations of the logic.
 
-    Pruned actions are declared all the same.
+    Pruned actions count as declared.
     """
     report = TableReport()
     for key in settings.weights:
@@ -64,21 +64,21 @@ def name_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
 
 
 def _located(problems: Iterable[TableProblem], settings: Settings) -> Iterator[Problem]:
-    """Yield problems of a domain.toml with the file and the line of their keys."""
+    """Yield problems of a domain.toml with its path and the line of their keys."""
     for each in problems:
         yield Problem(settings.path, settings.line_of(*each.keys), str(each), each.warning)
 
 
 def _check_weight(entry: TableEntry, key: str, facts: Facts) -> None:
-    """Report a weight whose key names nothing, or several things."""
-    actions, known = facts.action_names, set[str]().union(*named(facts).values())
+    """Report a weight whose key names nothing, or is ambiguous."""
+    actions, weighable = facts.action_names, set[str]().union(*named(facts).values())
     parts = key.split(">")
     for part in parts:
         if len(parts) > 1 and part not in actions:
             hint = did_you_mean(part, actions, f"actions are {', '.join(sorted(actions))}")
             entry.add(f"there is no action {part or repr(part)}; {hint}")
-        elif part not in known:
-            hint = did_you_mean(part, known, "give the name of an action, a class or an entity")
+        elif part not in weighable:
+            hint = did_you_mean(part, weighable, "give the name of an action, a class or an entity")
             entry.add(f"no action, class or entity has that name; {hint}")
         elif len(parts) == 1 and (several := ambiguity(part, facts)):
             entry.add(several)
@@ -87,7 +87,7 @@ def _check_weight(entry: TableEntry, key: str, facts: Facts) -> None:
 
 
 def _check_sentences(report: TableReport, settings: Settings, facts: Facts) -> None:
-    """Report the sentences right under ``[language]`` that belong to nothing, or name arguments that are not there."""
+    """Report the sentences directly under ``[language]`` of unknown names, or with the index of a missing argument."""
     arities: dict[str, int] = {}
     for term in (*facts.fluents, *facts.declared_actions) if settings.language else ():
         arities[term.name] = max(arities.get(term.name, 0), len(term.arguments))
@@ -104,23 +104,23 @@ def _check_sentences(report: TableReport, settings: Settings, facts: Facts) -> N
 
 
 def _is_template(sentence: str, arity: int) -> bool:
-    """Return whether each pair of braces holds the index of an argument."""
+    """Return whether each pair of braces contains the index of an argument."""
     try:
         fields = [name for _, name, _, _ in Formatter().parse(sentence) if name is not None]
-        known = all(name.isdecimal() and int(name) < arity for name in fields)
-        return known and bool(sentence.format(*[""] * arity) or True)
+        decimal = all(name.isdecimal() and int(name) < arity for name in fields)
+        return decimal and bool(sentence.format(*[""] * arity) or True)
     except ValueError:
         return False
 
 
 def _scene_problems(settings: Settings, facts: Facts) -> Iterator[TableProblem]:
-    """Yield the problems of the scene, without those of tables that follow from a problem within them."""
+    """Yield the problems of the scene, without problems of a table that follow from a problem within it."""
     from prag_asp.scene.scene_loader import scene_problems  # noqa: PLC0415 - many domains have no scene
 
     classes, entities, folder = facts.class_names, facts.entity_names, settings.path.parent
-    found = scene_problems(settings.scene, classes, entities, map(atom_of, facts.fluents), folder=folder)
+    problems = scene_problems(settings.scene, classes, entities, map(atom_of, facts.fluents), folder=folder)
     reported: set[Keys] = set()
-    for problem in found:
+    for problem in problems:
         if not any(keys[: len(problem.keys)] == problem.keys for keys in reported):
             reported.add(problem.keys)
             yield problem

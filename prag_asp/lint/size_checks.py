@@ -1,6 +1,6 @@
-"""Facts too large for any machine, and rules of a step that ground without end.
+"""Find facts that are too large for any machine, and rules of a step whose grounding does not terminate.
 
-Rules of the base part that derive larger and larger terms are found while it is grounded.
+Rules of the base part that derive ever larger terms are found while it is grounded.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from prag_asp.program.problem import Problem
 from prag_asp.program.syntax import Statement
 
 MOST = 10**8
-"""Atoms that one fact may stand for: each takes at least 100 bytes, so these take 10 GB."""
+"""The maximum number of atoms of one fact. Each takes at least 100 bytes, so these take 10 GB."""
 
 INTERVAL = re.compile(r"\((-?\d+|_*[a-z]\w*)\.\.(-?\d+|_*[a-z]\w*)\)")
-"""An interval between two numbers or constants, as clingo writes it."""
+"""An interval between two numbers or constants, as clingo prints it."""
 
 
 def size_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the author's facts whose intervals stand for too many atoms."""
+    """Yield the author's facts whose intervals expand to too many atoms."""
     constants = {each.node.name: str(each.node.value) for each in statements if each.kind == ASTType.Definition}
     for statement in statements:
         if statement.own and statement.is_rule and not statement.node.body:
@@ -44,9 +44,9 @@ def _sizes(head: str, constants: Mapping[str, str]) -> Iterator[int]:
 
 
 def recursion_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the author's rules of a step that certainly derive larger and larger terms of the same step.
+    """Yield the author's rules of a step that certainly derive ever larger terms at the same step.
 
-    A rule that never fires, because nothing else derives its head, is left alone.
+    A rule that never fires, because no other rule derives its head, is not reported.
     """
     endless = [each for each in endless_rules(statements) if each.certain and each.rule.timed]
     rules = {each.rule for each in endless}

@@ -49,7 +49,7 @@ STEP_PART = re.compile(r"(#program\s+)(step|check)\b")
 
 @dataclass(frozen=True)
 class Checked:
-    """A domain without errors: the facts of what can occur, its settings and its warnings."""
+    """A domain without errors: its pruned facts, its settings and its warnings."""
 
     facts: Facts
     settings: Settings
@@ -57,7 +57,7 @@ class Checked:
 
 
 class _WarningCollector:
-    """Raises errors as they are found, and keeps the warnings that no comment allows."""
+    """Raises the errors of each stage, and collects the warnings that no comment allows."""
 
     def __init__(self, allowed: Allowed) -> None:
         self._allowed = allowed
@@ -70,17 +70,18 @@ class _WarningCollector:
             DomainError: some of them are errors.
         """
         stage("checking the domain")
-        found = list(problems)
-        raise_problems(each for each in found if not each.is_warning)
-        self.warnings |= dict.fromkeys(not_allowed(found, self._allowed))
+        new_problems = list(problems)
+        raise_problems(each for each in new_problems if not each.is_warning)
+        self.warnings |= dict.fromkeys(not_allowed(new_problems, self._allowed))
 
 
 @dataclass(frozen=True)
 class StatedDomain:
-    """A domain whose statements and base part have no errors, before anything of it is pruned.
+    """A domain whose statements and base part have no errors, before pruning.
 
-    `step` is the program of a step without user rules; `grounder` holds the ground base part, and the relaxed steps of
-    the folder of `encodings`, which is None where it has none. `settings_source` is the file of the `settings`.
+    `step` is the program of a step without user rules. `grounder` has grounded the base part, and contains the program
+    of relaxed steps from the folder of `encodings`, which is None if there is no such program. `settings_source` is the
+    file of the `settings`.
     """
 
     statements: Sequence[Statement]
@@ -96,12 +97,12 @@ class StatedDomain:
 
     @property
     def user_statements(self) -> list[Statement]:
-        """The statements, with those that a user has added to a copy of the encodings as user rules."""
+        """The statements; those that a user has added to a copy of the encodings count as user rules."""
         return [replace(each, own=True) if each.path in self.added else each for each in self.statements]
 
 
 def check_stated(program: Program, settings_source: Source) -> StatedDomain:
-    """Return a domain whose statements and base part have been checked.
+    """Check the statements and the base part of a domain.
 
     Raises:
         DomainError: something is wrong; the message has one line for each problem.
@@ -133,9 +134,9 @@ def check_stated(program: Program, settings_source: Source) -> StatedDomain:
 def check_pruned(
     stated: StatedDomain, pruning: Pruning, like: Mapping[clingo.Symbol, clingo.Symbol] | None = None
 ) -> Checked:
-    """Return a domain after all checks, its facts those that `pruning` leaves.
+    """Run the remaining checks on a pruned domain.
 
-    `like` maps entities that are not ground to ground ones that are like them: settings may name both.
+    `like` maps entities that are not ground to ground representatives: settings may name both.
 
     Raises:
         DomainError: something is wrong; the message has one line for each problem.
@@ -157,19 +158,19 @@ def check_pruned(
 
 
 def with_entities(facts: Facts, like: Mapping[clingo.Symbol, clingo.Symbol]) -> Facts:
-    """Return facts with more entities, each mapped to a declared one that it is like."""
+    """Return facts with the entities of `like`, each with the classes of its declared representative."""
     if not like:
         return facts
     above: dict[clingo.Symbol, list[clingo.Symbol]] = {}
     for entity, name in facts.memberships:
         above.setdefault(entity, []).append(name)
-    more = {(entity, name) for entity, known in like.items() for name in above[known]}
-    entities = {**facts.entities, **{entity: facts.entities[known] for entity, known in like.items()}}
+    more = {(entity, name) for entity, representative in like.items() for name in above[representative]}
+    entities = {**facts.entities, **{entity: facts.entities[representative] for entity, representative in like.items()}}
     return replace(facts, entities=dict(sorted(entities.items())), memberships=facts.memberships | more)
 
 
 def check_learned(program: Program, learned: Sequence[Source]) -> Facts:
-    """Return the facts of a domain that has passed every check together with `learned`, which `program` includes.
+    """Return the facts of a domain with learned invariants; without `learned`, `program` has passed every check.
 
     Raises:
         DomainError: the learned sources state something other than invariants of declared fluents.
@@ -194,7 +195,7 @@ def check_learned(program: Program, learned: Sequence[Source]) -> Facts:
 
 
 def _states_invariant(statement: Statement) -> bool:
-    """Return whether a statement states an invariant, or belongs to a program part that is refused as a whole."""
+    """Return whether a statement states an invariant, or belongs to a program part that is refused anyway."""
     if statement.kind == ASTType.Program:
         return statement.part == "base"
     heads = [atom.signature for atom in statement.heads]
@@ -228,7 +229,7 @@ def _check_facts(
 def _one_free_step(program: Program, owned: Sequence[tuple[Source, bool]]) -> Program:
     """Return the program without the hierarchy, and with the author's step rules in parts that are not grounded.
 
-    Each line stays where it was.
+    Line numbers do not change.
     """
     return Program(
         tuple(
@@ -240,16 +241,16 @@ def _one_free_step(program: Program, owned: Sequence[tuple[Source, bool]]) -> Pr
 
 
 def _described(program: Program, statements: Sequence[Statement]) -> Program:
-    """Return a program with the names and entities of its actions as facts, where the author's base part reads them."""
-    read = {atom.name for each in statements if each.own and not each.timed for atom in each.body}
-    if read.isdisjoint([NAME.name, MENTIONS.name]):
+    """Return a program with the names and entities of its actions as facts if the author's base part reads them."""
+    names_read = {atom.name for each in statements if each.own and not each.timed for atom in each.body}
+    if names_read.isdisjoint([NAME.name, MENTIONS.name]):
         return program
     grounder = Grounder(program)
     grounder.ground([("base", [])])
     actions = [action for (action,) in rows(grounder.control, "action", 1)]
     entities = {entity for entity, _ in rows(grounder.control, "entity", 2)}
-    told = [*map(name_fact, actions), *mention_facts(actions, entities)]
-    return Program((*program.sources, Source(ADDED, " ".join(told))))
+    facts = [*map(name_fact, actions), *mention_facts(actions, entities)]
+    return Program((*program.sources, Source(ADDED, " ".join(facts))))
 
 
 def _violations(origins: Origins) -> Iterator[Problem]:

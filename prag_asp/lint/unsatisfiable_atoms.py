@@ -1,11 +1,11 @@
-"""Atoms of rules that can never hold, for a name in them is one that nothing stated has there.
+"""Find atoms of rules that can never hold, because no derivable atom has one of their names at its place.
 
     precondition(dorp(R,O), empty(R), true) :- action(dorp(R,O)).
 
-never fires where no action is called dorp, and clingo says nothing about it. Each name of a body is looked for in the
-ground atoms of its predicate, at its place in them. One that is not there may be missing for good reason: it is in the
-head of a rule that might fire if there were more entities. It is missing because of another name where the rules whose
-heads have it demand that one. What is left is told: a mistake where a known name is near, a warning otherwise.
+never fires if no action is called dorp, and clingo does not report it. Each name in a body is searched in the ground
+atoms of its predicate, at the same place. A name that no ground atom has is not a mistake if it is in the head of a
+rule that might fire with more entities. If the rules that derive it demand another missing name, only that one is
+reported: as an error if a known name is similar, as a warning otherwise.
 """
 
 from __future__ import annotations
@@ -25,20 +25,20 @@ from prag_asp.wording import did_you_mean, is_misspelt
 FUNCTION = re.compile(r"(?P<name>_*[a-z][\w']*)?(?:\((?P<arguments>.*)\))?", re.S)
 ACTION, FLUENT = ("action", 1), ("fluent", 1)
 DECLARING: dict[Signature, Signature] = {OCCURS: ACTION, **dict.fromkeys([HOLDS, KNOWN, CHANGED], FLUENT)}
-"""What the base part declares the first argument of some predicates of steps with."""
+"""The predicate of the base part that declares the first argument of some predicates of steps."""
 
 CLASS, CLASS_BELOW, BELONGING = ("class", 1), ("class", 2), ("entity", 2)
-"""What declares a class, and what says which entities it has."""
+"""The predicates that declare a class, and the members of a class."""
 
 NO_NAME: Signature = ("", -1)
-"""The name of a number, a string, or what is not there."""
+"""The signature of a number, a string, or a missing argument."""
 
 Step = tuple[str, int, int]
-"""One step down in a term: the name of the function there, its number of arguments, and which of them."""
+"""One step down in a term: the name and the arity of the function, and the index of the argument."""
 
 
 class ArgumentPlace(NamedTuple):
-    """Where in the atoms of a predicate a name stands: in which argument, and how far down in it."""
+    """The place of a name in the atoms of a predicate: the argument, and the path below it."""
 
     predicate: Signature
     argument: int
@@ -46,7 +46,7 @@ class ArgumentPlace(NamedTuple):
 
 
 class TermPattern(NamedTuple):
-    """A function or constant as it is written; an argument that is a variable, a number or computed is None."""
+    """A function or constant in a rule; an argument that is a variable, a number or computed is None."""
 
     name: str
     arguments: tuple[TermPattern | None, ...]
@@ -58,9 +58,9 @@ class TermPattern(NamedTuple):
 
 
 class NameDemand(NamedTuple):
-    """A name that an atom of a rule demands; without a place, it may stand anywhere.
+    """A name in an atom of a rule; without a place, it may occur anywhere.
 
-    Where the atom is `necessary`, the rule never fires without the name.
+    If the atom is `necessary`, the rule never fires without the name.
     """
 
     rule: Statement
@@ -71,7 +71,7 @@ class NameDemand(NamedTuple):
 
 
 def demand_problems(control: clingo.Control, statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the names in bodies of user rules that no atom can have there."""
+    """Yield the names in bodies of user rules that no derivable atom has at their place."""
     rules = [each for each in statements if each.is_rule]
     stated = {head.signature for each in rules if not each.timed for head in each.heads}
     timed = {head.signature for each in rules if each.timed for head in each.heads}
@@ -84,14 +84,14 @@ def demand_problems(control: clingo.Control, statements: Sequence[Statement]) ->
     makers = _NameMakers(statements)
     unmade = anywhere - makers.names(set())
     unmet = [each for each in demands if (each.name[0] in unmade if each.place is None else _is_unmet(each, missing))]
-    made = makers.names({each.rule for each in unmet if each.necessary}) if unmet else set()
+    names_made = makers.names({each.rule for each in unmet if each.necessary}) if unmet else set()
     first = {each.name[0]: each for each in reversed(list(makers.roots(unmet)))}
     for each in reversed(first.values()):
-        yield _problem(each, control, made)
+        yield _problem(each, control, names_made)
 
 
-def _problem(demand: NameDemand, control: clingo.Control, made: set[str]) -> Problem:
-    """Return what is told of a name that nothing has where it is demanded; `made` are the names that there are."""
+def _problem(demand: NameDemand, control: clingo.Control, derivable: set[str]) -> Problem:
+    """Return the problem of a name that no atom has at the demanded place; `derivable` are the names of all atoms."""
     name, arity = demand.name
     rule, line = demand.rule, demand.atom.line
     there = _names_at(control, demand.place) if demand.place else set()
@@ -100,13 +100,13 @@ def _problem(demand: NameDemand, control: clingo.Control, made: set[str]) -> Pro
         counts = " or ".join(map(str, taken))
         text = f"{demand.atom} never holds: {name} takes {counts} arguments there, not {arity}"
         return rule.problem(f"{text}; fix its arguments, or remove the rule", line)
-    if name in made:
+    if name in derivable:
         return rule.problem(f"{demand.atom} never holds; state it, or remove the rule", line, "never-holds")
     around = {other for other, _ in there}
-    known = next((names for names in (around, made) if is_misspelt(name, names)), around | made)
-    hint = did_you_mean(name, known, "declare it, or remove the rule")
+    candidates = next((names for names in (around, derivable) if is_misspelt(name, names)), around | derivable)
+    hint = did_you_mean(name, candidates, "declare it, or remove the rule")
     text = f"no entity, fluent or action has the name {name}; {hint}"
-    return rule.problem(text, line, "" if is_misspelt(name, known) else "never-holds")
+    return rule.problem(text, line, "" if is_misspelt(name, candidates) else "never-holds")
 
 
 def _is_contract(statement: Statement) -> bool:
@@ -116,9 +116,9 @@ def _is_contract(statement: Statement) -> bool:
 def _demands(
     rules: Iterable[Statement], stated: Collection[Signature], defined: Collection[Signature]
 ) -> Iterator[NameDemand]:
-    """Yield what the bodies of user rules demand of the predicates that are `stated` before any step, and of others.
+    """Yield the names in the bodies of user rules; those in predicates `stated` in the base part alone have a place.
 
-    What nothing defines is told as such, or is said to be allowed to have no atom.
+    Undefined predicates are skipped: they are reported elsewhere, or declared with ``#defined``.
     """
     for rule in rules:
         if rule.own:
@@ -131,7 +131,7 @@ def _demands(
 
 
 def _read_by(rule: Statement) -> Iterator[tuple[AtomNode, bool]]:
-    """Yield the atoms that a rule reads, each with whether it has to hold for the rule to fire."""
+    """Yield the atoms that a rule reads, each with a flag that is true if the rule fires only if it holds."""
     for node, text in rule.literals:
         plain = plain_atom(node, text)
         if plain:
@@ -142,7 +142,7 @@ def _read_by(rule: Statement) -> Iterator[tuple[AtomNode, bool]]:
 
 
 def _names_in(atom: AtomNode, stated: Collection[Signature]) -> Iterator[tuple[ArgumentPlace | None, Signature]]:
-    """Yield the names in an atom with the places that they have in what is stated before any step."""
+    """Yield the names in an atom, with their places if its predicate is `stated` in the base part alone."""
     declaring = DECLARING.get(atom.signature)
     predicate = declaring or atom.signature
     for number, text in enumerate(atom.arguments):
@@ -161,7 +161,7 @@ def _below(place: ArgumentPlace, term: TermPattern) -> Iterator[tuple[ArgumentPl
 
 
 def read_term(text: str) -> TermPattern | None:
-    """Return a function or a constant from its text; None of a variable, a number, and what is computed."""
+    """Parse a function or a constant; return None for a variable, a number, or a computed term."""
     match = FUNCTION.fullmatch(text)
     if not match or not text or '"' in text or ";" in text:
         return None
@@ -173,7 +173,7 @@ def read_term(text: str) -> TermPattern | None:
 
 
 Missing = Collection[tuple[ArgumentPlace, Signature]]
-"""Names with places at which no ground atom has them."""
+"""Places and names such that no ground atom has the name at the place."""
 
 
 def _missing(control: clingo.Control, demands: Iterable[NameDemand]) -> Missing:
@@ -193,7 +193,7 @@ def _missing(control: clingo.Control, demands: Iterable[NameDemand]) -> Missing:
 
 
 def _is_unmet(demand: NameDemand, missing: Missing) -> bool:
-    """Return whether the name of a demand is missing at its place, and none that it stands in."""
+    """Return whether the name of a demand is missing at its place, but no name of the terms around it is."""
     place = demand.place
     if place is None or (place, demand.name) not in missing:
         return False
@@ -223,7 +223,7 @@ def _signature(term: clingo.Symbol) -> Signature:
 
 
 class _NameMakers:
-    """Which rules can make which names, and where."""
+    """The rules that can derive atoms with a name, by the place of the name."""
 
     def __init__(self, statements: Iterable[Statement]) -> None:
         statements = list(statements)
@@ -240,10 +240,10 @@ class _NameMakers:
                 self._of_name.setdefault(name, set()).add(rule)
 
     def roots(self, unmet: Sequence[NameDemand]) -> Iterator[NameDemand]:
-        """Yield the demands that no rule can meet, without those that follow from them.
+        """Yield the demands that no rule can meet, without those that follow from others.
 
-        A rule can meet them whose own demands are met. Where only rules without a chance would meet a demand, it
-        follows from theirs, unless they demand the same name.
+        Only a rule whose own demands are met can meet a demand. If only dead rules would meet a demand, it follows from
+        theirs, unless they demand the same name.
         """
         dead = {each.rule for each in unmet if each.necessary}
         while True:
@@ -259,11 +259,11 @@ class _NameMakers:
         yield from first or hopeless[:1]
 
     def names(self, dead: set[Statement]) -> set[str]:
-        """Return every name that a ground atom can hold: of a head, or computed in a body, but for some rules."""
+        """Return every name that a ground atom can contain, from a head or computed in a body, without `dead` rules."""
         return {name for name, rules in self._of_name.items() if not rules.issubset(dead)} | self._constants
 
     def _can_make(self, demand: NameDemand, dead: set[Statement]) -> bool:
-        """Return whether a rule other than some may make a name where it is demanded."""
+        """Return whether a rule that is not `dead` may derive an atom with a name at the demanded place."""
         name = demand.name[0]
         anywhere = name in self._constants or not self._of_name.get(name, set()) <= dead
         if demand.place is None or name in self._constants:
@@ -272,21 +272,21 @@ class _NameMakers:
         return not there.get(demand.name, set()) <= dead or (anywhere and not there.get(None, set()) <= dead)
 
     def _rules_at(self, place: ArgumentPlace) -> dict[Signature | None, set[Statement]]:
-        """Return the rules that make each name at a place, and under None those that may make any."""
-        found = self._at_place.get(place)
-        if found is None:
-            found = self._at_place[place] = {}
+        """Return the rules that derive each name at a place, and under None those that may derive any."""
+        rules_of_name = self._at_place.get(place)
+        if rules_of_name is None:
+            rules_of_name = self._at_place[place] = {}
             places = [place]
             if place.predicate == BELONGING and place.argument == 1:  # a class may come to have entities
                 places += [ArgumentPlace(CLASS, 0), ArgumentPlace(CLASS_BELOW, 0)]
             for each in places:
                 for rule, head in self._heads.get(each.predicate, ()):
-                    found.setdefault(_written_at(head, each), set()).add(rule)
-        return found
+                    rules_of_name.setdefault(_written_at(head, each), set()).add(rule)
+        return rules_of_name
 
 
 def _written_at(head: AtomNode, place: ArgumentPlace) -> Signature | None:
-    """Return the name that a head has at a place, None where it may have any."""
+    """Return the name that a head has at a place, None if it may have any."""
     term = read_term(head.arguments[place.argument])
     for name, arity, number in place.below:
         if term is None:

@@ -1,1 +1,1 @@
-"""A Domain made into ground rules, and these into a function from state to state."""
+"""Ground the rules of a domain, and turn them into a function from state to state."""

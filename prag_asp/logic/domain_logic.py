@@ -1,4 +1,4 @@
-"""The logic of one domain: its program, ground step, symmetries and step functions, each made lazily and once."""
+"""The logic of one domain: its program, ground step, symmetries and step functions, each computed once on demand."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ LOOP_FREE = ("conditions", "loop_free.lp")
 class DomainLogic:
     """The logic of a domain.
 
-    If a step is no function of state and action, `step` and `transition` raise EngineError with the reason. All else
-    works on the unrolled program.
+    If a step is no function of state and action, `step` and `transition` raise EngineError with the reason. Everything
+    else works on the unrolled program.
 
-    `bare` is the logic of the domain without conditions, for a domain under conditions. These distinguish entities and
-    make none alike: renamings have to keep the rules of both.
+    `bare` is the logic of the domain without conditions, for a domain under conditions. Conditions distinguish
+    entities, so renamings have to keep the rules of both.
 
-    `part_of` is another logic of which this one has some of the plans, chosen by what all renamings of its tasks keep.
-    Plans are counted up to the renamings of `part_of`, so that the tasks of all parts are together its tasks.
+    `part_of` is another logic with a superset of the plans; the selection is invariant under the renamings of its
+    tasks. Plans are counted up to the renamings of `part_of`, so that the tasks of all parts together are its tasks.
     """
 
     domain: Domain
@@ -102,7 +102,7 @@ class DomainLogic:
             return self.whole.symmetries(length) if may_interchange(self.domain.facts) else Symmetries()
         if not self._without_loops.obstacles:
             return self._without_loops._symmetries
-        return self._found(lambda model: ground_plan(model.program, length, model.reads))
+        return self._find_symmetries(lambda model: ground_plan(model.program, length, model.reads))
 
     def groups(self, length: int) -> tuple[tuple[clingo.Symbol, ...], ...]:
         """Return the groups of entities whose members are pairwise interchangeable in plans of a length."""
@@ -110,12 +110,12 @@ class DomainLogic:
 
     @cached_property
     def _symmetries(self) -> Symmetries:
-        return self._found(lambda model: model.ground)
+        return self._find_symmetries(lambda model: model.ground)
 
-    def _found(self, ground: Callable[[DomainLogic], GroundStep]) -> Symmetries:
+    def _find_symmetries(self, ground: Callable[[DomainLogic], GroundStep]) -> Symmetries:
         """Return which entities are interchangeable, found on the program that `ground` grounds.
 
-        If the invariants state of some entities what follows for others, all entailed invariants are stated first.
+        If some entities have stated invariants that are only entailed for others, all entailed ones are added first.
         """
         from prag_asp.logic.symmetry.symmetry import find_symmetries  # noqa: PLC0415 - plans and skeletons need none
 
@@ -127,12 +127,12 @@ class DomainLogic:
             stage(INTERCHANGEABLE)
             return find_symmetries(model.domain.facts, program, beside)
 
-        found = alike(self)
-        closed = self._closed(found.groups)
-        return found if closed is None else alike(closed)
+        symmetries = alike(self)
+        closed = self._closed(symmetries.groups)
+        return symmetries if closed is None else alike(closed)
 
     def _closed(self, groups: Collection[Sequence[clingo.Symbol]] = ()) -> DomainLogic | None:
-        """Return the logic with all entailed invariants, if more than `groups` may be alike in it."""
+        """Return the logic with all entailed invariants if more entities than those of `groups` may be alike in it."""
         from prag_asp.logic.symmetry.asymmetric_invariants import states_unevenly  # noqa: PLC0415 - plans and skeletons need none
 
         if not states_unevenly(self.domain.facts, groups) or (program := closed_program(self.domain)) is None:
@@ -143,17 +143,17 @@ class DomainLogic:
     def _without_loops(self) -> DomainLogic:
         """The logic without the rules that forbid loops, which reach back over all steps and treat all entities alike.
 
-        The unrolled program of a length is no replacement: clingo removes from it what the start decides.
+        The unrolled program of a length is no replacement: clingo simplifies it by the initial state.
         """
         sources = self.domain.program.sources
-        left = tuple(source for source in sources if source.path.parts[-2:] != LOOP_FREE)
-        if len(left) == len(sources):
+        remaining = tuple(source for source in sources if source.path.parts[-2:] != LOOP_FREE)
+        if len(remaining) == len(sources):
             return self
-        return replace(self, domain=replace(self.domain, program=Program(left)))
+        return replace(self, domain=replace(self.domain, program=Program(remaining)))
 
     @cached_property
     def _task_step(self) -> NormalStep:
-        """One step of tasks in normal form, ground on top of the step of plans where that is possible."""
+        """One step of tasks in normal form, ground on top of the step of plans if possible."""
         program, symmetries = self.task_program(0), self.symmetries(0)
         extension = canonical_extension(self.domain, symmetries.groups, symmetries.joint)
         if extension is not None:
@@ -177,17 +177,17 @@ class DomainLogic:
         return stratified_step(ground_step(program, self.domain.facts, self._reads(program)))
 
     def _reads(self, program: Program) -> StepReads:
-        """Return what a step of a program reads, without the facts that the library adds."""
+        """Return the reads of a step of a program, without the facts that the library adds."""
         return read_step(Program(tuple(source for source in program.sources if source.path != ADDED)))
 
     def task_program(self, length: int) -> Program:
         """Return the program whose answer sets are tasks of a length: plans with their entities named in order."""
-        found = self.symmetries(length)
-        if not found:
+        symmetries = self.symmetries(length)
+        if not symmetries:
             return self.program
-        if found not in self._canonical:
-            self._canonical[found] = canonical_program(self.domain, found.groups, found.joint)
-        return self._canonical[found]
+        if symmetries not in self._canonical:
+            self._canonical[symmetries] = canonical_program(self.domain, symmetries.groups, symmetries.joint)
+        return self._canonical[symmetries]
 
     @cached_property
     def _canonical(self) -> dict[Symmetries, Program]:

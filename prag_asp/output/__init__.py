@@ -1,6 +1,6 @@
-"""Files and folders that are written whole or not at all, and journals that a run is resumed from.
+"""Atomic files and folders, and journals to resume a run from.
 
-The names below are loaded at first use: a count writes nothing.
+The names below are loaded at first use, because a count writes nothing.
 """
 
 from __future__ import annotations

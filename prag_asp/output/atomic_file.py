@@ -1,7 +1,7 @@
-"""One atomic file: it is written beside its target, flushed, and renamed, while a lock keeps a second writer out.
+"""Atomic files: a file is written next to its target, flushed, and renamed, while a lock excludes other writers.
 
-A rename replaces a file in one stroke, and what was flushed before it survives a loss of power: whoever reads the file
-at any moment sees the old one or the new one, whole. A kill leaves the old one, and ``NAME.part`` beside it.
+A rename is atomic, and data flushed before it survive a loss of power: a reader always sees either the old content or
+the new one. If the process is killed, the old file stays, and ``NAME.part`` next to it.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ from time import monotonic, sleep
 from prag_asp.errors import OutputError
 
 SUFFIX = ".part"
-"""How the names of files and folders end that are being written."""
+"""The suffix of files and folders that are being written."""
 
 EVERYBODY = 0o666
-"""The permissions of a new file, of which the user's mask takes some."""
+"""The permissions of a new file, reduced by the user's umask."""
 
 PATIENCE = 3.0
-"""Seconds to wait for another writer of the same file: one that was killed may take that long to be gone."""
+"""Seconds to wait for another writer of the same file: a killed process may take that long to disappear."""
 
 POLL = 0.02
 """Seconds between two attempts to lock a file."""
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-"""The errors of a disk, a quota or a file that is full."""
+"""The errors of a full disk, an exceeded quota, or a file of the maximal size."""
 
 NO_LOCKS = (errno.ENOLCK, errno.ENOTSUP, errno.ENOSYS)
 """The errors of a file system without locks."""
@@ -40,7 +40,7 @@ NO_FLUSH = (errno.EINVAL, errno.ENOTSUP, errno.EACCES)
 
 
 class AtomicFile:
-    """A file that is being written as ``NAME.part``, which no other run writes meanwhile."""
+    """A file being written as ``NAME.part``, which is locked against other runs."""
 
     def __init__(self, target: Path, mode: int = EVERYBODY) -> None:
         """Lock ``NAME.part`` and empty it, or create it.
@@ -71,7 +71,7 @@ class AtomicFile:
         self._size += len(content)
 
     def replace(self) -> None:
-        """Flush it and put it into the place of its target, with the permissions of that.
+        """Flush the file and rename it to its target, with the permissions of the target.
 
         Raises:
             OutputError: it cannot be written.
@@ -84,7 +84,7 @@ class AtomicFile:
             flush_folder(self.target.parent)
 
     def discard(self) -> None:
-        """Remove it."""
+        """Remove the file."""
         with suppress(OSError):
             self.path.unlink()
 
@@ -95,9 +95,9 @@ class AtomicFile:
 
 @contextmanager
 def open_atomic(file: str | Path, *, mode: int = EVERYBODY, follow: bool = True) -> Iterator[AtomicFile]:
-    """Yield a file to write, which takes the place of its target when the block ends, and is gone if it fails.
+    """Yield a file to write, which replaces its target when the block ends, and is removed if the block fails.
 
-    With `follow`, a link is followed, otherwise replaced. `mode` has the permissions of a new file.
+    With `follow`, a link is followed, otherwise it is replaced. `mode` has the permissions of a new file.
 
     Raises:
         OutputError: it cannot be written, or another run is writing it.
@@ -115,9 +115,9 @@ def open_atomic(file: str | Path, *, mode: int = EVERYBODY, follow: bool = True)
 
 
 def replace_file(file: str | Path, content: bytes, *, mode: int = EVERYBODY, follow: bool = True) -> None:
-    """Write a file whole: whatever interrupts this, the file is the old one or the new one.
+    """Write a file atomically: after an interruption, it has either its old content or the new one.
 
-    A device or a pipe is written as it is. `mode` and `follow` are those of `open_atomic`.
+    A device or a pipe is written directly. `mode` and `follow` are those of `open_atomic`.
 
     Raises:
         OutputError: it cannot be written.
@@ -133,10 +133,10 @@ def replace_file(file: str | Path, content: bytes, *, mode: int = EVERYBODY, fol
 
 @contextmanager
 def whole_file(file: Path) -> Iterator[Path]:
-    """Yield the path of an empty file for a library to write, which takes the place of `file` when the block ends.
+    """Yield the path of an empty file for a library to write, which replaces `file` when the block ends.
 
     Raises:
-        OutputError: it cannot be written, another run is writing it, or what is there is no regular file.
+        OutputError: it cannot be written, another run is writing it, or it exists and is no regular file.
     """
     if is_stream(file):
         raise OutputError(f"{file}: is no regular file; give a file")
@@ -145,16 +145,16 @@ def whole_file(file: Path) -> Iterator[Path]:
 
 
 def is_stream(path: Path) -> bool:
-    """Return whether there is something that is no regular file, so cannot be replaced: a device, a pipe, a folder."""
+    """Return whether a path exists and is no regular file, so cannot be replaced: a device, a pipe, a folder."""
     return path.exists() and not path.is_file()
 
 
 @contextmanager
 def output_errors(path: Path | str) -> Iterator[None]:
-    """Turn errors of the system into one line with the name of the file.
+    """Turn system errors into one line with the name of the file.
 
     Raises:
-        OutputError: something cannot be written.
+        OutputError: the system refused to write.
     """
     try:
         yield
@@ -166,33 +166,33 @@ def output_errors(path: Path | str) -> Iterator[None]:
 
 
 def open_locked(path: Path, mode: int = EVERYBODY) -> int:
-    """Return the descriptor of a regular file that this process alone writes; it is created where it is missing.
+    """Return the descriptor of a regular file, locked against other writers; create the file if it is missing.
 
     Raises:
         OutputError: another run writes it, or it is no regular file.
         OSError: it cannot be opened.
     """
 
-    def opened() -> int:
+    def open_file() -> int:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK, mode)
         if stat.S_ISREG(os.fstat(descriptor).st_mode):
             return descriptor
         os.close(descriptor)
         raise OutputError(f"{path}: is no regular file, but one has to be written there; remove it")
 
-    return locked(path, opened)
+    return locked(path, open_file)
 
 
-def locked(path: Path, opened: Callable[[], int]) -> int:
-    """Return a descriptor that `opened` returns for a path, once no other run has it locked.
+def locked(path: Path, open_path: Callable[[], int]) -> int:
+    """Open a path by `open_path` and lock it, once no other run has it locked; return the descriptor.
 
     Raises:
-        OutputError: another run still has it after `PATIENCE`.
+        OutputError: another run has it locked for longer than `PATIENCE`.
         OSError: it cannot be opened.
     """
     until = monotonic() + PATIENCE
     while True:
-        descriptor = opened()
+        descriptor = open_path()
         try:
             if _lock(descriptor) and _is_at(descriptor, path):
                 return descriptor
@@ -206,7 +206,7 @@ def locked(path: Path, opened: Callable[[], int]) -> int:
 
 
 def write_at(descriptor: int, content: bytes, position: int) -> None:
-    """Write bytes at a position of a file; writing the same again does no harm."""
+    """Write bytes at a position of a file; this may be repeated after an interruption."""
     rest = memoryview(content)
     while rest:
         written = os.pwrite(descriptor, rest, position)
@@ -214,7 +214,7 @@ def write_at(descriptor: int, content: bytes, position: int) -> None:
 
 
 def flush_folder(folder: Path) -> None:
-    """Flush a folder, where the file system can, so that a rename in it survives a loss of power."""
+    """Flush a folder, if the file system supports that, so that a rename in it survives a loss of power."""
     try:
         descriptor = os.open(folder, os.O_RDONLY | os.O_CLOEXEC)
         try:
@@ -227,7 +227,7 @@ def flush_folder(folder: Path) -> None:
 
 
 def _lock(descriptor: int) -> bool:
-    """Lock a file, and return whether nobody else has; without locks, nobody has."""
+    """Lock a file, and return whether that succeeded; on a file system without locks it always does."""
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -238,7 +238,7 @@ def _lock(descriptor: int) -> bool:
 
 
 def _is_at(descriptor: int, path: Path) -> bool:
-    """Return whether a file still has its name: the previous writer may have renamed it since it was opened."""
+    """Return whether an open file is still at its path: the previous writer may have renamed it meanwhile."""
     try:
         return os.path.samestat(os.fstat(descriptor), path.lstat())
     except FileNotFoundError:

@@ -1,4 +1,4 @@
-"""One atomic folder: it is filled under another name, flushed, and renamed; and folders that files are written into."""
+"""Atomic folders, which are filled under another name, flushed, and renamed; and folders to write files into."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from prag_asp.safe_reading import is_inside
 
 @contextmanager
 def new_folder(folder: Path) -> Iterator[Path]:
-    """Yield an empty folder, which becomes a new folder in one stroke when the block has filled it.
+    """Yield an empty folder to fill, which is renamed atomically to the new folder when the block ends.
 
-    It is filled as ``NAME.part/NAME``, and ``NAME.part`` is locked meanwhile. What a killed run has left there is
+    It is filled as ``NAME.part/NAME``, and ``NAME.part`` is locked meanwhile. Remains of a killed run are
     removed first.
 
     Raises:
@@ -33,7 +33,7 @@ def new_folder(folder: Path) -> Iterator[Path]:
         lock = locked(part, lambda: os.open(make_folder(part), os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW))
     inner = part / folder.name
     try:
-        _require_new(folder)  # another run may have made it since
+        _require_new(folder)  # another run may have created it meanwhile
         with output_errors(part):
             others = sorted({path.name for path in part.iterdir()} - {folder.name})
             if others:
@@ -53,17 +53,17 @@ def new_folder(folder: Path) -> Iterator[Path]:
 
 
 def _require_new(folder: Path) -> None:
-    """Check that a folder is not there, or is empty.
+    """Check that a folder does not exist, or is empty.
 
     Raises:
-        OutputError: something else is there.
+        OutputError: it exists, and is no empty folder.
     """
     if os.path.lexists(folder) and (folder.is_symlink() or not folder.is_dir() or any(folder.iterdir())):
         raise OutputError(f"{folder}: is there already; remove it, or give a new folder")
 
 
 def make_folder(folder: str | Path) -> Path:
-    """Create a folder and its parents, where they are missing, and return it.
+    """Create a folder and its parents if they are missing, and return the folder.
 
     Raises:
         OutputError: it cannot be created.
@@ -77,10 +77,10 @@ def make_folder(folder: str | Path) -> Path:
 
 
 def file_in(folder: str | Path, name: str) -> Path:
-    """Return the path of a file of a folder, which may be somebody else's, to write to it.
+    """Return the path of a file to write in a folder, which may contain links made by others.
 
     Raises:
-        OutputError: what is there is no regular file, or a link that leads out of the folder.
+        OutputError: the path exists and is no regular file, or is a link that leads out of the folder.
     """
     path = Path(folder) / name
     if not is_inside(path, folder):
@@ -91,7 +91,7 @@ def file_in(folder: str | Path, name: str) -> Path:
 
 
 def _remove(folder: Path) -> None:
-    """Remove a folder, if it is there; links are not followed."""
+    """Remove a folder if it exists; links are not followed."""
     if folder.is_symlink() or folder.is_file():
         folder.unlink()
     elif folder.exists():

@@ -1,9 +1,9 @@
-"""Cache files of the user: results that took long to compute, for the next run.
+"""The user's cache: files with results that took long to compute, for later runs.
 
-A file ends with a checksum: one that was cut or changed counts as absent. Failures to write are ignored.
+A file ends with a checksum: a truncated or modified file counts as missing. Failures to write are ignored.
 
-A checksum is no signature: whoever can write a file can write another content into it. So a folder or a file that is
-another user's, or that others may write, is neither read nor written.
+A checksum is no signature: anyone who can write to a file can forge its content. So folders and files that belong to
+another user, or that others may write to, are neither read nor written.
 """
 
 from __future__ import annotations
@@ -22,25 +22,27 @@ CHECKSUM = 4
 """Bytes of a checksum."""
 
 OWN = 0o600
-"""The permissions of a file: no other user reads or writes it."""
+"""The permissions of a file: other users can neither read nor write it."""
 
 OURS_ALONE = 0o700
+"""The permissions of the folder."""
+
 OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
 
 def cache_folder() -> Path | None:
-    """Return the folder of the cache: ``PRAG_ASP_CACHE``, or one in the user's; None where that variable is empty."""
-    own = os.environ.get("PRAG_ASP_CACHE")
-    if own is not None:
-        return Path(own) if own else None
+    """Return the folder of the cache: ``PRAG_ASP_CACHE``, or one in the user's; None if that variable is empty."""
+    folder = os.environ.get("PRAG_ASP_CACHE")
+    if folder is not None:
+        return Path(folder) if folder else None
     try:
         return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "prag_asp"
-    except RuntimeError:  # there is no home
+    except RuntimeError:  # there is no home folder
         return None
 
 
 def read_cached(path: Path, at_most: int) -> bytes | None:
-    """Return the content of a cache file of `at_most` bytes, None if it is missing or damaged."""
+    """Return the content of a cache file, None if it is missing, damaged, or longer than `at_most` bytes."""
     try:
         if not _is_ours(path.parent.stat()):
             return None
@@ -56,7 +58,7 @@ def read_cached(path: Path, at_most: int) -> bytes | None:
 
 
 def write_cached(path: Path, content: bytes) -> bool:
-    """Write a cache file, whole; return whether that was possible."""
+    """Write a cache file atomically, and return whether that succeeded."""
     try:
         path.parent.mkdir(OURS_ALONE, parents=True, exist_ok=True)
         if not _is_ours(path.parent.stat()):
@@ -68,10 +70,10 @@ def write_cached(path: Path, content: bytes) -> bool:
 
 
 def checksum(content: bytes | memoryview) -> bytes:
-    """Return the checksum that a file ends with."""
+    """Return the checksum of a content, which is written after it."""
     return zlib.crc32(content).to_bytes(CHECKSUM, "little")
 
 
-def _is_ours(found: os.stat_result) -> bool:
-    """Return whether a file or a folder belongs to the user, and nobody else may write to it."""
-    return found.st_uid == os.geteuid() and not found.st_mode & OTHERS_WRITE
+def _is_ours(status: os.stat_result) -> bool:
+    """Return whether a file or a folder belongs to the user, and no other user may write to it."""
+    return status.st_uid == os.geteuid() and not status.st_mode & OTHERS_WRITE

@@ -1,7 +1,7 @@
-"""A journal: lines that a run has finished since it last wrote a result, for the next run to resume from there.
+"""A journal: the lines that a run has completed since it last wrote a result, from which the next run resumes.
 
-Each line has a checksum, so a kill or a loss of power at any moment costs the lines that were not flushed: the next run
-believes those before the first damaged one. The first line names the run; a journal of another run is emptied.
+Each line has a checksum, so a kill or a loss of power loses only the lines that were not flushed: the next run uses the
+lines before the first damaged one. The first line names the run; a journal of another run is emptied.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from time import monotonic
 from prag_asp.output.atomic_file import open_locked, output_errors, write_at
 
 INTERVAL = 1.0
-"""Seconds between flushes, which cost some milliseconds each: what a loss of power takes at most."""
+"""Seconds between flushes of some milliseconds each: a loss of power loses at most the lines of this time."""
 
 CHECKSUM = 8
 """Hexadecimal digits before each line."""
@@ -26,7 +26,7 @@ class Journal:
     """The journal of a run, locked until it is closed."""
 
     def __init__(self, file: Path, run: str) -> None:
-        """Open the journal with the lines that an interrupted run of the same name has left, or create it.
+        """Open the journal with the lines of an interrupted run of the same name, or create it.
 
         Raises:
             OutputError: it cannot be written, or another run is writing it.
@@ -35,7 +35,7 @@ class Journal:
         with output_errors(file):
             self._descriptor = open_locked(file)
             try:
-                self.lines = [*self._left()]
+                self.lines = [*self._valid_lines()]
                 self._size = len(self._header) + sum(len(_checked(line)) for line in self.lines)
                 if self.lines:
                     os.ftruncate(self._descriptor, self._size)
@@ -47,7 +47,7 @@ class Journal:
         self._next = monotonic() + INTERVAL
 
     def write(self, line: bytes) -> None:
-        """Append a line, which has no line end.
+        """Append a line, given without its line end.
 
         Raises:
             OutputError: it cannot be written.
@@ -61,7 +61,7 @@ class Journal:
                 self._next = monotonic() + INTERVAL
 
     def clear(self) -> None:
-        """Forget all lines.
+        """Remove all lines.
 
         Raises:
             OutputError: it cannot be written.
@@ -77,13 +77,13 @@ class Journal:
         os.close(self._descriptor)
 
     def _begin(self) -> None:
-        """Write the name of the run alone."""
+        """Reset the journal to the line with the name of the run."""
         os.ftruncate(self._descriptor, 0)
         write_at(self._descriptor, self._header, 0)
         self._size = len(self._header)
 
-    def _left(self) -> Iterator[bytes]:
-        """Yield the lines that an interrupted run has left, as far as they can be believed."""
+    def _valid_lines(self) -> Iterator[bytes]:
+        """Yield the lines of an interrupted run before the first damaged one."""
         with open(self._descriptor, "rb", closefd=False) as file:
             if file.readline() != self._header:
                 return

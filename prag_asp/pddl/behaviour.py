@@ -1,11 +1,10 @@
-"""What happens in PDDL as rules: what actions ask and change, what derived predicates come to, and the goal."""
+"""The dynamics of a PDDL problem as rules: preconditions and effects of actions, derived predicates, and the goal."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
 from prag_asp.pddl.conditions import BASE, END, NEVER, STEP, Bodies, Rules, Vocabulary, applied
-from prag_asp.pddl.conflicting_effects import ConflictingEffects, differences, is_overruled, is_plain
 from prag_asp.pddl.definitions import OBJECT, DomainFile, ProblemFile, Schema, SchemaEffect
 from prag_asp.pddl.formulas import Formula, Junction, Literal, Quantified, Variable, conjuncts, demanded, negated
 from prag_asp.pddl.line_map import FileLine, PlacedLine
@@ -16,29 +15,29 @@ TRUTH = {True: "true", False: "false"}
 
 
 class Behaviour:
-    """Writes actions and the goal; what depends on the state before a step, or on the last one, is kept as `rules`."""
+    """Translates actions and the goal. Rules that read the state before a step, or the final state, go to `rules`."""
 
     def __init__(
         self, domain: DomainFile, problem: ProblemFile, words: Vocabulary, actions: Mapping[str, str], rules: Rules
     ) -> None:
         self._domain = domain
         self._goal = problem.goal
-        self._conflicting = ConflictingEffects(domain, problem)
+        self._conflicting = _ConflictingEffects(domain, problem)
         self._large = large_actions(domain, problem)
         self._words = words
         self._actions = actions
         self._rules = rules
         self._bodies = Bodies(words, rules)
         self._in_steps: dict[bool, FileLine] = {}
-        """Whether rules of a step add, and whether they delete: where the first comes from that does."""
+        """The place of the first rule of a step that adds (key true) and of the first that deletes (key false)."""
 
     @property
     def looks_ahead(self) -> bool:
-        """Whether some actions are so many that they ask what may ever be true."""
+        """Whether some action has so many instances that its rule reads ``ever``."""
         return bool(self._large)
 
     def action(self, action: Schema) -> Iterator[str]:
-        """Yield the rules of an action; those of steps are kept for their section."""
+        """Yield the base rules of an action, and add its rules of a step to `rules`."""
         self._rules.comes_from("domain", action.line)
         term = applied(self._actions[action.name], (each.name for each in action.parameters))
         parts = list(conjuncts(action.precondition))
@@ -66,26 +65,26 @@ class Behaviour:
         yield from self._effects(term, action)
 
     def _without_object(self, body: list[str], fixed: Iterable[Formula]) -> list[str]:
-        """Leave out that variables are objects where a fact binds them, for all that is stated of is an object."""
+        """Remove type tests for `object` of variables that a static literal binds: its arguments are objects."""
         facts = [part for part in fixed if isinstance(part, Literal) and part.positive]
         bound = {term for part in facts for term in part.terms if isinstance(term, Variable)}
         needless = {self._words.belongs(each) for each in bound if each.types == (OBJECT,)}
         return [each for each in body if each not in needless]
 
     def _ever(self, condition: Formula) -> Iterator[str]:
-        """Yield that the fluents may ever be true that a condition demands."""
+        """Yield an ``ever`` literal for each fluent that a condition requires to be true."""
         fixed = self._words.static | self._words.derived
         return (f"ever({self._words.atom(each)})" for each in demanded(condition) if each.predicate not in fixed)
 
     def _valued(self, predicate: str, term: str, values: Mapping[bool, list[str]]) -> Iterator[str]:
         for value, atoms in values.items():
-            found = list(dict.fromkeys(atoms))
-            if found:
-                told = found[0] if len(found) == 1 else f"({'; '.join(found)})"
-                yield f"{predicate}({term}, {told}, {TRUTH[value]}) :- action({term})."
+            fluents = list(dict.fromkeys(atoms))
+            if fluents:
+                pool = fluents[0] if len(fluents) == 1 else f"({'; '.join(fluents)})"
+                yield f"{predicate}({term}, {pool}, {TRUTH[value]}) :- action({term})."
 
     def _demand(self, term: str, formula: Formula) -> Iterator[str]:
-        """Yield what a precondition asks of each fluent of a kind; forbid the opposite of what it asks otherwise."""
+        """Yield the rule of a precondition on guarded fluents; other preconditions become constraints of the step."""
         simple = self._guarded(formula)
         if simple is not None:
             variables, guard, literal = simple
@@ -96,7 +95,7 @@ class Behaviour:
             self._rules.add(STEP, "", [f"occurs({term},t)", *body])
 
     def _guarded(self, formula: Formula) -> tuple[tuple[Variable, ...], Formula, Literal] | None:
-        """Return a formula as a literal that holds for all variables that satisfy a guard, which never changes."""
+        """Return a formula as ``forall variables (static guard -> literal)``, or None if it has another form."""
         variables: tuple[Variable, ...] = ()
         while isinstance(formula, Quantified) and formula.every:
             variables, formula = (*variables, *formula.variables), formula.part
@@ -108,7 +107,7 @@ class Behaviour:
         return variables, Junction(True, guards, moving[0].line), moving[0]
 
     def _effects(self, term: str, action: Schema) -> Iterator[str]:
-        """Yield what an action changes; what depends on the state becomes rules of a step."""
+        """Yield the unconditional effects of an action; effects that depend on the state become rules of a step."""
         moving = {effect for effect in action.effects if self._bodies.changes(effect.condition)}
         added = [effect for effect in action.effects if effect.literal.positive]
         plain: dict[bool, list[str]] = {True: [], False: []}
@@ -121,15 +120,15 @@ class Behaviour:
                 if self.looks_ahead and effect.literal.positive:
                     rest += self._rules.placed(self._ever_made(term, effect))
                 continue
-            if is_overruled(effect, conflicting):
+            if _is_overruled(effect, conflicting):
                 continue
-            if is_plain(effect) and not conflicting:
+            if _is_plain(effect) and not conflicting:
                 plain[effect.literal.positive].append(self._words.atom(effect.literal))
                 continue
             atom, value = self._words.atom(effect.literal), TRUTH[effect.literal.positive]
             body = [f"action({term})", *map(self._words.belongs, effect.variables)]
-            body += [*self._bodies.body(effect.condition, BASE), *differences(self._words, effect, conflicting)]
-            if not all(map(is_plain, conflicting)):
+            body += [*self._bodies.body(effect.condition, BASE), *_differences(self._words, effect, conflicting)]
+            if not all(map(_is_plain, conflicting)):
                 body.append(f"not postcondition({term},{atom},true)")
             if NEVER not in body:
                 rest.append(PlacedLine(statement(f"postcondition({term}, {atom}, {value})", body), self._rules.at))
@@ -154,7 +153,7 @@ class Behaviour:
             self._rules.add(STEP, head, body)
 
     def finish_effects(self) -> None:
-        """Add what conditional effects come to: what is added and deleted at once is added."""
+        """Add the rules that apply conditional effects: an atom that is both added and deleted becomes true."""
         if False in self._in_steps:
             self._rules.at = self._in_steps[False]
             self._rules.add(STEP, "adds(F,t)", ["occurs(A,t)", "postcondition(A,F,true)"])
@@ -166,7 +165,7 @@ class Behaviour:
             self._rules.add(STEP, "holds(F,true,t)", ["adds(F,t)"])
 
     def derive(self, part: str) -> None:
-        """Add the rules of derived predicates that a part reads, for the state that it reads."""
+        """Add the rules of the derived predicates that a part reads, evaluated in the state that it reads."""
         done: set[str] = set()
         while new := self._bodies.read[part] - done:
             done |= new
@@ -186,12 +185,12 @@ class Behaviour:
                     self._rules.add(part, f"#defined {name}/{len(rule.parameters) + 1}")
 
     def goal(self) -> list[str]:
-        """Return the facts of the goal; what is no value of a fluent becomes rules of the final state."""
+        """Return the facts of the goal; other conditions than fluent literals become constraints on the final state."""
         parts = [(part, self._guarded(part)) for part in conjuncts(self._goal)]
         fixed = self._words.static | self._words.derived
         plain = {part for part, _ in parts if isinstance(part, Literal) and part.predicate not in fixed}
-        asked = {(each.predicate, each.terms, each.positive) for each in plain}
-        opposite = {each for each in plain if (each.predicate, each.terms, not each.positive) in asked}
+        goals = {(each.predicate, each.terms, each.positive) for each in plain}
+        opposite = {each for each in plain if (each.predicate, each.terms, not each.positive) in goals}
         certain = plain - opposite
         signs = {(found[2].predicate, found[2].positive) for _, found in parts if found}
         facts = []
@@ -208,3 +207,58 @@ class Behaviour:
                 for body in self._bodies.bodies(negated(part), END):
                     self._rules.add(END, "", body)
         return list(dict.fromkeys(facts))
+
+
+def _is_plain(effect: SchemaEffect) -> bool:
+    """Return whether an effect has neither a condition nor quantified variables."""
+    return not effect.variables and next(conjuncts(effect.condition), None) is None
+
+
+class _ConflictingEffects:
+    """Finds effects that may set the same fluent, by the types of their terms.
+
+    An atom that an action both adds and deletes becomes true.
+    """
+
+    def __init__(self, domain: DomainFile, problem: ProblemFile) -> None:
+        self._objects = problem.objects
+        self._above = [domain.above(name) for name in domain.types]
+        self._overlaps: dict[tuple[tuple[str, ...], tuple[str, ...]], bool] = {}
+
+    def of(self, effect: SchemaEffect, others: Iterable[SchemaEffect]) -> list[SchemaEffect]:
+        """Return the effects among others that may set the fluent of an effect."""
+        literal = effect.literal
+        return [
+            each
+            for each in others
+            if each.literal.predicate == literal.predicate
+            and all(map(self._may_be_one, literal.terms, each.literal.terms))
+        ]
+
+    def _may_be_one(self, left: Variable | str, right: Variable | str) -> bool:
+        if isinstance(left, str) and isinstance(right, str):
+            return left == right
+        types = self._types(left), self._types(right)
+        if types not in self._overlaps:
+            first, second = types
+            self._overlaps[types] = any(
+                not above.isdisjoint(first) and not above.isdisjoint(second) for above in self._above
+            )
+        return self._overlaps[types]
+
+    def _types(self, term: Variable | str) -> tuple[str, ...]:
+        return term.types if isinstance(term, Variable) else (self._objects[term],)
+
+
+def _is_overruled(effect: SchemaEffect, conflicting: Iterable[SchemaEffect]) -> bool:
+    """Return whether another effect always adds the fluent that an effect deletes."""
+    return any(_is_plain(each) and each.literal.terms == effect.literal.terms for each in conflicting)
+
+
+def _differences(words: Vocabulary, effect: SchemaEffect, conflicting: Iterable[SchemaEffect]) -> Iterator[str]:
+    """Yield the inequalities that separate a delete effect from each plain add effect of the same action."""
+    for other in filter(_is_plain, conflicting):
+        pairs = zip(effect.literal.terms, other.literal.terms, strict=True)
+        unlike = [(words.term(left), words.term(right)) for left, right in pairs if left != right]
+        left, right = (",".join(side) for side in zip(*unlike, strict=True))
+        yield f"{left} != {right}" if len(unlike) == 1 else f"({left}) != ({right})"

@@ -1,8 +1,8 @@
-"""Names of PDDL as names of clingo: readable and unique.
+"""Readable and unique clingo names for the names of PDDL.
 
 A hyphen becomes an underscore. A name that is then taken or reserved gets a prefix for its kind (``the_``, ``do_``,
-``some_``, ``is_``), and a number at its end if that is taken, too. The mapping is returned, so that plans can be
-translated back to PDDL's names.
+``some_``, ``is_``), and a number as a suffix if that name is taken as well. The mapping is returned, so that plans
+can be translated back to the names of PDDL.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ RESERVED = frozenset([
     "postcondition", "initially", "exclusive", "implies", "impossible", "goal", "composite", "stage", "free", "at_most",
     "ever", "occurs", "holds", "changed", "name", "mentions", "adds", "deletes", "t",
 ])  # fmt: skip
-"""Names with a meaning in clingo, in the contract or in the translation of effects, with any number of arguments."""
+"""Names with a meaning in clingo, in the contract or in the translation of effects, for any number of arguments."""
 
 TERMS = frozenset(["not", "true", "false", "unknown", "t"])
-"""Names that no fluent may have: fluents are terms, not predicates; t is the number of a step."""
+"""The reserved names of fluents: fluents are terms, not predicates; t is the number of a step."""
 
 CLINGO = re.compile(r"[a-z][a-z0-9_]*")
 
@@ -26,20 +26,20 @@ CLINGO = re.compile(r"[a-z][a-z0-9_]*")
 def clingo_names(
     names: Iterable[str], word: str, taken: Collection[str] = (), reserved: Collection[str] = RESERVED
 ) -> Mapping[str, str]:
-    """Return clingo's name for each name of PDDL, unique among themselves and among those `taken` by other kinds.
+    """Return a clingo name for each PDDL name, distinct from each other and from the `taken` names of other kinds.
 
-    Names that need no change keep theirs, however others are called.
+    A name that is valid in clingo stays as it is, and takes precedence over translated ones.
     """
-    given = list(dict.fromkeys(names))
+    unique = list(dict.fromkeys(names))
     used = {*reserved, *taken}
-    found = {name: name for name in given if CLINGO.fullmatch(name) and name not in used}
-    used |= found.keys()
-    for name in given:
-        if name not in found:
+    mapping = {name: name for name in unique if CLINGO.fullmatch(name) and name not in used}
+    used |= mapping.keys()
+    for name in unique:
+        if name not in mapping:
             plain = re.sub(r"[^a-z0-9_]", "_", name)
-            found[name] = _free(plain, f"{word}_{plain}", used)
-            used.add(found[name])
-    return {name: found[name] for name in given}
+            mapping[name] = _free(plain, f"{word}_{plain}", used)
+            used.add(mapping[name])
+    return {name: mapping[name] for name in unique}
 
 
 def _free(name: str, other: str, used: Collection[str]) -> str:
@@ -52,10 +52,10 @@ def _free(name: str, other: str, used: Collection[str]) -> str:
 
 
 def variable_name(name: str, taken: Collection[str]) -> str:
-    """Return clingo's name for a variable of PDDL, other than those taken."""
+    """Return an unused clingo name for a variable of PDDL."""
     plain = re.sub(r"[^A-Za-z0-9_]", "_", str(name)).lower()
-    found = first = plain[0].upper() + plain[1:]
+    candidate = first = plain[0].upper() + plain[1:]
     number = 2
-    while found in taken:
-        found, number = f"{first}_{number}", number + 1
-    return found
+    while candidate in taken:
+        candidate, number = f"{first}_{number}", number + 1
+    return candidate

@@ -1,7 +1,7 @@
-"""Formulas as bodies of rules.
+"""Translate formulas into rule bodies.
 
 A conjunction is a body. A disjunction within a conjunction and a universal formula get an auxiliary atom, with a rule
-for each case; the atom of a universal formula stands for its exceptions, and is negated.
+for each case. The atom of a universal formula stands for its exceptions, and is negated.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ NEVER = "#false"
 
 @dataclass
 class Rules:
-    """The rules of each part of a program, in the order in which they are found; `at` is where new ones come from."""
+    """The rules of each program part, in order of insertion; `at` is the PDDL line of the rules added next."""
 
     parts: dict[str, dict[str, None]] = field(default_factory=lambda: {BASE: {}, STEP: {}, END: {}})
     at: FileLine = field(default_factory=lambda: FileLine("domain", 1))
@@ -53,7 +53,7 @@ class Rules:
         return True
 
     def comes_from(self, file: File, line: int) -> None:
-        """Set the place of the rules that follow."""
+        """Set the PDDL line of the rules added next."""
         self.at = FileLine(file, line)
 
     def placed(self, lines: Iterable[str]) -> Iterator[str]:
@@ -64,7 +64,7 @@ class Rules:
 
 @dataclass
 class Vocabulary:
-    """How predicates, types and objects are called, which predicates never change, and which are derived."""
+    """The clingo names of predicates, types and objects, the static and the derived predicates, and argument types."""
 
     predicates: Mapping[str, str]
     types: Mapping[str, str]
@@ -73,66 +73,66 @@ class Vocabulary:
     derived: frozenset[str]
     kinds: Mapping[str, tuple[tuple[str, ...], ...]]
 
-    def term(self, given: Variable | str) -> str:
-        """Return a variable, or the name of an object."""
-        return given.name if isinstance(given, Variable) else self.objects[given]
+    def term(self, term: Variable | str) -> str:
+        """Return the clingo name of a variable or an object."""
+        return term.name if isinstance(term, Variable) else self.objects[term]
 
     def atom(self, literal: Literal) -> str:
-        """Return the predicate of its terms."""
+        """Return the atom of a literal as text."""
         return applied(self.predicates[literal.predicate], map(self.term, literal.terms))
 
     def belongs(self, variable: Variable) -> str:
-        """Return that the value of a variable is of one of its types."""
+        """Return the atom that restricts a variable to its types."""
         return self.is_a(variable.name, variable.types)
 
     def is_a(self, term: str, types: Iterable[str]) -> str:
-        """Return that a term is of one of some types."""
+        """Return the atom that restricts a term to some types."""
         names = [self.types[each] for each in types]
         return f"is_a({term},{names[0] if len(names) == 1 else '(' + '; '.join(names) + ')'})"
 
 
 def applied(name: str, terms: Iterable[str]) -> str:
-    """Return a name with arguments in parentheses, if there are any."""
-    told = ",".join(terms)
-    return f"{name}({told})" if told else name
+    """Return a name applied to arguments: ``name(a,b)``, or the name alone without arguments."""
+    arguments = ",".join(terms)
+    return f"{name}({arguments})" if arguments else name
 
 
 class Bodies:
-    """Writes formulas as bodies, and the rules of the atoms that these need."""
+    """Translates formulas into rule bodies, and adds the rules of auxiliary atoms."""
 
     def __init__(self, words: Vocabulary, rules: Rules) -> None:
         self._words = words
         self._rules = rules
-        self._known: dict[tuple[str, Formula], str] = {}
+        self._auxiliary: dict[tuple[str, Formula], str] = {}
         self._at_end: dict[str, str] = {}
         self.read: dict[str, set[str]] = {STEP: set(), END: set()}
         """The derived predicates that the rules of a part read."""
         self._names: set[str] = {*words.predicates.values(), *words.types.values()}
 
     def changes(self, formula: Formula) -> bool:
-        """Tell whether the truth of a formula depends on the state."""
+        """Return whether the truth of a formula depends on the state."""
         return any(each.predicate not in self._words.static for each in literals(formula))
 
     def body(self, formula: Formula, part: str) -> list[str]:
-        """Return a formula as one body in a part of the program; what stands beside it binds its free variables."""
-        found: list[str] = []
+        """Return a formula as one body in a program part; the rest of the rule has to bind its free variables."""
+        body: list[str] = []
         for each in conjuncts(formula):
             if isinstance(each, Literal):
-                found.append(self._literal(each, part))
+                body.append(self._literal(each, part))
             elif isinstance(each, Equality):
-                found += self._equality(each)
+                body += self._equality(each)
             elif isinstance(each, Quantified) and not each.every:
-                found += [*map(self._words.belongs, each.variables), *self.body(each.part, part)]
+                body += [*map(self._words.belongs, each.variables), *self.body(each.part, part)]
             elif isinstance(each, Junction) and len(each.parts) < 2:
-                found += self.body(each.parts[0], part) if each.parts else [NEVER]
+                body += self.body(each.parts[0], part) if each.parts else [NEVER]
             elif isinstance(each, Junction):
-                found.append(self._named("either", each, part))
+                body.append(self._named("either", each, part))
             else:
-                found.append(f"not {self._named('exception', negated(each), part)}")
-        return found
+                body.append(f"not {self._named('exception', negated(each), part)}")
+        return body
 
     def bodies(self, formula: Formula, part: str) -> Iterator[list[str]]:
-        """Yield the bodies that a formula is the disjunction of."""
+        """Yield rule bodies whose disjunction is a formula."""
         if isinstance(formula, Junction) and not formula.every:
             for each in formula.parts:
                 yield from self.bodies(each, part)
@@ -140,7 +140,7 @@ class Bodies:
             yield self.body(formula, part)
 
     def derived(self, predicate: str, part: str) -> str:
-        """Return how a derived predicate is called in a part of the program."""
+        """Return the clingo name of a derived predicate in a program part."""
         if part != END:
             return self._words.predicates[predicate]
         if predicate not in self._at_end:
@@ -149,10 +149,10 @@ class Bodies:
         return self._at_end[predicate]
 
     def _take(self, names: Iterable[str]) -> str:
-        """Return the first of some names that nothing has yet; from then on it is taken."""
-        found = next(each for each in names if each not in self._names)
-        self._names.add(found)
-        return found
+        """Return the first unused name, and mark it as used."""
+        name = next(each for each in names if each not in self._names)
+        self._names.add(name)
+        return name
 
     def _literal(self, literal: Literal, part: str) -> str:
         atom = self._words.atom(literal)
@@ -171,14 +171,14 @@ class Bodies:
         return [f"{left} {'=' if equality.positive else '!='} {right}"]
 
     def _named(self, word: str, formula: Formula, part: str) -> str:
-        """Return the atom of a formula, whose rules are written when it is first asked for."""
+        """Return the auxiliary atom of a formula; its rules are added on first use."""
         part = part if self.changes(formula) else BASE
         free = variables(formula)
         terms = [variable.name for variable in free] + ([] if part == BASE else ["t"])
-        if (part, formula) not in self._known:
+        if (part, formula) not in self._auxiliary:
             name = self._take(f"{word}_{number}" for number in count(1))
-            self._known[part, formula] = head = applied(name, terms)
+            self._auxiliary[part, formula] = head = applied(name, terms)
             rules = ([*map(self._words.belongs, free), *body] for body in self.bodies(formula, part))
             if not sum(self._rules.add(part, head, body) for body in rules):
                 self._rules.add(part, f"#defined {name}/{len(terms)}")
-        return self._known[part, formula]
+        return self._auxiliary[part, formula]

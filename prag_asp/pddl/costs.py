@@ -12,23 +12,23 @@ from prag_asp.pddl.definitions import DomainFile, ProblemFile
 from prag_asp.pddl.formulas import Variable
 
 DIGITS = 2000
-"""Digits after the point that a weight may need."""
+"""The maximum number of digits after the decimal point of a weight."""
 
 LONGEST = 100
-"""Characters that a factor may have."""
+"""The maximum number of characters of a factor."""
 
 EXACT = Context(prec=MAX_PREC, Emax=MAX_EMAX, Emin=MIN_EMIN)
-"""Sums keep all digits; no number has more than its text."""
+"""The context of exact sums: they keep all digits of their terms."""
 
 MOST_COST = 10_000
-"""The greatest cost of an action that becomes a weight: the power of a factor has about as many digits as that."""
+"""The largest cost that is turned into a weight. The power of a factor has about that number of digits."""
 
 
 def factor_of(text: str) -> Fraction:
-    """Return the factor that a text states.
+    """Parse a factor.
 
     Raises:
-        QueryError: it states none that is above 0 and at most 1, or with too many digits.
+        QueryError: the text is not a number above 0 and at most 1, or has too many digits.
     """
     if len(text) > LONGEST or re.search(r"e[+-]?\d{4}", text.replace("_", ""), re.IGNORECASE):
         raise QueryError(f"factor {text}: it has too many digits; write a shorter one, such as 1/2 or 0.8")
@@ -42,32 +42,32 @@ def factor_of(text: str) -> Fraction:
 
 
 def cost_of(domain: DomainFile, problem: ProblemFile, action: str, terms: Sequence[str]) -> Decimal:
-    """Return what a ground action adds to ``total-cost``; names are those of PDDL.
+    """Return the cost that a ground action adds to ``total-cost``. All names are PDDL names.
 
     Raises:
-        DomainError: the problem has no value for a function that it depends on.
+        DomainError: the problem has no value for a function in the cost.
     """
     schema = next(each for each in domain.actions if each.name == action)
-    given = dict(zip((each.name for each in schema.parameters), terms, strict=True))
+    values = dict(zip((each.name for each in schema.parameters), terms, strict=True))
     total = Decimal(0)
     for cost in schema.costs:
         if isinstance(cost.value, str):
             total = EXACT.add(total, Decimal(cost.value))
             continue
         function, arguments = cost.value
-        key = function, tuple(given[each.name] if isinstance(each, Variable) else each for each in arguments)
+        key = function, tuple(values[each.name] if isinstance(each, Variable) else each for each in arguments)
         if key not in problem.costs:
-            told = " ".join([key[0], *key[1]])
-            raise DomainError(f"{action}: the problem has no value for ({told}), its cost; state it in :init")
+            term = " ".join([key[0], *key[1]])
+            raise DomainError(f"{action}: the problem has no value for ({term}), its cost; state it in :init")
         total = EXACT.add(total, Decimal(problem.costs[key]))
     return total
 
 
 def weight_of_cost(factor: Fraction, cost: Decimal) -> Decimal:
-    """Return the factor to the power of a cost, exactly.
+    """Return a factor raised to the power of a cost, exactly.
 
     Raises:
-        QueryError: the cost is no whole number or above `MOST_COST`, or the weight has too many digits.
+        QueryError: the cost is not an integer or exceeds `MOST_COST`, or the weight has too many digits.
     """
     if cost != cost.to_integral_value():
         raise QueryError(f"cost {cost}: only integer costs become weights; multiply all costs by the same number")
@@ -79,12 +79,12 @@ def weight_of_cost(factor: Fraction, cost: Decimal) -> Decimal:
         raise QueryError(f"factor {factor}: its power {cost} has no finite decimal expansion; use one such as 1/2")
     digits = -min(int(base.as_tuple().exponent), 0) * int(cost)
     if digits > DIGITS:
-        told = f"its power {cost} has {digits:,} digits, more than the limit of {DIGITS:,}"
-        raise QueryError(f"factor {factor}: {told}; use one such as 1/2 or 0.9, or divide all costs by a number")
+        problem = f"its power {cost} has {digits:,} digits, more than the limit of {DIGITS:,}"
+        raise QueryError(f"factor {factor}: {problem}; use one such as 1/2 or 0.9, or divide all costs by a number")
     weight = factor ** int(cost)
     return exact.divide(Decimal(weight.numerator), Decimal(weight.denominator))
 
 
 def weights_table(weights: Mapping[str, Decimal]) -> str:
-    """Return weights of ground actions as a table of a domain.toml."""
+    """Return the weights of ground actions as the ``[weights]`` table of a domain.toml."""
     return "".join(["[weights]\n", *(f'"{action}" = {weight:f}\n' for action, weight in weights.items())])

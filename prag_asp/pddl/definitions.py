@@ -1,4 +1,4 @@
-"""A domain and a problem of PDDL as plain values: names in lower case, with their lines."""
+"""The contents of a PDDL domain and problem as plain values: names in lower case, with their lines."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from prag_asp.pddl.formulas import Formula, Literal, Variable
 
 OBJECT = "object"
-"""The type above all others."""
+"""The root of the type hierarchy."""
 
 
 @dataclass(frozen=True)
 class SchemaEffect:
-    """A literal that an action adds (positive) or deletes, for all values of variables where the condition holds."""
+    """A literal that an action adds (positive) or deletes, for all values of the variables that meet the condition."""
 
     variables: tuple[Variable, ...]
     condition: Formula
@@ -42,7 +42,7 @@ class Schema:
 
 @dataclass(frozen=True)
 class Derived:
-    """A derived predicate: it holds of the parameters where the formula does."""
+    """A rule of a derived predicate: it holds for the parameters that satisfy the formula."""
 
     predicate: str
     parameters: tuple[Variable, ...]
@@ -52,7 +52,7 @@ class Derived:
 
 @dataclass(frozen=True)
 class Declaration:
-    """A declared predicate or function: the types of each argument."""
+    """A declared predicate or function: the alternative types of each argument."""
 
     types: tuple[tuple[str, ...], ...]
     line: int
@@ -60,7 +60,7 @@ class Declaration:
 
 @dataclass(frozen=True)
 class DomainFile:
-    """A domain: types with those right above them, typed constants, predicates, derived predicates and actions."""
+    """A domain: types with their direct supertypes, typed constants, predicates, derived predicates and actions."""
 
     name: str
     types: Mapping[str, tuple[str, ...]]
@@ -73,20 +73,20 @@ class DomainFile:
     constant_lines: Mapping[str, int]
 
     def above(self, kind: str) -> set[str]:
-        """Return a type and all types above it."""
-        found, waiting = {kind, OBJECT}, [kind]
+        """Return a type and all its supertypes."""
+        types, waiting = {kind, OBJECT}, [kind]
         while waiting:
-            new = set(self.types[waiting.pop()]) - found
-            found |= new
+            new = set(self.types[waiting.pop()]) - types
+            types |= new
             waiting += new
-        return found
+        return types
 
 
 @dataclass(frozen=True)
 class ProblemFile:
     """A problem of a domain: all objects and constants with their types, the initial literals and the goal.
 
-    `costs` are the values of functions of objects, as text; `object_lines` has no constants.
+    `costs` are the initial values of functions, as text; `object_lines` excludes constants.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""A domain and a problem of PDDL, read from their syntax trees and checked against what they declare."""
+"""Read a PDDL domain and problem from their syntax trees, and check them against their declarations."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ def read_files(domain: Path, problem: Path) -> tuple[DomainFile, ProblemFile]:
         DomainError: a file is not PDDL, or uses something undeclared or unsupported.
     """
     first, second = parse(domain, "domain"), parse(problem, "problem")
-    read = _DomainReader(domain)
-    found = read.domain(first)
-    return found, _ProblemReader(problem, found).problem(second)
+    reader = _DomainReader(domain)
+    definition = reader.domain(first)
+    return definition, _ProblemReader(problem, definition).problem(second)
 
 
 class _FileReader:
@@ -41,41 +41,41 @@ class _FileReader:
         """Raise a DomainError at a line."""
         raise DomainError(f"{self._path}:{line}: {text}")
 
-    def check_new(self, kind: str, name: LocatedWord, known: Mapping[str, object]) -> None:
+    def check_new(self, kind: str, name: LocatedWord, declared: Mapping[str, object]) -> None:
         """Refuse a second declaration of a name."""
-        if str(name) in known:
+        if str(name) in declared:
             self.refuse(name.line, f"the {kind} {name} is declared twice; remove one, or rename it")
 
-    def number(self, given: LocatedWord) -> str:
+    def number(self, text: LocatedWord) -> str:
         """Return a number as text; the grammar also accepts numbers with several points."""
-        if given.count(".") > 1:
-            self.refuse(given.line, f"{given} is no number; write one such as 2 or 0.5")
-        return str(given)
+        if text.count(".") > 1:
+            self.refuse(text.line, f"{text} is no number; write one such as 2 or 0.5")
+        return str(text)
 
     def typed_names(self, tree: Node) -> Iterator[tuple[LocatedWord, LocatedWord | None]]:
         """Yield the names of a list, each with its type if it has one."""
         waiting: list[LocatedWord] = []
-        given = iter(tree.words)
-        for each in given:
+        words = iter(tree.words)
+        for each in words:
             if each == "-":
-                kind = next(given)
+                kind = next(words)
                 yield from ((name, kind) for name in waiting)
                 waiting = []
             else:
                 waiting.append(each)
         yield from ((name, None) for name in waiting)
 
-    def object_types(self, tree: Node, types: Mapping[str, object], known: dict[str, str]) -> dict[str, int]:
+    def object_types(self, tree: Node, types: Mapping[str, object], objects: dict[str, str]) -> dict[str, int]:
         """Add the objects of a list, and return the lines of new ones; one may be declared again with the same type."""
         lines: dict[str, int] = {}
         for name, kind in self.typed_names(tree):
             if kind is not None and str(kind) not in types:
                 self.refuse(kind.line, f"unknown type {kind}; {did_you_mean(kind, types, 'declare it in :types')}")
-            found = str(kind or OBJECT)
-            if str(name) not in known:
+            type_name = str(kind or OBJECT)
+            if str(name) not in objects:
                 lines[str(name)] = name.line
-            if known.setdefault(str(name), found) != found:
-                self.refuse(name.line, f"the object {name} is a {known[name]} already; give it one type")
+            if objects.setdefault(str(name), type_name) != type_name:
+                self.refuse(name.line, f"the object {name} is a {objects[name]} already; give it one type")
         return lines
 
 
@@ -92,7 +92,7 @@ class _DomainReader(_FileReader):
         self._functions: dict[str, Declaration] = {}
 
     def domain(self, tree: Node) -> DomainFile:
-        """Return what a tree states."""
+        """Return the domain of a syntax tree."""
         derived: list[Derived] = []
         actions: dict[str, Schema] = {}
         name = next(part for part in tree.nodes if part.kind == "domain_def").words[-1]
@@ -134,27 +134,27 @@ class _DomainReader(_FileReader):
             self.refuse(lines[kind_name], f"types form a cycle, {around}; remove one of them")
 
     def _circle(self, name: str) -> list[str]:
-        """Return a way from a type back to itself, nothing where there is none."""
-        ways = [[name, above] for above in self._types[name]]
+        """Return a cycle in the type hierarchy through a type, or an empty list."""
+        paths = [[name, above] for above in self._types[name]]
         seen: set[str] = set()
-        while ways:
-            way = ways.pop()
-            if way[-1] == name:
-                return way
-            if way[-1] not in seen:
-                seen.add(way[-1])
-                ways += [[*way, above] for above in self._types[way[-1]]]
+        while paths:
+            path = paths.pop()
+            if path[-1] == name:
+                return path
+            if path[-1] not in seen:
+                seen.add(path[-1])
+                paths += [[*path, above] for above in self._types[path[-1]]]
         return []
 
     def _scope(self) -> Scope:
         return Scope(self.refuse, self._types, self._constants, self._predicates)
 
-    def _read_signatures(self, kind: str, tree: Node, known: dict[str, Declaration]) -> None:
+    def _read_signatures(self, kind: str, tree: Node, signatures: dict[str, Declaration]) -> None:
         for each in tree.nodes:
             name = each.words[0]
-            self.check_new(kind, name, known)
+            self.check_new(kind, name, signatures)
             types = tuple(variable.types for variable in self._scope().declare(each.nodes[0], named=False))
-            known[str(name)] = Declaration(types, name.line)
+            signatures[str(name)] = Declaration(types, name.line)
 
     def _derived(self, tree: Node) -> Derived:
         head, condition = tree.nodes
@@ -176,43 +176,43 @@ class _DomainReader(_FileReader):
         parameters = scope.declare(tree.nodes[0].nodes[0])
         body = {each.kind: each for each in tree.nodes[1].nodes}
         true = scope.truth(name.line)
-        given = body["emptyor_pregd"].nodes if "emptyor_pregd" in body else ()
+        conditions = body["emptyor_pregd"].nodes if "emptyor_pregd" in body else ()
         effects: list[SchemaEffect] = []
         costs: list[Cost] = []
         for each in body["emptyor_effect"].nodes if "emptyor_effect" in body else ():
             self._effects(each, scope, (), true, effects, costs)
-        precondition = scope.formula(given[0]) if given else true
+        precondition = scope.formula(conditions[0]) if conditions else true
         return Schema(str(name), parameters, precondition, tuple(effects), tuple(costs), name.line)
 
     def _effects(
-        self, tree: Node, scope: Scope, given: tuple[Variable, ...], condition: Formula, effects: list[SchemaEffect],
+        self, tree: Node, scope: Scope, outer: tuple[Variable, ...], condition: Formula, effects: list[SchemaEffect],
         costs: list[Cost],
     ) -> None:  # fmt: skip
-        """Add what a tree says that changes."""
+        """Append the effects and costs of a syntax tree, below the quantified variables `outer` and a `condition`."""
         first, parts = next(iter(tree.words), None), tree.nodes
         if tree.kind == "num_effect":
-            self._cost(tree, scope, bool(given) or condition != scope.truth(condition.line), costs)
+            self._cost(tree, scope, bool(outer) or condition != scope.truth(condition.line), costs)
         elif tree.kind == "atomic_formula_term":
-            effects.append(SchemaEffect(given, condition, self._change(tree, scope, positive=True)))
+            effects.append(SchemaEffect(outer, condition, self._change(tree, scope, positive=True)))
         elif first == "not":
-            effects.append(SchemaEffect(given, condition, self._change(parts[0], scope, positive=False)))
+            effects.append(SchemaEffect(outer, condition, self._change(parts[0], scope, positive=False)))
         elif first is not None and first == "oneof":
             self.refuse(first.line, "oneof: probabilistic effects cannot be imported; remove them")
         elif first == "forall":
             inner = scope.within()
             more = inner.declare(parts[0])
-            self._effects(parts[1], inner, (*given, *more), condition, effects, costs)
+            self._effects(parts[1], inner, (*outer, *more), condition, effects, costs)
         elif first == "when":
-            self._effects(parts[1], scope, given, scope.formula(parts[0]), effects, costs)
+            self._effects(parts[1], scope, outer, scope.formula(parts[0]), effects, costs)
         else:
             for part in parts:
-                self._effects(part, scope, given, condition, effects, costs)
+                self._effects(part, scope, outer, condition, effects, costs)
 
     def _change(self, tree: Node, scope: Scope, *, positive: bool) -> Literal:
-        found = scope.atom(tree, positive=positive)
-        if not isinstance(found, Literal):
-            self.refuse(found.line, "an effect cannot make two terms equal; remove it")
-        return found
+        literal = scope.atom(tree, positive=positive)
+        if not isinstance(literal, Literal):
+            self.refuse(literal.line, "an effect cannot make two terms equal; remove it")
+        return literal
 
     def _cost(self, tree: Node, scope: Scope, conditional: bool, costs: list[Cost]) -> None:
         operation, (head, value) = tree.words[0], tree.nodes
@@ -239,18 +239,18 @@ class _DomainReader(_FileReader):
         costs.append(Cost((str(function), terms), line))
 
     def _check_layers(self, derived: Iterable[Derived]) -> None:
-        """Refuse predicates that are derived from what they are not: then rules have no one meaning."""
-        read: dict[str, list[Literal]] = {}
+        """Refuse derived predicates that are not stratified: their rules have no unique meaning."""
+        rule_literals: dict[str, list[Literal]] = {}
         for rule in derived:
-            read.setdefault(rule.predicate, []).extend(literals(rule.formula))
+            rule_literals.setdefault(rule.predicate, []).extend(literals(rule.formula))
         for rule in derived:
             name = rule.predicate
             for literal in literals(rule.formula):
-                if not literal.positive and name in _reached(literal.predicate, read):
+                if not literal.positive and name in _reached(literal.predicate, rule_literals):
                     text = f"{name} depends on the negation of {literal.predicate}, which depends on {name}"
                     self.refuse(literal.line, f"{text}; remove the negation")
             for literal in chain.from_iterable(map(literals, universals(rule.formula))):
-                if name in _reached(literal.predicate, read):
+                if name in _reached(literal.predicate, rule_literals):
                     text = f"{name} depends on {literal.predicate} below a 'forall', which depends on {name}"
                     self.refuse(literal.line, f"{text}; remove the 'forall'")
 
@@ -263,14 +263,14 @@ class _DomainReader(_FileReader):
                     self.refuse(effect.literal.line, f"{text}; remove its rule, or the effect")
 
 
-def _reached(predicate: str, read: Mapping[str, list[Literal]]) -> set[str]:
-    """Return a predicate, and all that its rules read, or the rules of those."""
-    found, waiting = {predicate}, [predicate]
+def _reached(predicate: str, rule_literals: Mapping[str, list[Literal]]) -> set[str]:
+    """Return a predicate, and all predicates that its rules read directly or indirectly."""
+    predicates, waiting = {predicate}, [predicate]
     while waiting:
-        new = {each.predicate for each in read.get(waiting.pop(), ())} - found
-        found |= new
+        new = {each.predicate for each in rule_literals.get(waiting.pop(), ())} - predicates
+        predicates |= new
         waiting += new
-    return found
+    return predicates
 
 
 class _ProblemReader(_FileReader):
@@ -283,7 +283,7 @@ class _ProblemReader(_FileReader):
         self._derived = {each.predicate for each in domain.derived}
 
     def problem(self, tree: Node) -> ProblemFile:
-        """Return what a tree states."""
+        """Return the problem of a syntax tree."""
         parts = {part.kind: part for part in tree.nodes}
         named = parts["problem_domain"].words[-1]
         if named != self._domain.name:
@@ -298,7 +298,7 @@ class _ProblemReader(_FileReader):
         for each in parts["init"].nodes:
             self._initial(each, scope, initial, costs)
         name, goal = str(parts["problem_def"].words[-1]), scope.formula(parts["goal"].nodes[0])
-        return ProblemFile(name, self._objects, self._true(initial), costs, goal, lines)
+        return ProblemFile(name, self._objects, self._positive(initial), costs, goal, lines)
 
     def _initial(
         self, tree: Node, scope: Scope, initial: list[Literal], costs: dict[tuple[str, tuple[str, ...]], str]
@@ -326,8 +326,8 @@ class _ProblemReader(_FileReader):
             scope.known_object(term)
         initial.append(Literal(str(name), tuple(map(str, terms)), "not" not in first.words, name.line))
 
-    def _true(self, initial: Iterable[Literal]) -> tuple[Literal, ...]:
-        """Return what is true of what `:init` states; what is both true and false there is refused."""
+    def _positive(self, initial: Iterable[Literal]) -> tuple[Literal, ...]:
+        """Return the positive literals of `:init`; an atom that is both true and false there is refused."""
         stated: dict[tuple[str, tuple[Variable | str, ...]], bool] = {}
         for each in initial:
             if stated.setdefault((each.predicate, each.terms), each.positive) != each.positive:

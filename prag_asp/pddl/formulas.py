@@ -1,4 +1,4 @@
-"""Formulas of PDDL in negation normal form, with the lines that they stand in."""
+"""Formulas of PDDL in negation normal form, with their lines."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 @dataclass(frozen=True)
 class Variable:
-    """A variable as clingo spells it, unique in its action, and the types that its values may have."""
+    """A variable with its clingo name, unique in its action, and its alternative types."""
 
     name: str
     types: tuple[str, ...]
@@ -17,7 +17,7 @@ class Variable:
 
 @dataclass(frozen=True)
 class Literal:
-    """A predicate of terms, or its negation; a term is a variable or the name of an object."""
+    """An atom or its negation; a term is a variable or the name of an object."""
 
     predicate: str
     terms: tuple[Variable | str, ...]
@@ -27,7 +27,7 @@ class Literal:
 
 @dataclass(frozen=True)
 class Equality:
-    """That two terms are the same, or that they are not."""
+    """The equality of two terms, or its negation."""
 
     left: Variable | str
     right: Variable | str
@@ -37,7 +37,7 @@ class Equality:
 
 @dataclass(frozen=True)
 class Junction:
-    """All of some formulas, or any of them; all of none is true, any of none false."""
+    """A conjunction (`every`) or a disjunction; the empty conjunction is true, the empty disjunction false."""
 
     every: bool
     parts: tuple[Formula, ...]
@@ -46,7 +46,7 @@ class Junction:
 
 @dataclass(frozen=True)
 class Quantified:
-    """A formula for every value of some variables, or for any."""
+    """A universally (`every`) or existentially quantified formula."""
 
     every: bool
     variables: tuple[Variable, ...]
@@ -58,7 +58,7 @@ Formula: TypeAlias = "Literal | Equality | Junction | Quantified"
 
 
 def negated(formula: Formula) -> Formula:
-    """Return the negation of a formula, again in negation normal form."""
+    """Return the negation of a formula in negation normal form."""
     if isinstance(formula, Junction):
         return Junction(not formula.every, tuple(map(negated, formula.parts)), formula.line)
     if isinstance(formula, Quantified):
@@ -67,7 +67,7 @@ def negated(formula: Formula) -> Formula:
 
 
 def conjuncts(formula: Formula) -> Iterator[Formula]:
-    """Yield the formulas that a formula is the conjunction of."""
+    """Yield the conjuncts of a formula, with nested conjunctions flattened."""
     if isinstance(formula, Junction) and formula.every:
         for part in formula.parts:
             yield from conjuncts(part)
@@ -76,7 +76,7 @@ def conjuncts(formula: Formula) -> Iterator[Formula]:
 
 
 def demanded(formula: Formula) -> Iterator[Literal]:
-    """Yield what has to be true for a formula to hold, as far as it plainly says so."""
+    """Yield the positive literals among the conjuncts of a formula: they have to be true for it to hold."""
     return (each for each in conjuncts(formula) if isinstance(each, Literal) and each.positive)
 
 
@@ -92,7 +92,7 @@ def literals(formula: Formula) -> Iterator[Literal]:
 
 
 def universals(formula: Formula) -> Iterator[Quantified]:
-    """Yield the outermost parts of a formula that have to hold for all values of a variable."""
+    """Yield the outermost universally quantified parts of a formula."""
     if isinstance(formula, Quantified) and formula.every:
         yield formula
     elif isinstance(formula, Quantified):
@@ -103,7 +103,7 @@ def universals(formula: Formula) -> Iterator[Quantified]:
 
 
 def variables(formula: Formula) -> dict[Variable, None]:
-    """Return the free variables of a formula, in the order in which they come first."""
+    """Return the free variables of a formula, in order of first occurrence."""
     if isinstance(formula, Literal):
         return dict.fromkeys(term for term in formula.terms if isinstance(term, Variable))
     if isinstance(formula, Equality):

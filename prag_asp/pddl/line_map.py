@@ -1,4 +1,4 @@
-"""The PDDL line that each line of a program comes from, and programs laid out by these lines."""
+"""The PDDL line of each line of a program, and programs laid out by these lines."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ PART = "#program "
 
 
 class FileLine(NamedTuple):
-    """A line of one of the two files."""
+    """A line of the domain file or the problem file."""
 
     file: File
     line: int
 
 
 class PlacedLine(str):
-    """A line of a program, or a part of a statement; `place` is the PDDL line that it comes from."""
+    """A line of a program, or a part of a statement; `place` is the PDDL line of its origin."""
 
     place: FileLine
 
@@ -33,17 +33,17 @@ class PlacedLine(str):
 
 
 def sources_of(lines: Iterable[str], paths: Mapping[File, Path]) -> Iterator[Source]:
-    """Yield a program as sources with the paths of the PDDL files, each statement in the line that it comes from.
+    """Yield a program as sources with the paths of the PDDL files, each statement on its PDDL line.
 
-    Each source has one part of the program, so several may share a path. Lines without a place are omitted.
+    Each source has one program part, so several may share a path. Lines without a place are omitted.
     """
     header = ""
-    found: dict[tuple[str, File], dict[int, list[str]]] = {}
+    statements: dict[tuple[str, File], dict[int, list[str]]] = {}
     for each in lines:
         if isinstance(each, PlacedLine):
-            found.setdefault((header, each.place.file), {}).setdefault(each.place.line, []).append(each.strip())
+            statements.setdefault((header, each.place.file), {}).setdefault(each.place.line, []).append(each.strip())
         elif each.startswith(PART):
             header = each
-    for (part, file), rows in found.items():
+    for (part, file), rows in statements.items():
         text = "\n".join(" ".join(rows.get(number, ())) for number in range(1, max(rows) + 1))
         yield Source(paths[file], f"{part} {text}\n" if part else f"{text}\n")

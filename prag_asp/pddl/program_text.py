@@ -1,4 +1,4 @@
-"""How a program is laid out: rules, titles, and facts in lines that are not too long."""
+"""The layout of a program: rules, headings, and facts in lines of limited width."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ from collections.abc import Iterable, Iterator
 
 
 def statement(head: str, body: Iterable[str]) -> str:
-    """Return a rule, or a fact where there is no body."""
-    told = ", ".join(dict.fromkeys(body))
-    return f"{head} :- {told}." if told else f"{head}."
+    """Return a rule, or a fact if the body is empty."""
+    conditions = ", ".join(dict.fromkeys(body))
+    return f"{head} :- {conditions}." if conditions else f"{head}."
 
 
 def heading(title: str) -> list[str]:
-    """Return a title as lines of a comment."""
+    """Return a title as comment lines."""
     return ["", f"% {title} ".ljust(110, "-")]
 
 
 def filled(facts: Iterable[str], width: int = 110) -> Iterator[str]:
-    """Yield facts, several in a line."""
+    """Yield lines of facts, several facts per line."""
     line = ""
     for fact in facts:
         if line and len(line) + len(fact) >= width:
@@ -29,7 +29,7 @@ def filled(facts: Iterable[str], width: int = 110) -> Iterator[str]:
 
 
 def wrapped(text: str, width: int = 110) -> Iterator[str]:
-    """Yield a statement in lines that are not too long, broken after blanks."""
+    """Yield a statement in lines of limited width, broken at blanks."""
     line = ""
     for word in text.split(" "):
         if line and len(line) + len(word) >= width:

@@ -1,4 +1,4 @@
-"""What a word of PDDL means where it stands: variables in scope, objects, types and predicates that are declared."""
+"""The names in scope in a PDDL file: variables, and declared objects, types and predicates."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from prag_asp.wording import did_you_mean, plural
 
 
 class Scope:
-    """The names that are known at a place of a file; a mistake is told by its line to `refuse`."""
+    """The names in scope at a place of a file. Errors are reported to `refuse` with their line."""
 
     def __init__(
         self,
@@ -30,21 +30,21 @@ class Scope:
         self._taken: set[str] = set()
 
     def within(self) -> Scope:
-        """Return a scope inside of this one; names of clingo's variables stay unique in both."""
+        """Return a nested scope. The clingo names of variables are unique in both."""
         inner = Scope(self._refuse, self._types, self._objects, self._predicates)
         inner._variables, inner._taken = dict(self._variables), self._taken
         return inner
 
     def narrowed(self, variables: Iterable[Variable]) -> Scope:
-        """Return the same scope where variables, known by their names, have other types."""
+        """Return a scope in which the variables of these names have new types."""
         inner = self.within()
         new = {variable.name: variable for variable in variables}
         inner._variables = {name: new.get(each.name, each) for name, each in self._variables.items()}
         return inner
 
     def declare(self, tree: Node, *, named: bool = True) -> tuple[Variable, ...]:
-        """Declare the variables of a list with types, and return them; where they are `named`, they differ."""
-        found: list[Variable] = []
+        """Declare the variables of a typed list, and return them. If `named`, a repeated name is an error."""
+        variables: list[Variable] = []
         waiting: list[LocatedWord] = []
         seen: set[str] = set()
 
@@ -56,7 +56,7 @@ class Scope:
                 variable = Variable(variable_name(name, self._taken), types)
                 self._taken.add(variable.name)
                 self._variables[str(name)] = variable
-                found.append(variable)
+                variables.append(variable)
             waiting.clear()
 
         for each in tree.children:
@@ -70,10 +70,10 @@ class Scope:
             elif each != "-":
                 waiting.append(each)
         settle((OBJECT,))
-        return tuple(found)
+        return tuple(variables)
 
     def signature(self, name: LocatedWord, arity: int) -> Declaration:
-        """Return how a predicate is declared that is used with so many arguments."""
+        """Return the declaration of a predicate that is used with `arity` arguments."""
         line = name.line
         if str(name) not in self._predicates:
             hint = did_you_mean(name, self._predicates, "declare it in :predicates")
@@ -90,27 +90,27 @@ class Scope:
             self._refuse(name.line, f"unknown object {name}; {hint}")
         return str(name)
 
-    def term(self, given: Node | LocatedWord) -> Variable | str:
+    def term(self, term: Node | LocatedWord) -> Variable | str:
         """Return a variable, or the name of an object."""
-        if isinstance(given, Node):
-            return self.known_object(given.all_words[0])
-        if str(given) not in self._variables:
-            hint = did_you_mean(f"?{given}", [f"?{name}" for name in self._variables], "declare it")
-            self._refuse(given.line, f"unknown variable ?{given}; {hint}")
-        return self._variables[str(given)]
+        if isinstance(term, Node):
+            return self.known_object(term.all_words[0])
+        if str(term) not in self._variables:
+            hint = did_you_mean(f"?{term}", [f"?{name}" for name in self._variables], "declare it")
+            self._refuse(term.line, f"unknown variable ?{term}; {hint}")
+        return self._variables[str(term)]
 
     def truth(self, line: int) -> Formula:
-        """Return what is always true."""
+        """Return the formula that is always true."""
         return Junction(True, (), line)
 
     def atom(self, tree: Node, *, positive: bool) -> Literal | Equality:
-        """Return a predicate of terms, or an equality, or the negation of one."""
-        (name, *_), given = tree.words, tree.children[1:]
+        """Return a literal of a predicate, or an equality or inequality."""
+        (name, *_), arguments = tree.words, tree.children[1:]
         line = name.line
         if name == "=":
-            return Equality(self.term(given[0]), self.term(given[1]), positive, line)
-        self.signature(name, len(given))
-        return Literal(str(name), tuple(map(self.term, given)), positive, line)
+            return Equality(self.term(arguments[0]), self.term(arguments[1]), positive, line)
+        self.signature(name, len(arguments))
+        return Literal(str(name), tuple(map(self.term, arguments)), positive, line)
 
     def formula(self, tree: Node, *, positive: bool = True) -> Formula:  # noqa: PLR0911 - one for each word
         """Return a formula, or its negation, in negation normal form."""

@@ -1,4 +1,4 @@
-"""How many fluents and actions a problem has by its types, told before any of them is made."""
+"""The number of fluents and actions of a problem, computed from its types before anything is ground."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from prag_asp.pddl.definitions import DomainFile, ProblemFile, Schema
 from prag_asp.pddl.formulas import Equality, Literal, Variable, conjuncts, demanded, literals, variables
 
 MOST_FLUENTS, MOST_ACTIONS = 10**6, 10**7
-"""Fluents, and actions of one name, that a domain may have; a fluent takes 3 kB and 0.1 ms, an action more."""
+"""The limits of fluents, and of actions of one name. A fluent takes 3 kB and 0.1 ms, an action more."""
 
 LARGE = 10**4
-"""Actions of one name beyond which only those are made whose conditions may ever hold."""
+"""The number of actions of one name above which only actions with relaxed-reachable preconditions are ground."""
 
 Kinds = Iterable[tuple[str, ...]]
 
@@ -23,37 +23,38 @@ Kinds = Iterable[tuple[str, ...]]
 def check_size(
     path: Path, domain: DomainFile, problem: ProblemFile, fluents: Mapping[str, Kinds], static: Collection[str]
 ) -> None:
-    """Check that fluents and actions are not too many; `fluents` are the types of arguments of what actions change.
+    """Check the number of fluents and actions. `fluents` are the argument types of the predicates that actions change.
 
-    Of actions, that is told which the start and the types of parameters alone tell: see `fewest_instances`.
+    Actions are counted by `fewest_instances`, from the initial state and the types of parameters alone.
 
     Raises:
-        DomainError: they are; the message tells the line in the domain.
+        DomainError: there are more than the limits allow. The message has the line in the domain.
     """
     instances = _instances(domain, problem)
-    told = f"of {len(problem.objects):,} objects, and no more than"
-    made = {name: instances(kinds) for name, kinds in fluents.items()}
-    if sum(made.values()) > MOST_FLUENTS:
-        name = max(made, key=made.__getitem__)
-        made_by = f"{name} makes {made[name]:,} of {sum(made.values()):,} fluents {told} {MOST_FLUENTS:,} can be made"
+    limit = f"of {len(problem.objects):,} objects, and no more than"
+    fluent_counts = {name: instances(kinds) for name, kinds in fluents.items()}
+    total = sum(fluent_counts.values())
+    if total > MOST_FLUENTS:
+        name = max(fluent_counts, key=fluent_counts.__getitem__)
+        text = f"{name} makes {fluent_counts[name]:,} of {total:,} fluents {limit} {MOST_FLUENTS:,} can be made"
         hint = "give its arguments types with fewer objects"
-        raise DomainError(f"{path}:{domain.predicates[name].line}: {made_by}; {hint}")
+        raise DomainError(f"{path}:{domain.predicates[name].line}: {text}; {hint}")
     for action in domain.actions:
         if instances(each.types for each in action.parameters) > MOST_ACTIONS:
-            found = fewest_instances(action, domain, problem, static, {*fluents, *static})
-            if found > MOST_ACTIONS:
-                made_by = f"{action.name} makes at least {found:,} actions {told} {MOST_ACTIONS:,} can be made"
-                raise DomainError(f"{path}:{action.line}: {made_by}; give its parameters types with fewer objects")
+            fewest = fewest_instances(action, domain, problem, static, {*fluents, *static})
+            if fewest > MOST_ACTIONS:
+                text = f"{action.name} makes at least {fewest:,} actions {limit} {MOST_ACTIONS:,} can be made"
+                raise DomainError(f"{path}:{action.line}: {text}; give its parameters types with fewer objects")
 
 
 def fewest_instances(
     action: Schema, domain: DomainFile, problem: ProblemFile, static: Collection[str], required: Collection[str]
 ) -> int:
-    """Return a number of instances that an action has at least if it has any; 0 where that takes more to know.
+    """Return a lower bound of the number of instances of an action that has any, or 0 if the types give no bound.
 
-    Each of the `required` predicates that must be true has at least the rows of the initial state. Parameters that none
-    names have all objects of their types, but for one that each of those before them is. Where predicates or parameters
-    are joined in other ways, nothing is known. What depends on the state otherwise rules no instance out.
+    A positive precondition on a `required` predicate has at least the instances that hold initially. A parameter that
+    no such precondition binds ranges over all objects of its types, except those that it must differ from. Joins of
+    preconditions by a shared parameter give no bound. Other conditions on the state exclude no instance.
     """
     rows = [each for each in demanded(action.precondition) if each.predicate in required]
     bound = [term for each in rows for term in variables(each)]
@@ -71,13 +72,13 @@ def fewest_instances(
         return 0
     instances = _instances(domain, problem)
     added = {effect.literal.predicate for each in domain.actions for effect in each.effects if effect.literal.positive}
-    found = [max(each.predicate in added, _true_at_start(each, domain, problem)) for each in rows]
-    return prod(found) * prod(max(0, instances([each.types]) - unlike[each]) for each in free)
+    row_counts = [max(each.predicate in added, _true_at_start(each, domain, problem)) for each in rows]
+    return prod(row_counts) * prod(max(0, instances([each.types]) - unlike[each]) for each in free)
 
 
 def _true_at_start(literal: Literal, domain: DomainFile, problem: ProblemFile) -> int:
-    """Return for how many values of its variables a literal is true at the start."""
-    found: set[tuple[str, ...]] = set()
+    """Return the number of instances of a literal that are true in the initial state."""
+    matches: set[tuple[str, ...]] = set()
     for each in problem.initial:
         if each.predicate == literal.predicate:
             names = tuple(map(str, each.terms))
@@ -88,18 +89,18 @@ def _true_at_start(literal: Literal, domain: DomainFile, problem: ProblemFile) -
                 else not domain.above(problem.objects[name]).isdisjoint(term.types)
                 for term, name in values.items()
             ):
-                found.add(names)
-    return len(found)
+                matches.add(names)
+    return len(matches)
 
 
 def large_actions(domain: DomainFile, problem: ProblemFile) -> frozenset[str]:
-    """Return the names of the actions that have many instances by the types of their parameters."""
+    """Return the names of the actions with more than `LARGE` instances by the types of their parameters."""
     instances = _instances(domain, problem)
     return frozenset(each.name for each in domain.actions if instances(each.types for each in each.parameters) > LARGE)
 
 
 def _instances(domain: DomainFile, problem: ProblemFile) -> Callable[[Kinds], int]:
-    """Return a function that tells how many rows of objects there are that are of some types, one for each place."""
+    """Return a function that counts the tuples of objects of given types, one set of alternative types per place."""
     objects = Counter(problem.objects.values())
     above = {kind: domain.above(kind) for kind in objects}
     return lambda kinds: prod(

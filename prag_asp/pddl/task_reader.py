@@ -1,4 +1,4 @@
-"""Read a domain and a problem of PDDL as the logic program of one domain."""
+"""Import a PDDL domain and problem as the logic program of one domain."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from prag_asp.program.sources import Source, text_source
 
 @dataclass(frozen=True)
 class Imported:
-    """A domain and a problem as a logic program: its name, its text, and the names that PDDL has for its own.
+    """A PDDL domain and problem as a logic program: its name and its text.
 
-    `sources` are the same program as files whose lines are those of the files of PDDL, so that messages tell them.
-    `actions` and `objects` are the names of PDDL by those of the program.
+    `sources` are the same program as files with the line numbers of the PDDL files, so that messages refer to these.
+    `actions` and `objects` map the names of the program to those of PDDL.
     """
 
     name: str
@@ -37,35 +37,37 @@ class Imported:
         return any(action.costs for action in self._files[0].actions)
 
     def step(self, action: str, terms: Sequence[str]) -> str:
-        """Return a ground action of the program as a step of a plan of PDDL: ``(pick-up a)``."""
+        """Return a ground action of the program as a step of a PDDL plan: ``(pick-up a)``."""
         return f"({' '.join([self.actions[action], *(self.objects[each] for each in terms)])})"
 
     def cost(self, action: str, terms: Sequence[str]) -> Decimal:
-        """Return what a ground action of the program adds to ``total-cost``.
+        """Return the cost that a ground action of the program adds to ``total-cost``.
 
         Raises:
-            DomainError: the problem has no value for a function that it depends on.
+            DomainError: the problem has no value for a function in the cost.
         """
         return cost_of(*self._files, self.actions[action], [self.objects[each] for each in terms])
 
 
 def read(domain: str | Path, problem: str | Path) -> Imported:
-    """Read a domain and a problem of PDDL.
+    """Read a PDDL domain and problem.
 
     The logic program has the same plans of every length as the problem: sequences of actions that are applicable one
     after the other, and lead to the goal.
 
     Raises:
-        DomainError: a file cannot be read, is no PDDL, or has what no task space can say; the message tells the line.
+        DomainError: a file cannot be read, is not PDDL, or uses an unsupported feature; the message has the line.
         PddlMissingError: the package pddl is not installed.
     """
     first, second = read_files(Path(domain), Path(problem))
-    found = Translation(first, second)
-    check_size(Path(domain), first, second, found.fluents(), found.words.static)
-    actions, objects = ({ours: given for given, ours in each.items()} for each in (found.actions, found.words.objects))
+    translation = Translation(first, second)
+    check_size(Path(domain), first, second, translation.fluents(), translation.words.static)
+    actions, objects = (
+        {ours: original for original, ours in each.items()} for each in (translation.actions, translation.words.objects)
+    )
     title = f"The problem {second.name} of the domain {first.name}, imported from PDDL."
-    lines = found.lines(title)
+    lines = translation.lines(title)
     sources = tuple(sources_of(lines, {"domain": Path(domain), "problem": Path(problem)}))
     name, text = f"{first.name}_{second.name}", "\n".join(lines) + "\n"
-    general = text_source(name, "\n".join([*found.general, ""]))
+    general = text_source(name, "\n".join([*translation.general, ""]))
     return Imported(name, text, (*sources, general), actions, objects, (first, second))

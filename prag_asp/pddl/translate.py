@@ -1,4 +1,4 @@
-"""A domain and a problem of PDDL as a logic program that states the same: rules for actions, facts for objects."""
+"""Translate a PDDL domain and problem into a logic program: rules for actions, facts for objects."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ CLOSED = '#include "rules/closed_world.lp".'
 
 
 class Translation:
-    """Writes a domain and a problem as a logic program, section by section: what there is, and then what happens."""
+    """Translates a domain and a problem into a logic program, section by section: declarations, then dynamics."""
 
     def __init__(self, domain: DomainFile, problem: ProblemFile) -> None:
         self._domain = domain
@@ -37,7 +37,7 @@ class Translation:
 
     @property
     def general(self) -> list[str]:
-        """What the program says of all fluents, and of no line of PDDL."""
+        """The rules about all fluents, which correspond to no line of PDDL."""
         if not self._behaviour.looks_ahead:
             return [CLOSED]
         rules = ["#defined ever/1."]
@@ -48,11 +48,11 @@ class Translation:
         return [CLOSED, "", "% What may be true at some time, so that no action is made that never occurs", *rules]
 
     def lines(self, title: str) -> list[str]:
-        """Return the whole program, which begins with a comment; what PDDL says knows its place."""
+        """Return the lines of the whole program, which begins with a comment; lines from PDDL carry their place."""
         start: list[str] = []
         for section in (self._classes(), self._entities(), self._static(), self._fluents(), self._initially()):
-            found = [*self._rules.placed(section)]
-            start += [*found, ""] if found else []
+            placed = [*self._rules.placed(section)]
+            start += [*placed, ""] if placed else []
         shown: list[str] = []
         for action in self._domain.actions:
             shown += ["", *self._rules.placed(self._behaviour.action(action))]
@@ -74,7 +74,7 @@ class Translation:
         return lines
 
     def _kinds(self) -> Mapping[str, tuple[tuple[str, ...], ...]]:
-        """Return the types of each predicate's arguments: those declared, and those beyond that it is used with."""
+        """Return the types of each predicate's arguments: the declared ones, and wider ones that literals use."""
         kinds = {name: [list(each) for each in signature.types] for name, signature in self._domain.predicates.items()}
         for literal in self._all_literals():
             for types, term in zip(kinds[literal.predicate], literal.terms, strict=True):
@@ -83,7 +83,7 @@ class Translation:
         return {name: tuple(map(self._widest, each)) for name, each in kinds.items()}
 
     def _widest(self, types: list[str]) -> tuple[str, ...]:
-        """Return those of some types that are below no other of them."""
+        """Return the types that are below no other type of the list."""
         return tuple(
             each for each in types if not any(each != other and self._is_below(each, other) for other in types)
         )
@@ -103,22 +103,22 @@ class Translation:
                 yield from literals(effect.condition)
 
     def _changed_names(self) -> Iterator[str]:
-        """Yield comments that say which names PDDL spells in another way."""
+        """Yield comments with the names that differ from those of PDDL."""
         words = self.words
         all_names = {"types": words.types, "objects": words.objects, "predicates": words.predicates}
         for kind, names in {**all_names, "actions": self.actions}.items():
-            other = [f"{name} is {given}" for given, name in names.items() if given != name]
+            other = [f"{name} is {original}" for original, name in names.items() if original != name]
             if other:
                 yield f"% Names of {kind} in PDDL: {', '.join(other)}."
 
     def _classes(self) -> Iterator[str]:
         types, domain = self.words.types, self._domain.types
-        read = {each for kinds in self.words.kinds.values() for each in (name for types in kinds for name in types)}
-        read |= {name for action in self._domain.actions for each in action.parameters for name in each.types}
-        read |= set(self._problem.objects.values())
+        used = {each for kinds in self.words.kinds.values() for each in (name for types in kinds for name in types)}
+        used |= {name for action in self._domain.actions for each in action.parameters for name in each.types}
+        used |= set(self._problem.objects.values())
         quantified = [each for formula in self._formulas() for each in _quantified(formula)]
-        read |= {name for each in quantified for name in each.types}
-        rooted = OBJECT in read
+        used |= {name for each in quantified for name in each.types}
+        rooted = OBJECT in used
         for name, above in domain.items():
             self._rules.comes_from("domain", self._domain.type_lines.get(name, 1))
             if name == OBJECT:
@@ -147,29 +147,29 @@ class Translation:
         for name, kind in self._problem.objects.items():
             kinds.setdefault(kind, []).append(self.words.objects[name])
             line = self._problem.object_lines.get(name)
-            found = FileLine("problem", line) if line else FileLine("domain", self._domain.constant_lines[name])
-            places[kind] = min(found, places.get(kind, found), key=lambda place: place.file == "domain")
+            origin = FileLine("problem", line) if line else FileLine("domain", self._domain.constant_lines[name])
+            places[kind] = min(origin, places.get(kind, origin), key=lambda place: place.file == "domain")
         for kind, names in kinds.items():
             self._rules.at = places[kind]
-            told = names[0] if len(names) == 1 else f"({'; '.join(names)})"
-            yield from wrapped(f"entity({told}, {self.words.types[kind]}).")
+            pool = names[0] if len(names) == 1 else f"({'; '.join(names)})"
+            yield from wrapped(f"entity({pool}, {self.words.types[kind]}).")
 
     def _static(self) -> Iterator[str]:
-        """Yield the facts of predicates that never change."""
+        """Yield the facts of static predicates."""
         stated: dict[str, list[Literal]] = {name: [] for name in self._domain.predicates if name in self.words.static}
         for literal in self._problem.initial:
             if literal.predicate in stated:
                 stated[literal.predicate].append(literal)
-        for name, found in stated.items():
+        for name, initial in stated.items():
             self._rules.comes_from("domain", self._domain.predicates[name].line)
             yield f"#defined {self.words.predicates[name]}/{len(self._domain.predicates[name].types)}."
-            facts = dict.fromkeys(f"{self.words.atom(literal)}." for literal in found)
-            if found:
-                self._rules.comes_from("problem", found[0].line)
+            facts = dict.fromkeys(f"{self.words.atom(literal)}." for literal in initial)
+            if initial:
+                self._rules.comes_from("problem", initial[0].line)
             yield from filled(facts)
 
     def fluents(self) -> Mapping[str, tuple[tuple[str, ...], ...]]:
-        """Return the types of the arguments of each predicate that actions change."""
+        """Return the argument types of each predicate that actions change."""
         fixed = self.words.static | self.words.derived
         return {name: kinds for name, kinds in self.words.kinds.items() if name not in fixed}
 

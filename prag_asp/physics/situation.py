@@ -115,10 +115,10 @@ class Situation:
         Raises:
             SceneError: the entity has no shape, does not take part in this situation, or its pose is not finite.
         """
-        known = self.measured.get(entity)
+        cached = self.measured.get(entity)
         pose = self.poses.get(entity)
-        if known is not None and known[0] is pose:
-            return known
+        if cached is not None and cached[0] is pose:
+            return cached
         if pose is None and self.shape(entity).kind == "zone":
             pose = self.pose(entity)
         if pose is None:

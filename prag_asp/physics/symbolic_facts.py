@@ -124,13 +124,13 @@ def physical_task(task: Task, scene: Scene) -> PhysicalTask:
     Raises:
         SceneError: the scene lacks the shape or the yaw of an entity in a spatial fluent.
     """
-    known: dict[tuple[Atom, bool], Fact | None] = {}
-    states = [_facts(scene, state, known) for state in (task.initial, *task.states)]
+    cache: dict[tuple[Atom, bool], Fact | None] = {}
+    states = [_facts(scene, state, cache) for state in (task.initial, *task.states)]
     first = {robot: _only(of_robot(states[0], robot), Gripper.HOLDS) for robot in scene.robots}
     start = {robot: thing for robot, thing in first.items() if thing}
     held, effects = dict(start), list[ActionEffect]()
     for k, action in enumerate(task.actions):
-        subgoal = _facts(scene, task.subgoals[k], known)
+        subgoal = _facts(scene, task.subgoals[k], cache)
         effect = _effect(scene, Step(action, k + 1, subgoal, states[k], states[k + 1]), held)
         if effect.robot is not None and effect.releases is not None:
             held.pop(effect.robot, None)
@@ -145,13 +145,13 @@ def physical_task(task: Task, scene: Scene) -> PhysicalTask:
     return PhysicalTask(tuple(dict.fromkeys(objects)), states[0], start, tuple(effects))
 
 
-def _facts(scene: Scene, state: State, known: dict[tuple[Atom, bool], Fact | None]) -> tuple[Fact, ...]:
-    """Return the spatial facts of a state; `known` caches the meaning of fluents."""
+def _facts(scene: Scene, state: State, cache: dict[tuple[Atom, bool], Fact | None]) -> tuple[Fact, ...]:
+    """Return the spatial facts of a state; `cache` caches the meaning of fluents."""
     for item in state.items():
-        if item not in known:
-            known[item] = _fact(scene, *item)
-    found = [known[item] for item in state.items()]
-    return tuple([fact for fact in found if fact is not None])
+        if item not in cache:
+            cache[item] = _fact(scene, *item)
+    meanings = [cache[item] for item in state.items()]
+    return tuple([fact for fact in meanings if fact is not None])
 
 
 def _fact(scene: Scene, atom: Atom, value: bool) -> Fact | None:
@@ -163,8 +163,8 @@ def _fact(scene: Scene, atom: Atom, value: bool) -> Fact | None:
     if len(roles) != len(atom.arguments):
         raise SceneError(f"{atom} has {plural(len(atom.arguments), 'argument')}, but {name} takes {', '.join(roles)}")
     for role, entity in zip(roles, atom.arguments, strict=True):
-        known: Mapping[str, object] = scene.rotations if role == "rotation" else scene.shapes
-        if entity not in known:
+        names: Mapping[str, object] = scene.rotations if role == "rotation" else scene.shapes
+        if entity not in names:
             table = "rotations" if role == "rotation" else "shapes"
             raise SceneError(f"{atom} speaks about {entity}, which has no entry under [scene.{table}]")
     if not value and len(set(atom.arguments)) < len(atom.arguments):
@@ -245,9 +245,9 @@ def _moved(fact: Fact, held: str | None) -> str:
     return fact.arguments[fact.predicate.subject]
 
 
-def _turns(fact: Fact, known: set[Fact]) -> bool:
+def _turns(fact: Fact, old_facts: set[Fact]) -> bool:
     """Return whether a fact about the opening of furniture is new."""
-    return fact.predicate.of_joint and fact not in known
+    return fact.predicate.of_joint and fact not in old_facts
 
 
 def _closes(subgoal: Iterable[Fact]) -> bool:

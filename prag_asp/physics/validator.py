@@ -205,7 +205,7 @@ def _by_cause(faults: Counter[PhysicsFault]) -> Counter[str]:
 
 def _details(faults: Counter[PhysicsFault], scene: Scene) -> tuple[Detail, ...]:
     """Return the details of failed attempts, the most common first, at most `LISTED`."""
-    found: Counter[tuple[str, str, str, bool | None, tuple[str, ...]]] = Counter()
+    counts: Counter[tuple[str, str, str, bool | None, tuple[str, ...]]] = Counter()
     for fault, number in faults.items():
         fact, value, text = "", None, fault.text
         if fault.fact is not None:
@@ -213,7 +213,7 @@ def _details(faults: Counter[PhysicsFault], scene: Scene) -> tuple[Detail, ...]:
             value, text = fault.fact.value, fault.fact.sentence()
         entities = tuple(name for name in fault.entities if name in scene.shapes or name in scene.robots)
         if fact or text or entities:
-            found[fault.cause, text, fact, value, entities] += number
+            counts[fault.cause, text, fact, value, entities] += number
     order = {cause: i for i, cause in enumerate(CAUSES)}
-    ranked = sorted(found.items(), key=lambda item: (-item[1], order[item[0][0]], item[0][1:3], item[0][4]))
+    ranked = sorted(counts.items(), key=lambda item: (-item[1], order[item[0][0]], item[0][1:3], item[0][4]))
     return tuple(Detail(*what, attempts=number) for what, number in ranked[:LISTED])

@@ -1,7 +1,7 @@
-"""Fast iteration over the ground atoms of a predicate: a domain may have 100,000.
+"""Fast iteration over the ground atoms of a predicate; a domain may have 100,000.
 
-clingo's package makes a dozen wrapper calls for each atom. Here the same functions of its C interface are called
-directly, as far as the installed version of the package has them.
+The Python package of clingo makes a dozen wrapper calls for each atom. This module calls the functions of the C
+interface directly if the installed version of the package has all of them.
 """
 
 from __future__ import annotations
@@ -27,16 +27,18 @@ GroundAtom = tuple[list[clingo.Symbol], int, bool]
 
 def ground_atoms(control: clingo.Control, name: str, arity: int) -> Iterator[GroundAtom]:
     """Yield the ground atoms of a predicate, unsorted."""
-    found = control.symbolic_atoms
+    symbolic_atoms = control.symbolic_atoms
     library, ffi = (getattr(internal, each, None) for each in ("_lib", "_ffi"))
-    address = getattr(found, "_rep", None)
+    address = getattr(symbolic_atoms, "_rep", None)
     if ffi is None or address is None or not all(hasattr(library, each) for each in NEEDED):
-        return ((atom.symbol.arguments, atom.literal, atom.is_fact) for atom in found.by_signature(name, arity))
+        return (
+            (atom.symbol.arguments, atom.literal, atom.is_fact) for atom in symbolic_atoms.by_signature(name, arity)
+        )
     return _read(library, ffi, address, name, arity)
 
 
 def _read(library: Any, ffi: Any, atoms: Any, name: str, arity: int) -> Iterator[GroundAtom]:
-    """Yield the atoms at the address `atoms`. Errors have been raised before, by the package's own calls."""
+    """Yield the atoms at the address `atoms`. The calls cannot fail here, so their results are not checked."""
     signature, place = ffi.new("clingo_signature_t*"), ffi.new("clingo_symbolic_atom_iterator_t*")
     symbol, literal, size = ffi.new("clingo_symbol_t*"), ffi.new("clingo_literal_t*"), ffi.new("size_t*")
     arguments, flag = ffi.new("clingo_symbol_t**"), ffi.new("bool*")
@@ -52,9 +54,9 @@ def _read(library: Any, ffi: Any, atoms: Any, name: str, arity: int) -> Iterator
         library.clingo_symbolic_atoms_is_fact(atoms, at, flag)
         row = []
         for term in ffi.unpack(arguments[0], arity) if arity else ():
-            known = terms.get(term)
-            if known is None:
-                known = terms[term] = clingo.Symbol(term)  # type: ignore[no-untyped-call]
-            row.append(known)
+            symbol_of_term = terms.get(term)
+            if symbol_of_term is None:
+                symbol_of_term = terms[term] = clingo.Symbol(term)  # type: ignore[no-untyped-call]
+            row.append(symbol_of_term)
         yield row, literal[0], flag[0]
         following(atoms, at, place)

@@ -15,13 +15,13 @@ Actions = tuple[clingo.Symbol, ...]
 def composite_actions(facts: Facts) -> Mapping[clingo.Symbol, Actions]:
     """Return the atomic actions of each composite in order; composites may not form a cycle.
 
-    A composite comes after the ones that it contains.
+    A composite comes after those that it contains.
     """
-    found: dict[clingo.Symbol, Actions] = {}
+    actions_of: dict[clingo.Symbol, Actions] = {}
     for composite in _innermost_first(facts):
         parts = (part for _, part in facts.stages[composite])
-        found[composite] = tuple(action for part in parts for action in found.get(part, (part,)))
-    return found
+        actions_of[composite] = tuple(action for part in parts for action in actions_of.get(part, (part,)))
+    return actions_of
 
 
 def composite_sizes(facts: Facts) -> Mapping[clingo.Symbol, int]:
@@ -42,9 +42,9 @@ def _innermost_first(facts: Facts) -> Iterable[clingo.Symbol]:
 
 
 def find_cycle(successors: Mapping[clingo.Symbol, Iterable[clingo.Symbol]]) -> list[clingo.Symbol]:
-    """Return a cycle as a list that begins and ends with the same term, or an empty list.
+    """Return a cycle as a list that begins and ends with its least term, or an empty list.
 
-    The least term of the cycle comes first. The choice among several cycles depends on the terms alone.
+    The choice among several cycles depends on the terms alone.
     """
     sorter: TopologicalSorter[clingo.Symbol] = TopologicalSorter()
     for term, others in sorted(successors.items()):

@@ -1,4 +1,4 @@
-"""The ``#const``s of a domain, set from outside as clingo's option ``-c`` does."""
+"""Set the ``#const``s of a domain, as clingo's option ``-c`` does."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from prag_asp.program.tokens import blanked
 from prag_asp.wording import did_you_mean
 
 Constant = int | str | clingo.Symbol
-"""A value: a whole number, a term or the text of one."""
+"""A value: an integer, a term or the text of a term."""
 
 LONGEST = 1000
-"""Characters of a value; clingo does not survive terms that are nested too deep."""
+"""The maximum number of characters of a value; clingo crashes on terms that are nested too deep."""
 
 
-def parse_constants(given: Mapping[str, Constant]) -> dict[str, str]:
-    """Return the texts of the terms that constants get, in alphabetical order of their names.
+def parse_constants(constants: Mapping[str, Constant]) -> dict[str, str]:
+    """Return the values of constants as text, in alphabetical order of their names.
 
     Raises:
-        DomainError: a value is no term of clingo, or has a number out of range.
+        DomainError: a value is not a term of clingo, or has a number out of range.
     """
-    return {name: _term(name, given[name]) for name in sorted(given)}
+    return {name: _term(name, constants[name]) for name in sorted(constants)}
 
 
 def set_constants(sources: Sequence[Source], constants: Mapping[str, str], domain: str) -> tuple[Source, ...]:
-    """Return the files of a domain with other values in their ``#const`` statements; each line stays where it was.
+    """Return the files of a domain with new values in their ``#const`` statements; line numbers do not change.
 
-    So whatever reads the program, the linter, an engine or the cache, sees one value.
+    Every reader of the program, the linter, an engine or the cache, then sees the same value.
 
     Raises:
         DomainError: no file declares a constant, it may not be set, or a file cannot be parsed.
@@ -81,7 +81,7 @@ def _term(name: str, value: Constant) -> str:
 
 
 def _definitions(changed: Iterable[Statement], source: Source, constants: Mapping[str, str]) -> dict[Statement, str]:
-    """Return the definitions of a file as they are to be."""
+    """Return the new text of each changed definition of a file."""
     return {
         each: f"#const {each.node.name} = {constants[each.node.name]}." for each in changed if each.path == source.path
     }

@@ -1,4 +1,4 @@
-"""Names that users give: of a class, an entity or an action. An ambiguous name is refused."""
+"""The names of classes, entities and actions in queries. Ambiguous names are refused."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from prag_asp.wording import unknown
 
 
 def named(facts: Facts) -> Mapping[str, set[str]]:
-    """Return the names of classes, entities and actions; a whole action is a name, too."""
+    """Return the names of classes, entities and actions; a ground action is a name as well."""
     return {
         "class": set(map(str, facts.classes)),
         "entity": set(facts.entity_names),
@@ -23,7 +23,7 @@ def named(facts: Facts) -> Mapping[str, set[str]]:
 
 
 def shared_names(facts: Facts) -> list[str]:
-    """Return the ambiguous names: those of more than one of class, entity and action."""
+    """Return the ambiguous names: names of several of a class, an entity and an action."""
     others = {*facts.classes, *facts.entities}
     texts = {str(action) for action in facts.declared_actions if action in others}  # others are spelled as none of them
     kinds = (set(map(str, facts.classes)), set(facts.entity_names), texts | facts.action_names)
@@ -38,18 +38,18 @@ def ambiguity(name: str, facts: Facts) -> str | None:
     return f"{name} could be {', '.join(kinds[:-1])} or {kinds[-1]} of that name; rename one in the domain"
 
 
-def no_action(name: str, known: Iterable[str], facts: Facts) -> str:
-    """Return the message for a name that is not among the `known` actions or names of actions."""
+def no_action(name: str, names: Iterable[str], facts: Facts) -> str:
+    """Return the message for a name that is not among the `names` of actions."""
     if name in named(facts)["action"]:
         return f"{name} can never occur, so it is pruned; prag-asp check says why"
-    return unknown(name, known, "action")
+    return unknown(name, names, "action")
 
 
 def refuse_ambiguous(name: str, facts: Facts) -> None:
-    """Raise for an ambiguous name.
+    """Check that a name is not ambiguous.
 
     Raises:
-        QueryError: it stands for more than one of class, entity and action.
+        QueryError: it is the name of several of a class, an entity and an action.
     """
     message = ambiguity(name, facts)
     if message:
@@ -57,7 +57,7 @@ def refuse_ambiguous(name: str, facts: Facts) -> None:
 
 
 def mentioned_entities(action: clingo.Symbol, entities: Iterable[clingo.Symbol]) -> Iterator[clingo.Symbol]:
-    """Yield the entities in a term from the left, with repetitions."""
+    """Yield the entities in a term from left to right, with repetitions."""
     if action in entities:
         yield action
     elif action.type == clingo.SymbolType.Function:
@@ -66,7 +66,7 @@ def mentioned_entities(action: clingo.Symbol, entities: Iterable[clingo.Symbol])
 
 
 def action_name(action: clingo.Symbol) -> str:
-    """Return the name of an action: its functor, or the whole term where it has none."""
+    """Return the name of an action: its functor, or the whole term if it has none."""
     return action.name if action.type == clingo.SymbolType.Function and action.name else str(action)
 
 

@@ -17,7 +17,7 @@ from prag_asp.program.atom_arrays import ground_atoms
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.sources import Program
 
-# A symbol is an address within a process. As text it gets to others: what holds symbols can be sent there.
+# A symbol is an address within a process. Symbols are pickled as text, so that other processes can read them.
 copyreg.pickle(clingo.Symbol, lambda symbol: (symbol_of, (str(symbol),)))
 
 VALUES = ("true", "false", "unknown")
@@ -26,19 +26,18 @@ LATER = "_later"
 """The attribute with the function that grounds facts on first use."""
 
 Assignment = tuple[tuple[clingo.Symbol, str], ...]
-"""Fluents with their values; ``unknown`` is one of postconditions only."""
+"""Fluents with their values; only postconditions have ``unknown``."""
 
 
 @dataclass(frozen=True)
 class Facts:
-    """The contract's predicates as they hold in the grounded base program.
+    """The predicates of the contract in the grounded base program.
 
-    Terms are clingo symbols, in clingo's order of terms. `parents` maps a class to the classes right above
-    it, `entities` an entity to the class that it is declared with; `memberships` is the derived ``is_a``. `pruned`
-    are the declared actions and composites that every state rejects; nothing else of such an action is kept.
-    `unreachable` are the actions that never occur because nothing ever makes what they need: no step tries them, but
-    what they state is kept. `static` are fluents that have the same value in every state, with it: no action that is
-    tried sets one of them. It need not have all such fluents.
+    Terms are clingo symbols, in clingo's order of terms. `parents` maps a class to its direct superclasses, `entities`
+    an entity to its declared class; `memberships` is the derived ``is_a``. `pruned` are the declared actions and
+    composites that every state rejects; no other facts about them remain. `unreachable` are the actions whose
+    preconditions are relaxed-unreachable: no step tries them, but their preconditions and effects remain. `static` are
+    fluents with a value that they have in every state, because no action that is tried sets them. It may lack some.
     """
 
     parents: Mapping[clingo.Symbol, tuple[clingo.Symbol, ...]]
@@ -75,7 +74,7 @@ class Facts:
 
     @property
     def classes(self) -> set[clingo.Symbol]:
-        """All classes, declared or only named above others."""
+        """All classes, declared or only named as superclasses."""
         return {name for _, name in self.memberships}.union(self.parents)
 
     @cached_property
@@ -91,18 +90,18 @@ class Facts:
 
     @cached_property
     def class_names(self) -> Mapping[str, tuple[str, ...]]:
-        """The classes with those right above them, as text."""
+        """The classes with their direct superclasses, as text."""
         return {str(name): tuple(map(str, above)) for name, above in self.parents.items()}
 
     @cached_property
     def declared_actions(self) -> tuple[clingo.Symbol, ...]:
-        """The actions with those that are pruned."""
+        """The actions, including pruned ones."""
         composites = set(self.composites)
         return (*self.actions, *(term for term in self.pruned if term not in composites))
 
     @cached_property
     def action_names(self) -> frozenset[str]:
-        """The names of the actions, with those that are pruned."""
+        """The names of the actions, including pruned ones."""
         return frozenset(action.name for action in self.declared_actions)
 
     @property
@@ -130,7 +129,7 @@ def ground_facts(program: Program) -> Facts:
 
 
 def read_facts(control: clingo.Control) -> Facts:
-    """Return the facts of a grounded base part.
+    """Read the facts of a grounded base part.
 
     Raises:
         DomainError: a predicate of the contract depends on a choice.
@@ -162,9 +161,9 @@ def read_facts(control: clingo.Control) -> Facts:
 
 
 def without(facts: Facts, pruned: Iterable[clingo.Symbol]) -> Facts:
-    """Return facts without the actions and composites that can never occur.
+    """Return facts without pruned actions and composites.
 
-    Composites stay in `composites`, because all actions are free where there are none.
+    Composites stay in `composites`, because all actions are free in a domain without composites.
     """
     gone = set(pruned)
     if not gone:
@@ -213,20 +212,20 @@ def _by_action(
 ) -> dict[clingo.Symbol, Assignment]:
     """Return the fluents and values of a predicate by action, sorted.
 
-    `actions` and `fluents` are sorted, and each term is looked up once, because there can be thousands and clingo's
-    terms are slow to compare.
+    `actions` and `fluents` are sorted, and each term is looked up once, because comparing thousands of clingo's terms
+    is slow.
     """
     ranks = {fluent: (rank, fluent) for rank, fluent in enumerate(fluents)}
     spelled = {clingo.Function(value): value for value in VALUES}
-    found: dict[clingo.Symbol, list[tuple[int, str, clingo.Symbol]]] = {action: [] for action in actions}
-    declared = len(found)
+    by_action: dict[clingo.Symbol, list[tuple[int, str, clingo.Symbol]]] = {action: [] for action in actions}
+    declared = len(by_action)
     for action, fluent, value in unsorted_rows(control, predicate, 3):
-        rank, known = ranks.get(fluent) or ranks.setdefault(fluent, (len(ranks), fluent))
+        rank, same_fluent = ranks.get(fluent) or ranks.setdefault(fluent, (len(ranks), fluent))
         word = spelled.get(value) or spelled.setdefault(value, str(value))
-        found.setdefault(action, []).append((rank, word, known))
+        by_action.setdefault(action, []).append((rank, word, same_fluent))
     table: dict[clingo.Symbol, Assignment] = {}
-    for action in found if len(found) == declared else sorted(found):
-        if found[action]:
-            found[action].sort(key=itemgetter(0, 1))
-            table[action] = tuple([(fluent, value) for _, value, fluent in found[action]])
+    for action in by_action if len(by_action) == declared else sorted(by_action):
+        if by_action[action]:
+            by_action[action].sort(key=itemgetter(0, 1))
+            table[action] = tuple([(fluent, value) for _, value, fluent in by_action[action]])
     return table

@@ -1,4 +1,4 @@
-"""clingo, with its messages turned into errors that name the file and the line."""
+"""Ground programs with clingo, and turn its messages into errors with file and line."""
 
 from __future__ import annotations
 
@@ -18,33 +18,33 @@ POSITION = r"<(?:string|block)>:(?P<line>\d+):[-\d:]+: *(?:error|info|warning|no
 UNSAFE = r"'([^']+)' is unsafe"
 
 SCRIPT = "#Script"
-"""The text by which clingo writes the value of a check within an undefined operation."""
+"""The text that clingo prints for the value of a check in an undefined operation."""
 
 Part = tuple[str, Sequence[clingo.Symbol]]
 
 
 class Grounder:
-    """A clingo control for one program, which prints nothing.
+    """A clingo control for one program, without output.
 
-    `notes` are the undefined operations, which are errors only with `strict`.
+    `notes` are the messages on undefined operations, which are errors only if `strict`.
 
     Raises:
-        DomainError: clingo cannot parse the program, or one of its intervals has too many numbers.
+        DomainError: clingo cannot parse the program, or one of its intervals is too wide.
     """
 
     def __init__(self, program: Program, *arguments: str, strict: bool = True) -> None:
         self._program, self._strict = program, strict
         self.notes: list[str] = []
         self._parts = 0
-        found = guard_program(program)
-        self._checks = Checks(found.sites)
+        guarded = guard_program(program)
+        self._checks = Checks(guarded.sites)
         self._messages: list[tuple[clingo.MessageCode, str]] = []
         self.control = clingo.Control(
             ["--warn=no-atom-undefined", *arguments],
             logger=lambda code, text: self._messages.append((code, text)),
             message_limit=100,
         )
-        self._run(lambda: self.control.add("base", [], found.text))
+        self._run(lambda: self.control.add("base", [], guarded.text))
 
     def ground(self, parts: Iterable[Part]) -> None:
         """Ground program parts.
@@ -56,23 +56,23 @@ class Grounder:
         self._run(lambda: self.control.ground(list(parts), context=self._checks))
 
     def state(self, atoms: Iterable[clingo.Symbol]) -> None:
-        """State ground atoms for the parts that are ground later."""
+        """Add facts for the parts that are ground later."""
         self._add_facts(f"{atom}." for atom in atoms)
 
     def leave_open(self, atoms: Iterable[clingo.Symbol]) -> None:
-        """Declare atoms that may hold or not for the parts that are ground later."""
+        """Add external atoms, which may be true or false, for the parts that are ground later."""
         self._add_facts(f"#external {atom}." for atom in atoms)
 
     def add(self, part: str, rules: Iterable[str]) -> None:
-        """Add rules to a part that is not ground yet."""
+        """Add rules to a part that is not yet ground."""
         text = "\n".join(rules)
         self._run(lambda: self.control.add(part, [], text))
 
     def _add_facts(self, statements: Iterable[str]) -> None:
         """Ground statements as a separate part.
 
-        clingo's backend would be faster, but after it adds atoms, later grounding loses instances of constraints that
-        always apply and have conditions (``:- r(X), not p(X,Y) : q(X,Y).``).
+        clingo's backend would be faster, but after it adds atoms, later grounding loses instances of constraints with
+        conditional literals that always apply (``:- r(X), not p(X,Y) : q(X,Y).``).
         """
         self._parts += 1
         name = f"told_{self._parts}"
@@ -97,7 +97,7 @@ class Grounder:
         self.notes += notes
 
     def _undefined(self, message: str) -> str:
-        """Return the message for an undefined operation; for ``X+0``, clingo writes only X and the check."""
+        """Return the message for an undefined operation; for ``X+0``, clingo prints only X and the check."""
         text = locate_message(self._program, message)
         return self._checks.as_written(text) if SCRIPT in text else text
 
@@ -110,7 +110,7 @@ class Grounder:
 
 
 def locate_message(program: Program, message: str) -> str:
-    """Return a message of clingo as one line that begins with its file and line."""
+    """Return a message of clingo as one line that begins with the file and the line number."""
     place = re.search(POSITION, message)
     if not place:
         return " ".join(message.split())

@@ -1,4 +1,4 @@
-"""The consequences of values of fluents by the invariants, and their conflicts."""
+"""The consequences of fluent values under the invariants, and conflicts between them."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ FluentValue = tuple[clingo.Symbol, bool]
 
 Graph = Mapping[FluentValue, tuple[FluentValue, ...]]
 Reasons = Mapping[FluentValue, FluentValue]
-"""The value that each value was derived from."""
+"""Each derived value, with the value that it was derived from."""
 
 
 def invariant_graph(facts: Facts, *, impossible: bool = False) -> Graph:
-    """Return the values that each value entails by one invariant, or, with `impossible`, by an impossible pair."""
+    """Return the values that each value entails by one invariant; with `impossible`, also by an impossible pair."""
     graph: dict[FluentValue, list[FluentValue]] = {}
     for first, second in (*facts.exclusive, *(facts.impossible if impossible else ())):
         graph.setdefault((first, True), []).append((second, False))
@@ -28,10 +28,10 @@ def invariant_graph(facts: Facts, *, impossible: bool = False) -> Graph:
     return {value: tuple(entailed) for value, entailed in graph.items()}
 
 
-def entailed(known: Iterable[FluentValue], graph: Graph) -> dict[FluentValue, FluentValue]:
-    """Return the known values and their consequences, each with the known value that it follows from."""
+def entailed(values: Iterable[FluentValue], graph: Graph) -> dict[FluentValue, FluentValue]:
+    """Return values and their consequences, each with the value that it follows from."""
     reasons: dict[FluentValue, FluentValue] = {}
-    for start in known:
+    for start in values:
         stack = [start]
         while stack:
             value = stack.pop()
@@ -41,12 +41,12 @@ def entailed(known: Iterable[FluentValue], graph: Graph) -> dict[FluentValue, Fl
     return reasons
 
 
-def conflict(reasons: Reasons, given: Reasons | None = None) -> tuple[FluentValue, FluentValue] | None:
+def conflict(reasons: Reasons, others: Reasons | None = None) -> tuple[FluentValue, FluentValue] | None:
     """Return two values with contradicting consequences, one value twice if it contradicts itself, or None.
 
-    With `given`, the first value is one of its reasons.
+    With `others`, the first value is one of its reasons.
     """
-    against = reasons if given is None else given
+    against = reasons if others is None else others
     if not against:
         return None
     for (fluent, value), start in reasons.items():

@@ -1,4 +1,4 @@
-"""Parse every file of a program on its own, so that a mistake in one is not blamed on the next."""
+"""Parse each file of a program separately, so that a syntax error is reported in its own file."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ MESSAGE = r"<string>:(?P<line>\d+):(?P<column>\d+)[-\d:]*: error: (?P<words>(?s:
 TOKEN = r"#?[\w']+|:-|\S"
 EXPECTED = r"expecting (.*)"
 DEEPEST = 300
-"""The deepest nesting of parentheses: deeper terms exhaust the stack of clingo or of readers of its terms."""
+"""The maximum nesting of parentheses: deeper terms exhaust the stack of clingo or of functions on its terms."""
 
 IN_CALLBACK = "error in callback"
-"""clingo's message after a Python function that it calls has failed."""
+"""The message of clingo after a failure in a Python callback."""
 
 STAND_IN = "$"
-"""A character that clingo reads in strings and comments only."""
+"""A character that clingo accepts only in strings and comments."""
 
 
 def parse_sources(sources: Iterable[tuple[Source, bool]]) -> tuple[list[Statement], list[Problem]]:
-    """Return the statements and the syntax errors of sources, each with whether it is the domain's own."""
+    """Return the statements and the syntax errors of sources; the flag of a source marks the files of the domain."""
     statements: list[Statement] = []
     problems: list[Problem] = []
     for source, own in sources:
-        found, broken = _parsed(source, own)
-        statements += found
-        problems += [broken] if broken else []
+        parsed, problem = _parsed(source, own)
+        statements += parsed
+        problems += [problem] if problem else []
     return statements, problems
 
 
@@ -42,13 +42,13 @@ def parse_sources(sources: Iterable[tuple[Source, bool]]) -> tuple[list[Statemen
 def _parsed(source: Source, own: bool) -> tuple[tuple[Statement, ...], Problem | None]:
     """Return the statements of a source, or its first problem."""
     statements: list[Statement] = []
-    broken = _character_problem(source) or _depth_problem(source)
-    broken = broken or _parse(source, own, statements) or number_problem(source)
-    return (() if broken else tuple(statements)), broken
+    problem = _character_problem(source) or _depth_problem(source)
+    problem = problem or _parse(source, own, statements) or number_problem(source)
+    return (() if problem else tuple(statements)), problem
 
 
 def _depth_problem(source: Source) -> Problem | None:
-    """Return where parentheses are nested deeper than clingo, or what reads its terms, can follow."""
+    """Return the problem of parentheses that are nested deeper than `DEEPEST`."""
     if source.text.count("(") <= DEEPEST:
         return None
     depth = 0
@@ -56,14 +56,14 @@ def _depth_problem(source: Source) -> Problem | None:
         for character in line:
             depth = max(depth + (character == "(") - (character == ")"), 0)
             if depth > DEEPEST:
-                told = f"parentheses are nested more than {DEEPEST} deep; flatten the term"
-                return Problem(source.path, number, told)
+                text = f"parentheses are nested more than {DEEPEST} deep; flatten the term"
+                return Problem(source.path, number, text)
     return None
 
 
 @lru_cache(maxsize=64)
 def number_problem(source: Source) -> Problem | None:
-    """Return the first number of a source that clingo would change without a word."""
+    """Return the problem of the first number of a source that clingo would silently wrap around."""
     for position, digits in too_large(blanked(source.text)):
         line = source.text.count("\n", 0, position) + 1
         return Problem(source.path, line, f"the number {shortened(digits)} is out of range: {TOLD}")
@@ -71,7 +71,7 @@ def number_problem(source: Source) -> Problem | None:
 
 
 def _character_problem(source: Source) -> Problem | None:
-    """Return the first character that clingo cannot read there; some of them would end the process."""
+    """Return the problem of the first character that clingo cannot read; some of them would crash the process."""
     if source.text.isascii() and "\0" not in source.text:
         return None
     for number, line in enumerate(blanked(source.text).split("\n"), 1):
@@ -87,7 +87,7 @@ def _character_problem(source: Source) -> Problem | None:
 
 
 def _parse(source: Source, own: bool, statements: list[Statement]) -> Problem | None:
-    """Append the statements of a source; return its first syntax error, for the others follow from it."""
+    """Append the statements of a source. Return its first syntax error, because the others follow from it."""
     messages: list[str] = []
     nodes: list[AST] = []
     text = source.text
@@ -96,9 +96,9 @@ def _parse(source: Source, own: bool, statements: list[Statement]) -> Problem | 
             parse_string(
                 re.sub(r"[^\x00-\x7f]", STAND_IN, text),
                 lambda _: None,
-                logger=lambda _, said: messages.append(said),
+                logger=lambda _, message: messages.append(message),
             )
-        parse_string(text, nodes.append, logger=lambda _, said: messages.append(said))
+        parse_string(text, nodes.append, logger=lambda _, message: messages.append(message))
     except RuntimeError as error:
         require_memory(error)
         return _syntax_problem(source, messages)
@@ -114,38 +114,38 @@ def _parse(source: Source, own: bool, statements: list[Statement]) -> Problem | 
 
 
 def require_memory(error: RuntimeError) -> None:
-    """Raise a MemoryError if clingo failed in a Python function: nothing else makes those fail.
+    """Raise a MemoryError if clingo failed in a Python callback: the callbacks here fail for no other reason.
 
     Raises:
-        MemoryError: a function has failed.
+        MemoryError: a callback has failed.
     """
     if IN_CALLBACK in str(error):
         raise MemoryError(IN_CALLBACK) from None
 
 
 def _syntax_problem(source: Source, messages: list[str]) -> Problem:
-    said = re.match(MESSAGE, messages[0]) if messages else None
-    if not said:
+    error = re.match(MESSAGE, messages[0]) if messages else None
+    if not error:
         return Problem(
             source.path,
             1,
             f"clingo cannot read this file: {' '.join(messages) or 'no reason given'}; fix it",
         )
-    line, words = int(said["line"]), " ".join(said["words"].split())
+    line, words = int(error["line"]), " ".join(error["words"].split())
     if "EOF" in words:
         return _unfinished(source)
-    column = int(said["column"])
+    column = int(error["column"])
     code = source.text.split("\n")[line - 1]
-    found = re.match(TOKEN, code.encode()[column - 1 :].decode(errors="replace"))
-    problem = f"unexpected {found[0] if found else 'end of line'} at column {column}"
+    token = re.match(TOKEN, code.encode()[column - 1 :].decode(errors="replace"))
+    problem = f"unexpected {token[0] if token else 'end of line'} at column {column}"
     if "lexer error" in words:
-        todo = "close the string on the line it begins on" if found and found[0] == '"' else "remove it"
+        remedy = "close the string on the line it begins on" if token and token[0] == '"' else "remove it"
     elif not code.encode()[: column - 1].strip():
-        todo = "end the statement before it with a period"
+        remedy = "end the statement before it with a period"
     else:
         expected = re.search(EXPECTED, words)
-        todo = f"clingo expects {expected[1]} here" if expected else "fix the statement before it"
-    return Problem(source.path, line, f"{problem}; {todo}")
+        remedy = f"clingo expects {expected[1]} here" if expected else "fix the statement before it"
+    return Problem(source.path, line, f"{problem}; {remedy}")
 
 
 def _unfinished(source: Source) -> Problem:

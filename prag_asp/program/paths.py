@@ -1,4 +1,4 @@
-"""Where the shipped encodings and domains lie, in a checkout and when installed."""
+"""The folders of the shipped encodings, domains and suites, in a checkout and when installed."""
 
 from __future__ import annotations
 
@@ -9,37 +9,37 @@ from prag_asp.safe_reading import STANDARD_INPUT
 from prag_asp.wording import did_you_mean
 
 BY_LIBRARY = frozenset(["canonical_names", "joint_names", "closed_invariants", "weights"])
-"""Rules that the library adds itself, three of them together with facts that only it knows."""
+"""Rules that only the library adds, three of them together with computed facts."""
 
 PDDL = ".pddl"
-"""How the names of files of PDDL end."""
+"""The suffix of PDDL files."""
 
 PACKAGE = Path(__file__).resolve().parent.parent
 
 
 def data_folder(name: str) -> Path:
-    """Return the folder `name` (``encodings`` or ``domains``): inside the wheel, or beside it in a checkout."""
+    """Return the data folder `name`, such as ``encodings``: in the package, or beside it in a checkout."""
     installed = PACKAGE / name
     return installed if installed.is_dir() else PACKAGE.parent / name
 
 
 def shipped_domains() -> dict[str, Path]:
-    """Return the folder of every shipped domain by its name."""
+    """Return the folders of the shipped domains by name."""
     return {path.parent.name: path.parent for path in sorted(data_folder("domains").glob("*/domain.lp"))}
 
 
 def rule_names(encodings: Path) -> list[str]:
-    """Return the names of the rules that a user may ask for, in a folder of encodings."""
+    """Return the names of the optional rules in a folder of encodings."""
     return sorted({path.stem for path in (encodings / "rules").glob("*.lp")} - BY_LIBRARY)
 
 
-def is_file_name(given: str | Path) -> bool:
-    """Tell whether a domain is given as files, of logic or of PDDL, or as standard input, not as a name or folder."""
-    return str(given) == STANDARD_INPUT or (Path(given).suffix in (".lp", PDDL) and not Path(given).is_dir())
+def is_file_name(name: str | Path) -> bool:
+    """Return whether a domain argument is a file, of logic or PDDL, or standard input, not a name or a folder."""
+    return str(name) == STANDARD_INPUT or (Path(name).suffix in (".lp", PDDL) and not Path(name).is_dir())
 
 
 def domain_folder(name_or_path: str | Path) -> Path:
-    """Return the folder of a domain given as a shipped name or as a folder.
+    """Return the folder of a domain, from a shipped name or the path of a folder.
 
     Raises:
         DomainError: there is neither a shipped domain nor a folder of that name, it is a file, or it has no domain.lp.
@@ -59,12 +59,12 @@ def domain_folder(name_or_path: str | Path) -> Path:
 
 
 def shipped_suites() -> dict[str, Path]:
-    """Return the file of every shipped suite by its name."""
+    """Return the files of the shipped suites by name."""
     return {path.stem: path for path in sorted(data_folder("suites").glob("*.toml"))}
 
 
 def suite_file(name_or_path: str | Path) -> Path:
-    """Return the file of a suite given as a shipped name or as a file.
+    """Return the file of a suite, from a shipped name or the path of a file.
 
     Raises:
         QueryError: there is neither a shipped suite nor a file of that name.

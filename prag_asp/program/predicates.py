@@ -1,7 +1,7 @@
 """The predicates of the encodings that Python reads or writes.
 
-Those of the contract have plain names (see ``encodings/contract.lp``). All others begin with `RESERVED`, which no name
-of a predicate in a domain may begin with.
+Those of the contract have plain names (see ``encodings/contract.lp``). All others begin with `RESERVED`, which
+predicates of a domain may not begin with.
 """
 
 from __future__ import annotations
@@ -12,17 +12,17 @@ from typing import NamedTuple
 import clingo
 
 RESERVED = "_"
-"""The prefix of the library's own predicates: authors have all other names but those of the contract to themselves."""
+"""The prefix of the library's internal predicates: authors may use all other names except those of the contract."""
 
 
 class EncodingPredicate(NamedTuple):
-    """The name and the number of arguments of a predicate, which makes its atoms."""
+    """The name and the arity of a predicate; calling it builds an atom."""
 
     name: str
     arity: int
 
     def __call__(self, *arguments: clingo.Symbol) -> clingo.Symbol:
-        """Return the atom of some arguments."""
+        """Return the atom with these arguments."""
         return clingo.Function(self.name, arguments)
 
     def fact(self, *arguments: object) -> str:
@@ -30,12 +30,12 @@ class EncodingPredicate(NamedTuple):
         return f"{self.name}({','.join(map(str, arguments))})."
 
     def timeless(self, *arguments: clingo.Symbol) -> clingo.Symbol:
-        """Return the atom of some arguments, its last one, the step, left out."""
+        """Return the atom with these arguments, which lack the last one, the step."""
         return clingo.Function(self.name, arguments)
 
     @property
     def without_time(self) -> tuple[str, int]:
-        """The signature of its atoms without their last argument, the step."""
+        """The signature without the last argument, the step."""
         return self.name, self.arity - 1
 
 
@@ -47,12 +47,12 @@ EVER, IMPOSSIBLE = EncodingPredicate("ever", 1), EncodingPredicate("impossible",
 KNOWN, STEP_NAME = EncodingPredicate("_known", 3), EncodingPredicate("_step_name", 2)
 FINAL, STATE = EncodingPredicate("_final", 3), EncodingPredicate("_state", 3)
 RULED_OUT, BARRED = EncodingPredicate("_ruled_out", 2), EncodingPredicate("_barred", 2)
-"""What is known of states: by a step, at the end, and with hindsight."""
+"""Predicates of known fluent values: at a step, in the final state, and in hindsight."""
 
 PRUNED = EncodingPredicate("_pruned", 1)
 MAY_OCCUR, MAY_HOLD = EncodingPredicate("_may_occur", 1), EncodingPredicate("_may_hold", 2)
 MAY_STAND, MAY_SET = EncodingPredicate("_may_stand", 2), EncodingPredicate("_may_set", 3)
-"""What can never occur, and what may ever be so."""
+"""Predicates of pruning and relaxed reachability."""
 
 SUCCESSOR, INTRODUCED = EncodingPredicate("_successor", 2), EncodingPredicate("_introduced", 2)
 JOINT_UNIT, NEXT_UNIT = EncodingPredicate("_joint_unit", 2), EncodingPredicate("_next_unit", 2)
@@ -64,9 +64,9 @@ REQUEST, MEMORY, FINDING = (
     EncodingPredicate("_memory", 2),
     EncodingPredicate("_finding", 2),
 )
-"""What conditions and weights request, remember after a step, and find at a step."""
+"""Predicates of conditions and weights: their requests, their memory after a step, and their findings at a step."""
 
 
 def speaks_of(text: str, predicate: EncodingPredicate) -> bool:
-    """Return whether a program text has the name of a predicate somewhere."""
+    """Return whether a program text contains the name of a predicate."""
     return re.search(rf"\b{predicate.name}\b", text) is not None

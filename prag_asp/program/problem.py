@@ -30,14 +30,14 @@ WARNINGS: Mapping[str, str] = {
 """The warnings by name: suspicious, but well defined."""
 
 SHOWN = 5
-"""Warnings of one name that are shown: more of them rarely say anything new."""
+"""The maximum number of warnings of one name that are shown: more of them rarely say anything new."""
 
 
 class Problem(NamedTuple):
     """One line of the report; `text` reads ``what is wrong; what to do``.
 
     Without a name it is an error: the domain has no meaning, or a count could be wrong. With the `name` of one of the
-    `WARNINGS` it is a warning, which the comment ``% lint: allow NAME`` on its line quiets.
+    `WARNINGS` it is a warning, which the comment ``% lint: allow NAME`` on its line suppresses.
     """
 
     path: Path
@@ -47,7 +47,7 @@ class Problem(NamedTuple):
 
     @property
     def is_warning(self) -> bool:
-        """Whether the domain is well defined nevertheless."""
+        """Whether it is a warning: the domain is well defined."""
         return bool(self.name)
 
     def as_error(self) -> Problem:
@@ -60,7 +60,7 @@ class Problem(NamedTuple):
 
 
 def raise_problems(problems: Iterable[Problem]) -> None:
-    """Raise all problems as one error, each once, in their order.
+    """Raise all distinct problems as one error, in order.
 
     Raises:
         DomainError: there is a problem.
@@ -71,7 +71,7 @@ def raise_problems(problems: Iterable[Problem]) -> None:
 
 
 def first_of_each(warnings: Iterable[Problem]) -> Iterator[Problem]:
-    """Yield the first warnings of each name; the last of them says how many more there are."""
+    """Yield the first `SHOWN` warnings of each name; the last of them counts those that are omitted."""
     warnings = list(warnings)
     total = Counter(each.name for each in warnings)
     texts: Counter[str] = Counter()

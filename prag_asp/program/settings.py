@@ -1,4 +1,4 @@
-"""domain.toml: what a domain says beside its logic, all of it optional."""
+"""The optional settings of a domain in domain.toml."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ MAX_EXPONENT = 1000
 
 @dataclass(frozen=True)
 class Settings:
-    """The tables of a domain.toml; `path` is the file, even where there is none, and `text` what it holds.
+    """The tables of a domain.toml; `path` is its path even if the file does not exist, and `text` its contents.
 
-    `weights` belong to names of actions (``grasp``), pairs of consecutive ones (``grasp>move``), single
-    actions, classes and entities; `language` maps names of actions and fluents to sentences, the first where there are
-    several; `grammar` is that whole table, the languages below it included; `scene` is the table as physics reads it.
+    `weights` are by names of actions (``grasp``), pairs of consecutive ones (``grasp>move``), single actions, classes
+    and entities. `language` maps names of actions and fluents to their first sentence. `grammar` is the whole table
+    ``[language]``, with the tables of languages. `scene` is the table that physics reads.
     """
 
     path: Path
@@ -35,12 +35,12 @@ class Settings:
     text: str = field(default="", repr=False, compare=False)
 
     def line_of(self, *keys: str | int) -> int:
-        """Return the line that sets the key reached through `keys`, or 1 where there is none."""
+        """Return the line that sets the key at the path `keys`, or 1 if there is none."""
         return key_line(self.text, keys)
 
 
 def read_table(path: Path) -> dict[str, Any]:
-    """Return a TOML file as a table, its decimal numbers unrounded.
+    """Return a TOML file as a table, with exact decimal numbers.
 
     Raises:
         DomainError: the file is missing, unreadable or not TOML.
@@ -49,7 +49,7 @@ def read_table(path: Path) -> dict[str, Any]:
 
 
 def settings_of(table: Mapping[str, Any], source: Source) -> Settings:
-    """Return the settings that the table of a file spells, without what has a wrong type: the linter reports it."""
+    """Return the settings of the table of a file. Values of a wrong type are ignored: the linter reports them."""
     weights = {key: weight_of(value) for key, value in _table(table, "weights").items()}
     grammar = _table(table, "language")
     return Settings(
@@ -65,12 +65,12 @@ def settings_of(table: Mapping[str, Any], source: Source) -> Settings:
 
 
 def key_shown(key: str) -> str:
-    """Return a key as messages name it: in quotes where nobody would see it."""
+    """Return a key for a message: in quotes if it is blank."""
     return key if key.strip() else f'"{key}"'
 
 
 def weight_of(value: object) -> Fraction | None:
-    """Return the exact value of a weight, None where it is not a number that is finite and not negative."""
+    """Return the exact value of a weight, or None unless it is a finite nonnegative number."""
     if isinstance(value, bool) or not isinstance(value, int | Decimal):
         return None
     if isinstance(value, Decimal) and (not value.is_finite() or abs(value.adjusted()) > MAX_EXPONENT):
@@ -79,17 +79,17 @@ def weight_of(value: object) -> Fraction | None:
 
 
 def _table(table: Mapping[str, Any], name: str) -> Mapping[str, Any]:
-    found = table.get(name, {})
-    return found if isinstance(found, Mapping) else {}
+    value = table.get(name, {})
+    return value if isinstance(value, Mapping) else {}
 
 
 def _sentences(value: object) -> list[str]:
-    """Return the sentences of a key of [language]: one, or several; none where it is a table."""
+    """Return the sentences of a key of [language], a string or a list; none for a table."""
     return [each for each in (value if isinstance(value, list) else [value]) if isinstance(each, str)]
 
 
 def _rounded(value: Any) -> Any:
-    """Return a value with its decimals as floats: physics computes with them."""
+    """Return a value with its decimals as floats, for physics."""
     if isinstance(value, Mapping):
         return {key: _rounded(each) for key, each in value.items()}
     if isinstance(value, list):

@@ -1,4 +1,4 @@
-"""The files of a logic program, joined into one text that remembers where each line came from."""
+"""The files of a logic program, joined into one text with a map from its lines to the files."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from prag_asp.safe_reading import LARGEST_TEXT, STANDARD_INPUT, is_inside, read_
 
 KEYWORD = re.compile(r"#include\b")
 CONTRACT = "contract.lp"
-"""The encoding that every folder of encodings contains."""
+"""An encoding that every folder of encodings contains."""
 
 HIERARCHY = "hierarchy.lp"
-"""The encoding that only domains with composites include."""
+"""The encoding of composites, which is added only to domains with composites."""
 
 ONE_VALUE = "one_value.lp"
-"""The encoding that only domains whose rules set fluents include."""
+"""The encoding that is added only to domains with rules that set fluents."""
 
 REACHABLE = "reachable.lp"
-"""The encoding of relaxed reachability, which only pruning reads."""
+"""The encoding of relaxed reachability, which only pruning uses."""
 
 EVER_AT_START, EVER_BY_ACTIONS = "ever(F) :- initially(F,true).", "ever(F) :- postcondition(_,F,true)."
-"""``rules/ever.lp`` without `not`, for a closed world in which no action leaves a value unknown."""
+"""``rules/ever.lp`` without `not`, for a closed world in which no action makes a value unknown."""
 
 ADDED = Path("<added by the library>")
-"""The path of facts that the library adds to a program; there is no such file."""
+"""The pseudo-path of facts that the library adds to a program."""
 
 END = re.compile(r"(?<!\.)\.(?!\.)")
 """The period that ends a statement."""
@@ -43,7 +43,7 @@ INCLUDE = re.compile(r'#include\s*"(?P<file>[^"\\\n]*)"\s*\.')
 
 @dataclass(frozen=True)
 class Source:
-    """One file of a logic program, its includes blanked out; `includes` are their lines, and the files they name."""
+    """One file of a logic program without its includes; `includes` are their line numbers and their files."""
 
     path: Path
     text: str
@@ -52,13 +52,13 @@ class Source:
 
 @dataclass(frozen=True)
 class Program:
-    """A logic program as the list of its files."""
+    """A logic program as a sequence of files."""
 
     sources: tuple[Source, ...]
 
     @cached_property
     def text(self) -> str:
-        """All files in one text; each begins in the part `base`."""
+        """The joined text of all files; each begins in the part `base`."""
         return "".join(f"#program base.\n{source.text}\n" for source in self.sources)
 
     @cached_property
@@ -70,28 +70,28 @@ class Program:
         return starts
 
     def locate(self, line: int) -> tuple[Path, int]:
-        """Return the file and the line in it of a line of `text`, both counted from 1."""
+        """Return the file and the line number in it of a line of `text`; lines count from 1."""
         at = max(bisect.bisect_right(self._starts, line) - 1, 0)
         return self.sources[at].path, max(line - self._starts[at], 1)
 
 
 def read_sources(path: Path | Source, encodings: Path, *, own: Path | None = None) -> tuple[Source, ...]:
-    """Return the file `path` and everything it includes, each file once, included files first.
+    """Return a file and everything that it includes, each file once, included files first.
 
-    An include is looked up beside the including file, then in the folder of encodings; one of a source that is no file
-    beside where its path would be. `own` is the folder that the file has to lie in; without one, the user has named
-    the file, which may be a link, and what it includes has to lie beside it.
+    An include is looked up in the folder of the including source, then in the folder of encodings. `own` is the folder
+    that the file has to lie in. Without it, the user has named the file: it may be a link, and its includes have to lie
+    in its folder.
 
     Raises:
         DomainError: a file cannot be read, or an include leads out of the folder `own` and the encodings.
     """
-    found: dict[Path, Source] = {}
+    sources: dict[Path, Source] = {}
     begin = path if isinstance(path, Source) else Source(path, read_text(path, own))
-    _read(begin, encodings, own or begin.path.parent, found, ())
-    return tuple(found.values())
+    _read(begin, encodings, own or begin.path.parent, sources, ())
+    return tuple(sources.values())
 
 
-def _read(source: Source, encodings: Path, own: Path, found: dict[Path, Source], above: tuple[Path, ...]) -> None:
+def _read(source: Source, encodings: Path, own: Path, sources: dict[Path, Source], above: tuple[Path, ...]) -> None:
     path, text = source.path, source.text
     pieces, includes = [], []
     end = 0
@@ -101,16 +101,16 @@ def _read(source: Source, encodings: Path, own: Path, found: dict[Path, Source],
         if include is None:
             raise DomainError(f'{path}:{line}: unreadable #include; write it as #include "file.lp".')
         target, limit = _include(include["file"], path, line, encodings, own)
-        if target.resolve() not in (*above, path.resolve()) and target.resolve() not in found:
-            _read(Source(target, read_text(target, limit)), encodings, own, found, (*above, path.resolve()))
+        if target.resolve() not in (*above, path.resolve()) and target.resolve() not in sources:
+            _read(Source(target, read_text(target, limit)), encodings, own, sources, (*above, path.resolve()))
         pieces += [text[end : include.start()], re.sub(r"[^\n]", " ", include[0])]
         includes.append((line, target))
         end = include.end()
-    found[path.resolve()] = Source(path, "".join([*pieces, text[end:]]), tuple(includes))
+    sources[path.resolve()] = Source(path, "".join([*pieces, text[end:]]), tuple(includes))
 
 
 def _include(name: str, path: Path, line: int, encodings: Path, own: Path) -> tuple[Path, Path]:
-    """Return the file that an include names, and the folder that it lies in."""
+    """Return the file of an include, and the folder that contains it."""
     for folder, limit in ((path.parent, own), (path.parent, encodings), (encodings, encodings)):
         target = folder / name
         if name and "\0" not in name and target.is_file() and is_inside(target, limit):
@@ -122,7 +122,7 @@ def _include(name: str, path: Path, line: int, encodings: Path, own: Path) -> tu
 
 
 def read_text(path: Path, within: Path | None = None) -> str:
-    """Return the text of a file, which has to lie `within` a folder unless the user has named it.
+    """Return the text of a file, which has to lie in the folder `within`, if there is one.
 
     Raises:
         DomainError: the file is missing, unreadable, too large, elsewhere or not UTF-8.
@@ -130,16 +130,16 @@ def read_text(path: Path, within: Path | None = None) -> str:
     try:
         content = read_bytes(path, within=within)
     except OSError as error:
-        told = f"{path}:1: cannot be read: {error.strerror}"
-        raise DomainError(f"{told}; check that the path is a readable file") from None
+        problem = f"{path}:1: cannot be read: {error.strerror}"
+        raise DomainError(f"{problem}; check that the path is a readable file") from None
     return decoded(content, path)
 
 
 def decoded(content: bytes, path: Path) -> str:
-    """Return the text of a file's bytes, its lines ended alike.
+    """Decode the content of a file, with all line ends replaced by line feeds.
 
     Raises:
-        DomainError: they are not UTF-8.
+        DomainError: it is not UTF-8.
     """
     try:
         text = content.decode("utf-8-sig")
@@ -150,10 +150,10 @@ def decoded(content: bytes, path: Path) -> str:
 
 
 def text_source(name: str, text: str) -> Source:
-    """Return a text as a file that messages call ``<name>``.
+    """Return a text as a source with the path ``<name>``.
 
     Raises:
-        DomainError: it cannot be written as UTF-8.
+        DomainError: it cannot be encoded as UTF-8.
     """
     path = Path(f"<{name}>")
     try:
@@ -165,7 +165,7 @@ def text_source(name: str, text: str) -> Source:
 
 
 def standard_input() -> Source:
-    """Return what comes from standard input, read to its end.
+    """Read standard input to its end, and return it as a source.
 
     Raises:
         DomainError: there is no standard input, or it is too large, or not UTF-8.
@@ -179,7 +179,7 @@ def standard_input() -> Source:
 
 
 def core_sources(encodings: Path) -> tuple[Source, ...]:
-    """Return the encodings that every domain uses: those directly in the folder that no other place reads.
+    """Return the encodings that every domain uses: those directly in the folder, without the optional ones.
 
     Raises:
         DomainError: the folder holds no encodings.
@@ -191,29 +191,29 @@ def core_sources(encodings: Path) -> tuple[Source, ...]:
 
 
 def each_once(sources: Iterable[Source]) -> tuple[Source, ...]:
-    """Return sources without repetitions of the same file with the same text."""
-    found: dict[tuple[Path, str], Source] = {}
+    """Return sources without duplicates, which have the same path and the same text."""
+    unique: dict[tuple[Path, str], Source] = {}
     for source in sources:
-        found.setdefault((source.path.resolve(), source.text), source)
-    return tuple(found.values())
+        unique.setdefault((source.path.resolve(), source.text), source)
+    return tuple(unique.values())
 
 
 def asked_sources(own: Sequence[Source], encodings: Path) -> tuple[Source, ...]:
-    """Return the encodings that only some domains use: for composites, and for rules that set fluents."""
+    """Return the optional encodings that a domain needs: for composites, and for rules that set fluents."""
     hierarchy = read_sources(encodings / HIERARCHY, encodings) if any("composite" in each.text for each in own) else ()
     one_value = read_sources(encodings / ONE_VALUE, encodings) if any(map(_sets_fluents, own)) else ()
     return (*hierarchy, *one_value)
 
 
 def _sets_fluents(source: Source) -> bool:
-    """Return whether a head may derive `holds` or `_known`; a mention in the condition of a head counts as well."""
+    """Return whether a head may derive `holds` or `_known`; a mention in the condition of a head also counts."""
     if not SETS.search(source.text):
         return False
     return any(SETS.search(each.partition(":-")[0]) for each in END.split(blanked(source.text)))
 
 
 def owned(program: Program) -> list[tuple[Source, bool]]:
-    """Return the files of a program, each with whether it is the author's own, and none of the encodings."""
+    """Return the files of a program, each with a flag that is true unless it belongs to the encodings."""
     encodings = encodings_folder(program)
     if encodings is None:
         return [(source, True) for source in program.sources]
@@ -224,7 +224,7 @@ def owned(program: Program) -> list[tuple[Source, bool]]:
 
 
 def added_encodings(program: Program) -> frozenset[Path]:
-    """Return the files of the encodings of a program that have no like among those shipped."""
+    """Return the files in the encodings folder of a program that the shipped encodings do not have."""
     encodings, shipped = encodings_folder(program), data_folder("encodings")
     if encodings is None or encodings.resolve() == shipped.resolve():
         return frozenset()
@@ -233,5 +233,5 @@ def added_encodings(program: Program) -> frozenset[Path]:
 
 
 def encodings_folder(program: Program) -> Path | None:
-    """Return the folder of the encodings of a program, None where it has none."""
+    """Return the folder of the encodings of a program, or None."""
     return next((source.path.parent for source in program.sources if source.path.name == CONTRACT), None)

@@ -1,4 +1,4 @@
-"""The statements of a logic program, with the atoms of their heads and bodies picked out."""
+"""The statements of a logic program, with the atoms of their heads and bodies."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ PLAIN_ATOM = re.compile(r"(?P<sign>not not |not )?(?P<name>-?_*[a-z][\w']*)(?:\(
 
 @dataclass(frozen=True)
 class AtomNode:
-    """An atom of a rule: its predicate, ``-`` before it where strongly negated, and its arguments as text."""
+    """An atom of a rule: its predicate, with a prefix ``-`` if strongly negated, and its arguments as text."""
 
     name: str
     arguments: tuple[str, ...]
@@ -43,7 +43,7 @@ class AtomNode:
 
     @property
     def terms(self) -> list[AST]:
-        """The arguments as nodes of the syntax tree, which clingo is slow to hand out."""
+        """The arguments as nodes of the syntax tree; reading them from clingo is slow."""
         node = self.node.atom.symbol if self.node.ast_type == ASTType.Literal else self.node
         function: AST = node.argument if node.ast_type == ASTType.UnaryOperation else node
         return list(function.arguments)
@@ -54,9 +54,9 @@ class AtomNode:
 
 @dataclass(frozen=True, eq=False)
 class Statement:
-    """One statement of a source, in its program part; each is itself alone.
+    """One statement of a source, in its program part; statements are compared by identity.
 
-    `own` tells the domain's files from the encodings, `parameters` are those of the part.
+    `own` is true for the files of the domain, false for the encodings. `parameters` are those of the part.
     """
 
     node: AST
@@ -94,12 +94,12 @@ class Statement:
 
     @cached_property
     def body(self) -> tuple[AtomNode, ...]:
-        """The atoms that a statement reads, those of conditions included."""
+        """The atoms that a statement reads, including those of conditions."""
         return (*self._head[1], *(atom for node, text in self.literals for atom in atoms(node, text)))
 
     @property
     def conditions(self) -> tuple[AtomNode, ...]:
-        """The atoms of the conditions that a rule derives its heads under."""
+        """The atoms of the conditions in the head of a rule."""
         return tuple(self._head[1])
 
     @cached_property
@@ -108,18 +108,18 @@ class Statement:
 
     @cached_property
     def scripts(self) -> tuple[str, ...]:
-        """The names of the functions that it has clingo call, as in ``@name(X)``."""
+        """The names of the external functions that the statement calls, as in ``@name(X)``."""
         if "@" not in self.text:
             return ()
         return tuple(n.name for n in below(self.node) if n.ast_type == ASTType.Function and n.external)
 
     def problem(self, text: str, line: int | None = None, name: str = "") -> Problem:
-        """Return a problem of this statement: an error, or the warning of a name."""
+        """Return a problem of this statement: an error, or a warning if it has a `name`."""
         return Problem(self.path, self.line if line is None else line, text, name)
 
 
 def head_atoms(head: AST) -> tuple[list[AtomNode], list[AtomNode]]:
-    """Return the atoms that the head of a rule derives, and those of the conditions that it derives them under."""
+    """Return the atoms that the head of a rule derives, and the atoms of its conditions."""
     plain = plain_atom(head, str(head))
     if plain:
         return [plain], []
@@ -131,7 +131,7 @@ def head_atoms(head: AST) -> tuple[list[AtomNode], list[AtomNode]]:
 
 
 def _split_head(head: AST) -> tuple[list[AST], list[AST]]:
-    """Return the literals that a head derives and those that it derives them under."""
+    """Return the literals that a head derives, and the literals of its conditions."""
     if head.ast_type in (ASTType.Aggregate, ASTType.Disjunction):
         elements = list(head.elements)
     elif head.ast_type == ASTType.HeadAggregate:
@@ -142,7 +142,7 @@ def _split_head(head: AST) -> tuple[list[AST], list[AST]]:
 
 
 def atoms(node: AST, text: str) -> Iterator[AtomNode]:
-    """Yield the atoms of a literal, an aggregate or a condition, whose text is `text`."""
+    """Yield the atoms of a literal, an aggregate or a condition; `text` is its text."""
     plain = plain_atom(node, text)
     if plain:
         yield plain
@@ -158,7 +158,7 @@ def atoms(node: AST, text: str) -> Iterator[AtomNode]:
 
 
 def plain_atom(node: AST, text: str) -> AtomNode | None:
-    """Return the atom of a literal without strings and pools from its text, which is fast; None of others."""
+    """Return the atom of a plain literal from its text, which is fast; None for other literals, strings and pools."""
     match = PLAIN_ATOM.match(text)
     if not match or '"' in text or ";" in text:
         return None
@@ -169,7 +169,7 @@ def plain_atom(node: AST, text: str) -> AtomNode | None:
 
 
 def split_arguments(text: str) -> list[str] | None:
-    """Return the arguments in a text, None where its parentheses do not match."""
+    """Return the comma-separated arguments in a text, or None if its parentheses do not match."""
     arguments, depth, start = [], 0, 0
     for separator in re.finditer(r"[(),]", text):
         if separator[0] == ",":
@@ -194,19 +194,19 @@ def _symbolic_atoms(symbol: AST, negated: bool, prefix: str = "") -> Iterator[At
 
 
 def children_of(node: AST) -> list[AST]:
-    """Return the nodes right below a node of a syntax tree."""
-    found: list[AST] = []
+    """Return the child nodes of a node of a syntax tree."""
+    children: list[AST] = []
     for key in node.child_keys:
         child = getattr(node, key)
         if isinstance(child, AST):
-            found.append(child)
+            children.append(child)
         elif child is not None:
-            found += child
-    return found
+            children += child
+    return children
 
 
 def below(node: AST) -> Iterator[AST]:
-    """Yield a node of a syntax tree and all that is below it."""
+    """Yield a node of a syntax tree and all its descendants."""
     stack = [node]
     while stack:
         node = stack.pop()
@@ -215,7 +215,7 @@ def below(node: AST) -> Iterator[AST]:
 
 
 def runs_no_code(name: str) -> str:
-    """Return what is told of a statement that has clingo call a function of this name."""
+    """Return the message for a statement that calls an external function."""
     return f"@{name} calls a script: a domain runs no code; write plain rules"
 
 
@@ -225,17 +225,17 @@ def spelled(signature: Signature) -> str:
 
 
 def names(texts: Iterable[str]) -> set[str]:
-    """Return the names of the functions and constants in texts, strings aside."""
+    """Return the names of the functions and constants in texts, outside of strings."""
     return {name for text in texts for name in NAME.findall(STRING.sub("", text) if '"' in text else text)} - {"not"}
 
 
 def variables(text: str) -> set[str]:
-    """Return the names of the variables in a text, strings aside."""
+    """Return the names of the variables in a text, outside of strings."""
     return set(VARIABLE.findall(STRING.sub("", text)))
 
 
 def with_replaced(text: str, replaced: Mapping[Statement, str]) -> str:
-    """Return a text with other text, of one line, in place of some of its statements; each line stays where it was."""
+    """Return a text with some statements replaced by text of one line; line numbers do not change."""
     lines = text.encode().split(b"\n")  # clingo counts columns in bytes
     for statement in sorted(replaced, key=_begin, reverse=True):
         (first, column), end = _begin(statement), statement.node.location.end

@@ -1,4 +1,4 @@
-"""Tell the comments and strings of a logic program from its code."""
+"""Separate the comments and strings of a logic program from its code."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ COMMENT_EDGE = re.compile(r"%\*|\*%")
 
 
 def blanked(text: str) -> str:
-    """Return a logic program with its comments and strings blanked out; every position stays where it is."""
+    """Return a logic program with its comments and strings replaced by blanks; positions do not change."""
     pieces: list[str] = []
     position = 0
     while position < len(text):
@@ -24,7 +24,7 @@ def blanked(text: str) -> str:
 
 
 def comments(text: str) -> Iterator[tuple[int, str]]:
-    """Yield the comments of a logic program, each with the number of the line that it begins on."""
+    """Yield the comments of a logic program, each with its first line number."""
     position, line = 0, 1
     while position < len(text):
         end = _token_end(text, position)
@@ -35,7 +35,7 @@ def comments(text: str) -> Iterator[tuple[int, str]]:
 
 
 def open_comment(text: str) -> int | None:
-    """Return the position of a block comment that never ends, None where there is none."""
+    """Return the position of an unclosed block comment, or None."""
     position = 0
     while position < len(text):
         end = _token_end(text, position)
@@ -46,7 +46,7 @@ def open_comment(text: str) -> int | None:
 
 
 def _token_end(text: str, start: int) -> int:
-    """Return where the comment, the string or the piece of code that begins at `start` ends."""
+    """Return the end of the comment, the string or the piece of code that begins at `start`."""
     if text.startswith("%*", start):
         return _comment_end(text, start)
     if text[start] == "%":

@@ -1,9 +1,9 @@
-"""What can never occur: counts prune it, and the linter reports it.
+"""Find the actions and composites that can never occur. Counts omit them, and the linter reports them.
 
     rejected actions -> rejected composites -> (relaxed rules) -> relaxed reachability, static fluents
 
-An action is *pruned* where every state rejects it: nothing that it states is kept. It is *unreachable* where nothing
-ever makes what it needs: no step tries it.
+An action is *pruned* if every state rejects it: its preconditions and effects are dropped. It is *unreachable* if its
+preconditions are relaxed-unreachable: no step tries it.
 """
 
 from prag_asp.pruning.pruning import Pruning, find_pruning

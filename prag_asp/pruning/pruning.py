@@ -1,4 +1,4 @@
-"""Everything that can never occur in a domain, found in one pass."""
+"""Find all actions and composites that can never occur in a domain."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ from prag_asp.pruning.rejected_composites import RejectedComposites, find_reject
 
 @dataclass(frozen=True)
 class Pruning:
-    """What can never occur in a domain, and the `facts` that are left.
+    """The actions and composites that can never occur in a domain, and the remaining `facts`.
 
-    `composites` is None where the domain has none, `reach` where it is not known what is reachable. Where the encodings
-    do not read what is pruned, the facts are whole, and `is_applied` is false.
+    `composites` is None if the domain has none, `reach` if reachability is unknown. If the encodings do not read
+    ``_pruned``, all facts remain, and `is_applied` is false.
     """
 
     facts: Facts
@@ -41,19 +41,19 @@ class Pruning:
 def find_pruning(
     step: Program, grounder: Grounder, facts: Facts, statements: Sequence[Statement], encodings: Path | None
 ) -> Pruning:
-    """Return what can never occur of the `facts` that a domain states.
+    """Return the pruning of the `facts` of a domain.
 
-    `step` is the program of a step without user rules. `grounder` holds the ground base part, with the program of
-    relaxed steps if the folder of `encodings` has it.
+    `step` is the program of a step without user rules. `grounder` has grounded the base part, and contains the program
+    of relaxed steps if the folder of `encodings` has it.
     """
     actions = find_rejected_actions(step, grounder.control, facts, statements)
     composites = find_rejected_composites(step, facts, actions, statements) if facts.composites else None
     applied = any(atom.signature == PRUNED for each in statements if not each.own for atom in each.body)
     if not applied:
         return Pruning(facts, actions, composites, None, Unreachable(), is_applied=False)
-    left = without(facts, {*actions.rejections, *(composites.composites if composites else ())})
-    reach = find_relaxed_reach(grounder, left, statements, encodings) if encodings else None
-    unreachable = find_unreachable(reach, left) if reach else Unreachable()
-    static = static_values(reach, left) if reach else ()
-    left = replace(left, unreachable=unreachable.actions, static=static)
-    return Pruning(left, actions, composites, reach, unreachable, is_applied=True)
+    remaining = without(facts, {*actions.rejections, *(composites.composites if composites else ())})
+    reach = find_relaxed_reach(grounder, remaining, statements, encodings) if encodings else None
+    unreachable = find_unreachable(reach, remaining) if reach else Unreachable()
+    static = static_values(reach, remaining) if reach else ()
+    remaining = replace(remaining, unreachable=unreachable.actions, static=static)
+    return Pruning(remaining, actions, composites, reach, unreachable, is_applied=True)

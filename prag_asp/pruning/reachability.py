@@ -1,7 +1,7 @@
-"""Relaxed reachability: actions that never occur because nothing ever makes what they need.
+"""Relaxed reachability: actions never occur if their preconditions are unreachable in the relaxed problem.
 
-In the relaxed problem, nothing that was true is ever lost (Bonet and Geffner 2001; planners ground by it, Helmert
-2009). ``encodings/reachable.lp`` states it of the facts of the base part.
+In the relaxed problem, a reached value stays reached (Bonet and Geffner 2001; planners use it for grounding, Helmert
+2009). ``encodings/reachable.lp`` defines it on the facts of the base part.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from prag_asp.pruning.rejected_actions import STATE_PREDICATES
 from prag_asp.pruning.relaxed_rules import STRAY, FluentSetter, RelaxedRules, fluent_setters
 
 DYNAMIC = STATE_PREDICATES | {OCCURS}
-"""The predicates that describe states and actions."""
+"""The predicates of states and occurring actions."""
 
 OPPOSITE = {"true": "false", "false": "true"}
 
@@ -31,20 +31,20 @@ ValuedFluent = tuple[clingo.Symbol, str]
 """A fluent with one of its values."""
 
 CONFLICTS = "10000"
-"""Conflicts that clingo may spend on the rest of the base part; the relaxed steps need none."""
+"""The limit of conflicts that clingo spends on the rest of the base part; the relaxed steps need none."""
 
 
 def relaxed_sources(encodings: Path) -> tuple[Source, ...]:
-    """Return the program of relaxed steps in a folder of encodings, nothing where it has none."""
+    """Return the program of relaxed steps in a folder of encodings, empty if there is none."""
     path = encodings / REACHABLE
     return read_sources(path, encodings) if path.is_file() else ()
 
 
 class RelaxedReach(NamedTuple):
-    """What is reachable: the actions that may occur and the values that fluents may have.
+    """The relaxed-reachable actions and values of fluents.
 
-    Values are `standing` where all that invariants infer from them is reachable as well. `setters` are the values that
-    user rules of a step may set, each with the first rule that does.
+    A value is `standing` if all values that the invariants infer from it are reachable as well. `setters` maps each
+    value that user rules of a step may set to the first such rule.
     """
 
     actions: frozenset[clingo.Symbol]
@@ -54,7 +54,7 @@ class RelaxedReach(NamedTuple):
 
 
 class Unreachable(NamedTuple):
-    """The unreachable actions and values of the goal; where no action is reachable, one of them instead of all."""
+    """The unreachable actions and goal values; if no action is reachable, `instead_of_all` is one of them."""
 
     actions: tuple[clingo.Symbol, ...] = ()
     goal: tuple[ValuedFluent, ...] = ()
@@ -64,11 +64,11 @@ class Unreachable(NamedTuple):
 def find_relaxed_reach(
     grounder: Grounder, facts: Facts, statements: Sequence[Statement], encodings: Path
 ) -> RelaxedReach | None:
-    """Return what is reachable of the fluents and actions of `facts`, or None where that is not known.
+    """Return the relaxed-reachable fluent values and actions of `facts`, or None if they are unknown.
 
-    `grounder` holds the base part with the relaxed steps. It is not known where rules other than the `encodings` read
-    which actions are pruned, make actions occur, derive states outside of a step, or may give a value to what is no
-    fluent; nor where the initial state depends on choices.
+    `grounder` contains the base part and the relaxed steps. Reachability is unknown if rules outside of the `encodings`
+    read which actions are pruned, derive occurring actions, derive states outside of a step, or may assign a value to a
+    term that is no fluent; or if the initial state depends on choices.
     """
     others = [each for each in statements if each.own or each.path.parent != encodings]
     reads = any(atom.signature == PRUNED for each in others for atom in each.body)
@@ -113,22 +113,22 @@ def find_relaxed_reach(
 
 
 def _derives_elsewhere(statement: Statement) -> bool:
-    """Return whether a rule outside of a step derives an action or a state other than the initial one."""
+    """Return whether a rule outside of the steps derives an occurrence or a state other than the initial one."""
     heads = [atom for atom in statement.heads if atom.signature in DYNAMIC]
     return any(statement.timed or atom.signature != HOLDS or atom.arguments[-1] != "0" for atom in heads)
 
 
 def find_unreachable(reach: RelaxedReach, facts: Facts) -> Unreachable:
-    """Return the unreachable actions, none of them where that would be all, and the unreachable values of the goal."""
+    """Return the unreachable actions, none of them if no action is reachable, and the unreachable goal values."""
     never = tuple(action for action in facts.actions if action not in reach.actions)
     goal = tuple(each for each in facts.goal if each not in reach.standing)
     return Unreachable(never, goal) if reach.actions else Unreachable((), goal, next(iter(facts.tried), None))
 
 
 def static_values(reach: RelaxedReach, facts: Facts) -> Assignment:
-    """Return fluents that have the same value in every state, with it: nothing ever gives them the other one.
+    """Return the fluents with an initial value whose opposite is unreachable, each with this static value.
 
-    None is found where invariants restrict fluents as well.
+    The result is empty for domains with invariants, which may restrict values as well.
     """
     if facts.exclusive or facts.implies or facts.impossible:
         return ()

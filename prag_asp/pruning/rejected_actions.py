@@ -1,9 +1,9 @@
-"""Actions that every state rejects, and the values of fluents that never change.
+"""Find the actions that every state rejects, and the static fluents.
 
-An action that is rejected where nothing is known but what never changes is rejected in every state, because what is
-unknown can be learned. What only such actions would change does not change either, which may reject more of them. By
-induction over the steps, all of them can be pruned together. The invariants find the suspects and the reasons; the
-encodings confirm them.
+An action that is rejected in the state where only the static values are known is rejected in every state, because a
+precondition on an unknown value is met. A fluent that only rejected actions would change is static as well, which may
+reject more actions. By induction over the steps, all of them can be pruned together. The invariants yield candidates
+with reasons; the encodings confirm them.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ from prag_asp.program.sources import Program
 from prag_asp.program.syntax import Signature, Statement
 
 STEP = 1_000_000_000
-"""The number of the step that is ground: no domain mentions it."""
+"""The number of the step that is ground; no domain mentions it."""
 
 STATE_PREDICATES: frozenset[Signature] = frozenset([HOLDS, KNOWN, CHANGED])
-"""The predicates that describe states."""
+"""The predicates of states."""
 
 
 class Rejection(NamedTuple):
-    """Why an action is rejected: two values of fluents that contradict each other, or one that contradicts itself.
+    """The reason of a rejected action: two fluent values that contradict each other, or one that contradicts itself.
 
-    `predicate` and `stated` are the precondition or postcondition to blame. The values contradict each other in what
-    the action `needs`, or after it; with what never changes where `static`. `first` is then the static value. `makes`
-    says that the action sets both; `may_change` that some action, which can never occur, would change the static one.
+    `predicate` and `stated` are the precondition or postcondition to blame. If `needs`, the preconditions contradict
+    each other, otherwise the state after the action. If `static`, `first` is a static value. `makes` is true if the
+    action sets both values, `may_change` if an action that can never occur would change the static value.
     """
 
     predicate: str
@@ -48,7 +48,7 @@ class Rejection(NamedTuple):
 
 
 class RejectedActions(NamedTuple):
-    """The actions that can never occur, each with the reason, and the values that fluents have in every state."""
+    """The actions that can never occur, each with the reason, and the static values."""
 
     rejections: Mapping[clingo.Symbol, Rejection]
     static: Reasons
@@ -59,21 +59,21 @@ def find_rejected_actions(
 ) -> RejectedActions:
     """Return the actions that every state rejects; `program` is that of a step without user rules.
 
-    User rules of a step may change any state: with them, no initial value is taken to be static.
+    User rules of a step may change any fluent: with them, no initial value counts as static.
     """
     stated = set(chain.from_iterable(map(state_predicates_of, statements)))
     start = [] if stated else initial_values(control)
     able: set[clingo.Symbol] = set()
     while True:
-        found = _RejectionSearch(facts, start, frames=CHANGED not in stated, able=able).run()
-        confirmed = set(rejected_by_encodings(program, found.rejections, found.static))
-        if len(confirmed) == len(found.rejections):
-            return found
-        able |= found.rejections.keys() - confirmed
+        result = _RejectionSearch(facts, start, frames=CHANGED not in stated, able=able).run()
+        confirmed = set(rejected_by_encodings(program, result.rejections, result.static))
+        if len(confirmed) == len(result.rejections):
+            return result
+        able |= result.rejections.keys() - confirmed
 
 
 def state_predicates_of(statement: Statement) -> Iterator[Signature]:
-    """Yield the predicates by which a user rule derives states after the initial one."""
+    """Yield the state predicates that a user rule derives for states after the initial one."""
     for atom in statement.heads if statement.own else ():
         if atom.signature in STATE_PREDICATES and (statement.timed or atom.arguments[-1] != "0"):
             yield atom.signature
@@ -86,10 +86,9 @@ def initial_values(control: clingo.Control) -> list[FluentValue]:
 
 
 class _RejectionSearch:
-    """Finds the actions that the invariants reject in every state, and with them the static values.
+    """Finds the actions that the invariants reject in every state, and the static values.
 
-    Actions that are `able` to occur are skipped. Without `frames`, a fluent may change though its action does not set
-    it.
+    Actions that are `able` to occur are skipped. Without `frames`, a fluent may change even if no effect sets it.
     """
 
     def __init__(
@@ -125,20 +124,20 @@ class _RejectionSearch:
         return RejectedActions(ordered, self._static)
 
     def _add_static(self, values: Iterable[FluentValue]) -> list[FluentValue]:
-        """Add static values with their consequences, and return the new ones."""
+        """Add static values and their consequences, and return the new ones."""
         new = {value: why for value, why in entailed(values, self._graph).items() if value not in self._static}
         self._static |= new
         return list(new)
 
     def _reject(self, action: clingo.Symbol, waiting: list[clingo.Symbol]) -> None:
-        """Add an action to the rejected ones if there is a reason."""
+        """Add an action to the rejected ones if there is a reason to reject it."""
         rejection = self._rejection(action)
         if rejection is not None:
             self._rejections[action] = rejection
             waiting.append(action)
 
     def _find_demanding(self) -> None:
-        """Find the actions that would be rejected if an initial value turned out to be static."""
+        """Index the actions that would be rejected if an initial value turned out to be static."""
         may_be_static = entailed(self._start.items(), self._graph)
         for action in self._facts.actions:
             if action not in self._able and action not in self._rejections:
@@ -151,15 +150,15 @@ class _RejectionSearch:
         return {fluent for fluent, _ in self._facts.postconditions.get(action, ())}
 
     def _around(self, action: clingo.Symbol) -> tuple[Reasons, Reasons]:
-        """Return the values that an action needs and those that hold after it, both with their consequences."""
+        """Return the values before an action and those after it, both with their consequences."""
         changed = self._changed(action)
         needed = entailed(fluent_values(self._facts.preconditions.get(action, ())), self._graph)
-        kept = [value for value in needed if value[0] not in changed] if self._frames else []
-        made = fluent_values(self._facts.postconditions.get(action, ()))
-        return needed, entailed([*kept, *made], self._graph)
+        unchanged = [value for value in needed if value[0] not in changed] if self._frames else []
+        effects = fluent_values(self._facts.postconditions.get(action, ()))
+        return needed, entailed([*unchanged, *effects], self._graph)
 
     def _rejection(self, action: clingo.Symbol) -> Rejection | None:
-        """Return why the invariants and the static values reject an action, or None where they do not."""
+        """Return the reason why the invariants and the static values reject an action, or None if they do not."""
         needed, after = self._around(action)
         pair = conflict(needed)
         if pair:
@@ -170,27 +169,27 @@ class _RejectionSearch:
             return Rejection("precondition", pair[1], *pair, needs=True, static=True, may_change=may_change)
         pair = conflict(after) or conflict(after, self._static)
         if pair:
-            made = fluent_values(self._facts.postconditions.get(action, ()))
-            stated = pair[1] if pair[1] in made else pair[0]
-            predicate = "postcondition" if stated in made else "precondition"
-            makes = pair[0] in made and pair[1] in made
+            effects = fluent_values(self._facts.postconditions.get(action, ()))
+            stated = pair[1] if pair[1] in effects else pair[0]
+            predicate = "postcondition" if stated in effects else "precondition"
+            makes = pair[0] in effects and pair[1] in effects
             return Rejection(predicate, stated, *pair, needs=False, makes=makes)
         return None
 
 
 def rejected_by_encodings(
-    program: Program, actions: Collection[clingo.Symbol], known: Iterable[FluentValue]
+    program: Program, actions: Collection[clingo.Symbol], values: Iterable[FluentValue]
 ) -> Collection[clingo.Symbol]:
-    """Return the actions that a step rejects from a state where only `known` is known."""
+    """Return the actions that a step rejects in a state in which only some fluent values are known."""
     if not actions:
         return ()
     grounder = Grounder(program)
     grounder.ground([("base", [])])
-    grounder.state(holding(known, STEP - 1))
+    grounder.state(holding(values, STEP - 1))
     grounder.ground([("step", [clingo.Number(STEP)])])
     atoms = grounder.control.symbolic_atoms
-    found = {action: atoms[OCCURS(action, clingo.Number(STEP))] for action in actions}
-    open_ = {atom.literal: action for action, atom in found.items() if atom is not None}
+    occurrences = {action: atoms[OCCURS(action, clingo.Number(STEP))] for action in actions}
+    open_ = {atom.literal: action for action, atom in occurrences.items() if atom is not None}
     while open_:
         with grounder.control.backend() as backend:
             some = backend.add_atom()
@@ -202,18 +201,18 @@ def rejected_by_encodings(
                 break
             able = [literal for literal in open_ if model.is_true(literal)]
         for literal in able:
-            del found[open_.pop(literal)]
-    return found.keys()
+            del occurrences[open_.pop(literal)]
+    return occurrences.keys()
 
 
-def holding(known: Iterable[FluentValue], time: int) -> Iterator[clingo.Symbol]:
-    """Yield the atoms that give fluents these values after a step."""
-    for fluent, value in known:
+def holding(values: Iterable[FluentValue], time: int) -> Iterator[clingo.Symbol]:
+    """Yield the ``holds`` atoms of fluent values at a time."""
+    for fluent, value in values:
         yield HOLDS(fluent, value_term(value), clingo.Number(time))
 
 
 def fluent_values(values: Assignment | list[tuple[clingo.Symbol, str]]) -> list[FluentValue]:
-    """Return the known values; unknown ones state nothing."""
+    """Return the fluents that are true or false, without unknown ones."""
     return [(fluent, value == "true") for fluent, value in values if value in ("true", "false")]
 
 

@@ -1,7 +1,7 @@
-"""Composites that every state rejects, and whether any composite or free action can begin in the initial state.
+"""Find the composites that every state rejects, and test if any composite or free action can begin initially.
 
-A sequence of actions that is rejected from a state where nothing is known but what never changes is rejected from every
-state. The invariants find the suspects and the reasons; the encodings confirm them.
+A sequence of actions that is rejected in the state where only the static values are known is rejected in every state.
+The invariants yield candidates with reasons; the encodings confirm them.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ KnownValues = frozenset[FluentValue]
 
 
 class StageFailure(NamedTuple):
-    """Why a sequence of actions is rejected: the place of the action to blame, from 0, and the reason in words."""
+    """The reason of a rejected sequence of actions: the index of the action to blame, and the reason as text."""
 
     place: int
     reason: str
@@ -34,7 +34,7 @@ class StageFailure(NamedTuple):
 class RejectedComposites(NamedTuple):
     """The composites that can never occur, and the reasons of those whose single actions all may occur.
 
-    `none_can_begin` says that no composite and no free action can begin in the initial state.
+    `none_can_begin` is true if no composite and no free action can begin in the initial state.
     """
 
     composites: frozenset[clingo.Symbol]
@@ -47,7 +47,7 @@ def find_rejected_composites(
 ) -> RejectedComposites:
     """Return the composites that every state rejects.
 
-    Where user rules of a step derive states, only the rejected `actions` reject composites.
+    If user rules of a step derive states, only the rejected `actions` reject composites.
     """
     sequences = composite_actions(facts)
     rejected = actions.rejections.keys()
@@ -67,7 +67,7 @@ def find_rejected_composites(
 
 
 class _SequenceRunner:
-    """Runs sequences of actions through known values, as the encodings do; equal beginnings run once."""
+    """Simulates sequences of actions on known values, as the encodings do; common prefixes are simulated once."""
 
     def __init__(self, facts: Facts) -> None:
         self._graph: Graph = invariant_graph(facts)
@@ -76,11 +76,11 @@ class _SequenceRunner:
         self._changed = {a: {fluent for fluent, _ in facts.postconditions.get(a, ())} for a in facts.actions}
 
     def failures(
-        self, sequences: Mapping[clingo.Symbol, Actions], known: KnownValues
+        self, sequences: Mapping[clingo.Symbol, Actions], values: KnownValues
     ) -> dict[clingo.Symbol, StageFailure]:
-        """Return the sequences that are rejected from a state where just `known` is known, each with the reason."""
-        results: dict[Actions, KnownValues | StageFailure] = {(): frozenset(entailed(known, self._graph))}
-        found: dict[clingo.Symbol, StageFailure] = {}
+        """Return the sequences that are rejected in a state in which only some values are known, with the reasons."""
+        results: dict[Actions, KnownValues | StageFailure] = {(): frozenset(entailed(values, self._graph))}
+        failures: dict[clingo.Symbol, StageFailure] = {}
         for key, sequence in sequences.items():
             for index, action in enumerate(sequence):
                 before = results[sequence[:index]]
@@ -90,16 +90,16 @@ class _SequenceRunner:
                     )
             last = results[sequence]
             if isinstance(last, StageFailure):
-                found[key] = last
-        return found
+                failures[key] = last
+        return failures
 
-    def _after(self, index: int, action: clingo.Symbol, known: KnownValues) -> KnownValues | StageFailure:
+    def _after(self, index: int, action: clingo.Symbol, values: KnownValues) -> KnownValues | StageFailure:
         needed = self._needed[action]
         for fluent, value in sorted(needed):
-            if (fluent, not value) in known or (fluent, not value) in needed:
+            if (fluent, not value) in values or (fluent, not value) in needed:
                 return StageFailure(index, f"needs {spell((fluent, value))}, but by then {spell((fluent, not value))}")
-        kept = {literal for literal in known | needed if literal[0] not in self._changed[action]}
-        after = entailed([*kept, *self._made[action]], self._graph)
+        unchanged = {literal for literal in values | needed if literal[0] not in self._changed[action]}
+        after = entailed([*unchanged, *self._made[action]], self._graph)
         pair = conflict(after)
         if pair:
             return StageFailure(index, f"leads to {spell(pair[0])} and {spell(pair[1])}, which the invariants forbid")
@@ -111,21 +111,21 @@ def _of(table: Mapping[clingo.Symbol, Assignment], action: clingo.Symbol) -> lis
 
 
 def _confirmed(
-    program: Program, sequences: Mapping[clingo.Symbol, Actions], known: Collection[FluentValue]
+    program: Program, sequences: Mapping[clingo.Symbol, Actions], values: Collection[FluentValue]
 ) -> list[clingo.Symbol]:
-    """Return the keys of the sequences that the encodings reject where just `known` is known."""
-    found = []
+    """Return the keys of the sequences that the encodings reject in a state in which only some values are known."""
+    confirmed = []
     by_length = sorted(sequences, key=lambda key: len(sequences[key]))
     for length, keys in groupby(by_length, key=lambda key: len(sequences[key])):
         grounder = Grounder(program)
         steps = [clingo.Number(STEP + index) for index in range(length)]
         grounder.ground([("base", [])])
-        grounder.state(holding(known, STEP - 1))
+        grounder.state(holding(values, STEP - 1))
         grounder.ground([("step", [step]) for step in steps])
         atoms = grounder.control.symbolic_atoms
         for key in keys:
             occurring = [atoms[OCCURS(action, step)] for action, step in zip(sequences[key], steps, strict=True)]
             assumed = [atom.literal for atom in occurring if atom is not None]
             if len(assumed) < length or grounder.control.solve(assumptions=assumed).unsatisfiable:
-                found.append(key)
-    return found
+                confirmed.append(key)
+    return confirmed

@@ -1,4 +1,4 @@
-"""Entities that the author's statements treat alike: no rule names them, and their facts differ in names alone."""
+"""Entities that the author's statements treat alike: no rule names them, and their facts differ only in the name."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ HOLE = "_"
 class AlikeEntities:
     """The groups of two or more entities that the author's statements treat alike, each in clingo's order of terms.
 
-    `stated` has the ground facts of each fact of the author in the base part.
+    `stated` maps each fact of the author in the base part to its ground facts.
     """
 
     program: Program
@@ -31,27 +31,27 @@ class AlikeEntities:
     stated: Mapping[Statement, Sequence[clingo.Symbol]]
 
     def without(self, dropped: Collection[clingo.Symbol]) -> Program:
-        """Return the program without the facts that name some entities; no line moves."""
-        left: dict[Statement, str] = {}
+        """Return the program without the facts that name `dropped` entities; line numbers do not change."""
+        texts: dict[Statement, str] = {}
         for statement, facts in self.stated.items():
-            kept = [fact for fact in facts if not any(_named(fact, dropped))]
-            if len(kept) < len(facts):
-                left[statement] = " ".join(f"{fact}." for fact in kept)
+            remaining = [fact for fact in facts if not any(_named(fact, dropped))]
+            if len(remaining) < len(facts):
+                texts[statement] = " ".join(f"{fact}." for fact in remaining)
         return Program(tuple(
-            Source(source.path, with_replaced(source.text, {s: t for s, t in left.items() if s.path == source.path}),
+            Source(source.path, with_replaced(source.text, {s: t for s, t in texts.items() if s.path == source.path}),
                    source.includes)
             for source in self.program.sources
         ))  # fmt: skip
 
 
 def find_alike(program: Program, statements: Sequence[Statement]) -> AlikeEntities:
-    """Return the entities that the author's statements treat alike, in a program without an `objection`.
+    """Return the entities that the author's statements treat alike, provided that there is no `objection`.
 
     Raises:
         DomainError: clingo cannot ground one of the facts.
     """
     stated = _ground(statements)
-    facts = [fact for found in stated.values() for fact in found]
+    facts = [fact for instances in stated.values() for fact in instances]
     entities = {fact.arguments[0] for fact in facts if (fact.name, len(fact.arguments)) == ("entity", 2)}
     distinguished = _distinguished(statements, entities)
     negated = {_negated(entity): entity for entity in entities if entity.type == clingo.SymbolType.Function}
@@ -79,17 +79,17 @@ def _ground(statements: Iterable[Statement]) -> dict[Statement, list[clingo.Symb
     lines += [each.text for each in statements if each.own and each.kind == ASTType.Definition]
     grounder = Grounder(Program((Source(facts[0].path, "\n".join(lines)),)))
     grounder.ground([("base", [])])
-    found: dict[Statement, list[clingo.Symbol]] = {each: [] for each in facts}
+    by_statement: dict[Statement, list[clingo.Symbol]] = {each: [] for each in facts}
     for atom in grounder.control.symbolic_atoms.by_signature(STATED, 2):
         number, fact = atom.symbol.arguments
-        found[facts[number.number]].append(fact)
-    return found
+        by_statement[facts[number.number]].append(fact)
+    return by_statement
 
 
 def _distinguished(statements: Iterable[Statement], entities: Collection[clingo.Symbol]) -> set[clingo.Symbol]:
-    """Return the entities that a rule or a constant names or a pattern of a rule may match, and parts of entities.
+    """Return the entities that a rule or constant names, that a pattern of a rule may match, or that are nested.
 
-    Numbers and strings are distinguished as well, because rules compute with numbers.
+    Numbers and strings count as distinguished as well, because rules compute with numbers.
     """
     constants: set[str] = set()
     patterns: set[tuple[str, int]] = set()
@@ -121,7 +121,7 @@ def _arguments(term: clingo.Symbol) -> Sequence[clingo.Symbol]:
 
 
 def _terms(node: AST) -> Iterator[AST]:
-    """Yield the terms of a statement, without its predicates, which the syntax tree has as functions as well."""
+    """Yield the terms of a statement, without its predicates, which are also functions in the syntax tree."""
     if node.ast_type == ASTType.SymbolicAtom:
         inner = _predicates(node.symbol)
         for each in (argument for predicate in inner for argument in predicate.arguments):
@@ -149,7 +149,7 @@ def _named(term: clingo.Symbol, entities: Collection[clingo.Symbol]) -> Iterator
 
 
 def _negated(entity: clingo.Symbol) -> clingo.Symbol:
-    """Return an entity with the other sign, which is another name."""
+    """Return an entity with the opposite sign, which is another name."""
     return clingo.Function(entity.name, entity.arguments, not entity.positive)
 
 

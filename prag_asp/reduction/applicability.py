@@ -1,9 +1,9 @@
-"""The premises of the small-model reduction that the syntax of a domain decides.
+"""Check the syntactic premises of the small-model reduction.
 
-The author's statements have to treat all entities alike that they do not name, and no rule may read an entity beyond
-those that its atoms name. The allowed fragment is narrow, and the proof in docs/explanations/needed.md uses each
-restriction: rules of the base part alone, plain and stratified, no predicates of the encodings beside those of the
-contract, and no order among terms, except to state only one of the two mirror images of an invariant.
+The author's statements have to treat all entities that they do not name alike, and no rule may depend on an entity
+that its atoms do not name. The allowed fragment is narrow, and the proof in docs/explanations/needed.md uses each
+restriction: only rules of the base part, plain and stratified, no predicates of the encodings except those of the
+contract, and no order among terms, except to state only one of two mirror images of an invariant.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ Invariants are not among them, because only one of two mirror images may be stat
 """
 
 MIRRORED = frozenset([("exclusive", 2), ("impossible", 2)])
-"""Invariants that mean the same with their two fluents swapped."""
+"""The symmetric invariants: swapping their two fluents does not change their meaning."""
 
 STATED = (READ - {("is_a", 2)}) | MIRRORED | {("implies", 2)}
 """The predicates of the contract that an author's rules may derive."""
 
 RULES = frozenset(["closed_world.lp", "at_most.lp", "ever.lp"])
-"""The optional rules that read no entity that an action does not name."""
+"""The optional rules that depend on no entity that an action does not name."""
 
 FOLDERS = ("rules", "conditions")
 """The folders of optional encodings."""
@@ -43,16 +43,16 @@ PASSED_OVER = frozenset([
 """Statements that do not change the plans."""
 
 PLAIN = frozenset([ASTType.SymbolicAtom, ASTType.BooleanConstant, ASTType.Comparison])
-"""The atoms that a literal may have."""
+"""The kinds of atoms that a literal may have."""
 
 ORDERED = frozenset([
     ComparisonOperator.LessThan, ComparisonOperator.LessEqual,
     ComparisonOperator.GreaterThan, ComparisonOperator.GreaterEqual,
 ])  # fmt: skip
 COMPUTED = frozenset([ASTType.BinaryOperation, ASTType.Interval])
-"""Terms whose value is a number or undefined."""
+"""The kinds of terms whose value is a number or undefined."""
 Node = tuple[Signature, str]
-"""A predicate, and the value of its atoms if it is ``initially/2``, whose values are stratified separately."""
+"""A predicate, with a value if it is ``initially/2``: its values are stratified separately."""
 
 VALUES = ("true", "false")
 
@@ -105,7 +105,7 @@ def _objection_to(statement: Statement, reserved: AbstractSet[Signature]) -> str
 
 
 def _objection_to_form(statement: Statement) -> str | None:
-    """Return a reason if a rule is more than a plain atom that follows from plain literals."""
+    """Return a reason unless a rule derives a plain atom from plain literals."""
     head = statement.node.head
     if head.ast_type != ASTType.Literal or head.atom.ast_type not in PLAIN or head.sign != Sign.NoSign:
         return "a choice or an aggregate in a head may see every entity"
@@ -121,7 +121,7 @@ def _objection_to_form(statement: Statement) -> str | None:
 
 
 def _computed(statement: Statement) -> Iterator[AST]:
-    """Yield the unary operations in the terms of a rule; the minus of a negated predicate is none."""
+    """Yield the unary operations in the terms of a rule, without the minus of strongly negated atoms."""
     return (
         node
         for literal in (statement.node.head, *(literal for literal, _ in statement.literals))
@@ -137,7 +137,7 @@ def _turns_around(term: AST) -> bool:
 
 
 def _objection_to_atoms(statement: Statement, reserved: AbstractSet[Signature]) -> str | None:
-    """Return a reason if a rule reads or derives a predicate beyond the allowed ones."""
+    """Return a reason if a rule reads or derives a predicate that is not allowed."""
     for atom in statement.heads:
         if atom.name.startswith("-") or atom.signature in reserved:
             return f"{spelled(atom.signature)} is not stated by plain facts"
@@ -177,7 +177,7 @@ def _is_number(term: AST) -> bool:
 
 
 def _is_mirrored(statement: Statement, compared: AST) -> bool:
-    """Return whether a rule for an invariant, without its comparison, is symmetric in the two compared variables."""
+    """Return whether a rule for an invariant is symmetric in the two compared variables, apart from the comparison."""
     guards = compared.atom.guards
     sides = [str(compared.atom.term), str(guards[0].term)]
     (head,) = statement.heads or (None,)
@@ -200,7 +200,7 @@ def _is_mirrored(statement: Statement, compared: AST) -> bool:
 
 
 def _involutions(names: Sequence[str], fixed: Mapping[str, str]) -> Iterator[dict[str, str]]:
-    """Yield the ways to swap some names in pairs, each added to the pairs of `fixed`."""
+    """Yield all involutions of some names, each joined with the pairs of `fixed`."""
     if not names:
         yield dict(fixed)
         return
@@ -211,11 +211,11 @@ def _involutions(names: Sequence[str], fixed: Mapping[str, str]) -> Iterator[dic
 
 
 def _swapped(text: str, swap: Mapping[str, str]) -> str:
-    return VARIABLE.sub(lambda found: swap.get(found[0], found[0]), text)
+    return VARIABLE.sub(lambda match: swap.get(match[0], match[0]), text)
 
 
 def _through_negation(rules: Sequence[Statement]) -> Statement | None:
-    """Return a rule that reads an atom by `not` that depends on its head."""
+    """Return a rule that depends on its own head through `not`, or None if the rules are stratified."""
     above: dict[Node, set[Node]] = {}
     for rule in rules:
         heads = {node for head in rule.heads for node in _nodes(head)}
@@ -234,7 +234,7 @@ def _through_negation(rules: Sequence[Statement]) -> Statement | None:
 
 
 def _nodes(atom: AtomNode) -> list[Node]:
-    """Return the nodes that an atom may belong to: true and false initial values are separate ones."""
+    """Return the nodes that an atom may belong to: true and false initial values are separate nodes."""
     if atom.signature != ("initially", 2):
         return [(atom.signature, "")]
     value_term = atom.arguments[1]

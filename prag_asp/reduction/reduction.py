@@ -1,4 +1,4 @@
-"""The reduction of a domain: how many entities of each group plans need, and the program with only these."""
+"""The small-model reduction of a domain: the number of entities that plans need, and the program with only these."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ from prag_asp.reduction.alike_entities import AlikeEntities, find_alike
 from prag_asp.reduction.applicability import deriving_rules, objection
 
 FEWEST = 16
-"""The size of a group of alike entities from which a reduction is looked for."""
+"""The minimum size of a group of alike entities for a reduction."""
 
 MANY = 20_000
-"""The number of fluents, actions, conditions, effects and invariants from which a program is reduced.
+"""The minimum number of fluents, actions, conditions, effects and invariants for a reduction.
 
-A smaller program is ground whole, because the whole program can answer every question.
+A smaller program is ground completely, because the complete program answers every query.
 """
 
 FIRST = 3
@@ -45,7 +45,7 @@ Representatives = Mapping[clingo.Symbol, clingo.Symbol]
 
 @dataclass(frozen=True)
 class EntityBound:
-    """The largest number of entities of a group that are named together.
+    """The largest numbers of entities of a group that are named together.
 
     By one action, by one invariant or fluent, by one fluent, and by all facts that one rule reads.
     """
@@ -56,12 +56,12 @@ class EntityBound:
     rule: int
 
     def needed(self, length: int) -> int:
-        """Return how many entities a program needs to have all plans of a length up to renaming."""
+        """Return the number of entities with which a program has all plans of a length up to renaming."""
         return max(length * self.action + self.invariant, self.least)
 
     @property
     def least(self) -> int:
-        """The number of entities from which facts and symmetries are those of the whole program up to renaming."""
+        """The number of entities with which facts and symmetries are those of the whole program up to renaming."""
         return max(self.rule, 2 * self.fluent + self.invariant, self.action + self.invariant)
 
 
@@ -69,7 +69,7 @@ class EntityBound:
 class Reduction:
     """The small-model reduction of a program.
 
-    `groups` are those of which not all entities are ground in the least program, each with its entry of `bounds`.
+    `groups` are the groups with entities that the least program does not ground, each with its entry of `bounds`.
     `checked` is the checked least program, `settings` the file of settings.
     """
 
@@ -87,11 +87,11 @@ class Reduction:
 
     @cached_property
     def facts_with_all_entities(self) -> Facts:
-        """The facts of the least program, together with all entities of the whole one."""
+        """The facts of the least program, with all entities of the whole program."""
         return with_entities(self.facts, self._representatives([bound.least for bound in self.bounds]))
 
     def whole_facts(self) -> Facts:
-        """Return the facts of the whole program, which is ground lazily, with a note to the user."""
+        """Return the facts of the whole program, which is ground on first use, with a note to the user."""
         program, settings = self.program, self.settings
         groups = ", ".join(f"{len(group):,} like {group[0]}" for group in self.groups)
 
@@ -102,12 +102,12 @@ class Reduction:
         return ground_later(ground)
 
     def sizes(self, length: int) -> tuple[int, ...]:
-        """Return how many entities of each group plans of a length need."""
+        """Return the numbers of entities of each group that plans of a length need."""
         pairs = zip(self.groups, self.bounds, strict=True)
         return tuple(min(len(group), bound.needed(length)) for group, bound in pairs)
 
     def reduced(self, length: int) -> tuple[Program, Facts] | None:
-        """Return the reduced program for plans of a length and its facts; None if these need all entities."""
+        """Return the reduced program for plans of a length and its facts, or None if they need all entities."""
         representatives = self._representatives(self.sizes(length))
         if not representatives:
             return None
@@ -124,7 +124,7 @@ class Reduction:
         return self._total(chain(pairs, invariants)) + self.total((*facts.fluents, *facts.actions))
 
     def total(self, terms: Iterable[clingo.Symbol]) -> int:
-        """Return the number of terms of the whole program, given the corresponding terms of the least one."""
+        """Return the number of terms of the whole program that correspond to some terms of the least program."""
         return self._total((term,) for term in terms)
 
     def _total(self, rows: Iterable[tuple[clingo.Symbol, ...]]) -> int:
@@ -149,10 +149,10 @@ class Reduction:
 
 
 def find_reduction(program: Program, settings: Source, *, fewest: int = FEWEST) -> Reduction | str | None:
-    """Return the reduction of a program, or the reason why none applies, or None for a program that is not large.
+    """Return the reduction of a program, or the reason why it does not apply, or None for a small program.
 
-    The least program has passed every check. The whole one would pass as well, because no check sees more than what a
-    few entities name.
+    The least program has passed every check. The whole program would pass as well, because the checks depend only on
+    facts that name few entities together.
 
     Raises:
         DomainError: something is wrong with the least program.
@@ -183,13 +183,13 @@ def find_reduction(program: Program, settings: Source, *, fewest: int = FEWEST) 
 
 
 def is_large(facts: Facts) -> bool:
-    """Return whether a program states so much that the user is told why all of it is ground."""
+    """Return whether a program is so large that the user gets the reason why it is not reduced."""
     tables = (facts.preconditions, facts.postconditions)
     return sum(len(values) for table in tables for values in table.values()) >= MANY
 
 
 def named_in(term: clingo.Symbol, entities: Collection[clingo.Symbol]) -> set[clingo.Symbol]:
-    """Return the entities that a term names."""
+    """Return the entities in a term."""
     named: set[clingo.Symbol] = set()
     waiting = [term]
     while waiting:
@@ -202,7 +202,7 @@ def named_in(term: clingo.Symbol, entities: Collection[clingo.Symbol]) -> set[cl
 
 
 def _may_have(statements: Iterable[Statement], fewest: int) -> bool:
-    """Return whether at least `fewest` entities may be stated, without grounding their facts."""
+    """Return whether a program may have at least `fewest` entities, without grounding."""
     stated = 0
     for statement in statements:
         if statement.own and statement.is_rule and any(atom.name == "entity" for atom in statement.heads):
@@ -212,7 +212,7 @@ def _may_have(statements: Iterable[Statement], fewest: int) -> bool:
 
 
 def _representatives(groups: Iterable[Group], sizes: Iterable[int], settings: Source) -> Representatives:
-    """Return the entities to drop so that each group keeps its size; those that the settings name are kept."""
+    """Return the entities to drop so that each group has its size; entities that the settings name stay."""
     words = set(re.findall(r"\w+", settings.text))
     representatives: dict[clingo.Symbol, clingo.Symbol] = {}
     for group, size in zip(groups, sizes, strict=True):
@@ -227,8 +227,8 @@ def _bounds(
 ) -> dict[Group, EntityBound]:
     """Return the bounds of the groups that are larger than their bounds.
 
-    A measured bound is that of the whole program as soon as the measured program has `least` entities of each group:
-    up to renaming, no rule then reads facts of the whole program that this program does not have.
+    A measured bound equals that of the whole program if the measured program has `least` entities of each group: up to
+    renaming, it then has all facts of the whole program that a rule reads.
     """
     sizes = {group: min(FIRST, len(group)) for group in groups}
     while sizes:

@@ -193,8 +193,8 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self, achieved_goal: NDArray[np.floating], desired_goal: NDArray[np.floating], info: Any
     ) -> Any:
         """Return whether steps that lead to `achieved_goal` reach their goals; `info` is not used."""
-        found = reached(np.asarray(achieved_goal)[..., 0, :], np.asarray(desired_goal)[..., 0, :])
-        return bool(found) if found.ndim == 0 else found
+        is_reached = reached(np.asarray(achieved_goal)[..., 0, :], np.asarray(desired_goal)[..., 0, :])
+        return bool(is_reached) if is_reached.ndim == 0 else is_reached
 
     def render(self) -> Image | None:
         """Return an image of the first of the `cameras`, or of the scene's first one; None without a render mode.
@@ -293,8 +293,8 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         desired = np.zeros((2, PLACES), dtype=np.float32)
         desired[:, 0] = self._last
         seen = observe(self.layout, situation, self.action, self._arena.speeds, self._arena.commanded_openings)
-        found = {"observation": seen, "achieved_goal": np.array([here, self._before]), "desired_goal": desired}
-        return found | self._viewer.images(situation)
+        observation = {"observation": seen, "achieved_goal": np.array([here, self._before]), "desired_goal": desired}
+        return observation | self._viewer.images(situation)
 
     def _info(self, measured: list[float], *, success: bool) -> dict[str, Any]:
         """Return the information that goes with an observation."""

@@ -27,9 +27,9 @@ def check_episodes(*, until: object, reward: object, control: object, stage: obj
     Raises:
         QueryError: one is wrong.
     """
-    for value, known, what in ((until, UNTIL, "end"), (reward, REWARDS, "reward"), (control, CONTROLS, "control")):
-        if value not in known:
-            raise QueryError(unknown(str(value), known, what))
+    for value, choices, what in ((until, UNTIL, "end"), (reward, REWARDS, "reward"), (control, CONTROLS, "control")):
+        if value not in choices:
+            raise QueryError(unknown(str(value), choices, what))
     if not is_whole(stage) and stage != "any":
         raise QueryError(f"stage {stage!r}: give the number of a subgoal, from 0 or, from the last one, -1; or any")
     if not is_whole(steps) or steps < 1:

@@ -51,12 +51,12 @@ def subgoals_of(task: Task, scene: Scene) -> tuple[Subgoal, ...]:
     Raises:
         SceneError: the scene lacks the shape or the yaw of an entity that a spatial fluent speaks about.
     """
-    found = []
-    for effect, made in zip(physical_task(task, scene).effects, task.subgoals, strict=True):
-        achieved = facts(scene, made)
+    subgoals = []
+    for effect, fluents in zip(physical_task(task, scene).effects, task.subgoals, strict=True):
+        achieved = facts(scene, fluents)
         unchanged = tuple(fact for fact in effect.after if fact not in achieved)
-        found.append(Subgoal(achieved, unchanged, tuple(map(_name, (*achieved, *unchanged)))))
-    return tuple(found)
+        subgoals.append(Subgoal(achieved, unchanged, tuple(map(_name, (*achieved, *unchanged)))))
+    return tuple(subgoals)
 
 
 def _name(fact: Fact) -> str:

@@ -92,20 +92,20 @@ def observe(
     """
     scene = situation.scene
     acting = next((name for name in action.arguments if name in scene.robots), layout.robots[0])
-    found: list[float] = []
+    values: list[float] = []
     for robot in layout.robots:
         (at, quaternion), arm = situation.tool(robot), situation.arm(robot)
-        found += [*arm.joints, *at, *speeds[robot], *_direction(yaw_of(quaternion)), arm.width, commanded[robot]]
+        values += [*arm.joints, *at, *speeds[robot], *_direction(yaw_of(quaternion)), arm.width, commanded[robot]]
     tool = situation.tool(acting)
     named = named_bodies(action, scene)
     for entity in named:
-        found += _body(situation, entity, tool)
-    found += [0.0] * (len(BODY) * (layout.arguments - len(named)))
+        values += _body(situation, entity, tool)
+    values += [0.0] * (len(BODY) * (layout.arguments - len(named)))
     for entity in layout.bodies:
-        found += _body(situation, entity, tool)
+        values += _body(situation, entity, tool)
     one_hot = [0.0] * len(layout.skills)
     one_hot[layout.skills[skill(action, scene)]] = 1.0
-    return np.array(found + one_hot, dtype=np.float32)
+    return np.array(values + one_hot, dtype=np.float32)
 
 
 def _body(situation: Situation, entity: str, tool: Pose) -> Sequence[float]:

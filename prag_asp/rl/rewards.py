@@ -40,22 +40,22 @@ Flags = NDArray[np.bool_]
 
 def goal_distance(achieved: Floats, desired: Floats) -> Floats:
     """Return the distances of moments to goals, summed over facts (metres, radians); vectors are the last axis."""
-    found: Floats = np.add.reduce(np.maximum(0.0, achieved[..., 1:] - desired[..., 1:]), axis=-1)
-    return found
+    distance: Floats = np.add.reduce(np.maximum(0.0, achieved[..., 1:] - desired[..., 1:]), axis=-1)
+    return distance
 
 
 def reached(achieved: Floats, desired: Floats) -> Flags:
     """Return whether moments are at their goals, or beyond: pursuing a later subgoal; vectors are the last axis."""
     at, goal = achieved[..., 0], desired[..., 0]
     near = np.logical_and.reduce(achieved[..., 1:] <= desired[..., 1:], axis=-1)
-    found: Flags = (at > goal) | ((at == goal) & near)
-    return found
+    is_reached: Flags = (at > goal) | ((at == goal) & near)
+    return is_reached
 
 
 def potential(achieved: Floats, desired: Floats) -> Floats:
     """Return the potentials of moments, at least 0: the subgoals reached, and how near the next one is."""
-    found: Floats = achieved[..., 0] + 1.0 / (1.0 + goal_distance(achieved, desired) / REACH)
-    return found
+    result: Floats = achieved[..., 0] + 1.0 / (1.0 + goal_distance(achieved, desired) / REACH)
+    return result
 
 
 def step_rewards(

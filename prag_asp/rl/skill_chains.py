@@ -161,22 +161,22 @@ def run(
         QueryError: the environment is another one, a number is below 1, a policy is missing, or a task has no witness.
     """
     if isinstance(env, TaskSpace):
-        made = TaskEnv(env, reward="sparse")
+        task_env = TaskEnv(env, reward="sparse")
         try:
-            return run(made, policies, tasks, tries=tries, patience=patience, seed=seed)
+            return run(task_env, policies, tasks, tries=tries, patience=patience, seed=seed)
         finally:
-            made.close()
+            task_env.close()
     if not isinstance(getattr(env, "unwrapped", None), TaskEnv):
         raise QueryError(f"plans are pursued in a TaskEnv, or in a task space; got {env!r:.80}")
     for number, what in ((tries, "tries"), (patience, "patience")):
         if type(number) is not int or number < 1:
             raise QueryError(f"{what} is a whole number from 1 on; got {number!r}")
-    found = []
+    rollouts = []
     for options in _reset_options(tasks):
         observation, _ = env.reset(seed=seed, options=options)
         seed = None
-        found.append(_pursued(env, policies, observation, tries, patience))
-    return Rollouts(tuple(found))
+        rollouts.append(_pursued(env, policies, observation, tries, patience))
+    return Rollouts(tuple(rollouts))
 
 
 def _reset_options(tasks: Tasks) -> Iterator[dict[str, Any]]:

@@ -28,8 +28,8 @@ blue as a screen can be."""
 
 def to_lab(color: str) -> NDArray[np.float64]:
     """Return lightness, a and b of a colour like ``#e4572e``."""
-    found: NDArray[np.float64] = _lab(np.array([[int(color[i : i + 2], 16) for i in (1, 3, 5)]]))[0]
-    return found
+    lab: NDArray[np.float64] = _lab(np.array([[int(color[i : i + 2], 16) for i in (1, 3, 5)]]))[0]
+    return lab
 
 
 def from_lab(lab: NDArray[np.float64]) -> str:
@@ -63,13 +63,13 @@ def more_colours(taken: Sequence[str], count: int) -> tuple[str, ...]:
     nearest = np.full(len(lab), np.inf)
     for color in taken:
         nearest = np.minimum(nearest, np.linalg.norm(lab - to_lab(color), axis=1))
-    found = []
+    result = []
     for _ in range(count):
         best = int(nearest.argmax())
         nearest = np.minimum(nearest, np.linalg.norm(lab - lab[best], axis=1))
         red, green, blue = rgb[best].tolist()
-        found.append(f"#{red:02x}{green:02x}{blue:02x}")
-    return tuple(found)
+        result.append(f"#{red:02x}{green:02x}{blue:02x}")
+    return tuple(result)
 
 
 def _lab(rgb: NDArray[np.int64]) -> NDArray[np.float64]:

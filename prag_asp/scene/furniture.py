@@ -77,33 +77,33 @@ def cavity(shape: Shape) -> Vector:
 @lru_cache(maxsize=1 << 10)
 def part_pose(shape: Shape, pose: Pose, opening: float) -> Pose:
     """Return the pose of the moving part of furniture at an opening in metres or radians."""
-    made = mechanism(shape)
-    joint = compose(pose, Pose(made.joint))
-    x, y, z = made.axis
-    if made.slides:
+    parts = mechanism(shape)
+    joint = compose(pose, Pose(parts.joint))
+    x, y, z = parts.axis
+    if parts.slides:
         return compose(joint, Pose((x * opening, y * opening, z * opening)))
     return compose(joint, Pose((0.0, 0.0, 0.0), yaw_quaternion(z * opening)))
 
 
 def cavity_pose(shape: Shape, pose: Pose, opening: float) -> Pose:
     """Return the pose of the middle of the cavity's floor at an opening."""
-    made = mechanism(shape)
-    return compose(part_pose(shape, pose, opening) if made.slides else pose, Pose(made.middle))
+    parts = mechanism(shape)
+    return compose(part_pose(shape, pose, opening) if parts.slides else pose, Pose(parts.middle))
 
 
 @lru_cache(maxsize=1 << 10)
 def bounds(shape: Shape, pose: Pose, opening: float) -> Corners:
     """Return the bounding box of furniture at an opening."""
-    made = mechanism(shape)
-    return around([_around_in(made.body, pose), _around_in(made.part, part_pose(shape, pose, opening))])
+    parts = mechanism(shape)
+    return around([_around_in(parts.body, pose), _around_in(parts.part, part_pose(shape, pose, opening))])
 
 
 @lru_cache(maxsize=64)
 def swept(shape: Shape, pose: Pose) -> tuple[Corners, Corners]:
     """Return the bounding boxes of the body of furniture, and of its part over all openings."""
-    made = mechanism(shape)
-    openings = [made.limit * i / (SWEPT - 1) for i in range(SWEPT)]
-    return _around_in(made.body, pose), around([_around_in(made.part, part_pose(shape, pose, q)) for q in openings])
+    parts = mechanism(shape)
+    openings = [parts.limit * i / (SWEPT - 1) for i in range(SWEPT)]
+    return _around_in(parts.body, pose), around([_around_in(parts.part, part_pose(shape, pose, q)) for q in openings])
 
 
 def _drawer(shape: Shape) -> Mechanism:
@@ -180,12 +180,12 @@ def _post(x: float, y: float, bottom: float) -> Box:
 
 def _around_in(boxes: tuple[Box, ...], pose: Pose) -> Corners:
     """Return the bounding box of boxes in a frame."""
-    found = []
+    corners = []
     for (x, y, z), (dx, dy, dz) in boxes:
         for i in range(8):
             corner = (x + dx * (1 - (i & 2)), y + dy * (1 - (i & 4) // 2), z + dz * (1 - 2 * (i & 1)))
-            found.append(compose(pose, Pose(corner)).position)
-    return around([(corner, corner) for corner in found])
+            corners.append(compose(pose, Pose(corner)).position)
+    return around([(corner, corner) for corner in corners])
 
 
 def _minus(one: Vector, two: Vector) -> Vector:

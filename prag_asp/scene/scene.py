@@ -200,12 +200,12 @@ class Scene:
 
     def fixed_corners(self) -> tuple[Size, ...]:
         """Return points on the table around what is fixed, and as high as that is, in metres."""
-        found = []
+        corners = []
         for entity, (x, y, _) in self.fixed.items():
             size = self.shapes[entity].size if entity in self.shapes else (0.0, 0.0, 0.0)
             wide = math.hypot(size[0], size[1]) / 2
-            found += [(x + a * wide, y + b * wide, z) for a in (-1, 1) for b in (-1, 1) for z in (0.0, size[2])]
-        return tuple(found)
+            corners += [(x + a * wide, y + b * wide, z) for a in (-1, 1) for b in (-1, 1) for z in (0.0, size[2])]
+        return tuple(corners)
 
     @property
     def shared(self) -> bool:

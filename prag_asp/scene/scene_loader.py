@@ -75,9 +75,9 @@ def _check_misspelt_fluents(report: TableReport, scene: Scene, fluents: Iterable
 
     A fluent that nothing grounds is not seen here, so a name that is unlike all others may well be right.
     """
-    known = {fluent.name for fluent in fluents}
-    meant = sorted(name for name in known if scene.meaning(Atom(name, ())) is None and name not in scene.predicates)
-    for name in sorted(scene.predicates.keys() - known):
+    names = {fluent.name for fluent in fluents}
+    meant = sorted(name for name in names if scene.meaning(Atom(name, ())) is None and name not in scene.predicates)
+    for name in sorted(scene.predicates.keys() - names):
         if is_misspelt(name, meant):
             report.add(("scene", "predicates", name), f"there is no fluent {name}; {did_you_mean(name, meant)}")
 

@@ -20,8 +20,8 @@ def solids(shape: Shape) -> tuple[Solid, ...]:
     if shape.model is not None:
         return shape.model.solids
     if shape.traits.furniture:
-        made = mechanism(shape)
-        return (*boxes(made.body), *boxes(made.part))
+        parts = mechanism(shape)
+        return (*boxes(parts.body), *boxes(parts.part))
     if shape.traits.hollow:
         return boxes(_container(shape))
     return (Solid(shape.kind, shape.size),)

@@ -168,12 +168,12 @@ def _light(scene: Scene, objects: Sequence[str], seed: Sequence[int]) -> Vector:
 def _camera(scene: Scene, objects: Sequence[str], seed: Sequence[int]) -> dict[str, tuple[Vector, Vector]]:
     """Return the position and the target of each camera, both moved within a ball."""
     rng = np.random.default_rng(seed)
-    found = {}
+    cameras = {}
     for name in sorted(scene.cameras):
         camera = scene.cameras[name]
         most = scene.vary.camera * math.dist(camera.at, camera.look_at)
-        found[name] = (_moved(rng, camera.at, most), _moved(rng, camera.look_at, most))
-    return found
+        cameras[name] = (_moved(rng, camera.at, most), _moved(rng, camera.look_at, most))
+    return cameras
 
 
 def _colour(scene: Scene, objects: Sequence[str], seed: Sequence[int]) -> dict[str, str]:
@@ -181,11 +181,11 @@ def _colour(scene: Scene, objects: Sequence[str], seed: Sequence[int]) -> dict[s
     rng = np.random.default_rng(seed)
     colors = {entity: scene.colors[entity] for entity in objects if entity in scene.colors}
     colors[table_of(scene)] = scene.table.color
-    found = {}
+    colours = {}
     for entity, color in colors.items():
         lightness, a, b = to_lab(color).tolist()
-        found[entity] = from_lab(np.array(_moved(rng, (lightness, a, b), scene.vary.colour)))
-    return found
+        colours[entity] = from_lab(np.array(_moved(rng, (lightness, a, b), scene.vary.colour)))
+    return colours
 
 
 def _moved(rng: np.random.Generator, point: Vector, most: float) -> Vector:

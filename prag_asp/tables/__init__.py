@@ -1,1 +1,1 @@
-"""Check the tables that authors write, in TOML or JSON: every problem with its file, line and key, and what to do."""
+"""Check tables in TOML or JSON, and report each problem with its file, line, key and remedy."""

@@ -1,6 +1,6 @@
-"""Read values of JSON: msgspec checks their kinds; its messages become problems in plain words, with a path.
+"""Read JSON values: msgspec checks their types; its messages are turned into plain words with a path.
 
-A path begins with a name for the outermost value: ``witness.moments[2].arms.panda.joints``.
+A path begins with the name of the outermost value: ``witness.moments[2].arms.panda.joints``.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ WORDS: Mapping[str, str] = {
     "bool": "true or false",
     "null": "null",
 }
-"""The kinds of msgspec in words; a number is always finite here, and a whole one never negative."""
+"""The types of msgspec in words; numbers are always finite here, and integers never negative."""
 
 
 def decoded(text: str) -> Any:
-    """Return the value that a text of JSON spells.
+    """Return the value of a JSON text.
 
     Raises:
-        QueryError: it is none, and why; NaN and infinity are no numbers of JSON.
+        QueryError: it is not JSON, for the reason in the message; NaN and infinity are no JSON numbers.
     """
     try:
         return msgspec.json.decode(text)
@@ -55,10 +55,10 @@ def decoded(text: str) -> Any:
 
 
 def read(data: object, kind: type[Kind], name: str) -> Kind:
-    """Return a value of JSON as one of a kind that msgspec knows; paths begin with its `name`, which may be empty.
+    """Return a JSON value as a type that msgspec supports; paths begin with its `name`, which may be empty.
 
     Raises:
-        QueryError: it is of another kind; the message names the field by its path.
+        QueryError: it is of another type; the message has the path to the wrong field.
     """
     try:
         return msgspec.convert(data, kind)
@@ -68,7 +68,7 @@ def read(data: object, kind: type[Kind], name: str) -> Kind:
 
 
 def read_entry(entry: TableEntry, kind: type[Kind]) -> Kind | None:
-    """Return the value of an entry as one of a kind that msgspec knows, None where it is another; that is reported."""
+    """Return the value of an entry as a type that msgspec supports; report another value, and return None."""
     try:
         return msgspec.convert(entry.value, kind)
     except msgspec.ValidationError as error:
@@ -78,7 +78,7 @@ def read_entry(entry: TableEntry, kind: type[Kind]) -> Kind | None:
 
 
 def _problem(data: object, kind: type[object], message: str) -> TableProblem:
-    """Return what msgspec found wrong with a value as a problem, with the keys from the value on."""
+    """Return the error of msgspec about a value as a problem, whose keys begin at the value."""
     what, _, place = message.partition(" - at ")
     keys = _keys(data, kind, message, re.findall(r"\.(\w+)|\[(\d+|\.\.\.)\]", place))
     missing = re.fullmatch(r"Object missing required field `(\w+)`", what)
@@ -90,9 +90,9 @@ def _problem(data: object, kind: type[object], message: str) -> TableProblem:
 
 
 def require_complete(data: Any, written: object, name: str) -> None:
-    """Check that a value of JSON has all that it is written with: no field is missing, all numbers are finite.
+    """Check that a JSON value is complete: no field is missing, and all numbers are finite.
 
-    `written` is the JSON of the value that was read from the data.
+    `written` is the JSON value that results from reading `data` and writing it again.
 
     Raises:
         QueryError: something is missing or not finite; the message begins with its path.
@@ -112,10 +112,10 @@ def require_complete(data: Any, written: object, name: str) -> None:
 
 
 def one_of(options: Sequence[Option], value: str, name: str) -> Option:
-    """Return one of some strings.
+    """Return the option that equals a value.
 
     Raises:
-        QueryError: the value is none of them; the message begins with its path, which is `name`.
+        QueryError: there is none; the message begins with the path `name`.
     """
     for option in options:
         if value == option:
@@ -124,20 +124,20 @@ def one_of(options: Sequence[Option], value: str, name: str) -> Option:
 
 
 def _with_column(why: str, text: str) -> str:
-    """Return why a text is not JSON, with the column in place of the byte."""
-    found = re.search(r" \(byte (\d+)\)", why)
-    if found is None:
+    """Return the reason why a text is not JSON, with its column instead of the number of the byte."""
+    match = re.search(r" \(byte (\d+)\)", why)
+    if match is None:
         return "it ends too early"
-    column = len(text.encode()[: int(found[1])].decode(errors="ignore")) + 1
-    return f"{why[: found.start()].removeprefix('JSON is malformed: ')} at column {column}"
+    column = len(text.encode()[: int(match[1])].decode(errors="ignore")) + 1
+    return f"{why[: match.start()].removeprefix('JSON is malformed: ')} at column {column}"
 
 
 def _needed(what: str) -> str:
-    """Return in words what msgspec expected."""
-    found = re.match(r"Expected `([^`]+)`(?: of length (\d+)| >= (\d+)| <= (\d+))?", what)
-    if found is None:
+    """Return the value that msgspec expected, in words."""
+    match = re.match(r"Expected `([^`]+)`(?: of length (\d+)| >= (\d+)| <= (\d+))?", what)
+    if match is None:
         return WORDS["float"] if what == "Number out of range" else what
-    kinds, length, least, most = found.groups()
+    kinds, length, least, most = match.groups()
     if kinds == "int" and (least or most):
         return f"a whole number from {least}" if least else f"a whole number up to {most}"
     words = " or ".join(WORDS.get(name, name) for name in kinds.split(" | "))
@@ -145,16 +145,16 @@ def _needed(what: str) -> str:
 
 
 def _options(kind: Any, keys: Keys) -> tuple[str, ...]:
-    """Return the strings that a field of nested dataclasses may have: those of its `Literal` or of its enumeration."""
+    """Return the strings that a field of nested dataclasses may have, by its `Literal` or its enumeration."""
     for key in keys:
         kind = get_type_hints(kind)[str(key)]
     return get_args(kind) or tuple(member.value for member in kind)
 
 
 def _keys(data: Any, kind: type[object], message: str, steps: Sequence[tuple[str, str]]) -> Keys:
-    """Return the keys from a value to the wrong one in it.
+    """Return the keys that lead from a value to the wrong value in it.
 
-    msgspec writes ``[...]`` for the key of a mapping: it is the one with which the mapping is as wrong when alone.
+    msgspec writes ``[...]`` for the key of a mapping: it is the key that alone leads to the same message.
     """
     keys: Keys = ()
     for name, number in steps:
@@ -168,7 +168,7 @@ def _keys(data: Any, kind: type[object], message: str, steps: Sequence[tuple[str
 
 
 def _message(data: object, kind: type[object]) -> str:
-    """Return the message of msgspec about a value, an empty one where it is of the kind."""
+    """Return the message of msgspec about a value, "" if it is of the type."""
     try:
         msgspec.convert(data, kind)
     except msgspec.ValidationError as error:
@@ -177,14 +177,14 @@ def _message(data: object, kind: type[object]) -> str:
 
 
 def _at(data: Any, keys: Keys) -> Any:
-    """Return the value to which keys lead."""
+    """Return the value that keys lead to."""
     for key in keys:
         data = data[key]
     return data
 
 
 def _replaced(data: Any, keys: Keys, value: object) -> object:
-    """Return a value in which the one to which keys lead is another."""
+    """Return a copy of `data` in which the value that keys lead to is replaced."""
     if not keys:
         return value
     inner = _replaced(data[keys[0]], keys[1:], value)

@@ -1,7 +1,7 @@
-"""Collect the problems of a table, each with the keys that lead to it, what is wrong there and what to do.
+"""Collect the problems of a table, each with its keys, a description and a remedy.
 
-A reader walks over a table by its entries. An entry is a value with its keys; where the value is wrong, the entry
-reports that, and the reader goes on, so that one run finds every problem.
+A reader walks over a table by its entries. An entry is a value with its keys. It reports a wrong value, and the reader
+continues, so that one run finds every problem.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from prag_asp.tables.toml_text import key_line
 from prag_asp.wording import did_you_mean, nearest
 
 Keys = tuple[str | int, ...]
-"""The way to a value: names of keys, and positions in lists from 0."""
+"""The path to a value: names of keys, and positions in lists from 0."""
 
 LARGEST = 1e9
-"""The largest number in a table: no length in metres, angle in degrees or density comes near it."""
+"""The largest number in a table, far above any length in metres, angle in degrees or density."""
 
 LONGEST = 40
-"""Characters of a wrong value that a message shows."""
+"""The most characters of a wrong value in a message."""
 
 CONSTANTS: Mapping[str, bool | None] = {"null": None, "true": True, "false": False}
-"""The words of TOML and JSON for constants that Python spells in another way."""
+"""The constants that TOML and JSON spell differently from Python."""
 
 
 class TableProblem(NamedTuple):
@@ -46,8 +46,8 @@ class TableProblem(NamedTuple):
 class TableReport:
     """The problems of a table.
 
-    `doubtful` are names of the author whose entries are wrong, so that nothing else is reported about them. `misspelt`
-    are keys that stand in the table under a similar name: that they are missing is not a second problem.
+    `doubtful` has names whose entries are wrong, so that nothing else is reported about them. `misspelt`
+    has keys that the table has under a similar name, so that they are not reported as missing, too.
     """
 
     problems: list[TableProblem] = field(default_factory=list)
@@ -55,17 +55,17 @@ class TableReport:
     misspelt: set[Keys] = field(default_factory=set)
 
     def add(self, keys: Keys, text: str, warning: str = "") -> None:
-        """Report a problem, unless it is that of a misspelt key."""
+        """Report a problem, unless its key is misspelt."""
         if keys not in self.misspelt:
             self.problems.append(TableProblem(keys, text, warning))
 
     def is_sound(self, keys: Keys) -> bool:
-        """Return whether no problem was reported of a value, or of anything in it."""
+        """Return whether no problem was reported for a value or anything in it."""
         return not any(problem.keys[: len(keys)] == keys for problem in self.problems)
 
     @contextmanager
     def errors_at(self, *keys: str | int) -> Iterator[None]:
-        """Report each line of a `QueryError` that the block raises as a problem of a value, and end the block there."""
+        """Report each line of a `QueryError` that the block raises as a problem of a value, and suppress the error."""
         try:
             yield
         except QueryError as error:
@@ -73,7 +73,7 @@ class TableReport:
                 self.add(keys, line)
 
     def raise_problems(self, error: Callable[..., PragError], path: Path, text: str) -> None:
-        """Raise all problems as one error, each with the line of the file in which its key stands.
+        """Raise all problems as one error, each with the line of its key in the file.
 
         Raises:
             PragError: there are problems; it is of the given type.
@@ -83,7 +83,7 @@ class TableReport:
 
 
 _NONE = object()
-"""Stands for no default: None could be one."""
+"""Stands for no default, because None is a possible default."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ class TableEntry:
     missing: bool = False
 
     def at(self, key: str | int, default: object = _NONE) -> TableEntry:
-        """Return the entry below this one; where it is missing, its value is the `default`, if there is one."""
+        """Return the entry of a key or position; if it is missing, its value is the `default`, if there is one."""
         keys = (*self.keys, key)
         if isinstance(self.value, Mapping) and key in self.value:
             return TableEntry(self.report, keys, self.value[key])
@@ -107,18 +107,18 @@ class TableEntry:
         )
 
     def entries(self) -> Iterator[tuple[str, TableEntry]]:
-        """Yield the name and the entry of each key of a table, nothing where the value is no table."""
+        """Yield the name and the entry of each key of a table, nothing if the value is no table."""
         for name in self.value if isinstance(self.value, Mapping) else ():
             yield name, self.at(name)
 
     def items(self) -> Iterator[TableEntry]:
-        """Yield the entry of each item of a list, nothing where the value is no list."""
+        """Yield the entry of each item of a list, nothing if the value is no list."""
         for place in range(len(self.value)) if isinstance(self.value, list) else ():
             yield self.at(place)
 
     @property
     def is_sound(self) -> bool:
-        """Whether no problem was reported of the value or of anything in it."""
+        """Whether no problem was reported for the value or anything in it."""
         return self.report.is_sound(self.keys)
 
     def add(self, text: str, warning: str = "") -> None:
@@ -126,11 +126,11 @@ class TableEntry:
         self.report.add(self.keys, text, warning)
 
     def needs(self, what: str) -> None:
-        """Report that the value is missing, or is another one than it has to be."""
+        """Report that the value is missing, or is not `what` it has to be."""
         self.add(f"missing; write {what}" if self.missing else f"needs {what}; got {shown(self.value)}")
 
     def is_table(self, example: str, known: Collection[str] | None = None) -> bool:
-        """Return whether the value is a table; report it where it is none, and its keys that are not `known`."""
+        """Return whether the value is a table; report any other value, and keys that are not `known`."""
         if not isinstance(self.value, Mapping):
             self.needs(f"a table{f' {example}' if example else ''}")
             return False
@@ -139,12 +139,12 @@ class TableEntry:
         return True
 
     def section(self, key: str) -> TableEntry:
-        """Return the table below this one, an empty one where it is missing or something else."""
-        found = self.at(key, {})
-        return found if found.is_table("") else TableEntry(self.report, found.keys, {})
+        """Return the table of a key, an empty one if it is missing or no table."""
+        entry = self.at(key, {})
+        return entry if entry.is_table("") else TableEntry(self.report, entry.keys, {})
 
     def require_known(self, known: Collection[str]) -> None:
-        """Report the keys of a table that are not known."""
+        """Report the keys of a table that are not in `known`."""
         for name, entry in self.entries():
             if name not in known:
                 entry.add(f"unknown key; {did_you_mean(name, known)}")
@@ -153,21 +153,21 @@ class TableEntry:
                     self.report.misspelt.add((*self.keys, meant))
 
     def choice(self, options: Sequence[str], meaning: str = "") -> str | None:
-        """Return one of some words, None where the value is another one."""
+        """Return the value if it is one of the options; report any other value, and return None."""
         if self.value in options:
             return str(self.value)
         self.needs(f"one of {', '.join(options)}{f' ({meaning})' if meaning else ''}")
         return None
 
     def number(self, low: float, high: float, unit: str) -> float | None:
-        """Return a number within limits, None where the value is none."""
+        """Return the value if it is a number within limits; report any other value, and return None."""
         if is_number(self.value) and low <= self.value <= high:
             return float(self.value)
         self.needs(f"a number from {low:g} to {high:g} ({unit})")
         return None
 
     def numbers(self, count: int, what: str, low: float = -LARGEST, high: float = LARGEST) -> tuple[float, ...] | None:
-        """Return a list of numbers within limits, None where the value is none; messages call it `what`."""
+        """Return `count` numbers within limits; report any other value, as not being `what`, and return None."""
         value = self.value
         listed = isinstance(value, list) and len(value) == count
         if listed and all(is_number(each) and low <= each <= high for each in value):
@@ -176,7 +176,7 @@ class TableEntry:
         return None
 
     def matching(self, pattern: str, example: str) -> str | None:
-        """Return a string that a regular expression matches as a whole, None where the value is none."""
+        """Return the value if it is a string that the pattern matches entirely; report any other, and return None."""
         if isinstance(self.value, str) and re.fullmatch(pattern, self.value):
             return self.value
         self.needs(example)
@@ -189,13 +189,13 @@ def is_number(value: object) -> bool:
 
 
 def path_text(keys: Keys) -> str:
-    """Return the way to a value as text: ``parts.train.where[2]``; a key that nobody would see is in quotes."""
+    """Return the path to a value as text: ``parts.train.where[2]``; a blank key is in quotes."""
     steps = (f"[{key}]" if isinstance(key, int) else f".{key}" if key.strip() else f'."{key}"' for key in keys)
     return "".join(steps).removeprefix(".")
 
 
 def shown(value: object) -> str:
-    """Return a value as one short line, a list by its length where it is long."""
+    """Return a value as one short line; a long list is replaced by its length."""
     text = next((word for word, each in CONSTANTS.items() if value is each), None)
     if text is None:
         text = str(value) if isinstance(value, Decimal) else repr(value)

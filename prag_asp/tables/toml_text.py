@@ -1,4 +1,4 @@
-"""Read the text of a TOML file, and find the line in which a key stands."""
+"""Parse the text of a TOML file, and find the line of a key."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ KEY_PART = r""""([^"]*)"|'([^']*)'|([\w-]+)"""
 
 
 def parse_toml(path: Path, text: str) -> dict[str, Any]:
-    """Return the text of a TOML file as a table, its decimal numbers unrounded.
+    """Return the table of a TOML text, with decimal numbers as `Decimal`, unrounded.
 
     Raises:
         DomainError: it is not TOML.
@@ -43,14 +43,14 @@ def parse_toml(path: Path, text: str) -> dict[str, Any]:
 def key_line(text: str, keys: Sequence[str | int]) -> int:
     """Return the first line that sets the key reached through `keys`, or the nearest table above it.
 
-    Positions in lists are passed over: a list stands in the line of its key.
+    Positions in lists are ignored: a list has the line of its key.
     """
-    wanted = tuple(without_blanks(key) for key in keys if isinstance(key, str))
+    target = tuple(without_blanks(key) for key in keys if isinstance(key, str))
     best, depth = 1, 0
     for number, here in _keys(text):
-        if here == wanted:
+        if here == target:
             return number
-        if len(here) > depth and here == wanted[: len(here)]:
+        if len(here) > depth and here == target[: len(here)]:
             best, depth = number, len(here)
     return best
 
@@ -84,13 +84,13 @@ def _keys(text: str) -> Iterator[tuple[int, tuple[str, ...]]]:
 
 
 def _parts(name: str) -> tuple[str, ...]:
-    """Return the parts of a dotted key, quoted ones as the keys that they spell."""
+    """Return the parts of a dotted key, with quotes and escapes resolved."""
     parts = re.findall(KEY_PART, name)
     return tuple(without_blanks(_unescaped(quoted) + literal + bare) for quoted, literal, bare in parts)
 
 
 def _unescaped(text: str) -> str:
-    """Return what is between the quotes of a key as the key that it spells."""
+    """Return the text between the quotes of a key with its escapes resolved."""
     try:
         return str(tomllib.loads(f'key = "{text}"')["key"]) if "\\" in text else text
     except tomllib.TOMLDecodeError:

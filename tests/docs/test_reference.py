@@ -57,8 +57,8 @@ def test_every_public_name_has_an_entry(package: ModuleType) -> None:
     assert set(re.findall(rf"^::: {name}\.(\w+)$", page("reference/python.md"), re.MULTILINE)) == set(public)
 
 
-def test_every_encoding_is_told_whole() -> None:
-    text = "\n".join(generated("encodings").told())
+def test_every_encoding_is_shown_in_full() -> None:
+    text = "\n".join(generated("encodings").encoding_lines())
     assert "<!-- encodings -->" in page("reference/encodings.md")
     files = sorted((ROOT / "encodings").rglob("*.lp"))
     assert len(files) > 20
@@ -66,18 +66,18 @@ def test_every_encoding_is_told_whole() -> None:
         source = path.read_text(encoding="utf-8")
         assert f"### {path.relative_to(ROOT / 'encodings')} " in text
         assert len(re.findall(r"%\*!", source)) == source.count("*%")
-        told = re.sub(r"(?s)%\*!.*?\*%", "", source).splitlines()[1:]
-        assert [line for line in told if line.strip() and f"    {line}" not in text] == []
+        rules = re.sub(r"(?s)%\*!.*?\*%", "", source).splitlines()[1:]
+        assert [line for line in rules if line.strip() and f"    {line}" not in text] == []
     assert "%*!" not in text
 
 
-def test_every_option_of_every_command_is_told() -> None:
+def test_every_option_of_every_command_is_listed() -> None:
     assert "<!-- commands -->" in page("reference/commands.md")
-    told = "\n".join(generated("commands").told())
+    reference = "\n".join(generated("commands").command_lines())
     context = click.Context(cli)
     names = cli.list_commands(context)
     assert {"count", "sample", "validate"} <= set(names)
-    sections = dict(section.split("\n", 1) for section in told.split("\n## ")[1:])
+    sections = dict(section.split("\n", 1) for section in reference.split("\n## ")[1:])
     for name in names:
         command = cli.get_command(context, name)
         assert command is not None

@@ -201,7 +201,7 @@ def test_a_disk_without_room_leaves_the_old_file(tmp_path: Path) -> None:
     (tmp_path / "out.txt").write_text("old\n")
     code = (
         "import resource, sys; sys.dont_write_bytecode = True;"  # which Python would cut, and believe
-        "from prag_asp.cli import line_output; line_output.HELD = 100;"
+        "from prag_asp.cli import line_output; line_output.BUFFER = 100;"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv.pop(1)),) * 2);"
         "from prag_asp.cli import main; main()"
     )

@@ -33,7 +33,7 @@ def trees(tmp_path: Path) -> list[Node]:
 def test_kept_tables_read_the_same(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     first = trees(tmp_path)
     (kept,) = folder.iterdir()
-    monkeypatch.setattr(tables, "_made", lambda: pytest.fail("the tables were made anew"))
+    monkeypatch.setattr(tables, "_build_parser", lambda: pytest.fail("the tables were made anew"))
     assert trees(tmp_path) == first
     content = kept.read_bytes()
     monkeypatch.undo()

@@ -30,7 +30,7 @@ SHORTENED = {
 }
 
 
-def told() -> list[list[str]]:
+def commands() -> list[list[str]]:
     """The commands of the page, without the Python that runs them."""
     text = (DOCS / "guides" / "learning.md").read_text(encoding="utf-8")
     return [line.split() for line in re.findall(r"^\.venv/bin/python (.*)$", text, re.MULTILINE)]
@@ -38,7 +38,7 @@ def told() -> list[list[str]]:
 
 def of(name: str) -> list[str]:
     """The first command of the page with a script."""
-    return next(command for command in told() if Path(command[0]).name == name)
+    return next(command for command in commands() if Path(command[0]).name == name)
 
 
 def done(command: list[str], *more: object) -> str:
@@ -53,20 +53,20 @@ def names(folder: Path) -> set[str]:
 
 
 @pytest.mark.parametrize("name", ["oracle.py", "standing.py"])
-def test_the_commands_of_the_page_run_that_learn_nothing(name: str) -> None:
+def test_commands_of_the_page_run_without_training(name: str) -> None:
     assert re.findall(r"\d of [12]\b", done(of(name)))
 
 
-def test_the_command_runs_that_measures_memory() -> None:
+def test_the_command_that_measures_memory_runs() -> None:
     measured = re.findall(r"^(\d+) steps, \d+ episodes, \d+ s: [\d.]+ MB$", done(of("lasting.py")), re.MULTILINE)
     assert measured == ["30", "60"]
 
 
 def test_the_command_that_chains_runs(tmp_path: Path) -> None:
     pytest.importorskip("stable_baselines3")
-    told = done(of("chained.py"), "--output", tmp_path)
-    assert re.search(r"^2 of \d+ demonstrations end well", told, re.MULTILINE)
-    assert len(re.findall("^│ cloned ", told, re.MULTILINE)) == 2, "one row for each length"
+    output = done(of("chained.py"), "--output", tmp_path)
+    assert re.search(r"^2 of \d+ demonstrations succeed", output, re.MULTILINE)
+    assert len(re.findall("^│ cloned ", output, re.MULTILINE)) == 2, "one row for each length"
     assert names(tmp_path) == {"chained.parquet", "chained.png"}
 
 
@@ -99,8 +99,8 @@ def test_a_grasp_is_learned_from_where_the_approach_ends(reaches: bool, monkeypa
             return (expert({}) if reaches else 0 * env.action_space.sample()), None
 
     grasping = parts.After(env, Approach(), limit=2)
-    seen, told = grasping.reset()
-    assert told["action"].startswith("grasp") and ("task" in told) is not reaches
+    seen, info = grasping.reset()
+    assert info["action"].startswith("grasp") and ("task" in info) is not reaches
     assert seen.shape == env.observation_space.shape
     ends = [grasping.step(0 * env.action_space.sample())[2:4] for _ in range(2)]
     assert ends == [(False, False), (False, True)]
@@ -115,8 +115,8 @@ def test_whole_tasks_are_learned_from_any_stage(tmp_path: Path) -> None:
     assert names(tmp_path) == {"grasp_from_backwards.parquet", "grasp_from_backwards.png"}
 
 
-def test_the_page_tells_of_all_commands() -> None:
-    assert {Path(command[0]).name for command in told()} == set(SHORTENED)
+def test_the_page_names_all_commands() -> None:
+    assert {Path(command[0]).name for command in commands()} == set(SHORTENED)
 
 
 def test_two_processes_are_judged_beside_what_the_machine_lets_two_do(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -124,24 +124,24 @@ def test_two_processes_are_judged_beside_what_the_machine_lets_two_do(monkeypatc
     beside = importlib.import_module("beside")
     verdicts = {(times, most): beside.verdict(times, most) for times in (1.5, 1.7, 1.8) for most in (1.6, 1.85, 2.1)}
     assert [enough for enough, _ in verdicts.values()] == [True, False, False, True, True, False, True, True, True]
-    assert {most for (_, most), (_, told) in verdicts.items() if "no two processes" in told} == {1.6}
+    assert {most for (_, most), (_, message) in verdicts.items() if "no speed-up" in message} == {1.6}
 
 
 def test_what_environments_do_alone_and_by_twos_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Both commands tell of two processes, which are measured once for them."""
+    """Both commands report on two processes, which are measured once for both."""
     monkeypatch.syspath_prepend(str(ROOT / "benchmarks" / "learning"))
     monkeypatch.setenv("COLUMNS", "160")
     beside, rates = map(importlib.import_module, ("beside", "rates"))
     monkeypatch.setattr(beside, "measured", cache(beside.measured))
     for module, cells, ours in ((beside, 4 * 7, 1), (rates, 4 * 6 + 4 * 7, 2)):
         name = f"{module.__name__}.py"
-        asked = [sys.executable, of(name)[0], "--help"]
-        assert "--rounds" in subprocess.run(asked, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+        command = [sys.executable, of(name)[0], "--help"]
+        assert "--rounds" in subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
         ended = CliRunner().invoke(module.main, [*of(name)[1:], *SHORTENED[name].split()])
-        told = re.search(r"two processes do ([\d.]+) times what one does, PyBullet alone ([\d.]+) times", ended.stdout)
-        assert told and ended.stdout.count("│") == cells and ended.exit_code in (0, 1), ended.output
-        found = re.findall(r"^│ (?:prag_asp|environment,) tabletop.*?│ +([\d,]+) ", ended.stdout, re.MULTILINE)
-        assert len(found) == ours and all(int(rate.replace(",", "")) > 0 for rate in found)
+        summary = re.search(r"speed-up of two processes: [\d.]+; of PyBullet alone: [\d.]+", ended.stdout)
+        assert summary and ended.stdout.count("│") == cells and ended.exit_code in (0, 1), ended.output
+        rows = re.findall(r"^│ (?:prag_asp|environment,) tabletop.*?│ +([\d,]+) ", ended.stdout, re.MULTILINE)
+        assert len(rows) == ours and all(int(rate.replace(",", "")) > 0 for rate in rows)
 
 
 def test_what_curricula_cost_is_measured(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -161,5 +161,5 @@ def test_what_is_learned_from_is_not_held_out(monkeypatch: pytest.MonkeyPatch) -
     learned, other = [module.Start("task", "witness", 0)], [module.Start("task", "another", 0)]
     module.require_apart(learned, other, tasks=False)
     for tested, tasks in ((learned, False), (other, True)):
-        with pytest.raises(ValueError, match="task is learned from"):
+        with pytest.raises(ValueError, match="task is in the training set"):
             module.require_apart(learned, tested, tasks=tasks)

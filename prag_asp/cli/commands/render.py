@@ -15,7 +15,7 @@ from prag_asp.cli.line_output import require_writable
 from prag_asp.cli.options import whole
 from prag_asp.cli.physics_options import parse_pixels
 from prag_asp.cli.terminal import progress, say
-from prag_asp.dataset.task_origin import MEND, index_of, read_witness, told_with_place
+from prag_asp.dataset.task_origin import MEND, errors_with_place, index_of, read_witness
 from prag_asp.errors import QueryError
 from prag_asp.output import file_in, make_folder
 from prag_asp.processes.progress_events import stage
@@ -134,7 +134,7 @@ def _teller(request: DomainOptions, record: Record, folder: Path) -> Instruction
     from prag_asp.dataset.language import instruction_writer_of
 
     domain = request.of(record, folder).domain()
-    with told_with_place(record, domain):
+    with errors_with_place(record, domain):
         return instruction_writer_of(domain)
 
 
@@ -167,7 +167,7 @@ class _Renderer:
         scene = scene_of(domain)
         animated = self.form in ANIMATED
         stage("drawing pictures")
-        with told_with_place(record, domain):
+        with errors_with_place(record, domain):
             told = teller.captions(task)
             shown = self._shown(record, number, scene)
             if animated:
@@ -175,7 +175,7 @@ class _Renderer:
             state = len(task.actions) if self.state is None else self.state
             if state > len(task.actions):
                 raise QueryError(f"--state {state}: the states of the task are 0 to {len(task.actions)}")
-        with told_with_place(record, domain, MEND if self.recordings is None else RECORD):
+        with errors_with_place(record, domain, MEND if self.recordings is None else RECORD):
             if self.form == "strip":
                 image = film_strip(task, shown, scene, columns=self.columns, captions=told, size=self.size)
             elif self.form == "state":

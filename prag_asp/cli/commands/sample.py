@@ -142,7 +142,7 @@ def _feasible(
     """
     from prag_asp.cli.summary import tallied, tally_line
     from prag_asp.dataset.pass_rates import Tally
-    from prag_asp.dataset.physics_filter import draws_looked_at
+    from prag_asp.dataset.physics_filter import validated_draws
 
     tally, requested_count, limit = Tally(), drawing.requested_count, drawing.limit
 
@@ -151,11 +151,11 @@ def _feasible(
 
     with tallied(tally, summary), recordings_folder(validation.demonstrate) as folder, writer(output) as out:
         arguments = {**validation.arguments(), "demonstrate": folder}
-        looked_at = draws_looked_at(
+        validated = validated_draws(
             drawing.space, seed=drawing.seed, draws=limit, tally=tally, **arguments, **drawing.how
         )
-        with closing(looked_at):
-            for record in looked_at if tally.passed < requested_count else ():
+        with closing(validated):
+            for record in validated if tally.passed < requested_count else ():
                 if record is not None:
                     out.write(line(record), flush=True)
                 tell(summary(), tally.passed, requested_count)

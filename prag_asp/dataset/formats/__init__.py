@@ -1,1 +1,1 @@
-"""Datasets in the formats of other programs: one file a form, behind one protocol."""
+"""Export datasets to the formats of other programs: one module per format, behind one protocol."""

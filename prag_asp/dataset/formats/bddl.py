@@ -1,8 +1,7 @@
-"""BDDL in LIBERO's text form: one file a task, with its objects, its initial state, its goal, and its words.
+"""BDDL as LIBERO reads it: one file per task, with its objects, its initial state, its goal, and its instruction.
 
 The grammar is that of https://github.com/Lifelong-Robot-Learning/LIBERO, ``libero/envs/bddl_utils.py``: expressions in
-parentheses, of which small letters alone are read. Facts that are known to be false stand in ``(not ...)``; what is
-not said is not known.
+parentheses, in lower case. Facts known to be false are written as ``(not ...)``; facts that are not listed are unknown.
 """
 
 from __future__ import annotations
@@ -30,12 +29,14 @@ if TYPE_CHECKING:
     from prag_asp.scene.geometry import Pose
 
 BRACKETS = str.maketrans("()", "[]")
-"""The parentheses of a term such as ``disc(1)``, which would be an expression of its own."""
+"""Replaces the parentheses of a term such as ``disc(1)``, which BDDL would parse as an expression."""
 
-TELLABLE = str.maketrans("();", "[],")
+INSTRUCTION_CHARACTERS = str.maketrans("();", "[],")
+"""Replaces the characters of an instruction that are syntax in BDDL."""
+
 WORD = re.compile(r"[^\s();A-Z]+")
 Region = tuple[str, tuple[float, float, float, float], float]
-"""The name of a part of the table, its low x, low y, high x and high y in metres, and a yaw in radians."""
+"""A region of the table: its name, its least x and y and largest x and y in metres, and a yaw in radians."""
 
 
 @dataclass(frozen=True)
@@ -43,10 +44,10 @@ class Bddl:
     """Writes a folder with a file for each task, ``PART-NUMBER.bddl``."""
 
     def write(self, source: EpisodeSource, target: Path, progress: Progress) -> None:
-        """Write the folder; regions are there where the domain has a scene.
+        """Write the folder; the files have regions if the domain has a scene.
 
         Raises:
-            QueryError: there is no task, or a name that BDDL cannot have.
+            QueryError: there is no task, or a name is invalid in BDDL.
             OutputError: it cannot be written.
         """
         total = sum(note.rows("tasks") for note in source.data.manifest.parts if note.name in source.data.parts)
@@ -62,13 +63,13 @@ class Bddl:
 
 
 def _tasks(source: EpisodeSource) -> Iterator[tuple[DatasetEntry, Witness | None]]:
-    """Yield each task with its witness from the first of its initial states, where there is one."""
-    witnesses = ((entry, found) for entry, start, found in source.data.witnesses() if start == 0)
-    waiting = next(witnesses, None)
+    """Yield each task with the witness from its first initial state, None without one."""
+    witnesses = ((entry, witness) for entry, start, witness in source.data.witnesses() if start == 0)
+    following = next(witnesses, None)
     for entry in source.data.entries():
-        if waiting is not None and (waiting[0].part, waiting[0].number) == (entry.part, entry.number):
-            yield entry, waiting[1]
-            waiting = next(witnesses, None)
+        if following is not None and (following[0].part, following[0].number) == (entry.part, entry.number):
+            yield entry, following[1]
+            following = next(witnesses, None)
         else:
             yield entry, None
 
@@ -77,23 +78,23 @@ def problem(source: EpisodeSource, entry: DatasetEntry, witness: Witness | None 
     """Return a task as a problem of BDDL.
 
     Raises:
-        QueryError: something has a name that BDDL cannot have.
+        QueryError: a name is invalid in BDDL.
     """
     task = entry.task
-    standing = _fixtures(source, entry)
-    objects = {name: kind for name, kind in task.entities.items() if name not in standing}
+    fixtures = _fixtures(source, entry)
+    objects = {name: kind for name, kind in task.entities.items() if name not in fixtures}
     of_interest = [name for name in objects if any(name in fluent.arguments for fluent in task.goal)]
     init = [f"    {_fact(fluent, value)}" for fluent, value in task.initial.items()]
     goal = " ".join(_fact(fluent, value) for fluent, value in task.goal.items())
     lines = [
         f"(define (problem prag_asp_{_word(task.domain)})",
         "  (:domain robosuite)",
-        f"  (:language {source.instruction(entry).translate(TELLABLE)})",
+        f"  (:language {source.instruction(entry).translate(INSTRUCTION_CHARACTERS)})",
         "  (:regions",
         *_regions(source, witness),
         "  )",
         "  (:fixtures",
-        *_typed(standing),
+        *_typed(fixtures),
         "  )",
         "  (:objects",
         *_typed(objects),
@@ -113,7 +114,7 @@ def problem(source: EpisodeSource, entry: DatasetEntry, witness: Witness | None 
 
 
 def _fixtures(source: EpisodeSource, entry: DatasetEntry) -> dict[str, str]:
-    """Return what stands still: robots, tables, zones, and what has its place in the scene."""
+    """Return the fixtures and their classes: robots, the table, zones, and entities with a fixed pose in the scene."""
     if not source.data.domain.settings.scene:
         return {}
     scene = source.scene
@@ -123,7 +124,7 @@ def _fixtures(source: EpisodeSource, entry: DatasetEntry) -> dict[str, str]:
 
 
 def _regions(source: EpisodeSource, witness: Witness | None) -> Iterator[str]:
-    """Yield the lines of the regions: zones of the table, and where objects are at first."""
+    """Yield the lines of the regions: zones of the table, and the initial positions of objects."""
     if not source.data.domain.settings.scene:
         return
     table = _word(table_of(source.scene))
@@ -153,7 +154,7 @@ def _places(poses: Mapping[str, Pose]) -> Iterator[Region]:
 
 
 def _typed(entities: Mapping[str, str]) -> list[str]:
-    """Return a line for each class with all that are of it: where one comes twice, LIBERO knows the last alone."""
+    """Return one line per class with all its entities: if a class had two lines, LIBERO would read only the last."""
     kinds = dict.fromkeys(entities.values())
     of = {kind: " ".join(_word(name) for name, each in entities.items() if each == kind) for kind in kinds}
     return [f"    {names} - {_word(kind)}" for kind, names in of.items()]

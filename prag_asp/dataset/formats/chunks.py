@@ -1,4 +1,4 @@
-"""Parquet files of a LeRobotDataset, which stand in chunks, and grow by episodes."""
+"""The Parquet files of a LeRobotDataset, which are grouped in chunks and written episode by episode."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from prag_asp.output import make_folder
 from prag_asp.output.atomic_file import output_errors
 
 CHUNK = 1000
-"""Files of a chunk."""
+"""Files in a chunk, as LeRobot has it."""
 
 MEGABYTE = 1 << 20
 
 ROWS = 100
-"""Rows about episodes that are written at once."""
+"""Rows of the table of episodes that are written together."""
 
 Place = tuple[int, int]
 
 
 def places() -> Iterator[Place]:
-    """Yield the numbers of chunks, and of files in them."""
+    """Yield the number of a chunk and of a file in it, for one file after the other."""
     chunk = 0
     while True:
         yield from ((chunk, file) for file in range(CHUNK))
@@ -33,7 +33,7 @@ def places() -> Iterator[Place]:
 
 
 class ChunkedTable:
-    """Files with the rows of one table, each of which is full at so many megabytes."""
+    """The rows of one table in several files, each of about `megabytes` at most."""
 
     def __init__(self, folder: Path, pattern: str, schema: pa.Schema, megabytes: int) -> None:
         self._folder, self._pattern, self._limit = folder, pattern, megabytes * MEGABYTE
@@ -44,7 +44,7 @@ class ChunkedTable:
         self._rows: list[Mapping[str, Any]] = []
 
     def add(self, rows: pa.Table) -> Place:
-        """Write rows as one group, and return the numbers of the chunk and of the file that have them.
+        """Write rows as one group, and return the numbers of their chunk and file.
 
         Raises:
             OutputError: they cannot be written.
@@ -62,23 +62,23 @@ class ChunkedTable:
         return self._place
 
     def add_row(self, row: Mapping[str, Any]) -> None:
-        """Write a row about an episode, together with others, and where it is.
+        """Add a row of the table of episodes; rows are written in batches, each with its own chunk and file.
 
         Raises:
             OutputError: it cannot be written.
         """
         self._rows.append(row)
         if len(self._rows) >= ROWS:
-            self._pour()
+            self._flush()
 
     def close(self) -> None:
-        """End the file that is being written.
+        """Write the rest, and close the current file.
 
         Raises:
             OutputError: it cannot be written.
         """
         if self._rows:
-            self._pour()
+            self._flush()
         if self._writer is not None:
             writer, self._writer = self._writer, None
             with output_errors(self._path):
@@ -89,8 +89,8 @@ class ChunkedTable:
         chunk, file = self._place
         return self._folder / self._pattern.format(chunk_index=chunk, file_index=file)
 
-    def _pour(self) -> None:
-        """Write the rows that wait."""
+    def _flush(self) -> None:
+        """Write the buffered rows."""
         rows, self._rows = self._rows, []
         if self._writer is not None and self._path.stat().st_size >= self._limit:
             self.close()
@@ -101,7 +101,7 @@ class ChunkedTable:
 
 
 def texts_table(name: str, texts: Mapping[str, int]) -> pa.Table:
-    """Return a table of texts and their numbers in the column ``NAME_index``, the texts the index of pandas."""
+    """Return a table of texts with their numbers in the column ``NAME_index``; pandas reads the texts as the index."""
     number = f"{name}_index"
     columns = [
         {"name": number, "field_name": number, "pandas_type": "int64", "numpy_type": "int64", "metadata": None},

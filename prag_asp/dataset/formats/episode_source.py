@@ -1,4 +1,4 @@
-"""The recordings of a dataset as episodes of the same shape, from which all formats are written."""
+"""The recordings of a dataset as episodes with uniform arrays, the input of all exports."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ NO_TASK = "has no such task; request others"
 
 @dataclass(frozen=True, eq=False)
 class ExportEpisode:
-    """A recording as N moments, each a camera image or a frame, and the actions between them; R robots.
+    """A recording as N time steps, each of a camera image or a frame, and the actions between them, for R robots.
 
-    `frames` (N,) are the frames of the recording at these moments; `state` (N, 8R) has the joint angles in radians and
-    the opening in metres of each robot, in the order of `EpisodeSource.joints`; `action` (N, 8R) what its motors drive
-    to when the next moment comes, after the last one still the same. `subgoal` (N,) is which of the task's actions is
-    being done, 0 the first; `subgoals` tells each in words.
+    `frames` (N,) are the frames of the recording at these steps; `state` (N, 8R) has the joint angles in radians and
+    the gripper opening in metres of each robot, in the order of `EpisodeSource.joints`; `action` (N, 8R) has the motor
+    commands that are active at the next step, or at the end of the recording. `subgoal` (N,) is the index of the action
+    of the task that is being executed; `subgoals` has a sentence for each.
     """
 
     entry: DatasetEntry
@@ -44,12 +44,12 @@ class ExportEpisode:
 
     @property
     def length(self) -> int:
-        """How many moments there are."""
+        """The number N of time steps."""
         return len(self.frames)
 
     @property
     def subgoals(self) -> tuple[str, ...]:
-        """The actions of the task in words; one without a word where the task has none."""
+        """A sentence for each action of the task; a single empty one if the task has no actions."""
         return self.entry.subgoals or ("",)
 
     @property
@@ -59,41 +59,41 @@ class ExportEpisode:
 
     @property
     def films(self) -> Mapping[str, Film]:
-        """What the cameras saw, a picture for each moment; nothing where there are no cameras."""
+        """The films of the cameras by name, with an image for each step; empty without cameras."""
         return self.demonstration.footage.films if self.demonstration.footage else {}
 
     @property
     def state(self) -> Floats:
-        """Where the robots are."""
-        shown = self.demonstration
-        all_of_it = np.concatenate([shown.joints, shown.widths[..., None]], axis=2)
-        found: Floats = all_of_it[self.frames].reshape(self.length, -1)
-        return found
+        """The joint angles and gripper openings at each step, shape (N, 8R)."""
+        demonstration = self.demonstration
+        joints = np.concatenate([demonstration.joints, demonstration.widths[..., None]], axis=2)
+        result: Floats = joints[self.frames].reshape(self.length, -1)
+        return result
 
     @property
     def action(self) -> Floats:
-        """What the motors drive to when the next moment comes."""
+        """The motor commands at the next step, shape (N, 8R)."""
         after = np.append(self.frames[1:], len(self.demonstration.times) - 1)
-        found: Floats = self.demonstration.commands[after].reshape(self.length, -1)
-        return found
+        result: Floats = self.demonstration.commands[after].reshape(self.length, -1)
+        return result
 
     @property
     def subgoal(self) -> NDArray[np.int64]:
-        """Which action is being done: the first that is not over before the moment, by the `ends` of the recording."""
+        """The index of the current action, shape (N,): the first that has not ended before the step."""
         over = np.searchsorted(self.demonstration.ends[1:], self.frames)
         return np.minimum(over, max(0, len(self.demonstration.ends) - 2))
 
     @property
     def rewards(self) -> Floats:
-        """1 for the action that ends with the final state of the task, whose facts were checked; otherwise 0."""
-        found = np.zeros(self.length, dtype=np.float32)
-        found[-1] = self.demonstration.success
-        return found
+        """0 at each step, shape (N,), but 1 at the last if the facts of the final state of the task were verified."""
+        rewards = np.zeros(self.length, dtype=np.float32)
+        rewards[-1] = self.demonstration.success
+        return rewards
 
 
 @dataclass(frozen=True)
 class EpisodeSource:
-    """A dataset to be written in another form; `level` is how much the instructions say, one of `LEVELS`."""
+    """A dataset to export; `level` is the level of detail of the instructions, one of `LEVELS`."""
 
     data: Dataset
     level: str = "default"
@@ -109,18 +109,18 @@ class EpisodeSource:
 
     @property
     def robots(self) -> tuple[str, ...]:
-        """The robots, in the order of the recordings."""
+        """The names of the robots, in the order of the recordings."""
         return tuple(self.scene.robots)
 
     @property
     def joints(self) -> list[str]:
-        """The names of the numbers of a state and of an action: ``panda/joint_1`` to ``panda/gripper``."""
+        """The names of the 8R components of a state or an action: ``panda/joint_1`` to ``panda/gripper``."""
         names = (*(f"joint_{number}" for number in range(1, 8)), "gripper")
         return [f"{robot}/{name}" for robot in self.robots for name in names]
 
     @cached_property
     def limits(self) -> tuple[Floats, Floats]:
-        """The least and the largest values of an action that the robots allow, shapes (8R,)."""
+        """The least and the largest values of an action, shapes (8R,), by the limits of the robots."""
         robots = [robot_of(self.scene, name) for name in self.robots]
         lower = [value for robot in robots for value in (*robot.lower, 0.0)]
         upper = [value for robot in robots for value in (*robot.upper, robot.opening)]
@@ -131,45 +131,45 @@ class EpisodeSource:
         """The cameras of the recordings, each with width and height in pixels.
 
         Raises:
-            QueryError: the scene has none of this name, or a size or a rate cannot be.
+            QueryError: the scene has no camera of this name, or a size or a rate is invalid.
         """
         staging = self.data.manifest.spec.staging
         return {} if staging is None else {name: each.size for name, each in staging.cameras_of(self.scene).items()}
 
     @property
     def rate(self) -> int:
-        """How many moments an episode has in a second."""
+        """The number of time steps per second."""
         staging = self.data.manifest.spec.staging
         return staging.rate if staging and self.cameras else FRAMES_A_SECOND
 
     @cached_property
     def objects(self) -> list[str]:
-        """All objects of the scene; a task may have some of them."""
+        """All objects of the scene; a task may have only some of them."""
         return [entity for entity, shape in self.scene.shapes.items() if shape.traits.body]
 
     @cached_property
     def furniture(self) -> list[str]:
-        """Those objects that have a part on a joint."""
+        """The objects with a jointed part."""
         return [entity for entity in self.objects if self.scene.shapes[entity].traits.furniture]
 
     @cached_property
     def legend(self) -> list[str]:
-        """What the numbers of a segmentation mean, the same for all episodes."""
+        """The entity of each number in a segmentation, the same for all episodes."""
         others = [entity for entity, shape in self.scene.shapes.items() if not shape.traits.body]
         return list(dict.fromkeys([NOTHING, table_of(self.scene), *others, *self.robots, *self.objects]))
 
     @property
-    def numbered(self) -> np.dtype[np.unsignedinteger]:
-        """The type of the numbers of a segmentation: bytes as long as there is one to spare."""
+    def segmentation_type(self) -> np.dtype[np.unsignedinteger]:
+        """The type of the numbers in a segmentation: bytes if they suffice, with one value to spare."""
         return np.dtype(np.uint8 if len(self.legend) < np.iinfo(np.uint8).max else np.uint16)
 
     @property
     def count(self) -> int:
-        """How many episodes there are at most: conditions may leave some out."""
+        """An upper bound on the number of episodes: conditions may exclude some."""
         return sum(note.rows("recordings") for note in self.data.manifest.parts if note.name in self.data.parts)
 
     def require_recordings(self) -> None:
-        """Check that the dataset was made with recordings.
+        """Check that the dataset was generated with recordings.
 
         Raises:
             QueryError: it was not.
@@ -182,55 +182,56 @@ class EpisodeSource:
         """Yield the episodes, in the order of the tasks and their initial states.
 
         Raises:
-            QueryError: there are none, or a recording is damaged, or is not of these robots and cameras.
+            QueryError: there are none, or a recording is damaged, or has other robots or cameras.
         """
-        found = False
-        for entry, start, shown in self.data.demonstrations():
-            found = True
-            yield self._episode(entry, start, shown)
-        if not found:
+        empty = True
+        for entry, start, demonstration in self.data.demonstrations():
+            empty = False
+            yield self._episode(entry, start, demonstration)
+        if empty:
             raise QueryError(f"{self.data.folder}: {NO_TASK}")
 
     def instruction(self, entry: DatasetEntry) -> str:
-        """Return the instruction of a task at this level, or the plain one if it has no other."""
+        """Return the instruction of a task at this level, or the plain one if it has no levels."""
         return entry.instruction.get(self.level, entry.instruction.get(PLAIN, ""))
 
     def objects_of(self, episode: ExportEpisode) -> Floats:
-        """Return where the objects are, shape (N, objects, 8): 1 where the task has it, then its pose; else zeros."""
-        shown = episode.demonstration
-        found = np.zeros((episode.length, len(self.objects), 1 + len(POSE)), dtype=np.float32)
-        for number, entity in enumerate(shown.objects):
+        """Return the poses of objects, shape (N, objects, 8): 1 and the pose of an object of the task, zeros if not."""
+        demonstration = episode.demonstration
+        poses = np.zeros((episode.length, len(self.objects), 1 + len(POSE)), dtype=np.float32)
+        for number, entity in enumerate(demonstration.objects):
             at = self.objects.index(entity)
-            found[:, at, 0], found[:, at, 1:] = 1.0, shown.poses[episode.frames, number]
-        return found
+            poses[:, at, 0], poses[:, at, 1:] = 1.0, demonstration.poses[episode.frames, number]
+        return poses
 
     def openings_of(self, episode: ExportEpisode) -> Floats:
-        """Return how far furniture is open in metres or radians, shape (N, furniture); 0 where the task has it not."""
-        shown = episode.demonstration
-        found = np.zeros((episode.length, len(self.furniture)), dtype=np.float32)
-        for number, entity in enumerate(shown.furniture):
-            found[:, self.furniture.index(entity)] = shown.openings[episode.frames, number]
-        return found
+        """Return the openings of furniture in metres or radians, shape (N, furniture); 0 if the task lacks it."""
+        demonstration = episode.demonstration
+        openings = np.zeros((episode.length, len(self.furniture)), dtype=np.float32)
+        for number, entity in enumerate(demonstration.furniture):
+            openings[:, self.furniture.index(entity)] = demonstration.openings[episode.frames, number]
+        return openings
 
     def segmentation_of(self, episode: ExportEpisode, camera: str) -> NDArray[np.unsignedinteger]:
-        """Return which entity each pixel shows, as positions in `legend`, shape (N, H, W)."""
+        """Return the entity at each pixel as its position in `legend`, shape (N, H, W)."""
         footage = episode.demonstration.footage
         assert footage is not None
-        numbers = np.array([self.legend.index(entity) for entity in footage.legend], dtype=self.numbered)
-        found: NDArray[np.unsignedinteger] = numbers[episode.films[camera].segmentation]
-        return found
+        numbers = np.array([self.legend.index(entity) for entity in footage.legend], dtype=self.segmentation_type)
+        result: NDArray[np.unsignedinteger] = numbers[episode.films[camera].segmentation]
+        return result
 
-    def _episode(self, entry: DatasetEntry, start: int, shown: Demonstration) -> ExportEpisode:
+    def _episode(self, entry: DatasetEntry, start: int, demonstration: Demonstration) -> ExportEpisode:
+        footage = demonstration.footage
         name = f"{self.data.folder}: the recording of task {entry.number} of {entry.part}"
-        named = (*shown.objects, *(shown.footage.legend if shown.footage else ()))
-        strange = [each for each in named if each not in self.legend]
-        if shown.robots != self.robots or strange:
-            what = strange[0] if strange else ", ".join(shown.robots)
+        entities = (*demonstration.objects, *(footage.legend if footage else ()))
+        unknown = [entity for entity in entities if entity not in self.legend]
+        if demonstration.robots != self.robots or unknown:
+            what = unknown[0] if unknown else ", ".join(demonstration.robots)
             raise QueryError(f"{name}: has {what}, of which the scene knows nothing; copy the dataset once more")
-        if len(shown.ends) != len(entry.task) + 1 or len(entry.subgoals) != len(entry.task):
+        if len(demonstration.ends) != len(entry.task) + 1 or len(entry.subgoals) != len(entry.task):
             raise QueryError(f"{name}: does not show the states of its task; copy the dataset once more")
-        sizes = {camera: film.size for camera, film in shown.footage.films.items()} if shown.footage else {}
+        sizes = {camera: film.size for camera, film in footage.films.items()} if footage else {}
         if sizes != dict(self.cameras):
             raise QueryError(f"{name}: is not of the cameras that dataset.json names; copy the dataset once more")
-        frames = shown.footage.frames if shown.footage else np.arange(len(shown.times))
-        return ExportEpisode(entry, start, self.instruction(entry), shown, frames.astype(np.int64))
+        frames = footage.frames if footage else np.arange(len(demonstration.times))
+        return ExportEpisode(entry, start, self.instruction(entry), demonstration, frames.astype(np.int64))

@@ -9,17 +9,17 @@ from typing import NamedTuple, Protocol
 from prag_asp.dataset.formats.episode_source import EpisodeSource
 
 Progress = Callable[[str, int, int], None]
-"""Takes the progress: in words, how many are done, and how many there are."""
+"""Reports progress: a message, the number of exported items, and their total."""
 
 
 class ExportFormat(Protocol):
     """Writes a dataset in the format of another program."""
 
     def write(self, source: EpisodeSource, target: Path, progress: Progress) -> None:
-        """Write a dataset, whole or not at all, in the memory of one episode.
+        """Write a dataset atomically, with one episode in memory at a time.
 
         Raises:
-            QueryError: it lacks something that this form needs.
+            QueryError: the dataset lacks something that this format needs.
             OutputError: it cannot be written.
         """
 
@@ -38,4 +38,4 @@ FORMS: Mapping[str, FormatInfo] = {
     "robomimic": FormatInfo("Robomimic", ("pyarrow", "h5py")),
     "bddl": FormatInfo("Bddl", ("pyarrow",), recorded=False),
 }
-"""The formats by name; each is the module of that name, with a class of this one."""
+"""The formats by name: each is the module of that name, which has the class."""

@@ -1,4 +1,4 @@
-"""Write a dataset in the form of another program."""
+"""Export a dataset to the format of another program."""
 
 from __future__ import annotations
 
@@ -22,28 +22,28 @@ def export(
     level: str = "default",
     progress: Progress = lambda words, done, total: None,
 ) -> Path:
-    """Write a dataset, or some parts or tasks of it, in another form, and return where that is.
+    """Export a dataset, or a part or subset of one, and return the path of the export.
 
-    `form` is one of ``lerobot``, ``minari``, ``robomimic`` and ``bddl``; `target` a new folder, of ``robomimic`` a
-    file. It is there when it is whole, and has the same bytes for the same dataset. `level` is how much the
-    instructions say: ``vague``, ``default`` or ``exact``.
+    `form` is one of ``lerobot``, ``minari``, ``robomimic`` and ``bddl``; `target` is a new folder, for ``robomimic`` a
+    new file. It is written atomically, and with the same bytes for the same dataset. `level` is the level of detail of
+    the instructions: ``vague``, ``default`` or ``exact``.
 
     Raises:
-        QueryError: there is no such form, or the dataset has no recordings, or no such task.
-        DomainError: the domain of the dataset is not what dataset.json says.
-        OutputError: it cannot be written, or is there already.
-        DatasetsMissingError: a package that the form needs is not installed.
+        QueryError: there is no such format, or the dataset has no recordings, or no such task.
+        DomainError: the domain of the dataset differs from the record in dataset.json.
+        OutputError: the export cannot be written, or the target exists.
+        DatasetsMissingError: a package that the format needs is not installed.
     """
     if form not in FORMS:
         raise QueryError(unknown(form, FORMS, "form"))
-    known = FORMS[form]
-    require_packages(form, known.packages)
+    info = FORMS[form]
+    require_packages(form, info.packages)
     source = EpisodeSource(data if isinstance(data, Dataset) else Dataset.open(data), level)
-    if known.recorded:
+    if info.recorded:
         source.require_recordings()
     path = Path(target)
     if is_inside(path, source.data.folder):
         raise OutputError(f"{path}: lies in the dataset {source.data.folder}; choose another place")
-    writer: ExportFormat = getattr(import_module(f"prag_asp.dataset.formats.{form}"), known.title)()
+    writer: ExportFormat = getattr(import_module(f"prag_asp.dataset.formats.{form}"), info.title)()
     writer.write(source, path, progress)
     return path

@@ -1,4 +1,4 @@
-"""The statistics that LeRobot keeps of each feature: of an episode, and of all."""
+"""The statistics of each feature that LeRobot stores: per episode, and over all episodes."""
 
 from __future__ import annotations
 
@@ -13,10 +13,14 @@ Statistics = Mapping[str, Floats]
 QUANTILES = (0.01, 0.10, 0.50, 0.90, 0.99)
 NAMES = ("min", "max", "mean", "std", "count", *(f"q{round(100 * each):02d}" for each in QUANTILES))
 LEVELS = 256
+"""Levels of a colour channel of 8 bits."""
+
+BOUNDS = dict.fromkeys(("min", "q01", "q10", "q50"), np.minimum)
+"""The statistics of which the least over episodes is kept; of the others it is the largest."""
 
 
 def statistics_of(values: NDArray[Any]) -> Statistics:
-    """Return the statistics of N values of shape (N,) or (N, D), each of shape (1,) or (D,), exactly."""
+    """Return the exact statistics of N values of shape (N,) or (N, D), each of shape (1,) or (D,)."""
     rows = np.asarray(values, dtype=np.float64).reshape(len(values), -1)
     least, most, mean, spread = rows.min(0), rows.max(0), rows.mean(0), rows.std(0)
     quantiles = np.quantile(rows, QUANTILES, axis=0)
@@ -24,7 +28,7 @@ def statistics_of(values: NDArray[Any]) -> Statistics:
 
 
 class Colours:
-    """Counts the colours of pictures, shape (H, W, 3), one picture after the other."""
+    """A histogram of the colours of pictures of shape (H, W, 3), which are added one by one."""
 
     def __init__(self) -> None:
         self._counts = np.zeros((3, LEVELS), dtype=np.int64)
@@ -38,70 +42,65 @@ class Colours:
 
     def statistics(self) -> Statistics:
         """Return the statistics of each channel from 0 to 1, over all pixels, each of shape (3, 1, 1)."""
-        found = [_of_histogram(counts) for counts in self._counts]
-        values = {name: np.array([each[name] for each in found]).reshape(3, 1, 1) for name in found[0]}
+        channels = [_of_histogram(counts) for counts in self._counts]
+        values = {name: np.array([each[name] for each in channels]).reshape(3, 1, 1) for name in channels[0]}
         return {name: values[name] if name in values else np.array([self._pictures]) for name in NAMES}
 
 
 def _of_histogram(counts: NDArray[np.int64]) -> dict[str, float]:
-    """Return the statistics of values from 0 to 1, of which each of `LEVELS` steps comes so many times."""
-    steps = np.arange(LEVELS) / (LEVELS - 1)
-    there, total, below = np.flatnonzero(counts), counts.sum(), counts.cumsum()
-    mean = float(counts @ steps / total)
-    found = {"min": float(steps[there[0]]), "max": float(steps[there[-1]]), "mean": mean}
-    found["std"] = float(np.sqrt(counts @ (steps - mean) ** 2 / total))
+    """Return the statistics of values from 0 to 1, given the count of each of the `LEVELS` levels."""
+    levels = np.arange(LEVELS) / (LEVELS - 1)
+    occurring, total, cumulative = np.flatnonzero(counts), counts.sum(), counts.cumsum()
+    mean = float(counts @ levels / total)
+    result = {"min": float(levels[occurring[0]]), "max": float(levels[occurring[-1]]), "mean": mean}
+    result["std"] = float(np.sqrt(counts @ (levels - mean) ** 2 / total))
     for name, share in zip(NAMES[-len(QUANTILES) :], QUANTILES, strict=True):
-        found[name] = float(steps[np.searchsorted(below, share * (total - 1), side="right")])
-    return found
+        result[name] = float(levels[np.searchsorted(cumulative, share * (total - 1), side="right")])
+    return result
 
 
 class Aggregate:
-    """Adds up the statistics of one feature over episodes, in the memory of one.
+    """The statistics of one feature over episodes, which are added one by one.
 
-    Mean and deviation are exact. Of a quantile, what is kept is the least of those up to the median, and the largest of
-    those above it, as LeRobot does: bounds, for the quantile of all cannot be known from those of parts.
+    Mean and deviation are exact. The quantile of all values does not follow from those of episodes; as in LeRobot, the
+    result is a bound: the least of the episodes' quantiles up to the median, and the largest of those above it.
     """
 
     def __init__(self) -> None:
-        self._found: dict[str, Floats] = {}
+        self._total: dict[str, Floats] = {}
 
     def add(self, each: Statistics) -> None:
         """Add the statistics of an episode."""
-        known = self._found
-        if not known:
-            self._found = dict(each)
+        total = self._total
+        if not total:
+            self._total = dict(each)
             return
-        count, more = known["count"][0], each["count"][0]
-        mean = known["mean"] + (each["mean"] - known["mean"]) * more / (count + more)
+        count, more = total["count"][0], each["count"][0]
+        mean = total["mean"] + (each["mean"] - total["mean"]) * more / (count + more)
         squares = sum(
-            number * (of["std"] ** 2 + (of["mean"] - mean) ** 2) for of, number in ((known, count), (each, more))
+            number * (of["std"] ** 2 + (of["mean"] - mean) ** 2) for of, number in ((total, count), (each, more))
         )
-        self._found = {
-            **{name: _bound(name)(known[name], each[name]) for name in NAMES},
+        self._total = {
+            **{name: BOUNDS.get(name, np.maximum)(total[name], each[name]) for name in NAMES},
             "mean": mean,
             "std": np.sqrt(squares / (count + more)),
-            "count": known["count"] + each["count"],
+            "count": total["count"] + each["count"],
         }
 
     def statistics(self) -> Statistics:
-        """Return the statistics of all that was added."""
-        return self._found
-
-
-def _bound(name: str) -> Any:
-    """Return which of two values is kept."""
-    return np.minimum if name in ("min", "q01", "q10", "q50") else np.maximum
+        """Return the statistics over all episodes added."""
+        return self._total
 
 
 def as_lists(statistics: Statistics) -> dict[str, Any]:
-    """Return statistics as JSON has them: the count is a whole number."""
+    """Return statistics as JSON values; the count is an integer."""
     return {
         name: value.astype(int).tolist() if name == "count" else value.tolist() for name, value in statistics.items()
     }
 
 
 def flattened(features: Mapping[str, Statistics], names: Sequence[str] = NAMES) -> Iterable[tuple[str, Any]]:
-    """Yield the columns of an episode: ``stats/FEATURE/NAME`` with its value."""
+    """Yield the columns of statistics of an episode: ``stats/FEATURE/NAME`` with its value."""
     for feature, statistics in features.items():
         values = as_lists(statistics)
         yield from ((f"stats/{feature}/{name}", values[name]) for name in names)

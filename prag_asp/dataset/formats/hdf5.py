@@ -1,4 +1,4 @@
-"""What the forms in HDF5 have in common: files with the same bytes for the same arrays, and what an episode shows."""
+"""Shared parts of the HDF5 formats: files with reproducible bytes, and the observations of an episode."""
 
 from __future__ import annotations
 
@@ -19,17 +19,16 @@ from prag_asp.processes.workers import uninterrupted
 
 PACKED, STRENGTH = "gzip", 6
 BLOCK, ROWS = 16, 8
-"""Pictures, and rows of them, that are packed together: what stays as it is from one to the next takes little room."""
-
+"""Pictures and pixel rows in a compressed block: what does not change between pictures then takes little space."""
 
 LONGEST = 60_000
-"""Bytes of a text that is noted at a group: HDF5 has room for 64 kB there."""
+"""The most bytes of a text attribute: HDF5 has space for 64 kB in the header of a group."""
 
 
 class _Disk:
-    """A file that HDF5 writes to, which holds back the first failure: HDF5 aborts the process when it gets one.
+    """A file object for HDF5 that stores the first error instead of raising it, because HDF5 would abort the process.
 
-    After it nothing more is written, and what is read back is zeros; so whoever writes asks now and then for it.
+    After an error nothing more is written, and reads may return zeros; so writers have to call `check` regularly.
     """
 
     def __init__(self, path: Path) -> None:
@@ -55,17 +54,17 @@ class _Disk:
         return self._moved(memoryview(content).nbytes)
 
     def read(self, count: int) -> bytes:
-        found = bytearray(count)
-        self.readinto(memoryview(found))
-        return bytes(found)
+        content = bytearray(count)
+        self.readinto(memoryview(content))
+        return bytes(content)
 
     def readinto(self, buffer: memoryview) -> int:
         into = memoryview(buffer).cast("B")
         try:
-            found = os.pread(self._descriptor, into.nbytes, self._at)
+            content = os.pread(self._descriptor, into.nbytes, self._at)
         except OSError as error:
-            self.failed, found = self.failed or error, b""
-        into[:] = found.ljust(into.nbytes, b"\0")
+            self.failed, content = self.failed or error, b""
+        into[:] = content.ljust(into.nbytes, b"\0")
         return self._moved(into.nbytes)
 
     def truncate(self, size: int) -> int:
@@ -77,16 +76,16 @@ class _Disk:
         return size
 
     def flush(self) -> None:
-        """Do nothing: nothing is held back."""
+        """Do nothing: there is no buffer."""
 
     def close(self) -> None:
         os.close(self._descriptor)
 
     def check(self) -> None:
-        """Tell of a failure.
+        """Raise the first error, if there was one.
 
         Raises:
-            OSError: there was one.
+            OSError: reading or writing failed.
         """
         if self.failed is not None:
             raise self.failed
@@ -99,9 +98,9 @@ class _Disk:
 
 @contextmanager
 def written(path: Path, shown: Path) -> Iterator[tuple[h5py.File, Callable[[], None]]]:
-    """Yield a new HDF5 file, and what is called after each episode: it ends the work where the disk has failed.
+    """Yield a new HDF5 file, and a function to call after each episode, which raises an error if writing failed.
 
-    The file is `shown` by another name where it cannot be written.
+    Errors name the path `shown`.
 
     Raises:
         OutputError: it cannot be written.
@@ -125,32 +124,32 @@ def written(path: Path, shown: Path) -> Iterator[tuple[h5py.File, Callable[[], N
 
 
 def put(group: h5py.Group, name: str, values: NDArray[Any]) -> None:
-    """Put an array into a group; pictures are packed without loss."""
-    packed: dict[str, Any] = {}
+    """Write an array to a group; pictures are compressed without loss."""
+    options: dict[str, Any] = {}
     if values.ndim > 2 and min(values.shape):
         chunks = (min(BLOCK, len(values)), min(ROWS, values.shape[1]), *values.shape[2:])
-        packed = {"chunks": chunks, "compression": PACKED, "compression_opts": STRENGTH}
-    with uninterrupted():  # an interruption that comes while HDF5 asks us to write is one more failure to it
-        group.create_dataset(name, data=values, **packed)
+        options = {"chunks": chunks, "compression": PACKED, "compression_opts": STRENGTH}
+    with uninterrupted():  # HDF5 would treat an interruption during a write as an error
+        group.create_dataset(name, data=values, **options)
 
 
 def group_in(group: h5py.Group, name: str) -> h5py.Group:
-    """Return a new group in another one."""
+    """Create a group in another one."""
     with uninterrupted():
         return group.create_group(name)
 
 
 def numbers_of(source: EpisodeSource, episode: ExportEpisode) -> dict[str, NDArray[np.float32]]:
-    """Return what an episode shows but for pictures: `tools` are there where cameras are."""
-    found = {"state": episode.state, "objects": source.objects_of(episode)}
+    """Return the numeric observations of an episode; `tools` only with cameras, `openings` only with furniture."""
+    observations = {"state": episode.state, "objects": source.objects_of(episode)}
     if source.furniture:
-        found["openings"] = source.openings_of(episode)
+        observations["openings"] = source.openings_of(episode)
     footage = episode.demonstration.footage
-    return found if footage is None else {**found, "tools": footage.tools}
+    return observations if footage is None else {**observations, "tools": footage.tools}
 
 
 def pictures_of(source: EpisodeSource, episode: ExportEpisode) -> Iterator[tuple[str, str, NDArray[Any]]]:
-    """Yield the camera, ``rgb``, ``depth`` or ``segmentation``, and the pictures, one such film at a time."""
+    """Yield each film: its camera, its kind (``rgb``, ``depth`` or ``segmentation``), and its pictures."""
     for camera, film in episode.films.items():
         yield camera, "rgb", film.rgb
         yield camera, "depth", film.depth
@@ -158,10 +157,10 @@ def pictures_of(source: EpisodeSource, episode: ExportEpisode) -> Iterator[tuple
 
 
 def require_steps(source: EpisodeSource, episode: ExportEpisode) -> int:
-    """Return how many actions there are between the moments of an episode.
+    """Return the number of actions between the time steps of an episode.
 
     Raises:
-        QueryError: there is one moment alone.
+        QueryError: there is only one time step.
     """
     if episode.length < 2:
         task = f"task {episode.entry.number} of {episode.entry.part}"
@@ -170,7 +169,7 @@ def require_steps(source: EpisodeSource, episode: ExportEpisode) -> int:
 
 
 def note(group: h5py.Group, values: Mapping[str, Any]) -> None:
-    """Note texts and numbers at a group.
+    """Write texts and numbers as attributes of a group.
 
     Raises:
         QueryError: a text is longer than HDF5 allows.
@@ -183,7 +182,7 @@ def note(group: h5py.Group, values: Mapping[str, Any]) -> None:
 
 
 def origin(episode: ExportEpisode) -> Mapping[str, Any]:
-    """Return what is noted of an episode: its words, its plan, and where in the dataset it stands."""
+    """Return the origin of an episode: its instruction, its plan, and its place in the dataset."""
     entry = episode.entry
     return {
         "instruction": episode.instruction,

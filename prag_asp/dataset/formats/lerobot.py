@@ -1,7 +1,7 @@
-"""LeRobotDataset v3.0: tables of frames in chunks, videos of many episodes, and what ``meta`` says of both.
+"""LeRobotDataset v3.0: chunked tables of frames, videos of many episodes, and the metadata of both in ``meta``.
 
 The layout is that of https://huggingface.co/docs/lerobot/lerobot-dataset-v3; subtasks are as in
-https://huggingface.co/docs/lerobot/dataset_subtask. Depth and segmentation are left out.
+https://huggingface.co/docs/lerobot/dataset_subtask. Depth and segmentation are not exported.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from prag_asp.dataset.formats.feature_statistics import (
     statistics_of,
 )
 from prag_asp.dataset.formats.provenance import write_provenance
-from prag_asp.dataset.formats.video import Video, described
+from prag_asp.dataset.formats.video import Video, video_info
 from prag_asp.output import make_folder, new_folder, replace_file
 from prag_asp.wording import plural
 
@@ -55,13 +55,13 @@ A LeRobotDataset {version}: {episodes} of `{name}`, written by prag_asp. `subtas
 
 @dataclass(frozen=True)
 class LeRobot:
-    """Writes LeRobotDatasets; a file of data or of videos that has so many megabytes gets no more episodes."""
+    """Writes LeRobotDatasets; a file of data or videos that reaches its size in megabytes gets no more episodes."""
 
     data_megabytes: int = 100
     video_megabytes: int = 200
 
     def write(self, source: EpisodeSource, target: Path, progress: Progress) -> None:
-        """Write a folder with ``meta``, ``data`` and, where there are cameras, ``videos``.
+        """Write a folder with ``meta``, ``data`` and, if there are cameras, ``videos``.
 
         Raises:
             QueryError: there are no recordings.
@@ -76,7 +76,7 @@ class LeRobot:
 
 
 class _LeRobotWriter:
-    """One dataset that is being written."""
+    """Writes one dataset, episode by episode."""
 
     def __init__(self, form: LeRobot, source: EpisodeSource, folder: Path) -> None:
         self._form, self._source, self._folder = form, source, folder
@@ -86,16 +86,16 @@ class _LeRobotWriter:
         self._splits: dict[str, tuple[int, int]] = {}
         self._statistics: dict[str, Aggregate] = {}
         self._features = _features(source)
-        self._data = ChunkedTable(folder, DATA, _columns(self._features), form.data_megabytes)
-        self._rows = ChunkedTable(folder, EPISODES, _about(self._features), form.data_megabytes)
-        self._reels = {
+        self._data = ChunkedTable(folder, DATA, _frame_schema(self._features), form.data_megabytes)
+        self._rows = ChunkedTable(folder, EPISODES, _episode_schema(self._features), form.data_megabytes)
+        self._videos = {
             f"observation.images.{name}": _VideoFeature(form, source, folder, name) for name in source.cameras
         }
 
     def add(self, episode: ExportEpisode) -> None:
         """Write an episode."""
         values = self._values(episode)
-        found: dict[str, Statistics] = {name: statistics_of(value) for name, value in values.items()}
+        statistics: dict[str, Statistics] = {name: statistics_of(value) for name, value in values.items()}
         chunk, file = self._data.add(_table(values, self._data.schema))
         row: dict[str, Any] = {
             "episode_index": self.episodes,
@@ -106,19 +106,19 @@ class _LeRobotWriter:
             "dataset_from_index": self._frames,
             "dataset_to_index": self._frames + episode.length,
         }
-        for key, reel in self._reels.items():
-            place, found[key] = reel.add(episode)
+        for key, video in self._videos.items():
+            place, statistics[key] = video.add(episode)
             row |= {f"videos/{key}/{name}": value for name, value in place.items()}
-        row |= flattened(found)
+        row |= flattened(statistics)
         self._rows.add_row({**row, **_origin(episode)})
-        for name, each in found.items():
+        for name, each in statistics.items():
             self._statistics.setdefault(name, Aggregate()).add(each)
         begin, _ = self._splits.get(episode.entry.part, (self.episodes, 0))
         self.episodes, self._frames = self.episodes + 1, self._frames + episode.length
         self._splits[episode.entry.part] = begin, self.episodes
 
     def finish(self) -> None:
-        """Write what is said of all episodes."""
+        """Write the metadata of all episodes, and the card."""
         self.close()
         meta = make_folder(self._folder / "meta")
         write_table(meta / "tasks.parquet", texts_table("task", self._tasks))
@@ -135,11 +135,11 @@ class _LeRobotWriter:
         """Close all files."""
         self._data.close()
         self._rows.close()
-        for reel in self._reels.values():
-            reel.close()
+        for video in self._videos.values():
+            video.close()
 
     def _values(self, episode: ExportEpisode) -> dict[str, NDArray[Any]]:
-        """Return what is said of each frame of an episode, by the names of the features."""
+        """Return the values of each feature at each frame of an episode."""
         length = episode.length
         frame = np.arange(length)
         task = self._tasks.setdefault(episode.instruction, len(self._tasks))
@@ -172,13 +172,13 @@ class _LeRobotWriter:
             "fps": source.rate,
             "splits": {name: f"{begin}:{end}" for name, (begin, end) in self._splits.items()},
             "data_path": DATA,
-            "video_path": VIDEOS if self._reels else None,
+            "video_path": VIDEOS if self._videos else None,
             "features": self._features,
         }
 
 
 class _VideoFeature:
-    """The videos of one camera, one after the other."""
+    """Writes the videos of one camera."""
 
     def __init__(self, form: LeRobot, source: EpisodeSource, folder: Path, camera: str) -> None:
         self._form, self._source, self._folder, self._camera = form, source, folder, camera
@@ -187,7 +187,7 @@ class _VideoFeature:
         self._video: Video | None = None
 
     def add(self, episode: ExportEpisode) -> tuple[dict[str, Any], Statistics]:
-        """Add the film of an episode, and return where it is, and the statistics of its colours."""
+        """Add the film of an episode, and return its place in the videos and the statistics of its colours."""
         if self._video is not None and self._video.size >= self._form.video_megabytes * MEGABYTE:
             self.close()
             self._place = next(self._places)
@@ -209,14 +209,14 @@ class _VideoFeature:
         return place, colours.statistics()
 
     def close(self) -> None:
-        """End the video that is being written."""
+        """Close the current video."""
         if self._video is not None:
             video, self._video = self._video, None
             video.close()
 
 
 def _features(source: EpisodeSource) -> dict[str, Any]:
-    """Return what info.json says of each feature."""
+    """Return the features as info.json describes them."""
     joints = source.joints
     vector = {"dtype": "float32", "shape": [len(joints)], "names": joints}
     kinds = {
@@ -226,20 +226,20 @@ def _features(source: EpisodeSource) -> dict[str, Any]:
         "timestamp": "float32",
         **dict.fromkeys(("frame_index", "episode_index", "index", "task_index"), "int64"),
     }
-    found: dict[str, Any] = {"observation.state": vector, "action": vector}
-    found |= {name: {"dtype": kind, "shape": [1], "names": None} for name, kind in kinds.items()}
+    features: dict[str, Any] = {"observation.state": vector, "action": vector}
+    features |= {name: {"dtype": kind, "shape": [1], "names": None} for name, kind in kinds.items()}
     for name, (width, height) in source.cameras.items():
-        found[f"observation.images.{name}"] = {
+        features[f"observation.images.{name}"] = {
             "dtype": "video",
             "shape": [height, width, 3],
             "names": ["height", "width", "channels"],
-            "info": described((width, height), source.rate),
+            "info": video_info((width, height), source.rate),
         }
-    return found
+    return features
 
 
-def _columns(features: Mapping[str, Any]) -> pa.Schema:
-    """Return the columns of the tables of frames: all features but videos."""
+def _frame_schema(features: Mapping[str, Any]) -> pa.Schema:
+    """Return the schema of the table of frames: all features except videos."""
     columns = []
     for name, feature in features.items():
         if feature["dtype"] != "video":
@@ -248,8 +248,8 @@ def _columns(features: Mapping[str, Any]) -> pa.Schema:
     return pa.schema(columns)
 
 
-def _about(features: Mapping[str, Any]) -> pa.Schema:
-    """Return the columns of the table of episodes."""
+def _episode_schema(features: Mapping[str, Any]) -> pa.Schema:
+    """Return the schema of the table of episodes."""
     numbers, texts = ("episode_index", "length", "dataset_from_index", "dataset_to_index"), pa.list_(pa.string())
     columns = [("tasks", texts), *((name, pa.int64()) for name in numbers)]
     columns += [
@@ -268,7 +268,7 @@ def _about(features: Mapping[str, Any]) -> pa.Schema:
 
 
 def _table(values: Mapping[str, NDArray[Any]], schema: pa.Schema) -> pa.Table:
-    """Return the rows of an episode."""
+    """Return the frames of an episode as rows."""
     arrays = []
     for column in schema:
         value = values[column.name]
@@ -281,7 +281,7 @@ def _table(values: Mapping[str, NDArray[Any]], schema: pa.Schema) -> pa.Table:
 
 
 def _origin(episode: ExportEpisode) -> dict[str, Any]:
-    """Return where an episode comes from, which LeRobot does not ask for."""
+    """Return the columns with the origin of an episode, an addition to the format."""
     entry = episode.entry
     return {
         "prag_asp/part": entry.part,

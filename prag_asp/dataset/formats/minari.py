@@ -1,6 +1,6 @@
-"""Minari: a local dataset that `minari.load_dataset` finds, as https://minari.farama.org tells of it.
+"""Minari: a local dataset for `minari.load_dataset`, in the layout of https://minari.farama.org.
 
-There is no environment to be made, so the dataset has its spaces itself.
+The dataset names no environment, so its metadata includes the spaces.
 """
 
 from __future__ import annotations
@@ -29,9 +29,10 @@ LAYOUT = "0.5.0"
 
 MAIN = "main_data.hdf5"
 SMALLEST = 32
-"""Pixels of a side from which on Minari takes colours for a picture, and has it as JPEG."""
+"""The least pixels of a side at which Minari treats colours as a picture, and stores it as JPEG."""
 
 QUALITY = 95
+"""The JPEG quality of pictures, as in Minari."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,7 @@ class Minari:
                 "total_steps": steps,
                 "data_format": "hdf5",
                 "jpeg_encoding": True,
-                "observation_space": json.dumps(_observation_space(source)),
+                "observation_space": json.dumps({"type": "Dict", "subspaces": dict(_observation_spaces(source))}),
                 "action_space": json.dumps(_box(source.limits, len(source.joints), "float32")),
                 "minari_version": LAYOUT,
                 "dataset_size": round((inner / MAIN).stat().st_size / 1e6, 1),
@@ -76,12 +77,12 @@ class Minari:
 
 
 def dataset_name(source: EpisodeSource) -> str:
-    """Return the name by which Minari knows a dataset; signs that it does not allow become ``_``."""
+    """Return the name of a dataset in Minari; characters that it does not allow become ``_``."""
     return f"prag_asp/{re.sub(r'[^-a-zA-Z0-9_]', '_', source.data.domain.name)}-v0"
 
 
 def _write(group: h5py.Group, source: EpisodeSource, episode: ExportEpisode, number: int) -> int:
-    """Write an episode, and return how many steps it has."""
+    """Write an episode, and return the number of its steps."""
     steps = require_steps(source, episode)
     attributes = {
         name: json.dumps(each, ensure_ascii=False) if isinstance(each, list) else each
@@ -107,26 +108,22 @@ def _write(group: h5py.Group, source: EpisodeSource, episode: ExportEpisode, num
 
 
 def _as_jpeg(pictures: Iterable[NDArray[np.uint8]]) -> NDArray[np.uint8]:
-    """Return pictures as JPEG, shape (N, bytes): those that take less room end with zeros, which no reader minds."""
+    """Return pictures as JPEG, shape (N, bytes), padded with zeros, which JPEG readers ignore."""
     from PIL import Image
 
-    found = []
+    images = []
     for picture in pictures:
         buffer = BytesIO()
         Image.fromarray(picture).save(buffer, format="JPEG", quality=QUALITY, subsampling=0)
-        found.append(np.frombuffer(buffer.getvalue(), dtype=np.uint8))
-    rows = np.zeros((len(found), max(map(len, found))), dtype=np.uint8)
-    for row, content in zip(rows, found, strict=True):
+        images.append(np.frombuffer(buffer.getvalue(), dtype=np.uint8))
+    rows = np.zeros((len(images), max(map(len, images))), dtype=np.uint8)
+    for row, content in zip(rows, images, strict=True):
         row[: len(content)] = content
     return rows
 
 
-def _observation_space(source: EpisodeSource) -> dict[str, Any]:
-    return {"type": "Dict", "subspaces": dict(_observed(source))}
-
-
-def _observed(source: EpisodeSource) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield the space of each observation; what is measured has no bounds."""
+def _observation_spaces(source: EpisodeSource) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield the space of each observation; measurements have no bounds."""
     yield "state", _free(len(source.joints))
     yield "objects", _free(len(source.objects), 1 + len(POSE))
     if source.furniture:
@@ -137,7 +134,7 @@ def _observed(source: EpisodeSource) -> Iterator[tuple[str, dict[str, Any]]]:
         entities = len(source.legend)
         yield f"{camera}_rgb", _between(0, 255, (height, width, 3), "uint8")
         yield f"{camera}_depth", _between(0.0, np.inf, (height, width), "float16")
-        yield f"{camera}_segmentation", _between(0, entities - 1, (height, width), source.numbered.name)
+        yield f"{camera}_segmentation", _between(0, entities - 1, (height, width), source.segmentation_type.name)
 
 
 def _free(*shape: int) -> dict[str, Any]:
@@ -150,7 +147,7 @@ def _between(low: float, high: float, shape: tuple[int, ...], kind: str) -> dict
 
 
 def _box(bounds: tuple[NDArray[Any], NDArray[Any]], *rest: Any) -> dict[str, Any]:
-    """Return a box as Minari writes it: its bounds, its shape, and last the type of its numbers."""
+    """Return a box as Minari encodes it, given its bounds, the sides of its shape, and the type of its numbers."""
     *shape, kind = rest
     low, high = (each.astype(kind).tolist() for each in bounds)
     return {"type": "Box", "dtype": kind, "shape": shape, "low": low, "high": high}

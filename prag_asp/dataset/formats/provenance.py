@@ -1,4 +1,4 @@
-"""The provenance of an export: its dataset, and the versions that have written it."""
+"""The provenance of an export: its dataset, and the versions of the programs that wrote it."""
 
 from __future__ import annotations
 

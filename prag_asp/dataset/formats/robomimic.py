@@ -1,6 +1,6 @@
-"""HDF5 in robomimic's layout, as https://robomimic.github.io/docs/datasets/overview.html has it.
+"""HDF5 in robomimic's layout: https://robomimic.github.io/docs/datasets/overview.html.
 
-N moments make N - 1 samples: what is observed, the action, and what is observed then.
+N time steps result in N - 1 samples: an observation, the action, and the next observation.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from prag_asp.output import whole_file
 from prag_asp.wording import plural
 
 GYM = 2
-"""The type of environment in the file: robomimic has none for environments that do not exist."""
+"""The type of environment in the file, Gym: robomimic has no type for a dataset without an environment."""
 
 IMAGES = {"rgb": "image", "depth": "depth", "segmentation": "segmentation"}
-"""What robomimic calls what cameras see."""
+"""The suffix of each kind of camera image in robomimic."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Robomimic:
 
 
 def _write(demo: h5py.Group, source: EpisodeSource, episode: ExportEpisode) -> int:
-    """Write an episode, and return how many samples it has."""
+    """Write an episode, and return the number of its samples."""
     steps = require_steps(source, episode)
     lower, upper = source.limits
     action = episode.action[:-1]
@@ -73,7 +73,7 @@ def _write(demo: h5py.Group, source: EpisodeSource, episode: ExportEpisode) -> i
 
 
 def _states(source: EpisodeSource, episode: ExportEpisode) -> Iterator[NDArray[np.float32]]:
-    """Yield what the state of the world is made of."""
+    """Yield the arrays that are concatenated to the state of the environment."""
     numbers = numbers_of(source, episode)
     yield from (numbers[name] for name in ("state", "objects", "openings") if name in numbers)
 
@@ -97,7 +97,7 @@ def _observed(source: EpisodeSource, episode: ExportEpisode) -> Iterator[tuple[s
 
 
 def _environment(source: EpisodeSource) -> dict[str, Any]:
-    """Return the description of the environment; none can be made, so the arguments hold the metadata."""
+    """Return the description of the environment; there is none, so its arguments have the metadata instead."""
     lower, upper = source.limits
     values = {
         **provenance_of(source, "robomimic"),

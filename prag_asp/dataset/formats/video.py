@@ -1,4 +1,4 @@
-"""Films as AV1 in MP4: one file for many episodes, the same bytes for the same pictures."""
+"""Write AV1 videos in MP4: one file for many episodes, with the same bytes for the same pictures."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from prag_asp.output.atomic_file import output_errors
 
 CODEC, PIXELS = "av1", "yuv420p"
 OPTIONS = {"g": "10", "crf": "30", "preset": "8", "svtav1-params": "lp=1"}
-"""A picture that needs no other comes every ten, so that one is found quickly; a single thread, for the same bytes."""
+"""A key frame every ten pictures, so that readers seek quickly; a single thread, for the same bytes."""
 
 QUIET = "0"
 """Silences the encoder, which writes to stderr; failures are raised as errors."""
 
 
 class Video:
-    """A video file that grows by pictures; `seconds` is how long it is."""
+    """Writes a video file picture by picture."""
 
     def __init__(self, path: Path, size: tuple[int, int], rate: int) -> None:
-        """Begin a file for pictures of a width and height, so many a second.
+        """Begin a file for pictures of a width and height in pixels, `rate` of them per second.
 
         Raises:
             OutputError: it cannot be written.
@@ -44,12 +44,12 @@ class Video:
 
     @property
     def seconds(self) -> float:
-        """How long it is until now."""
+        """The duration so far."""
         return self._pictures / self._rate
 
     @property
     def size(self) -> int:
-        """How many bytes of it are written: the encoder holds some pictures back."""
+        """The bytes written so far: the encoder buffers some pictures."""
         return self.path.stat().st_size if self.path.exists() else 0
 
     def add(self, picture: NDArray[np.uint8]) -> None:
@@ -64,7 +64,7 @@ class Video:
         self._pictures += 1
 
     def close(self) -> None:
-        """Write what is left.
+        """Write the buffered pictures, and close the file.
 
         Raises:
             OutputError: it cannot be written.
@@ -79,8 +79,8 @@ class Video:
                 self._file.mux(packet)
 
 
-def described(size: tuple[int, int], rate: int) -> dict[str, Any]:
-    """Return what LeRobot notes of a video of a width and height."""
+def video_info(size: tuple[int, int], rate: int) -> dict[str, Any]:
+    """Return LeRobot's description of a video, given its width and height in pixels, and its rate."""
     width, height = size
     return {
         "video.height": height,

@@ -1,1 +1,1 @@
-"""A dataset being made: the run that writes it, where draws are looked at, and what others have made of it."""
+"""Generation of a dataset: the run that writes it, executors that validate draws, and parts of other machines."""

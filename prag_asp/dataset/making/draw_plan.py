@@ -1,4 +1,4 @@
-"""Which draws of a dataset are validated where: the one plan of a single run, of machine parts, and of their merge."""
+"""The assignment of draws to machines, for a single run, for machine parts, and for their merge."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ class Holder(NamedTuple):
 
 @dataclass(frozen=True)
 class DrawPlan:
-    """The draws of one part of the split, numbered from 0, as the run that writes them sees them.
+    """The draws of one part of the split in a run, numbered from 0.
 
-    With a `deal` such as ``3/64``, they are every 64th of all draws. Where machine parts are merged, the n-th of them
-    has validated the first ``validated[n]`` of the draws that were dealt to it; the run validates the others.
+    With a `deal` such as ``3/64``, they are every 64th of all draws. In a merge, the n-th machine part has validated
+    the first ``validated[n]`` of its draws; the run validates the others.
     """
 
     deal: Deal = ALL
     validated: tuple[int, ...] = ()
 
     def search_index(self, draw: int) -> int:
-        """Return the index of the search for a draw: it does not depend on how many machines there are."""
+        """Return the search index of a draw, which does not depend on the number of machines."""
         return self.deal.whole(draw)
 
     def holder(self, draw: int) -> Holder | None:
-        """Return the machine part that has validated a draw, None where this run does."""
+        """Return the machine part that has validated a draw, None if this run validates it."""
         if not self.validated:
             return None
         deal = Deal.holding(draw, len(self.validated))
@@ -41,5 +41,5 @@ class DrawPlan:
         return Holder(deal.number - 1, own) if own < self.validated[deal.number - 1] else None
 
     def missing(self, first: int, limit: int) -> Iterator[int]:
-        """Yield the draws from one to before another that this run validates, lazily and in order."""
+        """Yield the draws from `first` to `limit` - 1 that this run validates, lazily and in order."""
         return (draw for draw in range(first, limit) if self.holder(draw) is None)

@@ -1,4 +1,4 @@
-"""Executors that validate draws: this process, several of this machine, or the nodes of a Ray cluster."""
+"""Executors that validate draws: this process, several processes on this machine, or the nodes of a Ray cluster."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from prag_asp.errors import QueryError
 from prag_asp.missing import require_ray
 
 CHUNK = 4
-"""Searches that a process of this machine gets together: some seconds of work, much more than sending them."""
+"""Searches that are sent to a local process together: some seconds of work, much more than sending them costs."""
 
 RAY = "ray"
-"""The name of the executor that is not on this machine."""
+"""The name of the remote executor."""
 
 
 class Executor(Protocol):
@@ -24,28 +24,28 @@ class Executor(Protocol):
 
     @property
     def captions(self) -> bool:
-        """Whether jobs come as draws, whose tasks, texts and rows are made there."""
+        """Whether the executor decodes draws into tasks, and writes their texts and rows."""
         ...
 
     def run(self, jobs: Iterator[ValidationJob], setup: ValidationSetup) -> Generator[JobResult, None, None]:
-        """Yield the results of jobs, in their order; closing the iterator ends the work at once.
+        """Yield the results of jobs in order; closing the iterator ends the work at once.
 
         Raises:
-            SceneError: a task names something for which the scene has no shape.
-            WorkerError: workers died again and again, or there are none.
+            SceneError: the scene lacks the shape of an entity of a task.
+            WorkerError: workers died repeatedly, or there are none.
         """
         ...
 
 
 @dataclass(frozen=True)
 class LocalExecutor:
-    """A number of processes of this machine, or this one alone with one worker or without physics."""
+    """Worker processes on this machine; with one worker or without physics, the current process."""
 
     workers: int
     captions: bool = False
 
     def run(self, jobs: Iterator[ValidationJob], setup: ValidationSetup) -> Generator[JobResult, None, None]:
-        """Yield the results of jobs, in their order."""
+        """Yield the results of jobs in order."""
         if self.workers == 1 or setup.scene is None:
             with open_job_validator(setup) as validate:
                 for job in jobs:
@@ -62,10 +62,10 @@ class LocalExecutor:
 
 
 def executor_of(workers: int, on: str | None) -> Executor:
-    """Return the executor that is requested.
+    """Return the requested executor.
 
     Raises:
-        QueryError: there is none of that name, no worker, or workers are requested of Ray, which has its own.
+        QueryError: there is no executor of that name, no worker, or a number of workers for Ray, which has its own.
         RayMissingError: Ray is not installed.
     """
     if workers < 1:

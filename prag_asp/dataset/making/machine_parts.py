@@ -1,4 +1,4 @@
-"""The parts of one dataset that several machines have made: the draws that each has validated, in one order again."""
+"""Read the draws that several machines have validated, each for its part of a dataset, in the order of the draws."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ class MachineParts:
         }  # fmt: skip
 
     def plan(self, name: str) -> DrawPlan:
-        """Return the plan of a part of the split: what the machines have validated is not validated again."""
+        """Return the plan of a part of the split, with the draws that the machines have validated."""
         return DrawPlan(validated=tuple(reader.draws for reader in self._readers[name]))
 
     def draw(self, name: str, holder: Holder) -> DrawRows:
-        """Return the rows of a draw; draws are requested in ascending order.
+        """Return the rows of a draw; callers request draws in ascending order.
 
         Raises:
-            QueryError: a file of a part is missing, or is not what its dataset.json says.
+            QueryError: a file of a part is missing, or differs from its record in dataset.json.
         """
         return self._readers[name][holder.machine].draw(holder.draw)
 

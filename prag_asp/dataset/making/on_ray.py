@@ -1,8 +1,8 @@
-"""Draws that are validated on the nodes of a Ray cluster, as Ray tasks over some draws in a row.
+"""Validate draws on the nodes of a Ray cluster, as Ray tasks over consecutive draws.
 
-A node that is lost costs what was done on it: Ray does its tasks again elsewhere. What is found comes back in the order
-of the draws. A process of its own talks to Ray, so that nothing of Ray's reaches ours: neither threads, nor handlers of
-signals, nor what it prints; and whatever ends ours ends that, and with it what the cluster does for it.
+If a node is lost, Ray repeats its tasks elsewhere. Results come back in the order of the draws. A separate process, the
+client, talks to Ray, so that its threads, signal handlers and output do not reach our process; when ours ends, the
+client ends too, and with it the work of the cluster.
 """
 
 from __future__ import annotations
@@ -26,25 +26,28 @@ from prag_asp.processes.progress_events import stage
 from prag_asp.processes.workers import Worker, WorkerEnded, WorkerGroup, uninterrupted
 
 AHEAD = 2
-"""Tasks of Ray for each processor that are handed out: the one that it does, and one that it need not wait for."""
+"""Ray tasks submitted per processor: the one that runs, and one more, so that no processor has to wait."""
 
 SECONDS = 0.5
-"""How long a task of Ray is to take, about: much longer than it takes to hand it out, and soon done again.
+"""The targeted duration of a Ray task: much longer than its submission, yet cheap to repeat.
 
-When the last tasks are done, some processors have nothing to do, for so long at most.
+While the last tasks run, some processors are idle, for at most this time.
 """
 
 LARGEST, GROWTH = 512, 2
-"""Draws of a task of Ray at most, and by how much these grow at once."""
+"""The most draws of a Ray task, and the largest factor by which their number grows from one task to the next."""
 
 LOST = 20
-"""Retries of a task of Ray whose node was lost."""
+"""Retries of a Ray task whose node was lost."""
 
 PARTING = 10.0
 """Seconds that Ray has to end its processes."""
 
+POLL = 0.5
+"""Seconds between two queries for the processors of a cluster."""
+
 PATIENCE = 60.0
-"""Seconds to wait for a first processor of a cluster."""
+"""Seconds to wait for a connection to a cluster, and for its first processor."""
 
 QUIET = {"RAY_USAGE_STATS_ENABLED": "0", "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0"}
 """Environment variables that disable Ray's usage statistics."""
@@ -57,49 +60,49 @@ class RayExecutor:
     captions: bool = True
 
     def run(self, jobs: Iterator[ValidationJob], setup: ValidationSetup) -> Generator[JobResult, None, None]:
-        """Yield the results of jobs, in their order; closing the iterator ends the work at once.
+        """Yield the results of jobs in order; closing the iterator ends the work at once.
 
         Raises:
-            SceneError: a task names something for which the scene has no shape.
-            WorkerError: there is no cluster, or nodes were lost again and again.
+            SceneError: the scene lacks the shape of an entity of a task.
+            WorkerError: there is no cluster, or nodes were lost repeatedly.
         """
         from prag_asp.dataset.store.columns import RowReference, unpacked
 
         stage("validating tasks on the cluster")
         with WorkerGroup(__name__, stderr=subprocess.DEVNULL) as children:
             try:
-                talker = children.start()
+                client = children.start()
                 try:
-                    talker.send(setup)
-                    while (answer := talker.receive()) is not None:
+                    client.send(setup)
+                    while (answer := client.receive()) is not None:
                         if isinstance(answer, int):
-                            talker.send(list(islice(jobs, answer)))
+                            client.send(list(islice(jobs, answer)))
                         else:
-                            every, rows = pickle.loads(answer)
+                            results, rows = pickle.loads(answer)
                             table = unpacked(rows)
                             yield from (
-                                each._replace(row=RowReference(table, place)) for place, each in enumerate(every)
+                                each._replace(row=RowReference(table, place)) for place, each in enumerate(results)
                             )
                 finally:
                     with uninterrupted():
-                        _let_go(talker)
+                        _terminate(client)
             except WorkerEnded as ended:
                 message = f"the process that talks to Ray ended {ended}; is there enough memory? Run it again"
                 raise WorkerError(message) from None
 
 
-def _let_go(talker: Worker) -> None:
-    """Terminate the process that talks to Ray, so that Ray ends our work; a killed local cluster would leave agents."""
-    talker.process.terminate()
+def _terminate(client: Worker) -> None:
+    """Terminate the client, and let Ray end our work; if it were killed, a local cluster would leave agents behind."""
+    client.process.terminate()
     with suppress(subprocess.TimeoutExpired):
-        talker.process.wait(PARTING)
+        client.process.wait(PARTING)
 
 
 def answers(messages: Iterator[Any]) -> Iterator[int | bytes | None]:
-    """Yield the number of jobs that the cluster has room for, and the results of jobs, pickled; None comes last.
+    """Yield the number of jobs that the cluster can accept, and the results of jobs, pickled; None comes last.
 
     The first message is the `ValidationSetup`; each number is answered by that many jobs, or fewer at the end. Results
-    are a list of `JobResult` and their rows, as the node has pickled them.
+    are a list of `JobResult` and their rows, as pickled on the node.
 
     Raises:
         SceneError: as `RayExecutor.run` does.
@@ -122,97 +125,97 @@ def answers(messages: Iterator[Any]) -> Iterator[int | bytes | None]:
             waiting.extend((remote.remote(run, setup, group), len(group)) for group in groups)
             continue
         reference, number = waiting.popleft()
-        found, seconds = _answer(ray, reference)
-        right = int(number * SECONDS / max(seconds, 1e-6))
-        size = max(1, min(right, GROWTH * max(number, size), LARGEST))
-        yield found
+        results, seconds = _answer(ray, reference)
+        target = int(number * SECONDS / max(seconds, 1e-6))
+        size = max(1, min(target, GROWTH * max(number, size), LARGEST))
+        yield results
     yield None
 
 
 def _begin(ray: Any) -> None:
-    """Connect to the cluster of ``RAY_ADDRESS``, or begin one on this machine.
+    """Connect to the cluster of ``RAY_ADDRESS``, or start one on this machine.
 
     Raises:
-        WorkerError: there is none at the address.
+        WorkerError: there is no cluster at the address.
     """
     os.environ.update(QUIET)
     address = os.environ.get("RAY_ADDRESS") or "local"
-    own = {"include_dashboard": False} if address == "local" else {}
+    options = {"include_dashboard": False} if address == "local" else {}
     try:
-        _knock(address)
-        ray.init(address=address, log_to_driver=False, **own)
-    except Exception as error:  # Ray has no error of its own for that
+        _require_listener(address)
+        ray.init(address=address, log_to_driver=False, **options)
+    except Exception as error:  # Ray has no common error class for this
         raise WorkerError(f"no Ray cluster at {address}: {_line(error)}; see RAY_ADDRESS") from None
 
 
-def _knock(address: str) -> None:
-    """Connect to HOST:PORT at once: Ray tries for minutes.
+def _require_listener(address: str) -> None:
+    """Check that something listens at HOST:PORT, because Ray itself retries for minutes.
 
     Raises:
-        OSError: nobody is there.
+        OSError: nothing does.
     """
-    found = re.fullmatch(r"\[?([^/\[\]]+)\]?:([0-9]{1,5})", address)
-    if found is not None:
-        socket.create_connection((found[1], int(found[2])), timeout=PATIENCE).close()
+    match = re.fullmatch(r"\[?([^/\[\]]+)\]?:([0-9]{1,5})", address)
+    if match is not None:
+        socket.create_connection((match[1], int(match[2])), timeout=PATIENCE).close()
 
 
 def _processors(ray: Any) -> int:
-    """Return how many processors the cluster has now; wait for a first one.
+    """Return the number of processors of the cluster, and wait for a first one.
 
     Raises:
-        WorkerError: none comes.
+        WorkerError: none appears within `PATIENCE`.
     """
     until = monotonic() + PATIENCE
-    while not (found := int(ray.cluster_resources().get("CPU", 0))):
+    while not (number := int(ray.cluster_resources().get("CPU", 0))):
         if monotonic() > until:
             raise WorkerError("the Ray cluster has no processor; start a node of it: ray start --address=HOST:PORT")
-        sleep(0.5)
-    return found
+        sleep(POLL)
+    return number
 
 
 def _answer(ray: Any, reference: Any) -> tuple[bytes, float]:
-    """Return the pickled results of a task of Ray, and the seconds that it took.
+    """Return the pickled results of a Ray task, and its duration in seconds.
 
     Raises:
-        WorkerError: Ray has given it up.
-        Exception: this was met there.
+        WorkerError: Ray gave the task up.
+        Exception: the error that the task raised.
     """
     try:
-        found, error, seconds = ray.get(reference)
+        results, error, seconds = ray.get(reference)
     except ray.exceptions.RayError as failure:
         raise WorkerError(f"the Ray cluster gave tasks up: {_line(failure)}; see its nodes, and run it again") from None
     if error is not None:
         raise error
-    return found, seconds
+    return results, seconds
 
 
 def _line(error: BaseException) -> str:
-    """Return the first line that an error says."""
+    """Return the first line of the message of an error."""
     return (str(error).strip() or type(error).__name__).splitlines()[0]
 
 
 @dataclass
-class _Kept:
-    """The state of a process of Ray between tasks of the same run."""
+class _NodeState:
+    """The state of a Ray process between tasks of the same run."""
 
     run: str = ""
     validate: Any = None
     resources: ExitStack = field(default_factory=ExitStack)
 
 
-_KEPT = _Kept()
+_NODE = _NodeState()
 
 
 def validated(run: str, setup: ValidationSetup, jobs: list[ValidationJob]) -> tuple[bytes, Exception | None, float]:
-    """Return the pickled results of jobs, or the error raised, and the seconds that it took; this runs on a node."""
+    """Return the pickled results of jobs, the error if one was raised, and the seconds taken; this runs on a node."""
     begun = monotonic()
     try:
-        if _KEPT.run != run:
-            _KEPT.resources.close()
-            _KEPT.run, _KEPT.resources = "", ExitStack()
+        if _NODE.run != run:
+            _NODE.resources.close()
+            _NODE.run, _NODE.resources = "", ExitStack()
             assert setup.captions is not None
-            _KEPT.validate, _KEPT.run = _KEPT.resources.enter_context(open_draw_validator(setup, setup.captions)), run
+            _NODE.validate, _NODE.run = _NODE.resources.enter_context(open_draw_validator(setup, setup.captions)), run
             begun = monotonic()
-        return pickle.dumps(_KEPT.validate(jobs)), None, monotonic() - begun
+        return pickle.dumps(_NODE.validate(jobs)), None, monotonic() - begun
     except Exception as error:
         return b"", error, monotonic() - begun

@@ -1,4 +1,4 @@
-"""Why a dataset is not written into a folder, or has fewer tasks than requested."""
+"""Reasons not to write a dataset into a folder, or to end with fewer tasks than requested."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ if TYPE_CHECKING:
     from prag_asp.space.distinct_sampling import TaskOrder
 
 JOURNAL = "journal.part"
-"""The results of the draws since the last shard, from which an interrupted run is resumed; it is removed at the end."""
+"""The file with the results of the draws since the last shard, to resume an interrupted run; removed at the end."""
 
 
 def require_dataset_folder(folder: Path) -> None:
     """Check that a folder is new, empty, or a dataset, before anything is written.
 
     Raises:
-        OutputError: it holds something else.
+        OutputError: it contains something else.
     """
     if folder.exists() and not folder.is_dir():
         raise OutputError(f"{folder}: is no folder; give a new one")
@@ -33,7 +33,7 @@ def require_dataset_folder(folder: Path) -> None:
 
 
 def difference(one: Manifest, other: Manifest) -> str:
-    """Return how the dataset of one manifest differs from that of another, which has another identity."""
+    """Return the first difference between two manifests with different identities, as a message."""
     if one.domain.name != other.domain.name:
         return f"is a dataset of {one.domain.name}, not of {other.domain.name}"
     before = one.request
@@ -44,11 +44,11 @@ def difference(one: Manifest, other: Manifest) -> str:
 
 
 def too_few(part: PartManifest, available: TaskOrder, limit: int) -> str:
-    """Return in words that a part has fewer tasks than requested, and why."""
-    found = f"only {part.tasks} of {plural(part.requested, 'task')} for {part.name} found in"
-    found = f"{found} {plural(part.draws, 'draw')}"
+    """Return the message for a part with fewer tasks than requested, with the reason."""
+    draws = plural(part.draws, "draw")
+    summary = f"only {part.tasks} of {plural(part.requested, 'task')} for {part.name} found in {draws}"
     if part.draws >= limit:
-        return f"{found}; raise --max-draws"
+        return f"{summary}; raise --max-draws"
     if part.draws >= available.size:
-        return f"{found}, which are all that there are"
-    return f"{found}; those left weigh next to nothing: give other weights, or --uniform"
+        return f"{summary}, which are all that there are"
+    return f"{summary}; those left weigh next to nothing: give other weights, or --uniform"

@@ -1,4 +1,4 @@
-"""One run that makes a dataset, or resumes it: draws are validated by an executor, and written here alone."""
+"""A run that generates a dataset, or resumes it: an executor validates draws, and this process writes them."""
 
 from __future__ import annotations
 
@@ -51,17 +51,17 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 RECORDINGS = "demonstrations"
-"""The folder of recordings, beside that of the table that has one row for each."""
+"""The folder of the recordings in a dataset."""
 
 Progress = Callable[[str, int, int], None]
-"""Takes the progress: in words, the number of tasks so far, and the number requested."""
+"""Reports progress: a message, the number of tasks so far, and the number requested."""
 
 
 @dataclass(frozen=True)
 class DrawRecord:
-    """A draw as it is written: its result, with a `job_result` unless the journal had it.
+    """A draw to write: its result, with a `job_result` unless it comes from the journal.
 
-    It has a task and its texts, or a row of them in the job result.
+    It has its `task` with its texts, or their row in the job result.
     """
 
     placed: RankedDraw
@@ -71,7 +71,7 @@ class DrawRecord:
 
 
 class DatasetRun:
-    """Makes the dataset of a space in a folder; with machine `parts`, from what these have validated."""
+    """Generates the dataset of a space in a folder; machine `parts`, if any, have validated most of its draws."""
 
     def __init__(
         self,
@@ -92,7 +92,7 @@ class DatasetRun:
         self._shares = spec.division.shares
 
     def done(self) -> Dataset:
-        """Make the dataset and open it.
+        """Generate the dataset, and open it.
 
         Raises:
             PragError: as `generate` does.
@@ -117,17 +117,17 @@ class DatasetRun:
             with uninterrupted():
                 self._journal.close()
         for note in self._manifest.parts:
-            dealt_out = spec.part is not None and note.draws >= number_of(note.size)  # other machines may have the rest
-            if note.tasks < note.requested and not dealt_out:
+            exhausted = spec.part is not None and note.draws >= number_of(note.size)  # other machines may have the rest
+            if note.tasks < note.requested and not exhausted:
                 raise NotFound(too_few(note, parts[note.name], self._limit(note.name)))
         return Dataset.open(self._folder)
 
     def _limit(self, name: str) -> int:
-        """Return the number of draws after which a part is given up."""
+        """Return the number of draws after which sampling for a part stops."""
         return self._spec.draws_of(self._shares[name], self._max_draws)
 
     def _new_manifest(self, parts: Mapping[str, TaskOrder]) -> Manifest:
-        """Return the manifest of the dataset before anything is made."""
+        """Return the manifest of the dataset before any draws."""
         request = request_of(self._space, self._spec)
         return Manifest(
             complete=False,
@@ -141,11 +141,11 @@ class DatasetRun:
         )
 
     def _resumed(self, request: Manifest) -> Manifest:
-        """Return the manifest that the run continues with, which is complete where nothing is to be done.
+        """Return the manifest that the run continues; it is complete if there is nothing to do.
 
         Raises:
-            OutputError: the folder has another dataset.
-            QueryError: it is damaged, or has more tasks than requested.
+            OutputError: the folder contains another dataset.
+            QueryError: the dataset is damaged, or has more tasks than requested.
         """
         spec, shares = self._spec, self._shares
         manifest = DATASET.read(self._folder) or request
@@ -171,14 +171,14 @@ class DatasetRun:
         return manifest
 
     def _make(self, parts: Mapping[str, TaskOrder]) -> None:
-        """Write what is missing."""
+        """Write the missing tasks of all parts, and the dataset card."""
         from prag_asp.dataset.store.shard_writer import PartWriter
 
         spec = self._spec
-        left = list(self._left())
+        results = list(self._journaled_results())
         for note in self._manifest.parts:
             writer = PartWriter(self._folder, note, spec.shard)
-            self._fill(writer, parts[note.name], [result for result in left if result.part == note.name])
+            self._fill(writer, parts[note.name], [result for result in results if result.part == note.name])
             if not writer.empty:
                 writer.write()
                 write_manifest(self._folder, self._manifest)
@@ -187,36 +187,36 @@ class DatasetRun:
         self._manifest.complete = True
         write_manifest(self._folder, self._manifest)
 
-    def _left(self) -> Iterator[DrawResult]:
-        """Yield the results of draws that an interrupted run has noted since the last shard."""
+    def _journaled_results(self) -> Iterator[DrawResult]:
+        """Yield the results of draws that an interrupted run has written to the journal since the last shard."""
         for line in self._journal.lines:
             with suppress(msgspec.MsgspecError):
                 yield msgspec.json.decode(line, type=DrawResult)
 
-    def _fill(self, writer: PartWriter, part: TaskOrder, left: list[DrawResult]) -> None:
-        """Add draws to a part until it has its tasks, or is given up."""
+    def _fill(self, writer: PartWriter, part: TaskOrder, journaled: list[DrawResult]) -> None:
+        """Add draws to a part until it has the requested tasks, or the limit of draws is reached."""
         note, parts = writer.note, self._parts
         plan = DrawPlan(self._spec.deal) if parts is None else parts.plan(note.name)
         limit = min(self._limit(note.name), part.size)
-        with closing(self._records(writer, part, plan, left, limit)) as records:
+        with closing(self._records(writer, part, plan, journaled, limit)) as records:
             while writer.tasks < note.requested and writer.next < limit:
                 holder = plan.holder(writer.next)
                 if holder is not None and parts is not None:
                     rows = parts.draw(note.name, holder)
-                    copied = [self._copied(writer, row, parts.folder(holder)) for row in rows.recordings]
-                    writer.take(rows._replace(recordings=copied))
+                    copies = [self._copy_recording(writer, row, parts.folder(holder)) for row in rows.recordings]
+                    writer.take(rows._replace(recordings=copies))
                 elif (record := next(records, None)) is not None:
-                    result = self._noted(writer, record)
+                    result = self._write_to_journal(writer, record)
                     if record.task is not None:
                         writer.add(record.placed, record.task[0], result, record.task[1])
                     elif record.job_result is not None and record.job_result.row is not None:
                         writer.add_row(record.placed, record.job_result.row, result)
                 else:
                     return
-                self._added(writer)
+                self._after_draw(writer)
 
-    def _added(self, writer: PartWriter) -> None:
-        """Report a draw that was added to a part, and write a shard that is full."""
+    def _after_draw(self, writer: PartWriter) -> None:
+        """Report progress after a draw, and write the shard if it is full."""
         done = sum(note.rows("tasks") for note in self._manifest.parts if note is not writer.note) + writer.tasks
         words = f"{plural(done, 'task')} of {plural(writer.next, 'draw')}"
         self._progress(words, done, sum(note.requested for note in self._manifest.parts))
@@ -226,50 +226,50 @@ class DatasetRun:
             self._journal.clear()
 
     def _records(
-        self, writer: PartWriter, part: TaskOrder, plan: DrawPlan, left: list[DrawResult], limit: int
+        self, writer: PartWriter, part: TaskOrder, plan: DrawPlan, journaled: list[DrawResult], limit: int
     ) -> Generator[DrawRecord, None, None]:
-        """Yield the draws of a part that this run validates; the results of some are `left` in the journal."""
+        """Yield the draws of a part that this run validates; the results of the first may be `journaled`."""
         numbers, again = tee(plan.missing(writer.next, limit))
         drawn = zip(numbers, part.pick(again), strict=False)
-        first = list(islice(drawn, len(left)))
-        known = list(takewhile(lambda pair: pair[0][0] == pair[1].draw, zip(first, left, strict=False)))
-        for ((_, placed), result), task in zip(known, self._tasks(placed for (_, placed), _ in known), strict=True):
+        first = list(islice(drawn, len(journaled)))
+        done = list(takewhile(lambda pair: pair[0][0] == pair[1].draw, zip(first, journaled, strict=False)))
+        for ((_, placed), result), task in zip(done, self._tasks(placed for (_, placed), _ in done), strict=True):
             yield DrawRecord(placed, result, (task, self._captioner(task, result.colours)))
-        yield from self._validated(writer.note.name, plan, chain(first[len(known) :], drawn))
+        yield from self._validated(writer.note.name, plan, chain(first[len(done) :], drawn))
 
     def _validated(
         self, name: str, plan: DrawPlan, drawn: Iterator[tuple[int, RankedDraw]]
     ) -> Generator[DrawRecord, None, None]:
-        """Yield numbered draws of a part as the executor has validated them."""
-        handed: deque[tuple[RankedDraw, Task | None]] = deque()
+        """Yield numbered draws of a part, validated by the executor."""
+        submitted: deque[tuple[RankedDraw, Task | None]] = deque()
 
         def jobs() -> Iterator[ValidationJob]:
             if self._executor.captions:
                 for number, placed in drawn:
-                    handed.append((placed, None))
+                    submitted.append((placed, None))
                     yield ValidationJob(number, plan.search_index(number), placed)
                 return
             ours, theirs = tee(drawn)
             for (number, placed), task in zip(ours, self._tasks(placed for _, placed in theirs), strict=True):
-                handed.append((placed, task))
+                submitted.append((placed, task))
                 yield ValidationJob(number, plan.search_index(number), task)
 
         with closing(self._executor.run(jobs(), self._setup(name))) as results:
             for each in results:
-                placed, task = handed.popleft()
+                placed, task = submitted.popleft()
                 result = msgspec.json.decode(each.result, type=DrawResult)
                 texts = None if task is None else (task, self._captioner(task, result.colours))
                 yield DrawRecord(placed, result, texts, each)
 
     def _tasks(self, placed: Iterable[RankedDraw]) -> Iterator[Task]:
-        """Yield draws as tasks, of which the states are computed many together."""
+        """Yield the tasks of draws; their states are computed in batches."""
         return (task for _, task in with_tasks(self._space, placed))
 
     def _setup(self, part: str) -> ValidationSetup:
-        """Return how the draws of a part are validated.
+        """Return the options to validate the draws of a part.
 
         Raises:
-            SceneError: the domain has no scene, or a Python file of it is not trusted, or fails.
+            SceneError: the domain has no scene, or one of its Python files is not trusted or fails.
         """
         from prag_asp.dataset.scenes import scene_of
 
@@ -281,29 +281,29 @@ class DatasetRun:
             captions = CaptionSetup(domain, space.lengths, where, spec.language, spec.seed, spec.phrasings)
         return ValidationSetup(part, spec.seed, spec.budget, scene, spec.starts, spec.staging, captions)
 
-    def _noted(self, writer: PartWriter, record: DrawRecord) -> DrawResult:
-        """Return the result of a draw with the files of its recordings, and note it in the journal if it is new."""
-        result, found = record.result, record.job_result
-        if found is None:
+    def _write_to_journal(self, writer: PartWriter, record: DrawRecord) -> DrawResult:
+        """Write the recordings of a draw and its result, unless it comes from the journal; return the result."""
+        result, job_result = record.result, record.job_result
+        if job_result is None:
             return result
-        for number, (start, recording) in enumerate(zip(result.starts, found.recordings, strict=False)):
+        for number, (start, recording) in enumerate(zip(result.starts, job_result.recordings, strict=False)):
             if start.recording is not None and recording is not None:
-                start.recording.file = self._recorded(writer, number, recording)
-        self._journal.write(msgspec.json.encode(result) if any(found.recordings) else found.result)
+                start.recording.file = self._write_recording(writer, number, recording)
+        self._journal.write(msgspec.json.encode(result) if any(job_result.recordings) else job_result.result)
         return result
 
-    def _recorded(self, writer: PartWriter, start: int, content: bytes) -> str:
+    def _write_recording(self, writer: PartWriter, start: int, content: bytes) -> str:
         """Write the recording from an initial state of the next task, and return the path of its file."""
         folder = f"{RECORDINGS}/{writer.note.name}"
         name = name_of(writer.tasks * self._spec.starts + start + 1)
         replace_file(file_in(make_folder(self._folder / folder), name), content)
         return f"{folder}/{name}"
 
-    def _copied(self, writer: PartWriter, row: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
+    def _copy_recording(self, writer: PartWriter, row: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
         """Copy the recording from an initial state of the next task, and return its row.
 
         Raises:
-            QueryError: it cannot be read, or is not what its table says.
+            QueryError: it cannot be read, or differs from its record in the table.
         """
         path = folder / str(row["file"])
         try:
@@ -312,4 +312,4 @@ class DatasetRun:
             raise QueryError(f"{path}: cannot be read: {error.strerror or error}; {MEND}") from None
         if sha256(content).hexdigest() != row["sha256"]:
             raise QueryError(f"{path}: is not the file that was written; {MEND}")
-        return {**row, "file": self._recorded(writer, row["start"], content)}
+        return {**row, "file": self._write_recording(writer, row["start"], content)}

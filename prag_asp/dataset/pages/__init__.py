@@ -1,1 +1,1 @@
-"""Pages of a dataset for people: its card, with film strips."""
+"""The card of a dataset, with film strips."""

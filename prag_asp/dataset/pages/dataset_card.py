@@ -1,4 +1,4 @@
-"""The card of a dataset: README.md, as hubs show it, with film strips."""
+"""The card of a dataset: README.md, which hubs display, with film strips."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 NAME = "README.md"
 TABLES = {"tasks": "data", "witnesses": "witnesses", "refused": "refused", "recordings": "recordings"}
-"""The tables, each with its folder, in the order in which a hub offers them."""
+"""The folder of each table, in the order in which a hub offers them."""
 
 ABOUT = {
     "tasks": "tasks: plan, initial state, subgoals, goal, instructions, verdict",
@@ -33,23 +33,23 @@ LARGEST_SIZE = "n>10M"
 
 
 def write_card(folder: Path, manifest: Manifest, domain: Domain) -> None:
-    """Write the card of a dataset and its pictures, each whole, and note the pictures.
+    """Write the card of a dataset and its pictures, and record the pictures in the manifest.
 
     Raises:
-        OutputError: one cannot be written.
+        OutputError: a file cannot be written.
     """
     manifest.pictures = write_strips(folder, manifest, domain)
     replace_file(file_in(folder, NAME), card_text(manifest, domain), follow=False)
 
 
 def card_text(manifest: Manifest, domain: Domain) -> bytes:
-    """Return the card of a dataset, as its file has it."""
+    """Return the content of the card of a dataset."""
     lines = [*_front(manifest, domain), *_text(manifest, domain, [each.path for each in manifest.pictures])]
     return "".join(f"{line}\n" for line in lines).encode()
 
 
 def _front(manifest: Manifest, domain: Domain) -> Iterator[str]:
-    """Yield the lines that hubs and loaders read: which files are which part of which table."""
+    """Yield the front matter for hubs and loaders, with the files of each table by part."""
     tasks = manifest.rows("tasks")
     yield "---"
     yield f"pretty_name: {json.dumps(_title(manifest, domain))}"
@@ -76,7 +76,7 @@ def _front(manifest: Manifest, domain: Domain) -> Iterator[str]:
 
 
 def _text(manifest: Manifest, domain: Domain, pictures: list[str]) -> Iterator[str]:
-    """Yield the lines that people read."""
+    """Yield the lines for readers."""
     spec = manifest.spec
     yield f"# {_title(manifest, domain)}"
     yield ""
@@ -116,7 +116,7 @@ def _text(manifest: Manifest, domain: Domain, pictures: list[str]) -> Iterator[s
 
 
 def _by_length(manifest: Manifest) -> Iterator[str]:
-    """Yield the table of what became of the draws."""
+    """Yield the table of the outcomes of the draws by length."""
     yield "| length | tasks in the space | drawn | feasible | not found | proved infeasible | most common causes |"
     yield "|---|---|---|---|---|---|---|"
     drawn = {each.length: each for each in summed(tally for part in manifest.parts for tally in part.lengths)}
@@ -126,15 +126,15 @@ def _by_length(manifest: Manifest) -> Iterator[str]:
             yield f"| {space.length} | {grouped(number_of(space.tasks))} | 0 | | | | |"
             continue
         causes = sorted(each.causes, key=lambda cause: (-cause.count, cause.cause))[:3]
-        told = ", ".join(f"{cause.cause} ({cause.count:,})" for cause in causes)
+        reasons = ", ".join(f"{cause.cause} ({cause.count:,})" for cause in causes)
         feasible = f"{each.feasible:,} ({_percent(each.pass_rate)})"
         numbers = f"{each.drawn:,} | {feasible} | {each.not_found:,} | {each.infeasible:,}"
-        yield f"| {space.length} | {grouped(number_of(space.tasks))} | {numbers} | {told} |"
+        yield f"| {space.length} | {grouped(number_of(space.tasks))} | {numbers} | {reasons} |"
     yield ""
 
 
 def _reading(manifest: Manifest) -> Iterator[str]:
-    """Yield how it is read."""
+    """Yield code examples that load the dataset."""
     yield "```python"
     yield "from datasets import load_dataset"
     yield f'load_dataset("NAME OR FOLDER OF THIS DATASET", "tasks")["{manifest.parts[0].name}"][0]["instruction"]'

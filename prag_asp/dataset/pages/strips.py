@@ -20,17 +20,17 @@ if TYPE_CHECKING:
 
 PICTURES = "pictures"
 STRIPS, STATES = 2, 4
-"""How many tasks are shown, and how many states of each: drawing one takes as long as some dozen verdicts."""
+"""The number of film strips, and of states in each: rendering a state takes as long as some dozen verdicts."""
 
 SIZE = (240, 210)
-"""Pixels of a state."""
+"""The width and height in pixels of the picture of a state."""
 
 
 def write_strips(folder: Path, manifest: Manifest, domain: Domain) -> list[FileRecord]:
-    """Write pictures of the first tasks that have a witness, each whole; none where Pillow is not installed.
+    """Write film strips of the first tasks if the dataset has witnesses; none if Pillow is not installed.
 
     Raises:
-        OutputError: one cannot be written.
+        OutputError: a picture cannot be written.
     """
     if not manifest.rows("witnesses"):
         return []
@@ -40,7 +40,7 @@ def write_strips(folder: Path, manifest: Manifest, domain: Domain) -> list[FileR
 
     stage("drawing pictures")
     data = Dataset(folder, manifest, parts=tuple(part.name for part in manifest.parts))
-    scene, language, written = scene_of(domain), domain.settings.language, []
+    scene, language, records = scene_of(domain), domain.settings.language, []
     for number in range(min(STRIPS, data.count())):
         task = data.task(number)
         headings = [sentence(action, language) if action.name in language else None for action in task.actions]
@@ -53,5 +53,5 @@ def write_strips(folder: Path, manifest: Manifest, domain: Domain) -> list[FileR
         name = f"{PICTURES}/{number:03d}.png"
         save_picture(strip, make_folder(folder / PICTURES) / Path(name).name)
         content = read_bytes(folder / name)
-        written.append(FileRecord(name, len(content), sha256(content).hexdigest()))
-    return written
+        records.append(FileRecord(name, len(content), sha256(content).hexdigest()))
+    return records

@@ -1,1 +1,1 @@
-"""A dataset as a folder: tables in Parquet, what they are of, and how they are read."""
+"""A dataset as a folder: Parquet tables, a manifest that describes them, and their readers and writers."""

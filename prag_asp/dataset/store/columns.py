@@ -15,9 +15,9 @@ from prag_asp.dataset.store.schema import FACTS, SCHEMAS
 from prag_asp.task import FrozenDict
 
 TOGETHER = 256
-"""Rows that are held as Python lists before they are packed as Arrow, which takes much less memory."""
+"""Rows buffered as Python lists before they are packed as Arrow, which takes much less memory."""
 
-Known = Mapping[Atom, bool]
+State = Mapping[Atom, bool]
 
 
 class Fluents(dict[Atom, int]):
@@ -60,26 +60,26 @@ class PlainColumn:
 
 
 class FactsColumn:
-    """A column with the facts of one state a row; `fluents` are shared by all columns."""
+    """A column with the facts of one state per row; `fluents` are shared by all columns."""
 
     def __init__(self, fluents: Fluents) -> None:
         self._fluents, self._sizes = fluents, array("i")
         self._numbers, self._values = array("i"), bytearray()
-        self._told: dict[int, tuple[Known, array[int], bytes]] = {}
+        self._encoded: dict[int, tuple[State, array[int], bytes]] = {}
 
-    def add(self, known: Known) -> None:
+    def add(self, state: State) -> None:
         """Add the facts of a state."""
-        _, numbers, values = self._told.get(id(known)) or self._spelled(known)
+        _, numbers, values = self._encoded.get(id(state)) or self._encode(state)
         self._sizes.append(len(values))
         self._numbers.extend(numbers)
         self._values += values
 
-    def _spelled(self, known: Known) -> tuple[Known, array[int], bytes]:
+    def _encode(self, state: State) -> tuple[State, array[int], bytes]:
         """Return a state, the numbers of its fluents, and their values; an immutable state is encoded once."""
-        told = known, array("i", map(self._fluents.__getitem__, known)), bytes(known.values())
-        if isinstance(known, FrozenDict):
-            self._told[id(known)] = told
-        return told
+        encoding = state, array("i", map(self._fluents.__getitem__, state)), bytes(state.values())
+        if isinstance(state, FrozenDict):
+            self._encoded[id(state)] = encoding
+        return encoding
 
     def array(self) -> pa.Array:
         """Return the values."""
@@ -90,15 +90,15 @@ class FactsColumn:
 
 
 class StatesColumn:
-    """A column with the facts of several states a row."""
+    """A column with the facts of several states per row."""
 
     def __init__(self, fluents: Fluents) -> None:
         self._sizes, self._facts = array("i"), FactsColumn(fluents)
 
-    def add(self, states: Sequence[Known]) -> None:
+    def add(self, states: Sequence[State]) -> None:
         """Add the facts of some states."""
-        for known in states:
-            self._facts.add(known)
+        for state in states:
+            self._facts.add(state)
         self._sizes.append(len(states))
 
     def array(self) -> pa.Array:
@@ -114,11 +114,11 @@ class RowReference(NamedTuple):
 
 
 class TableBuilder:
-    """Collects the rows of a table before it is written; some may have been written before."""
+    """Collects the rows of a table before it is written, after the rows of an earlier run, if any."""
 
     def __init__(self, table: str, before: pa.Table | None = None) -> None:
         self._schema = SCHEMAS[table]
-        # What is read names the items of lists otherwise, which would show in the bytes.
+        # Tables that are read have another name for the items of lists, which would change the bytes.
         self._whole = [] if before is None else [before.cast(self._schema)]
         self._columns, self._waiting = self._new(), 0
         self._taken, self._numbers = list[tuple[pa.Table, int, int]](), dict[str, list[int]]()
@@ -136,11 +136,11 @@ class TableBuilder:
             self._gather()
 
     def take(self, row: RowReference, rows: int = 1, **numbers: int) -> None:
-        """Add consecutive rows of another table, with `numbers` in place of some columns, which it may lack."""
+        """Add consecutive rows of another table; `numbers` replace its columns of these names, which it may lack."""
         if self._waiting and not self._taken:
             self._gather()
         table, first, last = self._taken[-1] if self._taken else (None, 0, 0)
-        if table is row.table and last == row.place:  # a piece costs as much as many rows do
+        if table is row.table and last == row.place:  # one slice of many rows costs as little as a slice of one
             self._taken[-1] = (row.table, first, last + rows)
         else:
             self._taken.append((row.table, row.place, row.place + rows))
@@ -152,7 +152,7 @@ class TableBuilder:
             self._gather()
 
     def table(self) -> pa.Table:
-        """Return all rows, each column in one piece, so that the same rows are written as the same bytes."""
+        """Return all rows, each column as a single chunk, so that equal rows are written as equal bytes."""
         self._gather()
         return pa.concat_tables(self._whole).combine_chunks()
 

@@ -46,7 +46,7 @@ class Dataset:
         """Open a dataset; with `trust`, physics may run the Python files of its domain.
 
         Raises:
-            QueryError: there is none, it is damaged, or the run that makes it has not ended.
+            QueryError: there is no dataset, it is damaged, or its run has not ended.
             DatasetsMissingError: pyarrow is not installed.
         """
         require_pyarrow()
@@ -68,7 +68,7 @@ class Dataset:
         """The domain of the tasks, from the files in the folder alone.
 
         Raises:
-            DomainError: they are not what dataset.json says.
+            DomainError: they differ from the record in dataset.json.
         """
         return load_snapshot(self.folder, self.manifest.domain, trust=self.trust)
 
@@ -86,38 +86,38 @@ class Dataset:
         """Return the tasks that satisfy all of some conditions, such as ``uses apple``.
 
         Raises:
-            QueryError: a condition is none, or speaks of something that the domain does not have.
+            QueryError: a condition cannot be parsed, or names something that the domain does not have.
         """
         chosen = replace(self, conditions=(*self.conditions, *conditions))
-        assert chosen._space  # a wrong condition is reported now
+        assert chosen._space  # report a wrong condition at once
         return chosen
 
     def count(self) -> int:
-        """Return how many tasks there are."""
+        """Return the number of tasks."""
         if self.conditions:
             return len(self._chosen)
         return sum(note.rows("tasks") for note in self._notes)
 
     def task(self, number: int) -> Task:
-        """Return the task of a number.
+        """Return a task by its number.
 
         Raises:
-            IndexError: there is none.
+            IndexError: there is no such task.
         """
         _, row = self._row(number)
         return task_of(row, self.manifest.domain.constants)
 
     def entry(self, number: int) -> DatasetEntry:
-        """Return the entry of the task of a number.
+        """Return the entry of a task by its number.
 
         Raises:
-            IndexError: there is none.
+            IndexError: there is no such task.
         """
         note, row = self._row(number)
         return self._entry(note, row)
 
     def tasks(self) -> Iterator[Task]:
-        """Yield the tasks, in their order."""
+        """Yield the tasks in order."""
         return (entry.task for entry in self.entries())
 
     def entries(self) -> Iterator[DatasetEntry]:
@@ -129,10 +129,10 @@ class Dataset:
         return (self._entry(note, row) for note, row in self._rows("refused"))
 
     def by_rank(self, length: int, rank: int) -> DatasetEntry:
-        """Return the entry of the task with a rank among all tasks of its length.
+        """Return the entry of the task with this rank among all tasks of its length.
 
         Raises:
-            QueryError: the dataset does not have it.
+            QueryError: the dataset does not contain it.
         """
         for note, row in self._ranked(length, rank):
             entry = self._entry(note, row)
@@ -141,7 +141,7 @@ class Dataset:
         raise QueryError(f"{self.folder}: no task of length {length} with the rank {rank} in it")
 
     def witness(self, number: int, start: int = 0) -> Witness:
-        """Return the witness of the task of a number, from one of its initial states.
+        """Return the witness of a task from one of its initial states.
 
         Raises:
             IndexError: there is no such task.
@@ -151,12 +151,12 @@ class Dataset:
         return _witness(row["witness"])
 
     def witnesses(self) -> Iterator[tuple[DatasetEntry, int, Witness]]:
-        """Yield each task, the number of an initial state, and the witness from there, in their order."""
+        """Yield each task, the number of an initial state, and the witness from it, in order."""
         for entry, row in self._starts("witnesses"):
             yield entry, row["start"], _witness(row["witness"])
 
     def demonstration(self, number: int, start: int = 0) -> Demonstration:
-        """Return the recording of the task of a number, from one of its initial states.
+        """Return the recording of a task from one of its initial states.
 
         Raises:
             IndexError: there is no such task.
@@ -165,7 +165,7 @@ class Dataset:
         return self._recording(self._start("recordings", number, start)["file"])
 
     def demonstrations(self) -> Iterator[tuple[DatasetEntry, int, Demonstration]]:
-        """Yield each task, the number of an initial state, and the recording from there, in their order."""
+        """Yield each task, the number of an initial state, and the recording from it, in order."""
         for entry, row in self._starts("recordings"):
             yield entry, row["start"], self._recording(row["file"])
 
@@ -177,10 +177,10 @@ class Dataset:
         return entry_of(row, note.name, self.manifest.domain.constants)
 
     def _row(self, number: int) -> tuple[PartManifest, Mapping[str, Any]]:
-        """Return the part and the row of the task of a number.
+        """Return the part and the row of a task by its number.
 
         Raises:
-            IndexError: there is none.
+            IndexError: there is no such task.
         """
         if self.conditions:
             number = self._chosen[number]
@@ -214,61 +214,61 @@ class Dataset:
 
     @cached_property
     def _chosen(self) -> list[int]:
-        """The numbers of the tasks that satisfy the conditions, among all of these parts."""
+        """The numbers of the tasks that satisfy the conditions, among all tasks of the parts."""
         plans = chain.from_iterable(self._tables.rows(note, "tasks", ["plan"]) for note in self._notes)
         return [number for number, row in enumerate(plans) if self._fits(row["plan"])]
 
     def _ranked(self, length: int, rank: int) -> Iterator[tuple[PartManifest, Mapping[str, Any]]]:
-        """Yield the row of the task of a rank, where there is one.
+        """Yield the row of the task of a rank, if the dataset has it.
 
-        Where the draw is uniform, and parts differ by tasks alone, it is known which draw it was.
+        If sampling is uniform and the split is by tasks alone, the number of the draw follows from the rank.
         """
         from prag_asp.space.without_replacement import order_of
 
         spec, lengths = self.manifest.spec, [space.length for space in self.manifest.spaces if space.tasks != "0"]
-        known = not spec.weights and not spec.skeletons and spec.hold_out is None
-        if known and (length not in lengths or not 0 <= rank < int(self._sizes[length])):
+        uniform = not spec.weights and not spec.skeletons and spec.hold_out is None
+        if uniform and (length not in lengths or not 0 <= rank < int(self._sizes[length])):
             return
         for note in self._notes:
             draw = None
-            if known:
+            if uniform:
                 sizes = [self._sizes[each] for each in lengths]
                 order = order_of(sizes, spec.division, note.name, spec.seed, evenly=spec.evenly)
                 whole = order.number(lengths.index(length), rank)
                 draw = None if whole is None else spec.deal.own(whole)
                 if draw is None:
                     continue
-            yield from ((note, row) for row in self._tables.found(note, length, rank, draw))
+            yield from ((note, row) for row in self._tables.by_rank(note, length, rank, draw))
 
     @cached_property
     def _sizes(self) -> dict[int, int]:
-        """How many tasks there are of each length."""
+        """The number of tasks of each length."""
         return {space.length: number_of(space.tasks) for space in self.manifest.spaces}
 
     def _start(self, table: str, number: int, start: int) -> Mapping[str, Any]:
         """Return the row of an initial state of a task.
 
         Raises:
-            QueryError: there is none.
+            QueryError: there is no such row.
         """
-        note, row = self._row(number)
-        for found in self._tables.starts(note, table, row):
-            if found["start"] == start:
-                return found
+        note, task = self._row(number)
+        for row in self._tables.starts(note, table, task):
+            if row["start"] == start:
+                return row
         raise QueryError(f"{self.folder}: task {number} has nothing of the initial state {start} in {table}")
 
     def _starts(self, table: str) -> Iterator[tuple[DatasetEntry, Mapping[str, Any]]]:
         """Yield tasks with each of their rows in a table of initial states."""
         for note in self._notes:
             rows = self._tables.rows(note, table)
-            waiting = next(rows, None)
+            start = next(rows, None)
             for row in self._tables.rows(note, "tasks"):
                 fits = self._fits(row["plan"])
                 entry = self._entry(note, row) if fits else None
-                while waiting is not None and waiting["task"] == row["task"]:
+                while start is not None and start["task"] == row["task"]:
                     if entry is not None:
-                        yield entry, waiting
-                    waiting = next(rows, None)
+                        yield entry, start
+                    start = next(rows, None)
 
     def _recording(self, name: str) -> Demonstration:
         from prag_asp.physics import Demonstration

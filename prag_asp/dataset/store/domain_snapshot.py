@@ -1,4 +1,4 @@
-"""The snapshot of a domain that a dataset holds: all files that its tasks and verdicts depend on."""
+"""The snapshot of a domain in a dataset: all files that its tasks and verdicts depend on."""
 
 from __future__ import annotations
 
@@ -20,14 +20,13 @@ if TYPE_CHECKING:
     from prag_asp.program.sources import Source
 
 DOMAIN, ENCODINGS = "domain", "encodings"
-"""The folders of a dataset that hold its domain and the encodings that this was read with."""
-
+"""The folders in a dataset for its domain and for the encodings that the domain was loaded with."""
 
 MEND = "make the dataset anew, or copy it once more"
 """The remedy for a damaged file."""
 
 BLOCK = 1 << 20
-"""Bytes of a file that are read at once."""
+"""Bytes read at a time."""
 
 
 class FileRecord(msgspec.Struct):
@@ -39,7 +38,7 @@ class FileRecord(msgspec.Struct):
 
 
 class DomainSnapshot(msgspec.Struct):
-    """The description of a snapshot in dataset.json: how the domain is read from its files."""
+    """The record of a snapshot in dataset.json: its files, and the options to load the domain from them."""
 
     name: str
     label: str
@@ -50,10 +49,10 @@ class DomainSnapshot(msgspec.Struct):
 
 
 def snapshot_of(domain: Domain) -> tuple[DomainSnapshot, dict[str, bytes]]:
-    """Return the snapshot of a domain, and the content of its files by their paths in a dataset.
+    """Return the snapshot of a domain, and the contents of its files by their paths in a dataset.
 
     Raises:
-        OSError: a file of it can no longer be read.
+        OSError: one of its files can no longer be read.
     """
     own = {f"{DOMAIN}/{name}": content for name, content in _own_files(domain)}
     folder = domain.encodings
@@ -68,10 +67,10 @@ def snapshot_of(domain: Domain) -> tuple[DomainSnapshot, dict[str, bytes]]:
 
 
 def write_snapshot(folder: Path, files: dict[str, bytes]) -> None:
-    """Write the files of a snapshot into the folder of a dataset, each whole, unless they are there.
+    """Write the files of a snapshot atomically into the folder of a dataset, unless they exist unchanged.
 
     Raises:
-        OutputError: one cannot be written.
+        OutputError: a file cannot be written.
     """
     for name, content in files.items():
         make_folder((folder / name).parent)
@@ -84,7 +83,7 @@ def load_snapshot(folder: Path, snapshot: DomainSnapshot, *, trust: bool = False
     """Load the domain of a dataset from its folder alone.
 
     Raises:
-        DomainError: a file is missing, is not what dataset.json says, or is read though that does not name it.
+        DomainError: a file is missing, differs from its record in dataset.json, or is read without a record there.
     """
     from prag_asp.domain.load import load_domain
 
@@ -102,14 +101,14 @@ def load_snapshot(folder: Path, snapshot: DomainSnapshot, *, trust: bool = False
     domain = load_domain(
         folder / DOMAIN, constants=snapshot.constants, encodings=folder / ENCODINGS, flat=snapshot.flat, trust=trust
     )
-    known = {(folder / file.path).resolve() for file in (*snapshot.files, *snapshot.encodings)}
-    for path in _read(domain):
-        if path.resolve() not in known:
+    recorded = {(folder / file.path).resolve() for file in (*snapshot.files, *snapshot.encodings)}
+    for path in _files_read(domain):
+        if path.resolve() not in recorded:
             raise DomainError(f"{path}: is none of the files that dataset.json names; {MEND}")
     return replace(domain, name=snapshot.name)
 
 
-def _read(domain: Domain) -> Iterator[Path]:
+def _files_read(domain: Domain) -> Iterator[Path]:
     """Yield the files that a domain was read from."""
     from prag_asp.domain.identity import scene_files
 
@@ -120,16 +119,16 @@ def _read(domain: Domain) -> Iterator[Path]:
 
 
 def digest_of(path: Path, *, at_most: int | None = None) -> str:
-    """Return the SHA-256 of a file of `at_most` bytes.
+    """Return the SHA-256 of a file.
 
     Raises:
-        OSError: it cannot be read, or is larger.
+        OSError: it cannot be read, or has more than `at_most` bytes.
     """
-    found = sha256()
+    result = sha256()
     with open_binary(path, at_most=at_most) as file:
         while block := file.read(BLOCK):
-            found.update(block)
-    return found.hexdigest()
+            result.update(block)
+    return result.hexdigest()
 
 
 def _records(files: dict[str, bytes]) -> Iterator[FileRecord]:
@@ -141,13 +140,13 @@ def _own_sources(domain: Domain) -> list[Source]:
     """Return the sources that belong to this domain alone, requested rules included."""
     from prag_asp.program.sources import HIERARCHY, core_sources
 
-    known = {source.path.resolve() for source in core_sources(domain.encodings)}
-    known.add((domain.encodings / HIERARCHY).resolve())
-    return [source for source in domain.program.sources if source.path.resolve() not in known]
+    core = {source.path.resolve() for source in core_sources(domain.encodings)}
+    core.add((domain.encodings / HIERARCHY).resolve())
+    return [source for source in domain.program.sources if source.path.resolve() not in core]
 
 
 def _own_files(domain: Domain) -> Iterator[tuple[str, bytes]]:
-    """Yield the files of a folder that defines the same domain: those of its own folder unchanged."""
+    """Yield the files of a folder that defines the same domain; if the domain is a folder, they are its own."""
     from prag_asp.domain.identity import scene_files
     from prag_asp.domain.load import LEARNED
 

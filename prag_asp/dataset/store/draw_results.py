@@ -1,4 +1,4 @@
-"""Results of draws: the values that go into rows, and into the journal of a run."""
+"""Results of draws, as they are written to rows and to the journal of a run."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ NOTHING = msgspec.Raw(b"null")
 
 
 class RecordingInfo(msgspec.Struct):
-    """A recording from an initial state, as its row has it, and the colours of things in it, where they vary."""
+    """The recording from an initial state, as in its row, with the colours of entities if these are randomized."""
 
     file: str
     sha256: str
@@ -45,7 +45,7 @@ class DrawResult(msgspec.Struct):
 
     @property
     def passed(self) -> bool:
-        """Whether its task belongs to the dataset, and was not refused."""
+        """Whether the task was accepted, not refused."""
         return self.verdict is None or self.verdict["status"] == "feasible"
 
     @property
@@ -55,6 +55,6 @@ class DrawResult(msgspec.Struct):
 
     @property
     def colours(self) -> Mapping[str, str]:
-        """The colours of the recording that the texts of the task describe, where they differ from the scene's."""
+        """The colours that the texts of the task describe: those of the first recording, if not the scene's."""
         recording = self.starts[0].recording if self.starts else None
         return {} if recording is None else recording.colours

@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class DatasetEntry:
-    """A task of a dataset: its part, its number there from 0 (None where it was refused), and its draw.
+    """A task of a dataset: its part, its number there from 0 (None if it was refused), and its draw.
 
-    `rank` is its place among all tasks of its length. `instruction` has it in words, by how much they say, and
-    `subgoals` a sentence for each action; `named` are the entities that these call by their names, since nothing that
-    can be seen tells them from others. `verdict` is None where physics was not asked, and has no witness: these
-    have a table of their own, `starts` many of the task.
+    `rank` is its position among all tasks of its length. `instruction` has an instruction for each level of detail,
+    and `subgoals` a sentence for each action; `named` are the entities that the texts call by name because nothing
+    visible distinguishes them from others. `verdict` is None if physics was not run. It has no witness: witnesses
+    are in a separate table, with `starts` rows for the task.
     """
 
     part: str
@@ -44,7 +44,7 @@ def entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) ->
     """Return the entry of a row of a table of tasks.
 
     Raises:
-        QueryError: it lacks a value, or one has no meaning.
+        QueryError: a value is missing or invalid.
     """
     with _row_errors(row):
         return _entry_of(row, part, constants)
@@ -69,7 +69,7 @@ def _rank(text: str) -> int:
     """Return a rank, which may outgrow 64 bits.
 
     Raises:
-        ValueError: it is none, or has more digits than the number of any tasks.
+        ValueError: it is no number, or has more digits than any count of tasks.
     """
     if len(text) > MOST_DIGITS or not text.isascii() or not text.isdecimal():
         raise ValueError("the rank is no number")
@@ -80,7 +80,7 @@ def task_of(row: Mapping[str, Any], constants: Mapping[str, str]) -> Task:
     """Return the task of a row.
 
     Raises:
-        QueryError: it lacks a value, or one has no meaning.
+        QueryError: a value is missing or invalid.
     """
     with _row_errors(row):
         return _task_of(row, constants)
@@ -88,7 +88,7 @@ def task_of(row: Mapping[str, Any], constants: Mapping[str, str]) -> Task:
 
 @contextmanager
 def _row_errors(row: Mapping[str, Any]) -> Iterator[None]:
-    """Report what is wrong with a row, by its draw."""
+    """Report errors in a row together with its draw."""
     try:
         yield
     except (TypeError, ValueError, KeyError) as error:
@@ -100,16 +100,16 @@ def _task_of(row: Mapping[str, Any], constants: Mapping[str, str]) -> Task:
         domain=row["domain"],
         actions=tuple(map(parse_atom, row["plan"])),
         entities=FrozenDict({each["entity"]: each["class"] for each in row["entities"]}),
-        initial=_known(row["initial"]),
-        states=tuple(map(_known, row["states"])),
-        subgoals=tuple(map(_known, row["subgoals"])),
-        goal=_known(row["goal"]),
+        initial=_state(row["initial"]),
+        states=tuple(map(_state, row["states"])),
+        subgoals=tuple(map(_state, row["subgoals"])),
+        goal=_state(row["goal"]),
         log_probability=row["log_probability"],
         constants=FrozenDict(constants),
     )
 
 
-def _known(facts: Sequence[Mapping[str, Any]]) -> FrozenDict[Atom, bool]:
+def _state(facts: Sequence[Mapping[str, Any]]) -> FrozenDict[Atom, bool]:
     return FrozenDict({parse_atom(fact["fluent"]): fact["value"] for fact in facts})
 
 

@@ -39,16 +39,16 @@ def captioner_of(domain: Domain, language: str, seed: int, phrasings: str = "") 
     return captioner_with(instruction_writer_of(domain, language, phrasings=phrasings), domain, seed)
 
 
-def captioner_with(teller: InstructionWriter, domain: Domain, seed: int) -> Captioner:
-    """Return the captioner of `captioner_of` for an existing teller."""
+def captioner_with(writer: InstructionWriter, domain: Domain, seed: int) -> Captioner:
+    """Return the captioner of `captioner_of` for an existing writer of instructions."""
 
     def texts(task: Task, colours: Mapping[str, str]) -> TaskTexts:
         try:
-            found = teller.recoloured(colours).instructions(task, seed)
+            result = writer.recoloured(colours).instructions(task, seed)
         except QueryError:
             templates = domain.settings.language
             plain = tuple(sentence(action, templates) for action in task.actions)
             return TaskTexts(((PLAIN, instruction(task, templates)),), plain, tuple(task.entities))
-        return TaskTexts(tuple((level, getattr(found, level)) for level in LEVELS), found.subgoals, found.named)
+        return TaskTexts(tuple((level, getattr(result, level)) for level in LEVELS), result.subgoals, result.named)
 
     return texts

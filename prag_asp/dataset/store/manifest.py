@@ -1,4 +1,4 @@
-"""dataset.json: what a dataset is of, how it was made, how much of the space it covers, and its files."""
+"""dataset.json: the domain and the request of a dataset, its share of the task space, and its files."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ if TYPE_CHECKING:
 NAME = "dataset.json"
 
 MOST_DIGITS = 1_000_000
-"""Digits of a number of tasks: the time to parse a number grows with the square of its digits."""
+"""The most digits of a count of tasks: the time to parse a number grows with the square of its digits."""
 
 Decimal = Annotated[str, msgspec.Meta(pattern="^[0-9]+$", max_length=MOST_DIGITS)]
 """A whole number that may outgrow 64 bits."""
 
 
 class CauseCount(msgspec.Struct):
-    """The number of attempts that failed for a cause."""
+    """A cause of failure, and the number of attempts that failed because of it."""
 
     cause: str
     count: Whole
 
 
 class RefusalCount(msgspec.Struct):
-    """The number of tasks refused for a reason."""
+    """A reason for refusal, and the number of tasks refused for it."""
 
     status: str
     reason: str
@@ -60,7 +60,7 @@ class LengthTally(msgspec.Struct):
 
 
 class ShardFile(msgspec.Struct):
-    """A file of rows: its path in the folder, its rows, its size and its SHA-256."""
+    """A file of rows: its path in the folder, the number of its rows, its size in bytes, and its SHA-256."""
 
     path: str
     rows: Whole
@@ -69,7 +69,7 @@ class ShardFile(msgspec.Struct):
 
 
 class Shard(msgspec.Struct):
-    """The rows of the draws of a part from `first` to before `end`, by tables; a shard that is not full may grow."""
+    """The rows of the draws `first` to `end` - 1 of a part, by table; a shard that is not full may grow."""
 
     number: Whole
     first: Whole
@@ -85,7 +85,7 @@ class Shard(msgspec.Struct):
 
 
 class Share(msgspec.Struct):
-    """A share, exactly, and as a float for reading."""
+    """A share as an exact fraction, and as a float for readers."""
 
     numerator: Decimal
     denominator: Decimal
@@ -93,9 +93,9 @@ class Share(msgspec.Struct):
 
 
 class PartManifest(msgspec.Struct):
-    """A part: the tasks that there are, the number requested, the number found, and its shards.
+    """A part of the split: the number of its tasks in the space, requested and in the dataset, and its shards.
 
-    `tail` is the last shard while more rows are added to it.
+    `tail` is the last shard while rows are still added to it.
     """
 
     name: str
@@ -123,7 +123,7 @@ class SpaceSize(msgspec.Struct):
 class Manifest(msgspec.Struct):
     """The contents of dataset.json.
 
-    `lengths` and `where` are those of the space that its tasks are of, `spaces` its exact size by lengths.
+    `lengths` and `where` define the space of its tasks; `spaces` has the exact size of that space by length.
     """
 
     complete: bool
@@ -145,7 +145,7 @@ class Manifest(msgspec.Struct):
 
     @property
     def request(self) -> dict[str, Any]:
-        """The values that identify it besides its domain, by their names, as `request_of` returns them."""
+        """The values besides the domain that identify the dataset, as `request_of` returns them."""
         return {"lengths": self.lengths, "where": self.where, **self.spec.fixed()}
 
     def rows(self, table: str) -> int:
@@ -159,24 +159,24 @@ class Manifest(msgspec.Struct):
 
 
 def request_of(space: TaskSpace, spec: DatasetSpec) -> dict[str, Any]:
-    """Return the values that identify a dataset besides its domain, by their names: the space and the fixed request."""
+    """Return the values besides the domain that identify a dataset: the space, and the fixed part of the request."""
     where = [str(clause) for clause in space.condition.clauses]
     return {"lengths": [*space.lengths], "where": where, **spec.fixed()}
 
 
 def identity_of(domain: DomainSnapshot, request: Mapping[str, Any]) -> str:
-    """Return a digest of everything that a dataset depends on, except the number of its tasks."""
+    """Return the digest of all inputs of a dataset, except the number of its tasks."""
     return digest([msgspec.to_builtins(domain), request])
 
 
 def share_of(some: int, whole: int) -> Share:
-    """Return a number as a share of the whole."""
+    """Return `some` as a share of `whole`."""
     share = Fraction(some, whole) if whole else Fraction(0)
     return Share(digits_of(share.numerator), digits_of(share.denominator), rate_of(some, whole))
 
 
 def rate_of(some: int, whole: int) -> float:
-    """Return a share as a float; a damaged manifest may claim one beyond all floats."""
+    """Return a share as a float; infinity if a damaged manifest claims one that exceeds all floats."""
     try:
         return some / whole if whole else 0.0
     except OverflowError:
@@ -184,10 +184,10 @@ def rate_of(some: int, whole: int) -> float:
 
 
 def summed(tallies: Iterable[LengthTally]) -> list[LengthTally]:
-    """Return tallies with those of one length added up, each with its pass rate."""
-    found: dict[int, LengthTally] = {}
+    """Return the sum of the tallies of each length, with its pass rate."""
+    sums: dict[int, LengthTally] = {}
     for each in tallies:
-        into = found.setdefault(each.length, LengthTally(each.length))
+        into = sums.setdefault(each.length, LengthTally(each.length))
         for name in ("drawn", "feasible", "not_found", "infeasible", "witnesses"):
             setattr(into, name, getattr(into, name) + getattr(each, name))
         into.pass_rate = rate_of(into.feasible, into.drawn)
@@ -199,7 +199,7 @@ def summed(tallies: Iterable[LengthTally]) -> list[LengthTally]:
         for reason in each.reasons:
             reasons[reason.status, reason.reason] = reasons.get((reason.status, reason.reason), 0) + reason.count
         into.reasons = [RefusalCount(*key, count) for key, count in sorted(reasons.items())]
-    return [found[length] for length in sorted(found)]
+    return [sums[length] for length in sorted(sums)]
 
 
 def derive(manifest: Manifest) -> None:
@@ -213,11 +213,11 @@ def derive(manifest: Manifest) -> None:
 
 
 DATASET = ManifestFile(NAME, Manifest, "prag_asp dataset", 1, "dataset")
-"""The file of a dataset; version 1 of it and of the tables."""
+"""The file dataset.json; version 1 of it and of the tables."""
 
 
 def write_manifest(folder: Path, manifest: Manifest) -> None:
-    """Write dataset.json, whole, with what follows from its shards.
+    """Write dataset.json atomically, with the figures that follow from its shards.
 
     Raises:
         OutputError: it cannot be written.

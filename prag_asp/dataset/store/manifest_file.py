@@ -1,4 +1,4 @@
-"""dataset.json and suite.json: the JSON file that says what a folder holds, read and written in one place."""
+"""Read and write the JSON file that describes a folder: dataset.json or suite.json."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Contents = TypeVar("Contents", bound=msgspec.Struct)
 
 @dataclass(frozen=True)
 class ManifestFile(Generic[Contents]):
-    """A file of one `name`, format and version, which describes a folder; `what` is the word of errors for that."""
+    """A kind of file that describes a folder: its `name`, format and version; `what` names the folder in errors."""
 
     name: str
     contents: type[Contents]
@@ -28,7 +28,7 @@ class ManifestFile(Generic[Contents]):
     what: str
 
     def write(self, folder: Path, contents: Contents) -> None:
-        """Write the file, whole.
+        """Write the file atomically.
 
         Raises:
             OutputError: it cannot be written.
@@ -38,7 +38,7 @@ class ManifestFile(Generic[Contents]):
         replace_file(file_in(folder, self.name), f"{text}\n".encode(), follow=False)
 
     def read(self, folder: Path) -> Contents | None:
-        """Return what the file of a folder says, None if there is none.
+        """Return the contents of the file in a folder, None if there is none.
 
         Raises:
             QueryError: it is damaged, or of another program or version; the message has the path to the wrong value.

@@ -1,7 +1,7 @@
-"""The tables of a dataset: the same columns, of the same kinds, for every domain.
+"""The tables of a dataset: their columns and types are the same for every domain.
 
-No mapping is keyed by the name of an entity or a fluent, which would make the kind of a column depend on the domain:
-what is known of a state is a list of {fluent, value}.
+No mapping is keyed by the name of an entity or a fluent, because the type of the column would then depend on the
+domain: the facts of a state are a list of {fluent, value}.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Mapping
 import pyarrow as pa
 
 FACTS = pa.list_(pa.struct([("fluent", pa.string()), ("value", pa.bool_())]))
-"""What is known of a state."""
+"""The known facts of a state."""
 
 BUDGET = pa.struct([("restarts", pa.int64()), ("samples", pa.int64()), ("tier", pa.string())])
 CAUSES = pa.list_(pa.struct([("cause", pa.string()), ("count", pa.int64())]))
@@ -39,7 +39,7 @@ VERDICT = pa.struct(
         ("details", DETAILS),
     ]
 )
-"""What physics says of a task; null where it was not asked."""
+"""The verdict of physics; null if physics was not run."""
 
 _OF_A_TASK = [
     ("draw", pa.int64()),
@@ -78,7 +78,7 @@ SCHEMAS: Mapping[str, pa.Schema] = {
         ]
     ),
 }
-"""The tables by their names."""
+"""The schema of each table."""
 
 FOLDERS: Mapping[str, str] = {
     "tasks": "data",
@@ -86,7 +86,7 @@ FOLDERS: Mapping[str, str] = {
     "witnesses": "witnesses",
     "recordings": "recordings",
 }
-"""The folders of the tables in that of a dataset."""
+"""The folder of each table inside a dataset."""
 
 ROW_GROUP: Mapping[str, int] = {"tasks": 256, "refused": 256, "witnesses": 64, "recordings": 1024}
-"""Rows that are read at once, at least."""
+"""Rows in a row group of each table, the least that can be read."""

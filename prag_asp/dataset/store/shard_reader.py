@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class DrawRows(NamedTuple):
-    """A draw of another dataset: its row, the values that follow from it, and the rows of its initial states."""
+    """A draw of another dataset: its row, some values decoded from it, and the rows of its initial states."""
 
     passed: bool
     row: pa.Table
@@ -31,7 +31,7 @@ class DrawRows(NamedTuple):
 
 
 class PartReader:
-    """Reads the draws of a part in their order; a group of rows of each table is in memory at a time."""
+    """Reads the draws of a part in order, with one row group of each table in memory."""
 
     def __init__(self, folder: Path, note: PartManifest) -> None:
         self._folder, self._note = folder, note
@@ -44,10 +44,10 @@ class PartReader:
         return self._note.draws
 
     def draw(self, number: int) -> DrawRows:
-        """Return a draw; draws are requested in ascending order.
+        """Return a draw; callers request draws in ascending order.
 
         Raises:
-            QueryError: a file is missing, is not what dataset.json says, or has no row of the draw.
+            QueryError: a file is missing, differs from its record in dataset.json, or has no row of the draw.
         """
         shards = self._note.shards
         while self._shard < len(shards) and number >= shards[self._shard].end:
@@ -59,14 +59,14 @@ class PartReader:
         if not self._tables:
             self._tables = {table: _Cursor(self._folder, table, shard) for table in ROW_GROUP}
         for table in ("tasks", "refused"):
-            found = self._tables[table].rows("draw", number)
-            if found is not None:
-                return self._given(table == "tasks", found, shard)
+            row = self._tables[table].rows("draw", number)
+            if row is not None:
+                return self._draw_rows(table == "tasks", row, shard)
         raise QueryError(f"{self._folder}: has no row of the draw {number} of {self._note.name}; {MEND}")
 
-    def _given(self, passed: bool, row: pa.Table, shard: Shard) -> DrawRows:
-        told = row.select(["length", "verdict"]).to_pylist()[0]
-        verdict = told["verdict"]
+    def _draw_rows(self, passed: bool, row: pa.Table, shard: Shard) -> DrawRows:
+        values = row.select(["length", "verdict"]).to_pylist()[0]
+        verdict = values["verdict"]
         if verdict is not None:
             verdict = {**verdict, "causes": {each["cause"]: each["count"] for each in verdict["causes"]}}
         witnesses: pa.Table | None = None
@@ -74,14 +74,14 @@ class PartReader:
         if passed:
             task = row["task"][0].as_py()
             witnesses = self._tables["witnesses"].rows("task", task)
-            recorded = self._tables["recordings"].rows("task", task)
-            recordings = [] if recorded is None else recorded.to_pylist()
+            rows = self._tables["recordings"].rows("task", task)
+            recordings = [] if rows is None else rows.to_pylist()
         starts = 0 if witnesses is None else witnesses.num_rows
-        return DrawRows(passed, row, told["length"], verdict, starts, witnesses, recordings, shard.versions)
+        return DrawRows(passed, row, values["length"], verdict, starts, witnesses, recordings, shard.versions)
 
 
 class _Cursor:
-    """The rows of a table of a shard, which are sorted by a column of numbers."""
+    """A cursor over the rows of a table in a shard, which are sorted by a numeric column."""
 
     def __init__(self, folder: Path, table: str, shard: Shard) -> None:
         self._groups = _groups(folder, table, shard)
@@ -90,8 +90,8 @@ class _Cursor:
         self._place = 0
 
     def rows(self, column: str, number: int) -> pa.Table | None:
-        """Return the rows of a number, None without any; numbers are requested in ascending order."""
-        found = []
+        """Return the rows with a number, None if there are none; callers request numbers in ascending order."""
+        pieces = []
         while self._forward(column):
             if self._keys[self._place] > number:
                 break
@@ -101,8 +101,8 @@ class _Cursor:
                 self._place += 1
             if self._place > begin:
                 assert self._rows is not None
-                found.append(self._rows.slice(begin, self._place - begin))
-        return pa.concat_tables(found) if len(found) > 1 else found[0] if found else None
+                pieces.append(self._rows.slice(begin, self._place - begin))
+        return pa.concat_tables(pieces) if len(pieces) > 1 else pieces[0] if pieces else None
 
     def _forward(self, column: str) -> bool:
         """Move to the next row, and return whether there is one."""
@@ -116,10 +116,10 @@ class _Cursor:
 
 
 def _groups(folder: Path, table: str, shard: Shard) -> Iterator[pa.Table]:
-    """Yield the rows of a table of a shard in groups; no file stays open meanwhile.
+    """Yield the row groups of a table in a shard; no file stays open between them.
 
     Raises:
-        QueryError: the file is not what dataset.json says.
+        QueryError: the file differs from its record in dataset.json.
     """
     file = shard.files.get(table)
     if file is None:
@@ -128,5 +128,5 @@ def _groups(folder: Path, table: str, shard: Shard) -> Iterator[pa.Table]:
         with open_shard(folder, table, file) as opened:
             if not group and digest_of(folder / file.path) != file.sha256:
                 raise QueryError(f"{folder / file.path}: is not what dataset.json says; {MEND}")
-            found = opened.read_row_group(group)
-        yield found
+            rows = opened.read_row_group(group)
+        yield rows

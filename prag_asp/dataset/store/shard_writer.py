@@ -28,21 +28,20 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 LIMITS: Mapping[str, int] = {"tasks": 1, "refused": 10, "witnesses": 4}
-"""The most rows of each table in a full shard, as a multiple of its tasks."""
-
+"""The most rows of each table in a shard, as a multiple of the most tasks of a shard."""
 
 TOGETHER = "; "
-"""Separates the versions of the programs that have made a shard."""
+"""Separates the versions of the programs that produced a shard."""
 
 SUMMED_TOGETHER = 256
-"""Tallies of single draws before they are summed."""
+"""Tallies of single draws that are collected before they are summed."""
 
 
 class PartWriter:
-    """Takes the draws of a part in order, and writes a shard whenever one is full."""
+    """Collects the draws of a part in order, and writes them shard by shard."""
 
     def __init__(self, folder: Path, note: PartManifest, shard: int) -> None:
-        """Continue after the shards that a part has; a full shard has at most `shard` tasks."""
+        """Continue after the existing shards of a part; a full shard has at most `shard` tasks."""
         self._folder, self._limit, self.note, self._ours = folder, shard, note, versions()
         self._begin()
         self._take_up(note.tail)
@@ -64,7 +63,7 @@ class PartWriter:
 
     @property
     def empty(self) -> bool:
-        """Whether there is nothing to be written."""
+        """Whether there are no draws to write."""
         return not self._draws
 
     def add(self, placed: RankedDraw, task: Task, result: DrawResult, words: TaskTexts) -> None:
@@ -74,39 +73,39 @@ class PartWriter:
             self._rows["tasks"].add({**row, "task": self.tasks, "starts": witnesses})
         else:
             self._rows["refused"].add(row)
-        self._looked_at(result, len(task))
+        self._add_result(result, len(task))
 
     def add_row(self, placed: RankedDraw, row: RowReference, result: DrawResult) -> None:
-        """Add a draw whose row was made elsewhere, with its result."""
+        """Add a draw with its result and the row that another process built."""
         if result.passed:
             self._rows["tasks"].take(row, task=self.tasks, starts=result.witnesses)
         else:
             self._rows["refused"].take(row)
-        self._looked_at(result, len(placed.word))
+        self._add_result(result, len(placed.word))
 
-    def _looked_at(self, result: DrawResult, length: int) -> None:
-        """Add the initial states of the draw whose row was added last, and count it."""
+    def _add_result(self, result: DrawResult, length: int) -> None:
+        """Add the initial states of the draw whose row was added last, and count the draw."""
         for start, each in enumerate(result.starts) if result.passed else ():
             self._add_start(self.tasks - 1, start, each)
         self._tally(_tally(length, result.verdict, result.witnesses), self._ours)
         self._draws += 1
 
-    def take(self, given: DrawRows) -> None:
-        """Add a draw of another dataset, with the numbers that it has here."""
-        if given.passed:
+    def take(self, source: DrawRows) -> None:
+        """Add a draw of another dataset, renumbered."""
+        if source.passed:
             number = self.tasks
-            self._rows["tasks"].take(RowReference(given.row, 0), task=number, draw=self.next)
-            if given.witnesses is not None:
-                self._rows["witnesses"].take(RowReference(given.witnesses, 0), given.witnesses.num_rows, task=number)
-            for row in given.recordings:
+            self._rows["tasks"].take(RowReference(source.row, 0), task=number, draw=self.next)
+            if source.witnesses is not None:
+                self._rows["witnesses"].take(RowReference(source.witnesses, 0), source.witnesses.num_rows, task=number)
+            for row in source.recordings:
                 self._rows["recordings"].add({**row, "task": number})
         else:
-            self._rows["refused"].take(RowReference(given.row, 0), draw=self.next)
-        self._tally(_tally(given.length, given.verdict, given.starts), given.versions)
+            self._rows["refused"].take(RowReference(source.row, 0), draw=self.next)
+        self._tally(_tally(source.length, source.verdict, source.starts), source.versions)
         self._draws += 1
 
     def write(self) -> None:
-        """Write the shard, and add it to the part; dataset.json has to be written next.
+        """Write the shard, and add it to the part; the caller writes dataset.json next.
 
         Raises:
             OutputError: it cannot be written.
@@ -133,12 +132,12 @@ class PartWriter:
         self._versions: set[str] = set()
 
     def _take_up(self, tail: Shard | None) -> None:
-        """Begin with the rows of a shard that was not full, if its files are what dataset.json says."""
+        """Continue a shard that was not full, if its files match their records in dataset.json."""
         if tail is None:
             return
         try:
             if any(digest_of(self._folder / file.path) != file.sha256 for file in tail.files.values()):
-                return  # a run that was killed has written more rows, and did not note it
+                return  # a killed run has written more rows, without updating dataset.json
             before = {}
             for table, file in tail.files.items():
                 with open_shard(self._folder, table, file) as opened:
@@ -149,16 +148,16 @@ class PartWriter:
         self._draws, self._tallies = tail.end - tail.first, list(tail.tally)
         self._versions = {*tail.versions.split(TOGETHER)}
 
-    def _add_start(self, task: int, start: int, found: StartResult) -> None:
-        """Add an initial state of a task."""
-        of_it, text = {"task": task, "start": start}, found.text
+    def _add_start(self, task: int, start: int, result: StartResult) -> None:
+        """Add the rows of an initial state of a task."""
+        key, text = {"task": task, "start": start}, result.text
         if text is not None:
-            self._rows["witnesses"].add({**of_it, "index": found.index, "witness": text})
-        if found.recording is not None:
-            self._rows["recordings"].add({**of_it, **msgspec.structs.asdict(found.recording)})
+            self._rows["witnesses"].add({**key, "index": result.index, "witness": text})
+        if result.recording is not None:
+            self._rows["recordings"].add({**key, **msgspec.structs.asdict(result.recording)})
 
     def _tally(self, tally: LengthTally, made_by: str) -> None:
-        """Count a draw, and the version that has validated it."""
+        """Count a draw, and note the version that validated it."""
         self._versions.add(made_by)
         self._tallies.append(tally)
         if len(self._tallies) >= SUMMED_TOGETHER:
@@ -187,9 +186,9 @@ def row_of(placed: RankedDraw, task: Task, result: DrawResult, words: TaskTexts)
     }
 
 
-def _tally(length: int, caption: Mapping[str, Any] | None, witnesses: int) -> LengthTally:
+def _tally(length: int, verdict: Mapping[str, Any] | None, witnesses: int) -> LengthTally:
     """Return the tally of a single draw."""
-    verdict = caption or {"status": "feasible", "causes": {}, "reason": ""}
+    verdict = verdict or {"status": "feasible", "causes": {}, "reason": ""}
     status, reason = verdict["status"], verdict["reason"]
     return LengthTally(
         length,

@@ -1,4 +1,4 @@
-"""The Parquet files of a dataset: each is written whole, and named by its part and number."""
+"""The Parquet files of a dataset: each is written atomically, and named by its part and number."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from prag_asp.output import file_in, make_folder, replace_file
 from prag_asp.safe_reading import is_inside, open_binary
 
 LARGEST_GROUP = 1_000_000_000
-"""The most bytes of a row group, unpacked, that the file may claim."""
+"""The most bytes that a row group may claim to have once unpacked: a damaged file must not exhaust the memory."""
 
 
 def shard_name(table: str, part: str, number: int) -> str:
@@ -27,7 +27,7 @@ def shard_name(table: str, part: str, number: int) -> str:
 
 
 def write_shard(folder: Path, table: str, part: str, number: int, rows: pa.Table) -> ShardFile:
-    """Write rows as a shard, whole, and return its record for dataset.json.
+    """Write rows as a shard, atomically, and return its record for dataset.json.
 
     Raises:
         OutputError: it cannot be written.
@@ -41,10 +41,10 @@ def write_shard(folder: Path, table: str, part: str, number: int, rows: pa.Table
 
 
 def _require_groups(file: Path, metadata: pq.FileMetaData, rows: int) -> None:
-    """Check that the rows of a file are in groups of the right size, and that none claims to unpack to too much.
+    """Check the sizes of the row groups of a file: their rows, and their bytes once unpacked.
 
     Raises:
-        QueryError: they are not.
+        QueryError: a size is wrong.
     """
     groups = [metadata.row_group(number) for number in range(metadata.num_row_groups)]
     if [group.num_rows for group in groups] != [
@@ -57,16 +57,17 @@ def _require_groups(file: Path, metadata: pq.FileMetaData, rows: int) -> None:
 
 @contextmanager
 def open_shard(folder: Path, table: str, shard: ShardFile) -> Iterator[pq.ParquetFile]:
-    """Open a shard to read it, without reading its rows.
+    """Open a shard without reading its rows.
 
     Raises:
-        QueryError: it is missing, is not what dataset.json says, its bytes are damaged, or there are too many.
+        QueryError: it is missing, damaged or too large, or differs from its record in dataset.json.
     """
     file = folder / shard.path
     if not is_inside(file, folder):
         raise QueryError(f"{file}: leads out of the dataset; {MEND}")
     try:
-        open_binary(file).close()  # a regular file; Arrow's threads must not need Python's lock when the program ends
+        # Only the check for a regular file: Arrow's threads must not need the interpreter lock at exit.
+        open_binary(file).close()
         with pa.OSFile(str(file)) as stream, pq.ParquetFile(stream) as opened:
             if not opened.schema_arrow.equals(SCHEMAS[table]):
                 raise QueryError(f"{file}: its columns are not those of {table}; {MEND}")

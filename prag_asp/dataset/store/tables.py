@@ -1,4 +1,4 @@
-"""Rows of the tables of a dataset, read from the shards that hold them."""
+"""Read rows of the tables of a dataset from its shards."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ class TableReader:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self._kept: dict[str, list[tuple[int, str]]] = {}
+        self._rank_cache: dict[str, list[tuple[int, str]]] = {}
 
     def place(self, note: PartManifest, table: str, number: int) -> tuple[Shard, int]:
-        """Return the shard of a row of a part, and its position there; the row exists."""
+        """Return the shard of a row of a part, and the position of the row there; the row must exist."""
         ends = list(accumulate(shard.rows(table) for shard in note.shards))
         at = bisect_right(ends, number)
         return note.shards[at], number - (ends[at - 1] if at else 0)
@@ -38,23 +38,23 @@ class TableReader:
         """Return a row of a shard."""
         group, within = divmod(place, ROW_GROUP[table])
         with open_shard(self.folder, table, shard.files[table]) as file:
-            found: Row = file.read_row_group(group).slice(within, 1).to_pylist()[0]
-        return found
+            result: Row = file.read_row_group(group).slice(within, 1).to_pylist()[0]
+        return result
 
     def rows(self, note: PartManifest, table: str, columns: Sequence[str] | None = None) -> Iterator[Row]:
-        """Yield the rows of a part, each with some columns or with all."""
+        """Yield the rows of a part, with some columns or all."""
         for shard in note.shards:
             yield from self.of_shard(table, shard, columns)
 
     def of_shard(self, table: str, shard: Shard, columns: Sequence[str] | None = None) -> Iterator[Row]:
         """Yield the rows of a shard."""
-        for _, found in self._groups(table, shard, columns):
-            yield from found.to_pylist()
+        for _, rows in self._groups(table, shard, columns):
+            yield from rows.to_pylist()
 
-    def found(self, note: PartManifest, length: int, rank: int, draw: int | None) -> Iterator[Row]:
-        """Yield the row of the task of a rank; where its draw is known, only one shard is read.
+    def by_rank(self, note: PartManifest, length: int, rank: int, draw: int | None) -> Iterator[Row]:
+        """Yield the row of the task of a rank; if its draw is known, only one shard is read.
 
-        Otherwise the ranks of the part are read once and cached: about a hundred bytes a task.
+        Otherwise the ranks of the part are read once and cached: about a hundred bytes per task.
         """
         selection = (length, str(rank))
         if draw is not None:
@@ -62,20 +62,23 @@ class TableReader:
             for shard in note.shards[at : at + 1]:
                 yield from (self.row("tasks", shard, place) for place in _places(self._ranks([shard]), selection))
             return
-        if note.name not in self._kept:
-            self._kept[note.name] = self._ranks(note.shards)
-        for number in _places(self._kept[note.name], selection):
+        if note.name not in self._rank_cache:
+            self._rank_cache[note.name] = self._ranks(note.shards)
+        for number in _places(self._rank_cache[note.name], selection):
             yield self.row("tasks", *self.place(note, "tasks", number))
 
     def _ranks(self, shards: Sequence[Shard]) -> list[tuple[int, str]]:
-        """Return the length and the rank of each task of some shards; Arrow would import pandas to compare them."""
-        found: list[tuple[int, str]] = []
+        """Return the length and the rank of each task of some shards, as Python values.
+
+        Arrow would import pandas to compare them.
+        """
+        ranks: list[tuple[int, str]] = []
         for shard in shards:
             if shard.rows("tasks"):
                 with open_shard(self.folder, "tasks", shard.files["tasks"]) as file:
                     keys = file.read(columns=["length", "rank"])
-                found += zip(keys["length"].to_pylist(), keys["rank"].to_pylist(), strict=True)
-        return found
+                ranks += zip(keys["length"].to_pylist(), keys["rank"].to_pylist(), strict=True)
+        return ranks
 
     def starts(self, note: PartManifest, table: str, task: Row) -> Iterator[Row]:
         """Yield the rows of the initial states of a task, which are in the same shard."""
@@ -88,13 +91,13 @@ class TableReader:
                 yield self.row(table, shard, first + place)
 
     def _groups(self, table: str, shard: Shard, columns: Sequence[str] | None = None) -> Iterator[tuple[int, pa.Table]]:
-        """Yield the rows of a shard in groups, each with the position of its first row; no file stays open."""
+        """Yield the row groups of a shard, each with the position of its first row; no file stays open between them."""
         if not shard.rows(table):
             return
         for group in range(-(-shard.rows(table) // ROW_GROUP[table])):
             with open_shard(self.folder, table, shard.files[table]) as file:
-                found = file.read_row_group(group, columns=None if columns is None else [*columns])
-            yield group * ROW_GROUP[table], found
+                rows = file.read_row_group(group, columns=None if columns is None else [*columns])
+            yield group * ROW_GROUP[table], rows
 
 
 def _places(values: Sequence[object], selection: object) -> Iterator[int]:

@@ -1,1 +1,1 @@
-"""Suites: the parts of a benchmark over one space of tasks, apart by exact counts."""
+"""Suites: the parts of a benchmark over one task space, proved disjoint by exact counts."""

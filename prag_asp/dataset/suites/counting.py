@@ -1,4 +1,4 @@
-"""Count the tasks of the parts of a suite exactly, and those that two parts have in common."""
+"""Count the tasks of the parts of a suite exactly, and the tasks that two parts share."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from prag_asp.space.limits import Limits
 
 Counted = Callable[[str, int, int], None]
-"""Takes the progress: what is counted, how many counts were made, and how many there are."""
+"""Reports progress: a message, the number of completed counts, and their total."""
 
 
 class Overlap(msgspec.Struct, frozen=True):
-    """The number of tasks that two parts have in common, and whether one of them declares that."""
+    """The number of tasks that two parts share, and whether one of them declares that."""
 
     one: str
     other: str
@@ -39,7 +39,7 @@ class Overlap(msgspec.Struct, frozen=True):
 
 
 class HeldOutCount(msgspec.Struct, frozen=True):
-    """The number of tasks of a part that have something held out from it."""
+    """The number of tasks of a part with something that is held out from the part."""
 
     what: str
     part: str
@@ -53,14 +53,14 @@ class HeldOutCount(msgspec.Struct, frozen=True):
 
 @dataclass(frozen=True)
 class Figures:
-    """The exact figures of a suite: the sizes of its parts by length, what parts share, and what is unseen in them."""
+    """The exact figures of a suite: the sizes of its parts by length, and its counts of shared and held-out tasks."""
 
     sizes: Mapping[str, Mapping[int, int]]
     shared: tuple[Overlap, ...]
     unseen: tuple[HeldOutCount, ...]
 
     def size(self, part: str) -> int:
-        """Return how many tasks there are of a part."""
+        """Return the number of tasks in the space of a part."""
         return sum(self.sizes[part].values())
 
     @property
@@ -77,19 +77,19 @@ def space_of(suite: Suite, part: SuitePart, *, limits: Limits = UNLIMITED, engin
 def count_suite(
     suite: Suite, *, limits: Limits = UNLIMITED, progress: Counted = lambda words, done, total: None
 ) -> Figures:
-    """Count all parts, what each two have in common, and what is held out from each.
+    """Count the tasks of all parts, the tasks that each two share, and the held-out tasks in each.
 
     Raises:
-        QueryError: a part has fewer tasks than it wants.
+        QueryError: a part requests more tasks than its space has.
         LimitReached: a limit ended a count.
     """
     count = _SuiteCounter(suite, limits, progress)
     sizes = {}
     for name, part in suite.parts.items():
         sizes[name] = count.by_length(name, part.where, part.lengths)
-        there = sum(sizes[name].values())
-        if there < part.tasks:
-            problem = f"{name} wants {plural(part.tasks, 'task')}, but there are {there}"
+        total = sum(sizes[name].values())
+        if total < part.tasks:
+            problem = f"{name} wants {plural(part.tasks, 'task')}, but there are {total}"
             raise QueryError(
                 f"{suite.place('parts', name, 'tasks')}: {problem}; ask for fewer, or give other conditions"
             )
@@ -108,11 +108,11 @@ def count_suite(
 
 
 class _SuiteCounter:
-    """Counts tasks under conditions, each number once."""
+    """Counts tasks under conditions; each number is computed once."""
 
     def __init__(self, suite: Suite, limits: Limits, progress: Counted) -> None:
         self._suite, self._limits, self._progress = suite, limits, progress
-        self._known: dict[tuple[frozenset[str], int], int] = {}
+        self._counts: dict[tuple[frozenset[str], int], int] = {}
         self._lengths: dict[frozenset[str], set[int]] = {}
         for part in suite.parts.values():
             self._lengths.setdefault(frozenset(part.where), set()).update(part.lengths)
@@ -126,28 +126,28 @@ class _SuiteCounter:
         conditions = frozenset(clauses)
         if any({held.having, held.without} <= conditions for held in self._suite.held):
             return dict.fromkeys(lengths, 0)  # each is the negation of the other
-        if any((conditions, length) not in self._known for length in lengths):
-            # What is explored for the longest holds for all, those of other parts under the same conditions among them.
+        if any((conditions, length) not in self._counts for length in lengths):
+            # Exploring the longest plans covers shorter ones, too, also of other parts with these conditions.
             lengths_needed = self._lengths.get(conditions, set()).union(lengths)
-            missing = sorted(length for length in lengths_needed if (conditions, length) not in self._known)
+            missing = sorted(length for length in lengths_needed if (conditions, length) not in self._counts)
             space = _space(self._suite, tuple(dict.fromkeys(clauses)), missing, self._limits)
             for length in reversed(missing):
-                self._known[conditions, length] = space.at(length).count()
-        return {length: self._known[conditions, length] for length in lengths}
+                self._counts[conditions, length] = space.at(length).count()
+        return {length: self._counts[conditions, length] for length in lengths}
 
 
 def _space(
     suite: Suite, clauses: Sequence[str], lengths: Sequence[int], limits: Limits, engine: str = "auto"
 ) -> TaskSpace:
-    """Return the tasks of some lengths that satisfy all of some conditions."""
+    """Return the space of the tasks of some lengths that satisfy all of some conditions."""
     return TaskSpace(suite.domain, lengths, engine=engine, limits=limits).where(*clauses)
 
 
 def refuse_leaks(suite: Suite, figures: Figures) -> None:
-    """Refuse parts that have tasks in common and do not say so.
+    """Refuse a suite in which parts share tasks without declaring it.
 
     Raises:
-        QueryError: there are some.
+        QueryError: there are such parts.
     """
     problems = []
     for leak in figures.leaks:

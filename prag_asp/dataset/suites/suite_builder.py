@@ -1,4 +1,4 @@
-"""Make a suite: count it, refuse leaks, and write one dataset for each part, with a card of all."""
+"""Generate a suite: count it, refuse leaks, and write one dataset per part, with a card for the suite."""
 
 from __future__ import annotations
 
@@ -47,15 +47,15 @@ def generate_suite(
 ) -> SuiteManifest:
     """Write a dataset for each part of a suite, in a folder of its name, and return the manifest of the suite.
 
-    An interrupted run is resumed by the same call, and more tasks for a part extend its dataset. The bytes depend
+    The same call resumes an interrupted run, and more tasks for a part extend its dataset. The bytes depend
     on the suite alone, not on the number of `workers`.
 
     Raises:
-        QueryError: parts have tasks in common and do not say so, or a part cannot be drawn as it says.
-        SceneError: a task names something for which the scene has no shape.
-        OutputError: the folder holds something else, or a file cannot be written.
-        NotFound: fewer tasks were found for some parts than they want; all else is written.
-        WorkerError: workers died again and again.
+        QueryError: parts share tasks without declaring it, or the request of a part is wrong.
+        SceneError: the scene lacks the shape of an entity of a task.
+        OutputError: the folder contains something else, or a file cannot be written.
+        NotFound: too few feasible tasks were found for some parts; all others are written.
+        WorkerError: workers died repeatedly.
         DatasetsMissingError: pyarrow is not installed.
     """
     require_pyarrow()
@@ -67,12 +67,12 @@ def generate_suite(
     figures = count_suite(suite, limits=limits, progress=progress)
     refuse_leaks(suite, figures)
     for part in suite.parts.values():
-        suite.dataset_spec(part)  # contradictions are reported before anything is written
+        suite.dataset_spec(part)  # report contradictions before anything is written
     note = manifest_of(suite, figures, identity, versions())
     make_folder(path)
     SUITE.write(path, note)
     replace_file(file_in(path, SPELLED), suite.text.encode(), follow=False)
-    lacking = [line for part in note.parts for line in _made(suite, part, path, workers, limits, progress)]
+    lacking = [line for part in note.parts for line in _generate_part(suite, part, path, workers, limits, progress)]
     replace_file(file_in(path, CARD), card_text(note), follow=False)
     note.complete = True
     SUITE.write(path, note)
@@ -81,10 +81,10 @@ def generate_suite(
     return note
 
 
-def _made(
+def _generate_part(
     suite: Suite, note: SuitePartManifest, folder: Path, workers: int, limits: Limits, progress: Progress
 ) -> tuple[str, ...]:
-    """Write the dataset of a part, record it, and return in words what it lacks."""
+    """Write the dataset of a part, record it, and return the messages about missing tasks."""
     part, lacking = suite.parts[note.name], tuple[str, ...]()
 
     def report(words: str, done: int, total: int) -> None:
@@ -100,7 +100,7 @@ def _made(
 
 
 def identity_of(suite: Suite) -> str:
-    """Return a digest of all that tasks of a suite depend on, except their number."""
+    """Return the digest of all inputs of the datasets of a suite, except the numbers of tasks."""
     snapshot, _ = snapshot_of(suite.domain)
     parts = [[part.name, part.of, list(part.unseen), request_of(space_of(suite, part), suite.dataset_spec(part))]
              for part in suite.parts.values()]  # fmt: skip
@@ -108,11 +108,11 @@ def identity_of(suite: Suite) -> str:
 
 
 def _require_suite_folder(folder: Path, suite: Suite, identity: str) -> None:
-    """Check that a folder is new, empty, or has this suite with no more tasks, before anything is written.
+    """Check that a folder is new, empty, or contains this suite with no more tasks, before anything is written.
 
     Raises:
-        OutputError: it holds something else.
-        QueryError: it has more tasks.
+        OutputError: it contains something else.
+        QueryError: the suite in it has more tasks.
     """
     if folder.exists() and not folder.is_dir():
         raise OutputError(f"{folder}: is no folder; give a new one")

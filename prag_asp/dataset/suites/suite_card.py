@@ -15,12 +15,12 @@ NAME = "README.md"
 
 
 def card_text(note: SuiteManifest) -> bytes:
-    """Return the card of a suite, as its file has it: it follows from suite.json alone."""
+    """Return the content of the card of a suite, which follows from suite.json alone."""
     return "".join(f"{line}\n" for line in (*_front(note), *_text(note))).encode()
 
 
 def _front(note: SuiteManifest) -> Iterator[str]:
-    """Yield the lines that hubs and loaders read: each part is a configuration."""
+    """Yield the front matter for hubs and loaders, with each part as a configuration."""
     yield "---"
     yield f"pretty_name: {json.dumps(_title(note))}"
     yield "task_categories:"
@@ -37,7 +37,7 @@ def _front(note: SuiteManifest) -> Iterator[str]:
 
 
 def _text(note: SuiteManifest) -> Iterator[str]:
-    """Yield the lines that people read."""
+    """Yield the lines for readers."""
     yield f"# {_title(note)}"
     yield ""
     if note.description:
@@ -69,7 +69,7 @@ def _text(note: SuiteManifest) -> Iterator[str]:
 
 
 def _apart(note: SuiteManifest) -> Iterator[str]:
-    """Yield how many tasks parts have in common, and what is unseen."""
+    """Yield the numbers of shared tasks, and the table of held-out tasks."""
     none = sum(not each.tasks for each in note.shared)
     yield f"Counted exactly: {plural(none, 'pair')} of {len(note.shared)} of parts have no task in common."
     for each in note.shared:

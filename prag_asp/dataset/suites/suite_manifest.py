@@ -24,7 +24,7 @@ NAME, SPELLED = "suite.json", "suite.toml"
 
 
 class SuitePartManifest(msgspec.Struct):
-    """A part: its exact size, the number of its tasks, and its dataset.json, which has the rest."""
+    """A part: its conditions, its exact size, the number of its tasks, and the record of its dataset.json."""
 
     name: str
     about: str
@@ -65,11 +65,11 @@ class SuiteManifest(msgspec.Struct):
 
 
 SUITE = ManifestFile(NAME, SuiteManifest, "prag_asp suite", 1, "suite")
-"""The file of a suite."""
+"""The file suite.json."""
 
 
 def manifest_of(suite: Suite, figures: Figures, identity: str, versions: str) -> SuiteManifest:
-    """Return the manifest of a suite before any of it is made."""
+    """Return the manifest of a suite before its datasets are generated."""
     text = suite.text.encode()
     parts = [
         SuitePartManifest(
@@ -101,7 +101,7 @@ def record_part(folder: Path, part: SuitePartManifest) -> None:
 
 
 def is_suite(folder: str | Path) -> bool:
-    """Return whether a folder is one of a suite."""
+    """Return whether a folder contains a suite."""
     return (Path(folder) / NAME).is_file()
 
 
@@ -109,7 +109,7 @@ def count_tasks(folder: str | Path) -> int:
     """Return the number of tasks of a dataset, or of all datasets of a suite.
 
     Raises:
-        QueryError: there is none, or it cannot be read.
+        QueryError: the folder contains neither, or cannot be read.
     """
     note = SUITE.read(Path(folder)) if is_suite(folder) else None
     return Dataset.open(folder).count() if note is None else sum(part.tasks for part in note.parts)

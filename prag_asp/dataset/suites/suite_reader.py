@@ -38,20 +38,20 @@ if TYPE_CHECKING:
 Kind = TypeVar("Kind")
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-"""A name of a part: of a folder, and of a split for loaders."""
+"""The names of parts: they name folders, and splits for loaders."""
 
 STARTS = "starts "
-"""How a condition on the initial state begins."""
+"""The prefix of a condition on the initial state."""
 
 LONGEST_SIZE = 20
-"""Characters of the size of camera images: Python does not turn arbitrarily long digits into a number."""
+"""The most characters of the size of camera images: Python does not convert arbitrarily many digits."""
 
 
 def load_suite(name_or_path: str | Path, *, domain: Domain | None = None, trust: bool = False) -> Suite:
-    """Return a suite that is shipped, or that a TOML file spells.
+    """Return a shipped suite, or the suite of a TOML file.
 
-    Its domain is one that is shipped, or one beside the file; give another one in place of it as `domain`. With
-    `trust`, physics may run the Python files of the domain.
+    Its domain is a shipped one, or one next to the file, unless another is given as `domain`. With `trust`, physics
+    may run the Python files of the domain.
 
     Raises:
         QueryError: there is no such suite, or it has problems; the message has a line for each, with its place.
@@ -62,17 +62,17 @@ def load_suite(name_or_path: str | Path, *, domain: Domain | None = None, trust:
 
 
 def read_suite(source: Source, *, domain: Domain | None = None, trust: bool = False) -> Suite:
-    """Return the suite that a text spells.
+    """Return the suite that a TOML text defines.
 
     Raises:
-        QueryError: something is wrong with it.
+        QueryError: the suite has problems.
         DomainError: it is not TOML, or something is wrong with the domain.
     """
     return _SuiteReader(source, trust).suite(domain)
 
 
 class _SuiteReader:
-    """Reads one text, and collects its problems."""
+    """Reads a suite from a TOML text, and collects its problems."""
 
     def __init__(self, source: Source, trust: bool) -> None:
         self._source, self._trust, self._report = source, trust, TableReport()
@@ -87,16 +87,16 @@ class _SuiteReader:
         assert table is not None
         self._table, self._physics_table = table, physics or PhysicsTable()
         self._parts = {name: part for name, part in parts.items() if part is not None}
-        self._written = root.at("parts")
+        self._parts_entry = root.at("parts")
 
     def _read(self, entry: TableEntry, kind: type[Kind]) -> Kind | None:
-        """Return a table as a struct, None where it has problems."""
+        """Return a table as a struct, None if it has problems."""
         fields: tuple[str, ...] = kind.__struct_fields__  # type: ignore[attr-defined]
         entry.require_known(fields)
         return read_entry(entry, kind)
 
     def _raise_problems(self) -> None:
-        """Raise the problems that were found so far.
+        """Raise the problems collected so far.
 
         Raises:
             QueryError: there are problems.
@@ -110,11 +110,11 @@ class _SuiteReader:
             QueryError: the file has problems; the message has a line for each.
             DomainError: something is wrong with the domain.
         """
-        self._domain = domain or self._loaded()
+        self._domain = domain or self._load_domain()
         with self._report.errors_at("phrasings"):
             Phrasings.parse(self._table.phrasings)
         budget, staging, demonstrate = self._physics()
-        held = self._held()
+        held = self._held_outs()
         parts: dict[str, SuitePart] = {}
         for name, table in self._parts.items():
             part = self._part(name, table, held, checked=budget is not None) if table.of is None else None
@@ -135,11 +135,11 @@ class _SuiteReader:
             self._source.path, self._source.text,
         )  # fmt: skip
 
-    def _loaded(self) -> Domain:
-        """Return the domain that the suite names: a shipped one, or one beside its file.
+    def _load_domain(self) -> Domain:
+        """Return the domain that the suite names: a shipped one, or one next to its file.
 
         Raises:
-            QueryError: there is none.
+            QueryError: there is no such domain.
             DomainError: something is wrong with it.
         """
         name = self._table.domain
@@ -151,12 +151,12 @@ class _SuiteReader:
         return load_domain(path, trust=self._trust)
 
     def _physics(self) -> tuple[Budget | None, Staging | None, bool]:
-        """Return the budget of physics, what it records and whether it demonstrates; no budget means no physics.
+        """Return the budget of physics, its staging, and whether it demonstrates; without a budget, physics is off.
 
-        Physics checks tasks by default where the domain has a scene.
+        By default, physics is on if the domain has a scene.
         """
-        given, scene, table = self._table.physics, bool(self._domain.settings.scene), self._physics_table
-        if given is False or (given is None and not scene):
+        setting, scene, table = self._table.physics, bool(self._domain.settings.scene), self._physics_table
+        if setting is False or (setting is None and not scene):
             return None, None, False
         from prag_asp.physics import TIERS, Budget, Staging
 
@@ -179,18 +179,18 @@ class _SuiteReader:
             staging = Staging(tuple(table.cameras), _pixels(table.size), vary=tuple(table.vary), **rate)
         return budget, staging, True
 
-    def _held(self) -> dict[str, HeldOut]:
-        """Return all that is held out of some parts, by its words."""
-        found: dict[str, HeldOut] = {}
+    def _held_outs(self) -> dict[str, HeldOut]:
+        """Return everything that is held out from some parts, by its text."""
+        held: dict[str, HeldOut] = {}
         for name, table in self._parts.items():
             lengths = self._lengths(name, table) if table.unseen else None
             for what in texts(table.unseen) if lengths else ():
                 with self._report.errors_at("parts", name, "unseen"):
-                    found[what] = self._held_out(what, TaskSpace(self._domain, max(lengths or ())))
-        return found
+                    held[what] = self._held_out(what, TaskSpace(self._domain, max(lengths or ())))
+        return held
 
     def _held_out(self, what: str, space: TaskSpace) -> HeldOut:
-        """Return the conditions of something that is held out: an initial value, or what `TaskSpace.hold_out` takes.
+        """Return the conditions for something to hold out: an initial value, or an argument of `TaskSpace.hold_out`.
 
         Raises:
             QueryError: it cannot be held out.
@@ -199,16 +199,16 @@ class _SuiteReader:
             fluent = what.removeprefix(STARTS).strip()
             if len(split_terms(fluent)) > 1:
                 raise QueryError(f"{what!r} names several fluents; hold each out by itself")
-            no = fluent.removeprefix("not ").strip()
-            other = no if no != fluent else f"not {fluent}"
-            having, lacking = str(Condition.parse(what)), str(Condition.parse(f"{STARTS}{other}"))
+            positive = fluent.removeprefix("not ").strip()
+            negation = positive if positive != fluent else f"not {fluent}"
+            having, lacking = str(Condition.parse(what)), str(Condition.parse(f"{STARTS}{negation}"))
             space.where(having)
             return HeldOut(what, having, lacking)
         without, with_it = space.hold_out(what)
         return HeldOut(what, str(with_it.condition), str(without.condition))
 
     def _lengths(self, name: str, table: PartTable) -> range | None:
-        """Return the lengths of a part, or those of the suite; None where there are none, which is reported."""
+        """Return the lengths of a part, by default those of the suite; report invalid ones, and return None."""
         lengths = self._table.lengths if table.lengths is None else table.lengths
         of_suite = table.lengths is None and lengths is not None
         with self._report.errors_at(*(("lengths",) if of_suite else ("parts", name, "lengths"))):
@@ -218,9 +218,9 @@ class _SuiteReader:
         return None
 
     def _part(self, name: str, table: PartTable, held: Mapping[str, HeldOut], *, checked: bool) -> SuitePart | None:
-        """Return a part that has its own tasks, None where its lengths or conditions have problems.
+        """Return a part with its own tasks, None if its lengths or conditions have problems.
 
-        `checked` says whether physics checks tasks.
+        `checked` is true if physics checks the tasks.
         """
         report, keys = self._report, ("parts", name)
         if not NAME.fullmatch(name):
@@ -249,50 +249,50 @@ class _SuiteReader:
             name, table.tasks, lengths, tuple(map(str, where.clauses)), own, None, texts(table.shares), table.about,
             self._table.seed if table.seed is None else table.seed, table.starts, shares, table.skeletons, table.evenly,
         )  # fmt: skip
-        return self._worded(part, table, self._table.language, self._table.phrasings)
+        return self._with_phrasings(part, table, self._table.language, self._table.phrasings)
 
     def _copy(self, name: str, table: PartTable, of: str, parts: Mapping[str, SuitePart]) -> Iterator[SuitePart]:
-        """Yield a part that has the tasks of another one, in other words; none where that part has problems.
+        """Yield a part with the tasks of another one in other words; nothing if that part has problems.
 
         Raises:
-            QueryError: it has other tasks or the same words.
+            QueryError: the part changes the tasks, or shares phrasings with the other.
         """
         if of not in self._parts or self._parts[of].of is not None:
             raise QueryError(f"{unknown(of, self._parts, 'part')}, with tasks of its own")
         if of not in parts:
             return
         source = parts[of]
-        other = next((key for key in self._written.at(name).value if key not in OWN_OF_COPIES), None)
+        other = next((key for key in self._parts_entry.at(name).value if key not in OWN_OF_COPIES), None)
         if other is not None:
             raise QueryError(f"{name} has the tasks of {source.name}; leave {other} out")
         if table.tasks > source.tasks:
             raise QueryError(f"{name} has tasks of {source.name}, which has {source.tasks}; ask for no more")
         part = replace(source, name=name, tasks=table.tasks, of=source.name, about=table.about, shares=())
-        part = self._worded(part, table, source.language, source.phrasings)
+        part = self._with_phrasings(part, table, source.language, source.phrasings)
         if not part.apart(source):
             text = f"{name} has the tasks of {source.name}, and phrasings that it has, too"
             raise QueryError(f"{text}; write phrasings = '1 of 2' for one and '2 of 2' for the other")
         yield part
 
-    def _worded(self, part: SuitePart, table: PartTable, language: str, phrasings: str) -> SuitePart:
-        """Return a part with its language and its phrasings, unchanged where the domain does not have them."""
+    def _with_phrasings(self, part: SuitePart, table: PartTable, language: str, phrasings: str) -> SuitePart:
+        """Return a part with its language and its phrasings, unchanged if the domain does not have them."""
         from prag_asp.dataset.language import instruction_writer_of
 
         language = table.language or language
         phrasings = phrasings if table.phrasings is None else table.phrasings
         key = "language" if table.phrasings is None else "phrasings"
         with self._report.errors_at("parts", part.name, key):
-            spelled = str(Phrasings.parse(phrasings))
-            instruction_writer_of(self._domain, language, phrasings=spelled)
-            return replace(part, language=language, phrasings=spelled)
+            normalized = str(Phrasings.parse(phrasings))
+            instruction_writer_of(self._domain, language, phrasings=normalized)
+            return replace(part, language=language, phrasings=normalized)
         return part
 
 
 def _pixels(text: str | None) -> tuple[int, int] | None:
-    """Return the width and the height that a text spells, None where there is no text.
+    """Return the width and the height in a text such as ``480x420``, None without a text.
 
     Raises:
-        QueryError: it spells none.
+        QueryError: the text has another form.
     """
     if text is None:
         return None

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class HeldOut:
-    """Something that only some parts have: the condition that a task has it, and its negation."""
+    """Something that only some parts contain: the condition that a task has it, and the negation."""
 
     what: str
     having: str
@@ -30,9 +30,8 @@ class HeldOut:
 class SuitePart:
     """A part: the tasks that it samples from, their number, and the language of their texts.
 
-    `where` are all its conditions, those of the suite and of what is held out included. `unseen` are the things that
-    its tasks have and those of other parts do not, `of` the part whose tasks it has, and `shares` are the parts with
-    which it may have tasks in common.
+    `where` has all its conditions, including those of the suite and of everything held out. `unseen` is held out from
+    the other parts, `of` is the part whose tasks it repeats, and `shares` are the parts that it may share tasks with.
     """
 
     name: str
@@ -52,18 +51,18 @@ class SuitePart:
     phrasings: str = ""
 
     def apart(self, other: SuitePart) -> bool:
-        """Return whether two parts have no sentence of an action in common."""
+        """Return whether no sentence for an action can occur in both parts."""
         mine, others = Phrasings.parse(self.phrasings), Phrasings.parse(other.phrasings)
         return self.language != other.language or mine.disjoint(others)
 
     def declares(self, other: SuitePart) -> bool:
-        """Return whether one of two parts declares that it may have tasks of the other."""
+        """Return whether one of two parts declares that it may share tasks with the other."""
         return other.name in (*self.shares, self.of) or self.name in (*other.shares, other.of)
 
 
 @dataclass(frozen=True)
 class Suite:
-    """Parts over the tasks of one domain; `path` and `text` are the file that says so."""
+    """Parts over the tasks of one domain; `path` and `text` are those of the file that defines the suite."""
 
     name: str
     domain: Domain
@@ -79,14 +78,14 @@ class Suite:
     text: str = field(default="", repr=False)
 
     def place(self, *keys: str) -> str:
-        """Return the file and line of a key, as messages begin."""
+        """Return the file and line of a key, for the beginning of a message."""
         return f"{self.path}:{key_line(self.text, keys)}"
 
     def at_most(self, tasks: int) -> Suite:
-        """Return the suite with at most `tasks` tasks a part, to try it; the whole suite extends its datasets.
+        """Return the suite with at most `tasks` tasks per part, for a trial; the full suite extends its datasets.
 
         Raises:
-            QueryError: that is none.
+            QueryError: `tasks` is below 1.
         """
         if tasks < 1:
             raise QueryError(f"at most {tasks} tasks a part: give at least 1")

@@ -1,4 +1,4 @@
-"""The tables of a suite's TOML file, as they are written there."""
+"""The tables of the TOML file of a suite, as plain structs."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ Words = str | list[str]
 """One text, or several."""
 
 LONGEST = 1000
-"""The longest task that a suite may ask for: a range is written out by its ends."""
+"""The largest length in a suite: a range such as 1..3 is expanded to all of its lengths."""
 
 
 class PhysicsTable(msgspec.Struct):
-    """``[physics]``: how hard physics looks at tasks, and what it records."""
+    """``[physics]``: the budget of physics, and the options of recordings."""
 
     budget: str = "10x10"
     tier: str = "kinematics"
@@ -31,7 +31,7 @@ class PhysicsTable(msgspec.Struct):
 
 
 class PartTable(msgspec.Struct):
-    """``[parts.NAME]``: the tasks of a part, and how many are drawn; what is left out is as for the whole suite."""
+    """``[parts.NAME]``: the tasks of a part, and their number; missing keys default to those of the suite."""
 
     tasks: Annotated[int, msgspec.Meta(ge=1, le=10**12)]
     about: str = ""
@@ -50,7 +50,7 @@ class PartTable(msgspec.Struct):
 
 
 class SuiteTable(msgspec.Struct):
-    """All of the file: each of its `parts` is a `PartTable`, and `physics` may be a `PhysicsTable`."""
+    """The whole file: each of its `parts` is a `PartTable`, and `physics` may be a `PhysicsTable`."""
 
     domain: str
     parts: dict[str, Any]
@@ -66,24 +66,24 @@ class SuiteTable(msgspec.Struct):
 
 
 OWN_OF_COPIES = ("tasks", "about", "of", "language", "phrasings")
-"""The keys of a part that has the tasks of another one: all else is that one's."""
+"""The keys that a part with the tasks of another one may set; all others are those of the other part."""
 
 
-def texts(given: Words) -> tuple[str, ...]:
+def texts(value: Words) -> tuple[str, ...]:
     """Return one text, or several, as a tuple."""
-    return (given,) if isinstance(given, str) else tuple(given)
+    return (value,) if isinstance(value, str) else tuple(value)
 
 
-def lengths_of(given: str | int) -> range:
-    """Return the lengths that a value spells: ``3``, or ``1..3``.
+def lengths_of(value: str | int) -> range:
+    """Return the lengths in a value such as ``3`` or ``1..3``.
 
     Raises:
-        QueryError: it spells none.
+        QueryError: the value has another form, or is too large.
     """
-    first, dots, last = str(given).partition("..")
-    if not first.strip().isdecimal() or (dots and not last.strip().isdecimal()) or len(str(given)) > LONGEST:
-        raise QueryError(f"lengths {given!r}: write a number such as 4, or a range such as '1..3'")
+    first, dots, last = str(value).partition("..")
+    if not first.strip().isdecimal() or (dots and not last.strip().isdecimal()) or len(str(value)) > LONGEST:
+        raise QueryError(f"lengths {value!r}: write a number such as 4, or a range such as '1..3'")
     low, high = int(first), int(last) if dots else int(first)
     if low > high or high > LONGEST:
-        raise QueryError(f"lengths {given!r}: write the smaller number first, and none above {LONGEST}")
+        raise QueryError(f"lengths {value!r}: write the smaller number first, and none above {LONGEST}")
     return range(low, high + 1)

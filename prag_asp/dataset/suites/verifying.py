@@ -1,4 +1,4 @@
-"""Verify a suite: each dataset, the exact figures, and that what is written keeps apart what was to be apart."""
+"""Verify a dataset or a suite: each dataset, the exact figures, and that parts share no tasks or texts."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from prag_asp.dataset.suites.suite_spec import Suite
 
 KNOWN = (NAME, SPELLED, CARD)
-"""The files of a suite beside its datasets."""
+"""The files of a suite next to its datasets."""
 
 
 def verify(
@@ -38,27 +38,27 @@ def verify(
     workers: int = 1,
     progress: Progress = lambda words, done, total: None,
 ) -> Iterator[Finding]:
-    """Yield what is wrong with a dataset, or a suite of them; nothing where it is as it was written.
+    """Yield findings about a dataset or a suite; none if it is as it was written.
 
-    Each file is as dataset.json says, and there are no others. Each exact size is counted again. Each draw is made
-    again by its seed, and stands in one row, once in all parts; clingo, which drew nothing, takes its plan; its words
-    are read back from their text. With `physics`, each witness is simulated again, and
-    recordings are compared with their tasks; several `workers` find the same, in the same order. With `trust`, physics
-    may run the Python files of the domain.
+    Each file has to match its record in dataset.json, and there must be no others. Each exact size is counted again.
+    Each draw is sampled again with its seed and has to be one row, with a task that no other row has; clingo, which is
+    independent of the sampler, has to accept its plan; its instructions are parsed back to the plan. With `physics`,
+    each witness is simulated again, and recordings are compared with their tasks; findings and their order do not
+    depend on the number of `workers`. With `trust`, physics may run the Python files of the domain.
 
-    Of a suite, all figures are counted again from its own text, and each dataset is of the space that this says. No
-    task stands in two parts that do not say so, and no words in two whose phrasings are to differ.
+    For a suite, all figures are counted again from its TOML file, and each dataset has to match the request of its
+    part. Parts must not share tasks without declaring it, nor texts if their phrasings are disjoint.
 
     Raises:
-        QueryError: there is not a dataset, its files cannot be read, or the run that makes it has not ended.
+        QueryError: there is no dataset, its files cannot be read, or its run has not ended.
         DatasetsMissingError: pyarrow is not installed.
     """
-    look = _wrong_suite if is_suite(folder) else wrong_dataset
-    return look(Path(folder), trust, physics, workers, progress)
+    findings = _wrong_suite if is_suite(folder) else wrong_dataset
+    return findings(Path(folder), trust, physics, workers, progress)
 
 
 def _wrong_suite(path: Path, trust: bool, physics: bool, workers: int, progress: Progress) -> Iterator[Finding]:
-    """Yield what is wrong with a suite, as `verify` does."""
+    """Yield findings about a suite, as `verify` does."""
     note = SUITE.read(path)
     if note is None or not note.complete:
         what = f"is not a suite, because it has no {NAME}" if note is None else "the run that makes it has not ended"
@@ -72,24 +72,24 @@ def _wrong_suite(path: Path, trust: bool, physics: bool, workers: int, progress:
         yield Finding(SPELLED, None, f"cannot be looked at: {error}")
         return
     if {part.name for part in note.parts} != {*suite.parts}:
-        return  # which is a finding already
-    apart = _Apart(suite)
+        return  # already reported as a finding
+    overlaps = _OverlapChecks(suite)
     for part in note.parts:
         if part.dataset is None:
             yield Finding(NAME, None, f"parts, {part.name}: does not say which dataset it is")
         try:
             data = Dataset.open(path / part.name, trust=trust)
             yield from _wrong_part(suite, part.name, data)
-            report = _of_part(part.name, progress)
+            report = _part_progress(part.name, progress)
             for finding in wrong_dataset(path / part.name, trust, physics, workers, report):
                 yield finding._replace(file=f"{part.name}/{finding.file}")
-            yield from apart.wrong(part.name, data)
+            yield from overlaps.wrong(part.name, data)
         except PragError as error:
             yield Finding(part.name, None, str(error))
 
 
 def _text(folder: Path) -> str:
-    """Return the text of the suite that a folder has.
+    """Return the text of suite.toml in a folder.
 
     Raises:
         DomainError: it cannot be read.
@@ -100,18 +100,18 @@ def _text(folder: Path) -> str:
         raise DomainError(f"{folder / SPELLED}: cannot be read: {error}; copy the suite once more") from None
 
 
-def _of_part(name: str, progress: Progress) -> Progress:
-    """Return the progress of a part."""
+def _part_progress(name: str, progress: Progress) -> Progress:
+    """Return a progress function that adds the name of a part to each message."""
     return lambda words, done, total: progress(f"{name}: {words}", done, total)
 
 
 def _wrong_files(folder: Path, note: SuiteManifest) -> Iterator[Finding]:
-    """Yield what is wrong with the files beside the datasets, and with what is no part."""
+    """Yield findings about the files next to the datasets, and about files that belong to no part."""
     for file in (note.source, *(part.dataset for part in note.parts if part.dataset is not None)):
         yield from wrong_file(folder, file.path, file.sha256, file.bytes)
-    known = {*KNOWN, *UNSEEN, *(part.name for part in note.parts)}
+    expected = {*KNOWN, *UNSEEN, *(part.name for part in note.parts)}
     for path in sorted(folder.iterdir()):
-        if path.name not in known:
+        if path.name not in expected:
             yield Finding(path.name, None, "is no file of the suite")
     try:
         card = read_bytes(folder / CARD, within=folder)
@@ -123,53 +123,56 @@ def _wrong_files(folder: Path, note: SuiteManifest) -> Iterator[Finding]:
 
 
 def _wrong_note(suite: Suite, note: SuiteManifest, progress: Progress) -> Iterator[Finding]:
-    """Yield which figures are not those that are counted now."""
+    """Yield the figures that differ from a new count."""
     figures = count_suite(suite, progress=progress)
     right = manifest_of(suite, figures, identity_of(suite), note.versions)
-    right.name = note.name  # that of the file, which is called suite.toml now
+    right.name = note.name  # the original name of the file, which is a copy named suite.toml here
     for name in ("identity", "title", "description", "domain", "source", "shared", "unseen"):
         if getattr(note, name) != getattr(right, name):
             yield Finding(NAME, None, f"{name} is not what {SPELLED} says, counted again")
     if [part.name for part in note.parts] != [part.name for part in right.parts]:
         yield Finding(NAME, None, f"parts are not those of {SPELLED}")
         return
-    for found, right_part in zip(note.parts, right.parts, strict=True):
+    for part, right_part in zip(note.parts, right.parts, strict=True):
         for field_ in ("about", "of", "unseen", "where", "language", "phrasings", "spaces", "size"):
-            if getattr(found, field_) != getattr(right_part, field_):
-                yield Finding(NAME, None, f"parts, {found.name}: {field_} is not what {SPELLED} says, counted again")
-        if found.requested > right_part.requested:
-            yield Finding(NAME, None, f"parts, {found.name}: wants more tasks than {SPELLED} says")
+            if getattr(part, field_) != getattr(right_part, field_):
+                yield Finding(NAME, None, f"parts, {part.name}: {field_} is not what {SPELLED} says, counted again")
+        if part.requested > right_part.requested:
+            yield Finding(NAME, None, f"parts, {part.name}: wants more tasks than {SPELLED} says")
     for leak in figures.leaks:
         yield Finding(NAME, None, f"{leak.one} and {leak.other} have {leak.digits} tasks in common")
 
 
 def _wrong_part(suite: Suite, name: str, data: Dataset) -> Iterator[Finding]:
-    """Yield whether a dataset is of another space or in other words than its part says."""
+    """Yield a finding if a dataset was generated by another request than that of its part."""
     part = suite.parts[name]
     if data.manifest.request != request_of(space_of(suite, part), suite.dataset_spec(part)):
         yield Finding(f"{name}/dataset.json", None, f"was made by another request than {SPELLED} says")
 
 
 @dataclass
-class _Apart:
-    """Looks for tasks and words that stand in several parts."""
+class _OverlapChecks:
+    """Searches for tasks and texts that occur in several parts.
+
+    `tasks` has the part and row of each task; `texts` has the row of each text by part.
+    """
 
     suite: Suite
     tasks: dict[object, tuple[str, int]] = field(default_factory=dict)
-    words: dict[str, dict[str, int]] = field(default_factory=dict)
+    texts: dict[str, dict[str, int]] = field(default_factory=dict)
 
     def wrong(self, name: str, data: Dataset) -> Iterator[Finding]:
-        """Yield what a dataset has in common with those before it."""
+        """Yield the tasks and texts of a dataset that occur in an earlier one."""
         part, parts = self.suite.parts[name], self.suite.parts
         for row, entry in enumerate(data.entries()):
             key = (entry.task.actions, entry.task.initial)
             other = self.tasks.setdefault(key, (name, row))
             if other[0] != name and not part.declares(parts[other[0]]):
                 yield Finding(name, row, f"has the task of {other[0]}, row {other[1]}")
-            said = [text for level, text in entry.instruction.items() if level != PLAIN]
-            for text in (*said, *(entry.subgoals if said else ())):
-                for before, place in self.words.get(text, {}).items():
+            instructions = [text for level, text in entry.instruction.items() if level != PLAIN]
+            for text in (*instructions, *(entry.subgoals if instructions else ())):
+                for before, place in self.texts.get(text, {}).items():
                     if before != name and part.apart(parts[before]):
                         yield Finding(name, row, f"has words of {before}, row {place}: {text}")
                 if text:
-                    self.words.setdefault(text, {}).setdefault(name, row)
+                    self.texts.setdefault(text, {}).setdefault(name, row)

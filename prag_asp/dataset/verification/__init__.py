@@ -1,1 +1,1 @@
-"""Verify a dataset: that all it says is so, by other means than those that made it where there are some."""
+"""Verify a dataset: check all of its contents, where possible by other means than those that generated it."""

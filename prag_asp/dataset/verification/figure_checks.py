@@ -1,4 +1,4 @@
-"""Check the figures of dataset.json, which follow from its shards, the space and the request."""
+"""Check the figures of dataset.json against its shards, the space and the request."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ DERIVED = ("draws", "tasks", "covered", "lengths")
 
 
 def wrong_figures(manifest: Manifest) -> Iterator[Finding]:
-    """Yield what does not follow from the shards that dataset.json lists."""
-    again = deepcopy(manifest)
-    derive(again)
-    for part, right in zip(manifest.parts, again.parts, strict=True):
+    """Yield the figures that do not follow from the shards that dataset.json lists."""
+    expected = deepcopy(manifest)
+    derive(expected)
+    for part, expected_part in zip(manifest.parts, expected.parts, strict=True):
         for name in DERIVED:
-            if getattr(part, name) != getattr(right, name):
+            if getattr(part, name) != getattr(expected_part, name):
                 yield Finding(NAME, None, f"parts, {part.name}: {name} is not what its shards add up to")
         if part.tail is not None:
             yield Finding(NAME, None, f"parts, {part.name}: a shard of it is not written to its end")
         if part.tasks > part.requested:
             yield Finding(NAME, None, f"parts, {part.name}: has more tasks than the {part.requested} requested")
         yield from _wrong_shards(part)
-    if manifest.covered != again.covered:
+    if manifest.covered != expected.covered:
         yield Finding(NAME, None, "covered is not the share of the space that the parts have")
     if manifest.identity != identity_of(manifest.domain, manifest.request):
         yield Finding(NAME, None, "identity is not that of the domain and of the request")
@@ -51,22 +51,22 @@ def _wrong_shards(part: PartManifest) -> Iterator[Finding]:
 
 
 def _wrong_shard(part: PartManifest, shard: Shard) -> Iterator[Finding]:
-    """Yield what the tally of a shard says otherwise than its files."""
+    """Yield the figures in the tally of a shard that differ from its files."""
     passed = sum(each.feasible for each in shard.tally)
     refused = sum(each.not_found + each.infeasible for each in shard.tally)
     drawn, witnesses = sum(each.drawn for each in shard.tally), sum(each.witnesses for each in shard.tally)
-    said = {"tasks": passed, "refused": refused, "witnesses": witnesses, "draws": drawn}
-    counted = {table: shard.rows(table) for table in ("tasks", "refused", "witnesses")}
-    for what, number in {**counted, "draws": shard.end - shard.first}.items():
-        if said[what] != number:
-            problem = f"the tally of shard {shard.number} has {said[what]} {what}; there are {number}"
+    tallied = {"tasks": passed, "refused": refused, "witnesses": witnesses, "draws": drawn}
+    rows = {table: shard.rows(table) for table in ("tasks", "refused", "witnesses")}
+    for what, number in {**rows, "draws": shard.end - shard.first}.items():
+        if tallied[what] != number:
+            problem = f"the tally of shard {shard.number} has {tallied[what]} {what}; there are {number}"
             yield Finding(NAME, None, f"parts, {part.name}: {problem}")
 
 
 def wrong_sizes(
     manifest: Manifest, spaces: Mapping[int, TaskSpace], parts: Mapping[str, TaskOrder]
 ) -> Iterator[Finding]:
-    """Yield which exact numbers of tasks are not those that are counted now."""
+    """Yield the exact numbers of tasks that differ from a new count."""
     for space in manifest.spaces:
         count = spaces[space.length].count()
         if number_of(space.tasks) != count:

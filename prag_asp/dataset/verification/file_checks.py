@@ -1,4 +1,4 @@
-"""The files of a dataset: each is there and as dataset.json says, and there are no others."""
+"""Check the files of a dataset: all files of dataset.json exist unchanged, and there are no others."""
 
 from __future__ import annotations
 
@@ -19,29 +19,29 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
 
 LARGEST_RECORDING = 1_000_000_000
-"""The most bytes of a recording that are read: its table does not have its size."""
+"""The most bytes of a recording that are read, because its table does not have its size."""
 
 UNSEEN = (".git", ".cache", ".gitattributes")
-"""What hubs put beside the files of a dataset."""
+"""Files and folders that hubs add to a dataset."""
 
 
 def wrong_files(folder: Path, manifest: Manifest, recordings: frozenset[str]) -> Iterator[Finding]:
-    """Yield what is wrong with files: those that dataset.json lists, and those that nothing speaks of.
+    """Yield findings about the files that dataset.json lists, and about files that do not belong to the dataset.
 
-    `recordings` are the files that the tables of recordings name; these say what they are.
+    `recordings` are the files in the tables of recordings, which have their digests.
     """
-    known = {NAME, CARD, *recordings}
-    for file in _listed(manifest):
-        known.add(file.path)
+    expected = {NAME, CARD, *recordings}
+    for file in _listed_files(manifest):
+        expected.add(file.path)
         yield from wrong_file(folder, file.path, file.sha256, file.bytes)
     for path in sorted(folder.rglob("*")):
         name = path.relative_to(folder).as_posix()
-        if name.split("/")[0] not in UNSEEN and name not in known and (path.is_symlink() or not path.is_dir()):
+        if name.split("/")[0] not in UNSEEN and name not in expected and (path.is_symlink() or not path.is_dir()):
             yield Finding(name, None, "is no file of the dataset")
 
 
 def wrong_file(folder: Path, name: str, sha256: str, size: int | None = None) -> Iterator[Finding]:
-    """Yield what is wrong with a file of which the digest is known, and perhaps the size."""
+    """Yield findings about a file, given its digest and, if it is known, its size in bytes."""
     path = folder / name
     if not is_inside(path, folder):
         yield Finding(name, None, "leads out of the dataset")
@@ -51,28 +51,28 @@ def wrong_file(folder: Path, name: str, sha256: str, size: int | None = None) ->
         if size is not None and bytes_ != size:
             yield Finding(name, None, f"has {bytes_:,} bytes; dataset.json says {size:,}")
             return
-        found = digest_of(path, at_most=None if size else LARGEST_RECORDING)
+        actual = digest_of(path, at_most=None if size else LARGEST_RECORDING)
     except OSError as error:
         yield Finding(name, None, f"cannot be read: {error.strerror or error}")
         return
-    if found != sha256:
+    if actual != sha256:
         yield Finding(name, None, "is not the file that was written: its SHA-256 is another")
 
 
 def wrong_card(folder: Path, manifest: Manifest, domain: Domain) -> Iterator[Finding]:
-    """Yield what is wrong with the card, which follows from dataset.json, whatever that says of its own figures."""
+    """Yield findings about the card, which follows from dataset.json with figures derived from its shards."""
     try:
-        found = read_bytes(folder / CARD, within=folder)
+        card = read_bytes(folder / CARD, within=folder)
     except (OSError, PragError) as error:
         yield Finding(CARD, None, f"cannot be read: {getattr(error, 'strerror', None) or error}")
         return
-    figured = deepcopy(manifest)
-    derive(figured)
-    if found != card_text(figured, domain):
+    derived = deepcopy(manifest)
+    derive(derived)
+    if card != card_text(derived, domain):
         yield Finding(CARD, None, "does not say what dataset.json says")
 
 
-def _listed(manifest: Manifest) -> Iterator[FileRecord | ShardFile]:
+def _listed_files(manifest: Manifest) -> Iterator[FileRecord | ShardFile]:
     yield from manifest.domain.files
     yield from manifest.domain.encodings
     yield from manifest.pictures

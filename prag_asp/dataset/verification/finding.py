@@ -8,17 +8,17 @@ from typing import NamedTuple
 from prag_asp.errors import one_line
 
 Progress = Callable[[str, int, int], None]
-"""Takes the progress: what is checked, how many were, and how many there are."""
+"""Reports progress: a message, the number of items checked, and their total."""
 
 
 class Finding(NamedTuple):
-    """A defect: the file, the row in it from 0 or None for the whole file, and what is wrong."""
+    """A defect: the file, the number of the row from 0 or None for the whole file, and a description."""
 
     file: str
     row: int | None
     what: str
 
     def __str__(self) -> str:
-        """Return it as one line that is safe for a terminal, whatever untrusted files contain."""
+        """Return it as one line without control characters, because the files may be untrusted."""
         place = self.file if self.row is None else f"{self.file}: row {self.row}"
         return one_line(f"{place}: {self.what}")

@@ -1,4 +1,4 @@
-"""The initial states of tasks: their witnesses, each in a fresh simulator, and the recordings of them."""
+"""Check the initial states of tasks: their witnesses, each in a fresh simulator, and their recordings."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 TRANSIT = TIERS[-2]
-"""The tier up to which witnesses are checked: what comes after it is in recordings."""
+"""The highest tier at which witnesses are checked: demonstrations are checked in their recordings instead."""
 
 
 class InitialStateChecks:
@@ -56,25 +56,27 @@ class InitialStateChecks:
         self._budget = Budget(requested.restarts, requested.samples, tier)
 
     def wrong(self, note: PartManifest) -> Iterator[Finding]:
-        """Yield what is wrong with the initial states of a part's tasks."""
+        """Yield findings about the initial states of the tasks of a part."""
         for shard in note.shards:
             try:
-                rows, found, recorded = (self._whole(name, shard) for name in ("tasks", "witnesses", "recordings"))
+                rows, witnesses, recordings = (
+                    self._whole(name, shard) for name in ("tasks", "witnesses", "recordings")
+                )
                 tasks = {row["task"]: entry_of(row, "", self._manifest.domain.constants).task for _, row in rows}
             except (PragError, ValueError, TypeError, KeyError):
                 continue  # the checks of rows report that
-            yield from self._wrong_numbers(shard, rows, found)
-            yield from self._wrong_witnesses(shard, tasks, found)
-            yield from self._wrong_recordings(shard, tasks, recorded)
+            yield from self._wrong_numbers(shard, rows, witnesses)
+            yield from self._wrong_witnesses(shard, tasks, witnesses)
+            yield from self._wrong_recordings(shard, tasks, recordings)
             self._done += len(rows)
             self._progress("witnesses", self._done, self._manifest.rows("tasks"))
 
     def _whole(self, table: str, shard: Shard) -> list[Row]:
         return whole_rows("", self._tables.of_shard(table, shard))[0]
 
-    def _wrong_numbers(self, shard: Shard, rows: list[Row], found: list[Row]) -> Iterator[Finding]:
+    def _wrong_numbers(self, shard: Shard, rows: list[Row], witnesses: list[Row]) -> Iterator[Finding]:
         """Yield the tasks whose number of witnesses differs from their rows, and witnesses of wrong searches."""
-        count = Counter(row["task"] for _, row in found)
+        count = Counter(row["task"] for _, row in witnesses)
         for place, row in rows:
             if row["starts"] != count.pop(row["task"], 0):
                 yield Finding(
@@ -82,36 +84,36 @@ class InitialStateChecks:
                 )
         whole = self._manifest.spec.deal.whole
         draws = {row["task"]: whole(row["draw"]) for _, row in rows}
-        before: dict[int, tuple[int, int]] = {}  # of each task: the initial state that is due, and the last search
-        for place, row in found:
+        before: dict[int, tuple[int, int]] = {}  # by task: the initial state due next, and the last search
+        for place, row in witnesses:
             file = shard.files["witnesses"].path
             if row["task"] in count:
                 yield Finding(file, place, f"is of a task {row['task']}, which the shard does not have")
                 continue
             due, last = before.get(row["task"], (0, -1))
-            search, lacks = divmod(row["index"] - draws[row["task"]], START)
+            search, remainder = divmod(row["index"] - draws[row["task"]], START)
             if row["start"] != due:
                 yield Finding(file, place, f"is of the initial state {row['start']}; the next one is {due}")
-            if lacks or not last < search < TRIES * self._manifest.spec.starts or (search > 0) != (due > 0):
+            if remainder or not last < search < TRIES * self._manifest.spec.starts or (search > 0) != (due > 0):
                 yield Finding(file, place, f"is of the index {row['index']}, not of its draw and initial state")
             before[row["task"]] = due + 1, search
 
-    def _wrong_witnesses(self, shard: Shard, tasks: Mapping[int, Task], found: list[Row]) -> Iterator[Finding]:
+    def _wrong_witnesses(self, shard: Shard, tasks: Mapping[int, Task], witnesses: list[Row]) -> Iterator[Finding]:
         """Yield the witnesses that a fresh simulator rejects."""
-        file, records, places = shard.files["witnesses"].path if found else "", [], []
+        file, records, places = shard.files["witnesses"].path if witnesses else "", [], []
         seen = set[tuple[int, str]]()
-        for place, row in found:
+        for place, row in witnesses:
             if row["task"] not in tasks:
                 continue
             try:
                 record = Record(tasks[row["task"]], None, decoded(row["witness"]))
-                begins = row["task"], initial_state_key(read_witness(record, self._scene))
+                initial_state = row["task"], initial_state_key(read_witness(record, self._scene))
             except PragError as error:
                 yield Finding(file, place, f"is no witness: {error}")
                 continue
-            if begins in seen:
+            if initial_state in seen:
                 yield Finding(file, place, "begins in an initial state that another witness of its task has")
-            seen.add(begins)
+            seen.add(initial_state)
             records.append(record)
             places.append(place)
         checked = recheck(
@@ -123,7 +125,7 @@ class InitialStateChecks:
                     yield Finding(file, place, f"the witness fails: {outcome.reason}")
 
     def _wrong_recordings(self, shard: Shard, tasks: Mapping[int, Task], rows: list[Row]) -> Iterator[Finding]:
-        """Yield the recordings that are not the files written, or do not show their tasks."""
+        """Yield the recordings that have changed, or do not show their tasks."""
         for place, row in rows:
             table, task = shard.files["recordings"].path, tasks.get(row["task"])
             path = self._folder / row["file"]
@@ -135,12 +137,12 @@ class InitialStateChecks:
                 continue
             yield from wrong_file(self._folder, row["file"], row["sha256"])
             try:
-                shown = Demonstration.load(path)
-                wrong = check_demonstration(task, shown, self._scene) + check_footage(shown, self._scene)
+                recording = Demonstration.load(path)
+                faults = check_demonstration(task, recording, self._scene) + check_footage(recording, self._scene)
             except PragError as error:
                 yield Finding(row["file"], None, f"is no recording: {error}")
                 continue
-            said = (row["frames"], row["seconds"], row["ends"])
-            if said != (len(shown.times), float(shown.times[-1]), shown.ends.tolist()):
+            durations = (row["frames"], row["seconds"], row["ends"])
+            if durations != (len(recording.times), float(recording.times[-1]), recording.ends.tolist()):
                 yield Finding(table, place, f"says otherwise how long {row['file']} is")
-            yield from (Finding(row["file"], None, what) for what in wrong)
+            yield from (Finding(row["file"], None, fault) for fault in faults)

@@ -1,4 +1,4 @@
-"""Check the rows of the tables of tasks against those sampled again by the same seed."""
+"""Check the rows of the tables of tasks against tasks sampled again with the same seed."""
 
 from __future__ import annotations
 
@@ -39,21 +39,21 @@ READ_BACK = ("default", "exact")
 """The levels whose instructions determine the plan."""
 
 MISSING, UNREAD = 1_000, 100_000
-"""How many draws of a shard may lack their rows, and how many one may have whose rows cannot be read: what is claimed
-beyond that is not drawn again."""
+"""The most draws of a shard that may lack their rows, and the most draws of a shard whose rows cannot be read: if a
+damaged file claims more, they are not sampled again."""
 
 VALUES = {
     "actions": "plan", "entities": "entities", "initial": "initial", "states": "states", "subgoals": "subgoals",
     "goal": "goal", "log_probability": "log_probability",
 }  # fmt: skip
-"""The columns that have the values of a task."""
+"""The column of each attribute of a task."""
 
 
 @dataclass
 class RowChecks:
     """Checks the rows of the tables of tasks of a dataset, part by part.
 
-    `seen` has the place of each checked task, by its length and rank; `progress` takes how many were checked.
+    `seen` has the place of each checked task, by its length and rank; `progress` reports the number of checked tasks.
     """
 
     manifest: Manifest
@@ -65,38 +65,38 @@ class RowChecks:
 
     def __post_init__(self) -> None:
         spec = self.manifest.spec
-        self._teller = instruction_writer_of(self.domain, spec.language, phrasings=spec.phrasings)
-        self._captioner = captioner_with(self._teller, self.domain, spec.seed)
+        self._writer = instruction_writer_of(self.domain, spec.language, phrasings=spec.phrasings)
+        self._captioner = captioner_with(self._writer, self.domain, spec.seed)
         self._clingo = clingo_spaces(self.manifest, self.domain)
         self._colours: Mapping[int, Mapping[str, str]] = {}
 
     def wrong(self, note: PartManifest, drawn: Iterator[tuple[RankedDraw, Task]]) -> Iterator[Finding]:
-        """Yield what is wrong with the rows of a part, given its draws sampled again."""
+        """Yield findings about the rows of a part, given its draws sampled again."""
         tasks = 0
         for shard in note.shards:
             try:
-                found = {name: self._whole(name, shard) for name in ("tasks", "refused", "witnesses")}
+                tables = {name: self._whole(name, shard) for name in ("tasks", "refused", "witnesses")}
             except PragError as error:
                 yield Finding(_file(shard), None, f"its shard cannot be read: {error}")
-                found = {}
-            counted = sum(len(rows) + len(wrong) for rows, wrong in found.values()) if found else UNREAD
-            if shard.end - shard.first > counted + MISSING:
+                tables = {}
+            count = sum(len(rows) + len(wrong) for rows, wrong in tables.values()) if tables else UNREAD
+            if shard.end - shard.first > count + MISSING:
                 problem = f"shard {shard.number} has too many draws for its rows, {shard.end - shard.first:,}"
                 yield Finding(NAME, None, f"parts, {note.name}: {problem}; nothing after that was checked")
                 return
-            right = [next(drawn, None) for _ in range(shard.end - shard.first)]
-            if not found:
+            draws = [next(drawn, None) for _ in range(shard.end - shard.first)]
+            if not tables:
                 tasks += shard.rows("tasks")
                 continue
             self._colours = colours_of(self.tables, shard, self.manifest)
-            yield from (finding for _, wrong in found.values() for finding in wrong)
-            passed, refused, starts = (rows for rows, _ in found.values())
+            yield from (finding for _, wrong in tables.values() for finding in wrong)
+            passed, refused, starts = (rows for rows, _ in tables.values())
             for place, row in passed:
                 if row["task"] != tasks + place:
                     problem = f"has the number {row['task']}, not {tasks + place}"
                     yield Finding(shard.files["tasks"].path, place, problem)
             tasks += shard.rows("tasks")
-            yield from self._wrong_draws(shard, passed, refused, right)
+            yield from self._wrong_draws(shard, passed, refused, draws)
             if shard.tally != tally_of(passed, refused, [row for _, row in starts]):
                 problem = f"the tally of shard {shard.number} of {note.name} is not what its rows say"
                 yield Finding(NAME, None, problem)
@@ -108,24 +108,26 @@ class RowChecks:
         return whole_rows(file, self.tables.of_shard(table, shard))
 
     def _wrong_draws(
-        self, shard: Shard, passed: list[Row], refused: list[Row], right: list[tuple[RankedDraw, Task] | None]
+        self, shard: Shard, passed: list[Row], refused: list[Row], draws: list[tuple[RankedDraw, Task] | None]
     ) -> Iterator[Finding]:
-        """Yield what is wrong with the rows of a shard: each draw stands in one of two tables, and once."""
+        """Yield findings about the rows of a shard: each of its draws has exactly one row in one of two tables."""
         missing = set(range(shard.first, shard.end))
         for table, rows in (("tasks", passed), ("refused", refused)):
             before = shard.first - 1
             for place, row in rows:
                 file, draw = shard.files[table].path, row["draw"]
                 if draw not in missing:
-                    known = shard.first <= draw < shard.end
-                    problem = "is there twice" if known else f"is not of this shard, {shard.first} to {shard.end - 1}"
+                    repeated = shard.first <= draw < shard.end
+                    problem = (
+                        "is there twice" if repeated else f"is not of this shard, {shard.first} to {shard.end - 1}"
+                    )
                     yield Finding(file, place, f"draw {draw} {problem}")
                     continue
                 if draw < before:
                     yield Finding(file, place, f"draw {draw} stands after draw {before}")
                 missing.remove(draw)
                 before = draw
-                expected = right[draw - shard.first]
+                expected = draws[draw - shard.first]
                 if expected is None:
                     yield Finding(file, place, f"there is no draw {draw}")
                     continue
@@ -137,7 +139,7 @@ class RowChecks:
     def _wrong_row(
         self, table: str, row: Mapping[str, Any], expected: tuple[RankedDraw, Task], where: str
     ) -> Iterator[str]:
-        """Yield what is wrong with a row whose draw is known."""
+        """Yield the faults of a row, given its draw and task sampled again."""
         placed, task = expected
         key = (row["length"], row["rank"])
         if key in self.seen:
@@ -156,24 +158,24 @@ class RowChecks:
             "rank": (entry.rank, placed.rank), "skeleton": (tuple(row["skeleton"]), tuple(task.skeleton)),
             "log_probability": (row["log_probability"], log_probability(placed.probability)),
         }  # fmt: skip
-        wrong = [name for name, (found, wanted) in fixed.items() if found != wanted]
+        wrong = [name for name, (actual, right) in fixed.items() if actual != right]
         wrong += [column for name, column in VALUES.items() if getattr(entry.task, name) != _value(task, name, placed)]
         if wrong:
             yield f"its {', '.join(dict.fromkeys(wrong))} are not those of draw {row['draw']}"
-        yield from self._wrong_words(entry, task, self._colours.get(row.get("task", -1), {}))
+        yield from self._wrong_texts(entry, task, self._colours.get(row.get("task", -1), {}))
         yield from self._wrong_verdict(table, entry)
 
     def _is_plan(self, plan: list[str]) -> bool:
-        """Return whether clingo, which has sampled nothing, accepts a plan."""
+        """Return whether clingo, which is independent of the sampler, accepts a plan."""
         space = self._clingo.get(len(plan))
         return space is not None and plan in space
 
-    def _wrong_words(self, entry: DatasetEntry, task: Task, colours: Mapping[str, str]) -> Iterator[str]:
-        """Yield how texts differ from the task: they are parsed from the text and the colours alone.
+    def _wrong_texts(self, entry: DatasetEntry, task: Task, colours: Mapping[str, str]) -> Iterator[str]:
+        """Yield the faults of the texts: they equal those of the seed, and instructions parse to the plan.
 
-        Instructions that are longer than any that can be read are compared with those that the seed draws.
+        The parser gets the text and the colours alone; instructions too long for it are not parsed.
         """
-        texts, teller = self._captioner(task, colours), self._teller.recoloured(colours)
+        texts, writer = self._captioner(task, colours), self._writer.recoloured(colours)
         if (dict(texts.whole), texts.subgoals, texts.named) != (entry.instruction, entry.subgoals, entry.named):
             yield "its words are not those that the seed draws"
         for level in READ_BACK:
@@ -184,15 +186,15 @@ class RowChecks:
             if len(entry.instruction[level]) > LONGEST:
                 continue
             try:
-                read = teller.read(task, entry.instruction[level]).actions
+                actions = writer.read(task, entry.instruction[level]).actions
             except PragError as error:
                 yield f"its words at the level {level} cannot be read back: {error}"
                 continue
-            if tuple(read) != task.actions:
-                yield f"its words at the level {level} say another plan: {' '.join(map(str, read))}"
+            if tuple(actions) != task.actions:
+                yield f"its words at the level {level} say another plan: {' '.join(map(str, actions))}"
 
     def _wrong_verdict(self, table: str, entry: DatasetEntry) -> Iterator[str]:
-        """Yield what is wrong with the verdict on a draw: of which search it is, and whether it fits the table."""
+        """Yield the faults of the verdict on a draw: its search, its budget, and its table."""
         verdict, spec = entry.verdict, self.manifest.spec
         if verdict is None or spec.budget is None:
             if (verdict is None) != (spec.budget is None):
@@ -207,35 +209,35 @@ class RowChecks:
 
 
 def _file(shard: Shard) -> str:
-    """Return the file of the tasks of a shard; where it says that there is none, what says so."""
+    """Return the file of the tasks of a shard, or dataset.json if the shard has none."""
     return shard.files["tasks"].path if "tasks" in shard.files else NAME
 
 
 def colours_of(tables: TableReader, shard: Shard, manifest: Manifest) -> Mapping[int, Mapping[str, str]]:
-    """Return the colours in the recording of each task of a shard; unreadable recordings are findings elsewhere."""
+    """Return the colours in the recording of each task of a shard; other checks report unreadable recordings."""
     staging = manifest.spec.staging
     if staging is None or "colour" not in staging.vary:
         return {}
-    found = {}
+    colours = {}
     for row in tables.of_shard("recordings", shard, ["task", "file"]):
         with suppress(PragError):
             variation = read_variation(tables.folder / row["file"], within=tables.folder)
-            found[row["task"]] = {} if variation is None else variation.colours
-    return found
+            colours[row["task"]] = {} if variation is None else variation.colours
+    return colours
 
 
 def clingo_spaces(manifest: Manifest, domain: Domain) -> dict[int, TaskSpace]:
-    """Return the spaces of a dataset by length, answered for by clingo."""
+    """Return the spaces of a dataset by length, with clingo as their engine."""
     clauses = manifest.where
     return {length: TaskSpace(domain, length, engine="clingo").where(*clauses) for length in manifest.lengths}
 
 
 def tally_of(passed: list[Row], refused: list[Row], starts: list[Mapping[str, Any]]) -> list[LengthTally]:
-    """Return what became of the draws of a shard, by its rows."""
+    """Return the tally of the draws of a shard by its rows."""
     lengths = {row["task"]: row["length"] for _, row in passed}
-    found = [_tally(row) for _, row in (*passed, *refused)]
-    found += [LengthTally(lengths[start["task"]], witnesses=1) for start in starts if start["task"] in lengths]
-    return summed(found)
+    tallies = [_tally(row) for _, row in (*passed, *refused)]
+    tallies += [LengthTally(lengths[start["task"]], witnesses=1) for start in starts if start["task"] in lengths]
+    return summed(tallies)
 
 
 def _tally(row: Mapping[str, Any]) -> LengthTally:

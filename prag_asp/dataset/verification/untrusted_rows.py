@@ -1,4 +1,4 @@
-"""Rows of untrusted tables: a value may be missing wherever Parquet allows it."""
+"""Rows of untrusted tables, in which Parquet allows any value to be missing."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 from prag_asp.dataset.verification.finding import Finding
 
 OPTIONAL = ("verdict", "details")
-"""Columns that may have no value, or values without some of theirs."""
+"""Columns and fields whose values may be missing."""
 
 Row = tuple[int, Mapping[str, Any]]
 """The number of a row in its file, and its values."""
@@ -16,18 +16,18 @@ Row = tuple[int, Mapping[str, Any]]
 
 def whole_rows(file: str, rows: Iterable[Mapping[str, Any]]) -> tuple[list[Row], list[Finding]]:
     """Return the complete rows of a file, and a finding for each other row."""
-    found, wrong = list[Row](), list[Finding]()
+    complete, wrong = list[Row](), list[Finding]()
     for place, row in enumerate(rows):
-        lacking = sorted({name for name, value in row.items() for _ in _missing(name, value)})
-        if lacking:
-            wrong.append(Finding(file, place, f"has no value in {', '.join(lacking)}"))
+        missing = sorted({name for name, value in row.items() for _ in _missing(name, value)})
+        if missing:
+            wrong.append(Finding(file, place, f"has no value in {', '.join(missing)}"))
         else:
-            found.append((place, row))
-    return found, wrong
+            complete.append((place, row))
+    return complete, wrong
 
 
 def _missing(name: str, value: object) -> Iterator[None]:
-    """Yield something for each value that is missing."""
+    """Yield once for each missing value."""
     if value is None and name not in OPTIONAL:
         yield None
     elif isinstance(value, dict):

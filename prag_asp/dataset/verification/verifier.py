@@ -1,4 +1,4 @@
-"""Verify one dataset, checks in order of cost."""
+"""Verify one dataset by checks in order of cost."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def wrong_dataset(folder: Path, trust: bool, physics: bool, workers: int, progress: Progress) -> Iterator[Finding]:
-    """Yield what is wrong with one dataset, as `verify` does."""
+    """Yield findings about one dataset, as `verify` does."""
     data = Dataset.open(folder, trust=trust)
     manifest, tables = data.manifest, TableReader(data.folder)
     progress("files", 0, 1)
@@ -41,21 +41,21 @@ def wrong_dataset(folder: Path, trust: bool, physics: bool, workers: int, progre
 
 
 def _recordings(manifest: Manifest, tables: TableReader) -> frozenset[str]:
-    """Return the files that the readable tables of recordings name."""
-    found = set[str]()
+    """Return the files named by the readable tables of recordings."""
+    files = set[str]()
     for part in manifest.parts:
         for shard in part.shards:
             try:
-                found |= {row["file"] for row in tables.of_shard("recordings", shard, ["file"])}
+                files |= {row["file"] for row in tables.of_shard("recordings", shard, ["file"])}
             except PragError:
                 continue
-    return frozenset(found)
+    return frozenset(files)
 
 
 def _wrong_tasks(manifest: Manifest, domain: Domain, tables: TableReader, progress: Progress) -> Iterator[Finding]:
-    """Yield what is wrong with sizes and rows, compared with those counted and sampled now."""
+    """Yield findings about sizes and rows, which are counted and sampled again."""
     spec, lengths = manifest.spec, manifest.lengths
-    if [space.length for space in manifest.spaces] != lengths:  # to count others might never end
+    if [space.length for space in manifest.spaces] != lengths:  # counting other lengths might take forever
         yield Finding(NAME, None, "spaces are not of the lengths requested, so no task was checked")
         return
     try:
@@ -76,7 +76,7 @@ def _wrong_tasks(manifest: Manifest, domain: Domain, tables: TableReader, progre
 def _wrong_starts(
     folder: Path, manifest: Manifest, domain: Domain, tables: TableReader, workers: int, progress: Progress
 ) -> Iterator[Finding]:
-    """Yield what is wrong with witnesses and recordings."""
+    """Yield findings about witnesses and recordings."""
     require_physics()
     from prag_asp.dataset.verification.initial_state_checks import InitialStateChecks
 

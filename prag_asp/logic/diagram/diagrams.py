@@ -1,17 +1,17 @@
-"""Decision diagrams over several values with whole numbers at their ends, each node made once.
+"""Multi-valued decision diagrams with integer terminals; nodes are unique.
 
-A state is a word: the values of its digits, one at each level. A diagram maps words to whole numbers, and is the
-smallest acyclic automaton of the words that it does not map to 0 (Bryant 1986; Clarke, Fujita and Zhao 1995 for numbers
-at the ends). A node is a mapping from values to nodes of the next level, at the last level to the numbers themselves; a
-value without an entry leads to 0. So a value is known from when a state has it, no number is ever rounded, and equal
-functions are the same node, a number above 0. The empty diagram is 0. A set is a diagram that maps to 1 and 0 alone.
+A state is a word: the values of its digits, one at each level. A diagram maps words to nonnegative integers, and is
+the minimal acyclic automaton of the words that it does not map to 0 (Bryant 1986; Clarke, Fujita and Zhao 1995 for
+integer terminals). A node maps values to nodes of the next level, at the last level to the integers themselves; a
+missing value leads to 0. So the values of a digit need not be known beforehand, no integer is ever rounded, and equal
+functions are the same node, a number above 0. The empty diagram is 0. A set is a diagram with values 0 and 1.
 
-No library is used, because none that runs from Python has exact numbers at the ends: CUDD (`dd` 0.6) has floats there,
+No library is used, because none with a Python interface has exact integer terminals: CUDD (`dd` 0.6) has floats,
 OxiDD 0.13 has binary diagrams only. With one diagram for each binary digit of a count, both are exact as well. On
-`benchmarks/diagrams.py` (1.8 * 10^8 states, 3,024,000,000 plans) they take 7.1 s of CPU and 104 MB (CUDD), or 4.6 s and
-298 MB (OxiDD), for actions that were encoded by hand; this module takes 11.3 s and 254 MB, reading and grounding the
-domain included. A factor of 1.6 to 2.4 does not pay for a native dependency without wheels for every platform that runs
-uninterruptible operations (`look` is called within them here), nor for the encoding into bits.
+`benchmarks/diagrams.py` (1.8 * 10^8 states, 3,024,000,000 plans) they take 7.1 s of CPU and 104 MB (CUDD), or 4.6 s
+and 298 MB (OxiDD), for actions that were encoded by hand; this module takes 11.3 s and 254 MB, including reading and
+grounding the domain. A factor of 1.6 to 2.4 does not justify a native dependency without wheels for every platform,
+whose operations cannot be interrupted (here, they call `look`), and the encoding into bits.
 """
 
 from __future__ import annotations
@@ -24,22 +24,23 @@ Word = tuple[int, ...]
 EMPTY: Node = 0
 
 LOOK = 4096
-"""Entries of nodes that are worked on between two looks at the limits, be it for a new node or for one there is."""
+"""The number of node entries that are processed between two calls of `look`."""
 
 CROWDED = 200_000
-"""Nodes up to which nothing is thrown away."""
+"""The number of nodes up to which no garbage is collected."""
 
 REMEMBERED = 2_000_000
-"""Results that are remembered, at most, when an operation begins."""
+"""The maximum number of cached results at the beginning of an operation."""
 
 Changes = Mapping[int, tuple[int, int]]
-"""For some levels, which bits of a digit are kept, and which are then set."""
+"""For some levels, a mask of the bits of a digit that stay, and a mask of the bits that are then set."""
 
 
 class Diagrams:
-    """All diagrams over words of so many digits, at least one; `look` is called now and then, and may raise an error.
+    """All diagrams over words of `digits` digits, at least one.
 
-    Recursion is as deep as words are long.
+    `look` is called regularly during operations, and may raise an error to stop them. The recursion depth is the number
+    of digits.
     """
 
     def __init__(self, digits: int, look: Callable[[], None]) -> None:
@@ -48,13 +49,13 @@ class Diagrams:
         self._look = look
         self._worked = 0
         self._children: dict[Node, dict[int, int]] = {}
-        self._made: dict[tuple[int, frozenset[tuple[int, int]]], Node] = {}
+        self._nodes_by_key: dict[tuple[int, frozenset[tuple[int, int]]], Node] = {}
         self._highest = 0
-        self._known: dict[str, dict[tuple[int, ...], Node]] = {}
+        self._results: dict[str, dict[tuple[int, ...], Node]] = {}
         self._crowded = CROWDED
 
     def __len__(self) -> int:
-        """Return how many nodes there are; they fit into memory."""
+        """Return the number of nodes in memory."""
         return len(self._children)
 
     def word(self, word: Sequence[int]) -> Node:
@@ -65,7 +66,7 @@ class Diagrams:
         return node
 
     def value(self, node: Node, word: Sequence[int]) -> int:
-        """Return what a diagram maps a word to."""
+        """Return the value of a word."""
         for digit in word:
             if not node:
                 return 0
@@ -73,15 +74,15 @@ class Diagrams:
         return node
 
     def total(self, node: Node) -> int:
-        """Return the sum of all that a diagram maps to: of a set, the number of its words."""
-        known: dict[Node, int] = {EMPTY: 0}
+        """Return the sum of the values of all words: for a set, the number of its words."""
+        totals: dict[Node, int] = {EMPTY: 0}
 
         def total(level: int, node: Node) -> int:
-            if node not in known:
+            if node not in totals:
                 below = self._children[node].values()
                 self._work(len(below))
-                known[node] = sum(below) if level == self._last else sum(total(level + 1, each) for each in below)
-            return known[node]
+                totals[node] = sum(below) if level == self._last else sum(total(level + 1, each) for each in below)
+            return totals[node]
 
         return total(0, node)
 
@@ -96,7 +97,7 @@ class Diagrams:
         return self._either("add", 0, first, second, lambda a, b: a + b)
 
     def sum(self, several: Iterable[Node]) -> Node:
-        """Return the sum of diagrams, those next to each other first: most of them meet in little."""
+        """Return the sum of diagrams, adding neighbours first, because most of them share few nodes."""
         return _paired(list(several), self.add)
 
     def union(self, several: Iterable[Node]) -> Node:
@@ -104,65 +105,65 @@ class Diagrams:
         return _paired(list(several), self.join)
 
     def within(self, states: Node, node: Node) -> Node:
-        """Return a diagram with 0 for all words that are not in a set."""
+        """Return a diagram restricted to a set: all other words have the value 0."""
         self._work(1)
         return self._within(0, states, node)
 
     def minus(self, first: Node, second: Node) -> Node:
-        """Return what a set has that another has not."""
+        """Return the difference of two sets."""
         self._work(1)
         return self._minus(0, first, second)
 
     def having(self, node: Node, level: int, mask: int) -> Node:
-        """Return a diagram with 0 for all words without a bit, given as a mask, in the digit of a level."""
+        """Return a diagram restricted to the words with a bit, given as a mask, in the digit of a level."""
         self._work(1)
         return self._having(0, node, level, mask)
 
     def mapped(self, node: Node, number: Callable[[int], int]) -> Node:
-        """Return a diagram with each number that is not 0 replaced."""
-        known: dict[Node, Node] = {EMPTY: EMPTY}
+        """Return a diagram with `number` applied to each value except 0."""
+        images: dict[Node, Node] = {EMPTY: EMPTY}
 
         def mapped(level: int, node: Node) -> Node:
             if level > self._last:
                 return number(node)
-            if node not in known:
+            if node not in images:
                 below = {digit: mapped(level + 1, each) for digit, each in self._children[node].items()}
-                known[node] = self._node(level, below)
-            return known[node]
+                images[node] = self._node(level, below)
+            return images[node]
 
         return mapped(0, node)
 
     def everywhere(self, states: Node, number: int) -> Node:
-        """Return the diagram that maps the words of a set to one number."""
+        """Return the diagram with one value for all words of a set."""
         return states if number == 1 else self.mapped(states, lambda _: number)
 
     def image(self, states: Node, changes: Changes) -> Node:
-        """Return the set of what the words of a set are changed to."""
+        """Return the image of a set under changes of digits."""
         last = max(changes, default=-1)
-        known: dict[Node, Node] = {EMPTY: EMPTY}
+        images: dict[Node, Node] = {EMPTY: EMPTY}
 
         def image(level: int, node: Node) -> Node:
             if level > last:
                 return node
-            if node not in known:
+            if node not in images:
                 keep, put = changes.get(level, (-1, 0))
                 below: dict[int, Node] = {}
                 for digit, each in self._children[node].items():
                     after, image_of = (digit & keep) | put, image(level + 1, each)
                     sofar = below.get(after, EMPTY)
                     below[after] = self._either("join", level + 1, sofar, image_of, lambda a, b: 1)
-                known[node] = self._node(level, below)
-            return known[node]
+                images[node] = self._node(level, below)
+            return images[node]
 
         return image(0, states)
 
     def before(self, states: Node, changes: Changes, node: Node) -> Node:
-        """Return the diagram that maps each word of a set to what `node` maps it to once it is changed.
+        """Return the diagram that maps each word of a set to the value of the changed word in `node`.
 
-        Where `states` has other numbers than 1, they are multiplied.
+        Values of `states` other than 1 are factors of the result.
         """
         last = max(changes, default=-1)
-        known: dict[tuple[Node, Node], Node] = {}
+        results: dict[tuple[Node, Node], Node] = {}
 
         def before(level: int, states: Node, node: Node) -> Node:
             if not states or not node:
@@ -170,59 +171,59 @@ class Diagrams:
             if level > last:
                 return self._within(level, states, node)
             key = (states, node)
-            if key not in known:
+            if key not in results:
                 keep, put = changes.get(level, (-1, 0))
                 reached = self._children[node]
-                known[key] = self._node(level, {
+                results[key] = self._node(level, {
                     digit: before(level + 1, each, reached.get((digit & keep) | put, EMPTY))
                     for digit, each in self._children[states].items()
                 })  # fmt: skip
-            return known[key]
+            return results[key]
 
         return before(0, states, node)
 
     def clean(self, roots: Iterable[Node]) -> None:
-        """Throw all nodes away that no root leads to, once they are many; what was computed is forgotten with them."""
-        if sum(map(len, self._known.values())) > REMEMBERED:
-            self._known.clear()
+        """Remove all nodes that are unreachable from the roots, and all cached results, if there are many nodes."""
+        if sum(map(len, self._results.values())) > REMEMBERED:
+            self._results.clear()
         if len(self._children) < self._crowded:
             return
-        kept: set[Node] = set()
+        live: set[Node] = set()
         layer = {root for root in roots if root}
         for level in range(self.digits):
-            kept |= layer
+            live |= layer
             if level < self._last:
                 layer = {each for node in layer for each in self._children[node].values()}
-        self._children = {node: below for node, below in self._children.items() if node in kept}
-        self._made = {key: node for key, node in self._made.items() if node in kept}
-        self._known.clear()
-        self._crowded = max(CROWDED, 2 * len(kept))
+        self._children = {node: below for node, below in self._children.items() if node in live}
+        self._nodes_by_key = {key: node for key, node in self._nodes_by_key.items() if node in live}
+        self._results.clear()
+        self._crowded = max(CROWDED, 2 * len(live))
 
     def _work(self, entries: int) -> None:
-        """Look at the limits where so many more entries make it time to."""
+        """Count processed entries, and call `look` after every `LOOK` of them."""
         self._worked += entries
         if self._worked >= LOOK:
             self._worked = 0
             self._look()
 
     def _node(self, level: int, below: dict[int, Node]) -> Node:
-        """Return the node of a mapping, which is kept and no longer changed."""
+        """Return the unique node of a mapping, which must not change any more."""
         self._work(1 + len(below))
         if EMPTY in below.values():
             below = {digit: each for digit, each in below.items() if each}
         if not below:
             return EMPTY
         key = (level, frozenset(below.items()))
-        found = self._made.get(key)
-        if found is None:
-            self._highest = found = self._highest + 1
-            self._made[key] = found
-            self._children[found] = below
-        return found
+        node = self._nodes_by_key.get(key)
+        if node is None:
+            self._highest = node = self._highest + 1
+            self._nodes_by_key[key] = node
+            self._children[node] = below
+        return node
 
     def _either(self, kind: str, level: int, first: Node, second: Node, both: Callable[[int, int], int]) -> Node:
-        """Return the diagram of what one of two diagrams maps to, or of `both` where each has a number."""
-        known = self._known.setdefault(kind, {})
+        """Return the pointwise combination of two diagrams: the nonzero value, or `both` of two nonzero values."""
+        cache = self._results.setdefault(kind, {})
 
         def either(level: int, first: Node, second: Node) -> Node:
             if not first or not second:
@@ -232,14 +233,14 @@ class Diagrams:
             if kind == "join" and first == second:
                 return first
             key = (first, second) if first < second else (second, first)
-            found = known.get(key)
-            if found is None:
+            result = cache.get(key)
+            if result is None:
                 below, others = dict(self._children[first]), self._children[second]
                 for digit, other in others.items():
                     own = below.get(digit)
                     below[digit] = other if own is None else either(level + 1, own, other)
-                found = known[key] = self._node(level, below)
-            return found
+                result = cache[key] = self._node(level, below)
+            return result
 
         return either(level, first, second)
 
@@ -248,47 +249,47 @@ class Diagrams:
             return EMPTY
         if level > self._last:
             return states * node
-        known = self._known.setdefault("within", {})
-        found = known.get((states, node))
-        if found is None:
+        cache = self._results.setdefault("within", {})
+        result = cache.get((states, node))
+        if result is None:
             others, below = self._children[node], self._children[states]
-            found = self._node(level, {
+            result = self._node(level, {
                 digit: self._within(level + 1, each, others[digit]) for digit, each in below.items() if digit in others
             })  # fmt: skip
-            known[states, node] = found
-        return found
+            cache[states, node] = result
+        return result
 
     def _minus(self, level: int, first: Node, second: Node) -> Node:
         if not first or not second or first == second:
             return EMPTY if first == second else first
-        known = self._known.setdefault("minus", {})
-        found = known.get((first, second))
-        if found is None:
+        cache = self._results.setdefault("minus", {})
+        result = cache.get((first, second))
+        if result is None:
             others, below = self._children[second], self._children[first]
-            found = self._node(level, {
+            result = self._node(level, {
                 digit: self._minus(level + 1, each, others.get(digit, EMPTY)) for digit, each in below.items()
             })  # fmt: skip
-            known[first, second] = found
-        return found
+            cache[first, second] = result
+        return result
 
     def _having(self, level: int, node: Node, target: int, mask: int) -> Node:
         if not node:
             return EMPTY
-        known = self._known.setdefault("having", {})
+        cache = self._results.setdefault("having", {})
         key = (node, target, mask)
-        found = known.get(key)
-        if found is None:
+        result = cache.get(key)
+        if result is None:
             below = self._children[node]
             if level == target:
                 below = {digit: each for digit, each in below.items() if digit & mask}
             else:
                 below = {digit: self._having(level + 1, each, target, mask) for digit, each in below.items()}
-            found = known[key] = self._node(level, below)
-        return found
+            result = cache[key] = self._node(level, below)
+        return result
 
 
 def _paired(several: list[Node], both: Callable[[Node, Node], Node]) -> Node:
-    """Return what is left of diagrams after taking neighbours together, again and again."""
+    """Return the combination of diagrams by `both`, in a balanced tree of neighbours."""
     while len(several) > 1:
         joined = [both(*several[place : place + 2]) for place in range(0, len(several) - 1, 2)]
         several = joined + several[2 * len(joined) :]

@@ -1,7 +1,7 @@
-"""The grouping of the variables of a state into digits, and their order, which decide the size of diagrams.
+"""Group the variables of a state into digits, and order these; both determine the size of diagrams.
 
-Variables that exclude each other (the places of one object) form one digit with few values. Random walks estimate which
-variables do. A wrong estimate costs time but is no error, because a digit may take any value.
+Mutually exclusive variables (the places of one object) form one digit with few values. Random walks estimate which
+variables exclude each other. A wrong estimate costs time but is no error, because a digit may take any value.
 """
 
 from __future__ import annotations
@@ -30,18 +30,18 @@ MOST_DIGITS = 200
 """The largest number of digits of a state, which is the depth of recursion; neighbours of more are joined."""
 
 ROUNDS = 30
-"""The number of rounds of the heuristic FORCE."""
+"""The number of rounds of the FORCE heuristic."""
 
 
 @dataclass(frozen=True)
 class Digits:
-    """The places of the variables of each digit, as bits from the lowest on, in order of the levels."""
+    """The variables of each digit, from the lowest bit, in order of the levels."""
 
     places: tuple[tuple[int, ...], ...]
 
     @cached_property
     def at(self) -> dict[int, tuple[int, int]]:
-        """The level of each variable and its bit there, as a mask."""
+        """The level of each variable, and its bit as a mask."""
         return {
             place: (level, 1 << bit) for level, places in enumerate(self.places) for bit, place in enumerate(places)
         }
@@ -52,18 +52,18 @@ class Digits:
         return tuple(sum(1 << bit for bit, place in enumerate(places) if true[place]) for places in self.places)
 
 
-_known: WeakKeyDictionary[Transition, Digits] = WeakKeyDictionary()
+_digits_of: WeakKeyDictionary[Transition, Digits] = WeakKeyDictionary()
 
 
 def find_digits(transition: Transition, look: Callable[[], None]) -> Digits:
     """Return digits for the states of a step function that has an initial state; `look` is called regularly."""
-    known = _known.get(transition)
-    if known is None:
-        known = _known[transition] = _found(transition, look)
-    return known
+    digits = _digits_of.get(transition)
+    if digits is None:
+        digits = _digits_of[transition] = _search_digits(transition, look)
+    return digits
 
 
-def _found(transition: Transition, look: Callable[[], None]) -> Digits:
+def _search_digits(transition: Transition, look: Callable[[], None]) -> Digits:
     items = _items(transition.variables)
     walked = unpack(_walked(transition, look), len(transition.variables))
     excluded = _never_together(walked[np.array([item[0] for item in items], dtype=np.intp)].astype(np.float64))
@@ -75,20 +75,20 @@ def _found(transition: Transition, look: Callable[[], None]) -> Digits:
             groups.append([number])
         else:
             home.append(number)
-    found = [tuple(place for number in group for place in items[number]) for group in groups]
-    found = _in_order(found or [()], transition, look)
-    while len(found) > MOST_DIGITS:
-        found = [sum(found[place : place + 2], ()) for place in range(0, len(found), 2)]
-    return Digits(tuple(found))
+    ordered = [tuple(place for number in group for place in items[number]) for group in groups]
+    ordered = _in_order(ordered or [()], transition, look)
+    while len(ordered) > MOST_DIGITS:
+        ordered = [sum(ordered[place : place + 2], ()) for place in range(0, len(ordered), 2)]
+    return Digits(tuple(ordered))
 
 
 def _items(variables: Sequence[clingo.Symbol]) -> list[list[int]]:
-    """Return the places of variables, grouped by fluent (true before false), others one by one."""
-    found: dict[object, list[int]] = {}
+    """Return the indices of variables, grouped by fluent (true before false); other variables are single."""
+    by_fluent: dict[object, list[int]] = {}
     for place, symbol in reversed(list(enumerate(variables))):
         fluent = symbol.arguments[0] if symbol.match(*HOLDS.without_time) else symbol
-        found.setdefault(("holds", fluent) if fluent is not symbol else symbol, []).append(place)
-    return list(reversed(found.values()))
+        by_fluent.setdefault(("holds", fluent) if fluent is not symbol else symbol, []).append(place)
+    return list(reversed(by_fluent.values()))
 
 
 def _walked(transition: Transition, look: Callable[[], None]) -> Rows:
@@ -98,11 +98,11 @@ def _walked(transition: Transition, look: Callable[[], None]) -> Rows:
     passed = [rows[:1]]
     for _ in range(STEPS):
         look()
-        found = [each for each in transition.expand(rows) if len(each.sources)]
-        if not found:
+        successors = [each for each in transition.expand(rows) if len(each.sources)]
+        if not successors:
             break
-        sources = np.concatenate([each.sources for each in found])
-        states = np.concatenate([each.states for each in found])
+        sources = np.concatenate([each.sources for each in successors])
+        states = np.concatenate([each.states for each in successors])
         shuffled = generator.permutation(len(sources))
         walkers, chosen = np.unique(sources[shuffled], return_index=True)
         rows = states[shuffled[chosen]][np.resize(np.arange(len(walkers)), WALKERS)]
@@ -118,9 +118,9 @@ def _never_together(true: NDArray[np.float64]) -> NDArray[np.bool_]:
 
 
 def _in_order(groups: list[tuple[int, ...]], transition: Transition, look: Callable[[], None]) -> list[tuple[int, ...]]:
-    """Return groups in an order in which those that an action changes are close to each other.
+    """Return groups in an order in which the groups that an action changes are close to each other.
 
-    The heuristic FORCE of Aloul, Markov and Sakallah (2003).
+    This is the FORCE heuristic of Aloul, Markov and Sakallah (2003).
     """
     group_of = {place: number for number, places in enumerate(groups) for place in places}
     joined: set[frozenset[int]] = set()

@@ -1,7 +1,7 @@
-"""The step of a domain on sets of states: where each action is valid, and how it changes the states.
+"""The step function of a domain on sets of states: the valid states of each action, and its changes.
 
-The rules are evaluated as by `Transition`, with sets of states instead of columns: a conjunction is an intersection, a
-negation the complement in the set of all given states.
+The rules are evaluated as by `Transition`, with sets of states instead of columns: a conjunction is an intersection,
+a negation the complement in the given set of states.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Read = Callable[[int], Node]
 
 @dataclass(frozen=True)
 class Piece:
-    """States in which an action, given by number, is valid and makes equal changes; `labels` are the true labels."""
+    """States in which an action, given by number, is valid and has equal effects; `labels` are the true labels."""
 
     letter: int
     states: Node
@@ -90,20 +90,20 @@ class SetStep:
             if not valid:
                 return
         rules, size = self.transition.rules, len(own)
-        kept = unpack(move.keep[None], size)[:, 0].tolist()
+        unchanged = unpack(move.keep[None], size)[:, 0].tolist()
         put = unpack(move.put[None], size)[:, 0].tolist()
         decided = dict(move.changed)
         columns: dict[int, Node | bool] = {}
         for place in range(size):
             if place in decided:
                 columns[place] = after.read(decided[place])
-            elif not kept[place]:
+            elif not unchanged[place]:
                 columns[place] = bool(put[place])
             elif before.read(rules.written[place]) != own[place]:
                 columns[place] = before.read(rules.written[place])
-        fixed, told = dict(move.fixed_labels), dict(move.labels)
+        fixed, changing = dict(move.fixed_labels), dict(move.labels)
         labels: list[Node | bool] = [
-            fixed[place] if place in fixed else after.read(told[place]) if place in told else before.read(atom)
+            fixed[place] if place in fixed else after.read(changing[place]) if place in changing else before.read(atom)
             for place, atom in enumerate(rules.labels)
         ]
         for states, values, true in self._split(valid, columns, labels, own):
@@ -112,30 +112,30 @@ class SetStep:
     def _split(
         self, valid: Node, columns: Mapping[int, Node | bool], labels: Iterable[Node | bool], own: list[Node]
     ) -> Iterator[tuple[Node, dict[int, bool], tuple[int, ...]]]:
-        """Yield the parts of a set in which each of some variables is kept, set or unset, with the labels."""
+        """Yield the parts of a set with equal effects: the values of changed variables, and the true labels."""
         parts: list[tuple[Node, dict[int, bool], tuple[int, ...]]] = [(valid, {}, ())]
         within, minus = self.diagrams.within, self.diagrams.minus
         for place, column in columns.items():
-            found = []
+            refined = []
             for states, values, true in parts:
                 if isinstance(column, bool):
-                    found.append((states, {**values, place: column}, true))
+                    refined.append((states, {**values, place: column}, true))
                     continue
                 yes = within(states, column)
                 if yes == within(states, own[place]):
-                    found.append((states, values, true))
+                    refined.append((states, values, true))
                     continue
                 no = minus(states, yes)
-                found += [(part, {**values, place: part == yes}, true) for part in (yes, no) if part]
-            parts = found
+                refined += [(part, {**values, place: part == yes}, true) for part in (yes, no) if part]
+            parts = refined
         for number, column in enumerate(labels):
-            found = []
+            refined = []
             for states, values, true in parts:
                 yes = (states if column else EMPTY) if isinstance(column, bool) else within(states, column)
                 no = minus(states, yes)
-                found += [(yes, values, (*true, number))] if yes else []
-                found += [(no, values, true)] if no else []
-            parts = found
+                refined += [(yes, values, (*true, number))] if yes else []
+                refined += [(no, values, true)] if no else []
+            parts = refined
         yield from parts
 
     def _changes(self, values: Mapping[int, bool]) -> Changes:
@@ -172,21 +172,21 @@ class _Values:
         return values
 
     def read(self, atom: int) -> Node:
-        """Return where an atom is true."""
-        found = self._columns.get(atom)
-        return self._under(atom) if found is None else found
+        """Return the states in which an atom is true."""
+        states = self._columns.get(atom)
+        return self._under(atom) if states is None else states
 
     def body(self, body: RuleBody) -> Node:
-        """Return where a body is true."""
+        """Return the states in which a body is true."""
         if body.weights:
             return self._sum(body)
-        found = self._states
+        states = self._states
         for literal in body.literals:
-            if not found:
+            if not states:
                 break
             where = self.read(abs(literal))
-            found = self._diagrams.within(found, where) if literal > 0 else self._diagrams.minus(found, where)
-        return found
+            states = self._diagrams.within(states, where) if literal > 0 else self._diagrams.minus(states, where)
+        return states
 
     def falsifying(self, states: Node, body: RuleBody) -> Node:
         """Return the states of a set in which a body is false."""
@@ -197,7 +197,7 @@ class _Values:
         return self._diagrams.minus(states, self.body(body))
 
     def evaluate(self, strata: Iterable[Stratum], bodies: Callable[[int], tuple[RuleBody, ...]]) -> None:
-        """Evaluate atoms in order of their dependencies, recursive ones until none changes."""
+        """Evaluate atoms in order of their dependencies; recursive ones are iterated to a fixpoint."""
         for stratum in strata:
             if stratum.recursive:
                 self._columns.update(dict.fromkeys(stratum.atoms, EMPTY))
@@ -205,9 +205,9 @@ class _Values:
             while changed:
                 changed = False
                 for atom in stratum.atoms:
-                    found = self._diagrams.union(map(self.body, bodies(atom)))
-                    changed |= stratum.recursive and found != self._columns[atom]
-                    self._columns[atom] = found
+                    states = self._diagrams.union(map(self.body, bodies(atom)))
+                    changed |= stratum.recursive and states != self._columns[atom]
+                    self._columns[atom] = states
 
     def _sum(self, body: RuleBody) -> Node:
         """Return the states in which the weights of true literals reach the bound; diagrams have no state of sum 0."""

@@ -63,12 +63,12 @@ def _rewritten(program: Program, statements: Mapping[int, Sequence[str]]) -> Ite
 
 def broken_atoms(symbols: Mapping[clingo.Symbol, int]) -> dict[int, dict[int, int]]:
     """Return the literals of the atoms of violations, by time and then by line."""
-    found: dict[int, dict[int, int]] = {}
+    by_time: dict[int, dict[int, int]] = {}
     for symbol, literal in symbols.items():
         if symbol.match(BROKEN, 2):
             line, time = (argument.number for argument in symbol.arguments)
-            found.setdefault(time, {})[line] = literal
-    return found
+            by_time.setdefault(time, {})[line] = literal
+    return by_time
 
 
 def _is_constraint(statement: AST) -> bool:

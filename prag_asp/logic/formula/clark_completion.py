@@ -43,7 +43,7 @@ class Completion:
     """Clauses whose models are answer sets, and the literal of each atom.
 
     `loops` are the components of atoms that depend positively on themselves, each atom with its rules. With copies,
-    `copies` are the variables that stand for those, each with the literal of its atom, and gates among them, with TRUE.
+    `copies` are the variables that represent them, each with the literal of its atom, and gates among them, with TRUE.
     """
 
     clauses: ClauseBuilder
@@ -93,8 +93,8 @@ def complete(rules: Iterable[Rule], *, copied: bool = False) -> Completion:
 
 
 def _value(values: Mapping[int, Literal], literal: int) -> Literal:
-    found = values.get(abs(literal), -TRUE)
-    return found if literal > 0 else -found
+    value = values.get(abs(literal), -TRUE)
+    return value if literal > 0 else -value
 
 
 def _is_fact(rule: Rule) -> bool:

@@ -30,9 +30,9 @@ class ClauseBuilder:
 
     def add(self, *literals: Literal) -> None:
         """Add a clause."""
-        kept = set(literals) - {-TRUE}
-        if TRUE not in kept and not any(-literal in kept for literal in kept):
-            self.clauses.append(tuple(sorted(kept, key=abs)) or (-TRUE,))
+        clause = set(literals) - {-TRUE}
+        if TRUE not in clause and not any(-literal in clause for literal in clause):
+            self.clauses.append(tuple(sorted(clause, key=abs)) or (-TRUE,))
 
     def equate(self, first: Literal, second: Literal) -> None:
         """State that two literals have the same value."""
@@ -41,21 +41,21 @@ class ClauseBuilder:
 
     def all_of(self, literals: Iterable[Literal], into: Literal | None = None) -> Literal:
         """Return the conjunction of some literals; with `into`, state that this literal is equivalent to it."""
-        kept = set(literals) - {TRUE}
-        if -TRUE in kept or any(-literal in kept for literal in kept):
-            found: Literal | None = -TRUE
-        elif len(kept) < 2:
-            found = next(iter(kept), TRUE)
+        inputs = set(literals) - {TRUE}
+        if -TRUE in inputs or any(-literal in inputs for literal in inputs):
+            existing: Literal | None = -TRUE
+        elif len(inputs) < 2:
+            existing = next(iter(inputs), TRUE)
         else:
-            found = self._gates.get(frozenset(kept))
-        if found is not None:
+            existing = self._gates.get(frozenset(inputs))
+        if existing is not None:
             if into is not None:
-                self.equate(into, found)
-            return found
-        output = self._gates[frozenset(kept)] = self.fresh() if into is None else into
-        for literal in kept:
+                self.equate(into, existing)
+            return existing
+        output = self._gates[frozenset(inputs)] = self.fresh() if into is None else into
+        for literal in inputs:
             self.add(-output, literal)
-        self.add(output, *(-literal for literal in kept))
+        self.add(output, *(-literal for literal in inputs))
         return output
 
     def any_of(self, literals: Iterable[Literal], into: Literal | None = None) -> Literal:
@@ -81,10 +81,10 @@ class ClauseBuilder:
         for place in reversed(range(len(terms))):
             weight, literal = terms[place]
 
-            def node(target: int, below: int = place + 1, known: dict[int, Literal] = nodes) -> Literal:
+            def node(target: int, below: int = place + 1, below_nodes: dict[int, Literal] = nodes) -> Literal:
                 if target <= 0:
                     return TRUE
-                return known[target] if target <= remaining[below] else -TRUE
+                return below_nodes[target] if target <= remaining[below] else -TRUE
 
             nodes = {
                 target: self._reached(literal, node(target - weight), node(target))

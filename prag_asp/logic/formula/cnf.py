@@ -20,9 +20,9 @@ from prag_asp.program.sources import Program
 class Cnf:
     """A formula with exactly one model for each answer set of a program of some steps.
 
-    `literals` has the literal of every atom; the first variable is true, and stands for what holds in all of them.
+    `literals` has the literal of every atom; the first variable is true, and represents the facts.
     `shown` are the variables of the atoms ``occurs(A,t)`` or ``_step_name(N,t)``, sorted: they distinguish words.
-    `plans` is the formula that this one shows in another way, if it does.
+    `plans` is the formula of which this one is another projection, if there is one.
     """
 
     variables: int
@@ -63,14 +63,14 @@ def _plans(program: Program, length: int) -> Cnf:
 
 
 def _variables(literals: Mapping[clingo.Symbol, Literal], shown: EncodingPredicate) -> tuple[int, ...]:
-    """Return the variables of the atoms of a predicate; clingo is slow to tell which these are, and most are facts."""
+    """Return the variables of the atoms of a predicate; clingo's own lookup is slow, and most atoms are facts."""
     return tuple(sorted(v for symbol, v in literals.items() if abs(v) != TRUE and symbol.match(*shown)))
 
 
 def dimacs(cnf: Cnf, comments: Sequence[str] = ()) -> Iterator[str]:
     """Yield the lines of a formula as model counters read it.
 
-    ``c t pmc`` and ``c p show`` ask for projected counting, as in the Model Counting Competition (2021 and later); each
+    ``c t pmc`` and ``c p show`` select projected counting, as in the Model Counting Competition (2021 and later); each
     line ``c V ATOM`` names the atom of variable V.
     """
     yield from (f"c {line}" for line in comments)

@@ -93,8 +93,8 @@ def run_counter(
             what = f"{request}: no count after {seconds:.3g} s; allow more (--time), or ask for less"
             raise LimitReached(what, 0, StopReason(StopKind.TIME, seconds)) from None
         except WorkerEnded as ended:
-            said = _last_line(complaints)
-            raise EngineError(f"{request}: {counter.name} ended {ended} ({said}); choose another engine") from None
+            last_line = _last_line(complaints)
+            raise EngineError(f"{request}: {counter.name} ended {ended} ({last_line}); choose another engine") from None
 
 
 class CountBeside:

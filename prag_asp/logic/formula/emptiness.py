@@ -1,4 +1,4 @@
-"""The lines of a program that together leave no plan of a length."""
+"""The lines of a program that together exclude all plans of a length."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ def has_plan(program: Program, length: int, occurring: Occurring | None = None) 
     control, assumptions = grounder.control, []
     if occurring is not None:
         atoms = control.symbolic_atoms
-        found = (atoms[_occurs(action, step)] for action, step in occurring)
+        occurrences = (atoms[_occurs(action, step)] for action, step in occurring)
         with control.backend() as backend:
             some = backend.add_atom()
-            for atom in found:
+            for atom in occurrences:
                 if atom is not None:
                     backend.add_rule([some], [atom.literal])
         assumptions = [some]
@@ -57,10 +57,10 @@ class LiftableLines:
     """
 
     def __init__(self, program: Program, length: int, occurring: Occurring | None = None) -> None:
-        found = make_liftable(program)
-        cnf = plan_cnf(found.program, length)
-        kept = [cnf.literal(clingo.Function(KEPT, [clingo.Number(i)])) for i in range(len(found.lines))]
-        self._lines = dict(zip(kept, found.lines, strict=True))
+        liftable = make_liftable(program)
+        cnf = plan_cnf(liftable.program, length)
+        literals = [cnf.literal(clingo.Function(KEPT, [clingo.Number(i)])) for i in range(len(liftable.lines))]
+        self._lines = dict(zip(literals, liftable.lines, strict=True))
         self._loose = cnf.literal(clingo.Function(LOOSE))
         self._solver = Solver(cnf.variables, cnf.clauses)
         if occurring is not None:
@@ -74,18 +74,18 @@ class LiftableLines:
         self._solver.close()
 
     def conflict(self, *, smallest: bool = False) -> tuple[RestrictingLine, ...]:
-        """Return a minimal set of lines that together leave no plan; there has to be no plan.
+        """Return a minimal set of lines that together exclude all plans; there must be no plan.
 
-        All other lines are lifted: the fluents that they change may have any value. With `smallest`, no set of fewer
-        lines leaves no plan, provided that a kept line never allows what it forbids if it is lifted.
+        All other lines are lifted: the fluents that they change may have any value. With `smallest`, no smaller set
+        excludes all plans, provided that lifting a line only adds plans.
         """
-        kept = self._all
+        literals = self._all
         if smallest:
-            kept = smallest_conflict(self._solver, [self._loose], kept)
-        return self._lines_of(self._least(kept))
+            literals = smallest_conflict(self._solver, [self._loose], literals)
+        return self._lines_of(self._least(literals))
 
     def changes(self) -> tuple[tuple[RestrictingLine, ...], ...]:
-        """Return the lines whose removal alone leaves a plan, or else one smallest set of lines whose removal does.
+        """Return the lines whose removal alone allows a plan, or else one smallest set of lines whose removal does.
 
         A removed line has no effect at all. The result is empty if there is no plan without all lines.
         """
@@ -103,33 +103,34 @@ class LiftableLines:
     def _all(self) -> list[Literal]:
         return list(self._lines)
 
-    def _open(self, kept: Sequence[Literal], *, loose: bool = True) -> bool:
-        """Return whether there is a plan if only some lines are kept."""
-        lifted = self._lines.keys() - kept
-        return self._solver.satisfiable([self._loose if loose else -self._loose, *kept, *(-each for each in lifted)])
+    def _open(self, literals: Sequence[Literal], *, loose: bool = True) -> bool:
+        """Return whether there is a plan if only some lines hold."""
+        lifted = self._lines.keys() - literals
+        loose_literal = self._loose if loose else -self._loose
+        return self._solver.satisfiable([loose_literal, *literals, *(-each for each in lifted)])
 
-    def _least(self, kept: Sequence[Literal]) -> list[Literal]:
-        """Return a minimal subset of lines that leave no plan.
+    def _least(self, literals: Sequence[Literal]) -> list[Literal]:
+        """Return a minimal subset of lines that exclude all plans.
 
-        The lines are removed one by one until none can be removed; one that could not be may be after others.
+        The lines are removed one by one until none can be removed. A line may become removable after others.
         """
-        kept, again = list(kept), True
+        literals, again = list(literals), True
         while again:
             again = False
-            for each in list(kept):
-                rest = [at for at in kept if at != each]
-                if each in kept and not self._open(rest):
+            for each in list(literals):
+                rest = [at for at in literals if at != each]
+                if each in literals and not self._open(rest):
                     core = set(self._solver.core())
                     fewer = [at for at in rest if at in core]
-                    kept = rest if len(fewer) == len(rest) or self._open(fewer) else fewer
+                    literals = rest if len(fewer) == len(rest) or self._open(fewer) else fewer
                     again = True
-        return kept
+        return literals
 
     def _fewest(self) -> list[Literal] | None:
         """Return a smallest set of lines without which there is a plan; None if there is no plan without all lines.
 
-        The set has a line of every set of lines that leave no plan. So a smallest hitting set of those found so far is
-        tried until there is a plan (Reiter, "A theory of diagnosis from first principles", 1987).
+        It hits every set of lines that excludes all plans. So a smallest hitting set of the known ones is tried until
+        there is a plan (Reiter, "A theory of diagnosis from first principles", 1987).
         """
         from pysat.examples.hitman import Hitman  # noqa: PLC0415
 

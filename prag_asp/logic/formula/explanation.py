@@ -50,8 +50,8 @@ def explain(model: DomainLogic, plan: Sequence[clingo.Symbol]) -> Explanation | 
             return None
         step = next(k for k in range(len(plan) + 2) if not solver.satisfiable(search.until(k)))
         reasons = tuple(dict.fromkeys(search.reasons(step)))
-        found = smallest_conflict(solver, search.lawful(len(plan) + 1), search.actions)
-        conflict = tuple(k for k, literal in enumerate(search.actions, 1) if literal in found)
+        core = smallest_conflict(solver, search.lawful(len(plan) + 1), search.actions)
+        conflict = tuple(k for k, literal in enumerate(search.actions, 1) if literal in core)
         return Explanation(step, reasons, conflict)
 
 
@@ -67,7 +67,7 @@ class _ReasonSearch:
 
     def lawful(self, end: int) -> list[Literal]:
         """Return the literals of "no constraint is broken up to a time"."""
-        return [-literal for time, found in self._broken.items() if time <= end for literal in found.values()]
+        return [-literal for time, literals in self._broken.items() if time <= end for literal in literals.values()]
 
     def until(self, step: int) -> list[Literal]:
         """Return the literals of "the first steps occur and break no constraint"."""
@@ -139,7 +139,7 @@ class _State:
         return (self._values[abs(literal) - 1] > 0) == (literal > 0)
 
     def known_since(self, fluent: clingo.Symbol, value: str, step: int) -> str | None:
-        """Return since when a fluent is known to have a value, or None where it is not known after the step."""
+        """Return the time since which a fluent is known to have a value, or None if it is not known after the step."""
         since = step + 1
         while since > 0 and self._holds(fluent, value, since - 1):
             since -= 1

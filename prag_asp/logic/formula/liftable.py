@@ -92,7 +92,7 @@ def _restricting_line(source: Source, program: Program) -> RestrictingLine:
 
 
 def _composing(program: Program) -> RestrictingLine | None:
-    """Return the first line that declares a composite, which stands for all of them; None where there is none."""
+    """Return the first line that declares a composite, which represents all of them, or None."""
     statements, _ = parse_sources((source, own) for source, own in owned(program) if own and source.path != ADDED)
     for statement in statements:
         if any(atom.signature == COMPOSITE for atom in statement.heads):
@@ -128,5 +128,5 @@ def _with_any_value(head: AST) -> str:
     """Return the head of a postcondition, which may be a pool, with an unknown value."""
     symbol = head.atom.symbol
     functions = symbol.arguments if symbol.ast_type == ASTType.Pool else [symbol]
-    found = [f"{EFFECT[0]}({','.join([*map(str, list(each.arguments)[:2]), 'unknown'])})" for each in functions]
-    return f"({';'.join(found)})" if len(found) > 1 else found[0]
+    effects = [f"{EFFECT[0]}({','.join([*map(str, list(each.arguments)[:2]), 'unknown'])})" for each in functions]
+    return f"({';'.join(effects)})" if len(effects) > 1 else effects[0]

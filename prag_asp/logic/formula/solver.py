@@ -41,23 +41,23 @@ class Solver:
         """Return whether some model satisfies the literals."""
         while True:
             self._solver.conf_budget(CONFLICTS)
-            # With this flag, python-sat leaves signals to Python, which handles them between two calls.
+            # With this flag, python-sat does not handle signals; Python handles them between two calls.
             answer = self._solver.solve_limited(assumptions=list(assumptions), expect_interrupt=True)
             if answer is not None:
                 return bool(answer)
 
     def propagated(self, assumptions: Sequence[Literal]) -> list[Literal] | None:
-        """Return the literals assumed and those that unit propagation finds, or None where it finds a conflict.
+        """Return the assumptions and the literals that unit propagation derives, or None if it derives a conflict.
 
         They are a function of the clauses until the first call of `satisfiable`, because nothing is learned before.
         """
-        consistent, found = self._solver.propagate(assumptions=list(assumptions))
-        return list(found) if consistent else None
+        consistent, implied = self._solver.propagate(assumptions=list(assumptions))
+        return list(implied) if consistent else None
 
     def model(self) -> list[Literal]:
         """Return the model found last: the literal of variable v is at place v - 1."""
-        found: list[Literal] = self._solver.get_model()
-        return found
+        model: list[Literal] = self._solver.get_model()
+        return model
 
     def core(self) -> list[Literal]:
         """Return assumptions of the last query that no model satisfies together; the set need not be minimal."""
@@ -84,12 +84,12 @@ def smallest_conflict(solver: Solver, assumed: Sequence[Literal], literals: Sequ
 
 def _left_out(solver: Solver, assumed: Sequence[Literal], literals: Sequence[Literal]) -> list[Literal]:
     """Return the complement of a maximal satisfiable set that contains the true literals of the last model."""
-    kept, left = _split(solver.model(), literals)
+    satisfied, violated = _split(solver.model(), literals)
     missing = []
-    while left:
-        literal = left.pop(0)
-        if solver.satisfiable([*assumed, *kept, literal]):
-            kept, left = _split(solver.model(), [*kept, literal, *left])
+    while violated:
+        literal = violated.pop(0)
+        if solver.satisfiable([*assumed, *satisfied, literal]):
+            satisfied, violated = _split(solver.model(), [*satisfied, literal, *violated])
         else:
             missing.append(literal)
     return missing

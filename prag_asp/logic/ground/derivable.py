@@ -1,4 +1,4 @@
-"""The predicates that a step may derive, read from its rules before it is ground."""
+"""Test which predicates a step may derive, before it is ground."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from prag_asp.program.syntax import Signature, Statement, plain_atom
 def may_derive(
     program: Program, atoms: clingo.SymbolicAtoms, open_before: Collection[Signature], heads: Collection[Signature]
 ) -> bool:
-    """Return whether a step may have an atom of the predicates `heads`.
+    """Return whether a step may derive an atom of the predicates `heads`.
 
     A rule derives nothing unless every predicate of its positive body has an atom: in the base part, whose `atoms` are
     ground, among the open atoms of step t-1, or by a rule of the step.
@@ -31,5 +31,5 @@ def may_derive(
 
 def _needed(rule: Statement) -> set[Signature]:
     """Return the predicates of the plain positive atoms of a body."""
-    found = (plain_atom(node, text) for node, text in rule.literals)
-    return {each.signature for each in found if each and not each.negated and not each.name.startswith("-")}
+    plain = (plain_atom(node, text) for node, text in rule.literals)
+    return {each.signature for each in plain if each and not each.negated and not each.name.startswith("-")}

@@ -1,4 +1,4 @@
-"""One step of a domain as ground rules, exactly as clingo made them."""
+"""One step of a domain as ground rules, exactly as clingo grounds them."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ A step may double the symbols of an atom, so that few steps fill the memory.
 """
 
 MOST_GROWING, FEW_AT_ONCE = 20_000, 2
-"""The same number of atoms, and the steps between two tests, for a predicate whose atoms may be made of one another."""
+"""The same limits of atoms and of steps between two tests for predicates whose atoms may derive one another."""
 
 PART = re.compile(r"(#program\s+)(base|step)\b")
 """Finds the program parts that an extension has."""
@@ -57,8 +57,8 @@ class GroundStep:
     `names` holds the symbol of every named atom; `before`, `now` and `ending` the atoms of step t-1 and of step t by
     their symbol without its time. `initial` are the timed symbols that hold at the start, without their time;
     `obstacles` are the reasons why the step is no function of the state and the action. With `after_steps_alone`, the
-    final check is wrong for a plan without actions: clingo has simplified it by atoms that every step makes true, but
-    not the start.
+    final check is wrong for a plan without actions: clingo has simplified it by atoms that are true after every step,
+    but not initially.
     `grounding` can ground more rules on top of the step (see `extend_step`).
     """
 
@@ -76,8 +76,8 @@ class GroundStep:
 def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
     """Ground one step of a program for every state that it may start from.
 
-    The atoms of step t-1 are not known beforehand: the step is ground again until it makes no new ones. If it makes new
-    ones without end, as a counter without a bound does, the result has an obstacle.
+    The atoms of step t-1 are not known beforehand: the step is ground again until it derives no new ones. If it always
+    derives new ones, like an unbounded counter, the result has an obstacle.
 
     Raises:
         DomainError: clingo cannot ground the program.
@@ -113,7 +113,7 @@ def _ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep
 
 
 def _unbounded(obstacle: Obstacle, reads: StepReads) -> GroundStep:
-    """Return an empty step with the obstacle that it makes new atoms without end."""
+    """Return an empty step with the obstacle that it always derives new atoms."""
     return GroundStep({}, {}, {}, {}, frozenset(), consistent=True, obstacles=(*reads.obstacles, obstacle))
 
 
@@ -192,12 +192,12 @@ def _add_carried(seeds: Seeds, program: Program, reads: StepReads) -> Signature 
         grounder.ground([("step", [clingo.Number(STEP + step)]) for step in range(steps, steps + more)])
         steps += more
         last = clingo.Number(STEP + steps - 1)
-        found = [atom.symbol for each in carried for atom in atoms.by_signature(*each)]
-        large = next((symbol for symbol in found if measure(symbol, sizes, _size) > MOST_SYMBOLS), None)
+        symbols = [atom.symbol for each in carried for atom in atoms.by_signature(*each)]
+        large = next((symbol for symbol in symbols if measure(symbol, sizes, _size) > MOST_SYMBOLS), None)
         if large is not None:
             return _signature(timeless(large))
-        seeds |= dict.fromkeys(timeless(symbol) for symbol in found if symbol.arguments[-1] != last)
-        new = {timeless(symbol) for symbol in found if symbol.arguments[-1] == last} - seeds.keys()
+        seeds |= dict.fromkeys(timeless(symbol) for symbol in symbols if symbol.arguments[-1] != last)
+        new = {timeless(symbol) for symbol in symbols if symbol.arguments[-1] == last} - seeds.keys()
         if not new:
             return None
         seeds |= dict.fromkeys(sorted(new))
@@ -268,7 +268,7 @@ def _ground_once(started: Grounding, program: Program, seeds: Seeds, facts: Fact
     grounder, recorder = started.grounder, started.recorder
     # clingo defines the projection that `not p(_,t)` reads as soon as atoms p(X,t) exist.
     recorder.part = "step"
-    # Later steps may add to what is known of this state: it is open, so that no goal makes it a fact here.
+    # Later steps may add known values of this state: it stays open, so that no goal makes it a fact here.
     open_states = [STATE(*each, NOW) for each in _open_values(facts)]
     _declare(grounder, seeds, open_states)
     _ground_parts(grounder, recorder, ("step", "hindsight"))
@@ -301,23 +301,23 @@ def _ground_parts(grounder: Grounder, recorder: GroundRecorder, parts: Iterable[
 
 def _initial(grounder: Grounder, reads: StepReads) -> set[clingo.Symbol]:
     """Return the atoms of the start, without their time."""
-    found: set[clingo.Symbol] = set()
+    initial: set[clingo.Symbol] = set()
     for signature in reads.timed | reads.previous:
         for (*arguments, time), _, _ in ground_atoms(grounder.control, *signature):
             if time == START:
-                found.add(clingo.Function(signature[0], arguments))
-    return found
+                initial.add(clingo.Function(signature[0], arguments))
+    return initial
 
 
 def _open_start(started: Grounding) -> None:
-    """Leave open the atoms that only the start has: the check of a plan without actions reads them."""
+    """Declare the atoms of only the initial state as open: the check of a plan without actions reads them."""
     atoms = started.grounder.control.symbolic_atoms
     at_now = (clingo.Function(each.name, [*each.arguments, NOW]) for each in sorted(started.initial))
     started.grounder.leave_open(each for each in at_now if atoms[each] is None)
 
 
 def _declare(grounder: Grounder, seeds: Iterable[clingo.Symbol], others: Iterable[clingo.Symbol]) -> None:
-    """Leave open the `seeds` at step t-1, and `others`."""
+    """Declare the `seeds` at step t-1 and the `others` as open."""
     grounder.leave_open([*(clingo.Function(each.name, [*each.arguments, BEFORE]) for each in seeds), *others])
 
 
@@ -370,7 +370,7 @@ def _recorded(grounder: Grounder, recorder: GroundRecorder, reads: StepReads) ->
     if Unsupported.THEORY in recorder.unsupported:
         obstacles.append(Obstacle(Unsupported.THEORY.value))
     names: dict[int, clingo.Symbol] = {}
-    found: dict[clingo.Symbol, dict[clingo.Symbol, int]] = {NOW: {}, BEFORE: {}}
+    by_time: dict[clingo.Symbol, dict[clingo.Symbol, int]] = {NOW: {}, BEFORE: {}}
     initial: set[clingo.Symbol] = set()
     always: list[clingo.Symbol] = []
     for name, arity in sorted(reads.timed | reads.previous | {STATE, FINAL}):
@@ -386,13 +386,13 @@ def _recorded(grounder: Grounder, recorder: GroundRecorder, reads: StepReads) ->
             if time == NOW and is_fact and (name, arity) in reads.timed & (reads.last | CONTRACT):
                 always.append(clingo.Function(name, others))
             names[literal] = symbol
-            if time in found:
-                found[time][clingo.Function(name, others)] = literal
+            if time in by_time:
+                by_time[time][clingo.Function(name, others)] = literal
     if any(rule.heads for rule in recorder.rules.get("base", [])):
         obstacles.append(Obstacle("the base part makes a choice"))
     return GroundStep(
         {part: tuple(rules) for part, rules in recorder.rules.items()},
-        names, found[BEFORE], found[NOW], frozenset(initial),
+        names, by_time[BEFORE], by_time[NOW], frozenset(initial),
         consistent=not any(not rule.heads for rule in recorder.rules.get("base", [])),
         obstacles=tuple(dict.fromkeys(obstacles)), after_steps_alone=any(each not in initial for each in always),
     )  # fmt: skip

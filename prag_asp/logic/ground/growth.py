@@ -1,4 +1,4 @@
-"""Rules that may carry new values from step to step without end, such as unbounded counters."""
+"""Find rules that may carry ever new values from step to step, such as unbounded counters."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from prag_asp.program.sources import Program
 from prag_asp.program.syntax import VARIABLE, AtomNode, Signature, atoms, children_of, head_atoms, variables
 
 FINITE = {OCCURS, HOLDS}
-"""Timed predicates that take no values but those that the domain declares."""
+"""Timed predicates that take only the values that the domain declares."""
 
 MADE = (ASTType.BinaryOperation, ASTType.UnaryOperation, ASTType.Function)
-"""Terms that make new values."""
+"""The kinds of terms that build new values."""
 
 
 def growing_heads(
     heads: Iterable[AtomNode], body: Iterable[tuple[AST, str]], timed: Collection[Signature]
 ) -> Iterator[Signature]:
-    """Yield the heads of a rule that make new values of carried ones that nothing in the body bounds.
+    """Yield the heads of a rule that build new values from carried values that no literal of the body bounds.
 
     Each literal of the body comes with its text. A second literal that reads a variable may bound it.
     """
@@ -48,23 +48,23 @@ def _is_carried(literal: AST, text: str, timed: Collection[Signature]) -> bool:
 
 
 def _made_of(head: AtomNode) -> set[str]:
-    """Return the variables from which an atom makes a new value."""
+    """Return the variables from which an atom builds a new value."""
     if all(VARIABLE.fullmatch(argument) for argument in head.arguments[:-1]):
         return set()
-    found: set[str] = set()
+    names: set[str] = set()
     waiting = list(head.terms[:-1])
     while waiting:
         term = waiting.pop()
         if term.ast_type in MADE:
-            found |= variables(str(term))
+            names |= variables(str(term))
         else:
             waiting += children_of(term)
-    return found
+    return names
 
 
 def locate_head(program: Program, signature: Signature) -> str:
-    """Return file and line of a rule of a step that derives a predicate, preferably one that makes new values."""
-    found: list[tuple[bool, int]] = []
+    """Return file and line of a rule of a step that derives a predicate, preferably one that builds new values."""
+    lines: list[tuple[bool, int]] = []
     part = "base"
 
     def collect(statement: AST) -> None:
@@ -74,8 +74,8 @@ def locate_head(program: Program, signature: Signature) -> str:
         elif statement.ast_type == ASTType.Rule and part == "step":
             heads, _ = head_atoms(statement.head)
             if any(head.signature == signature for head in heads):
-                found.append((not any(map(_made_of, heads)), statement.location.begin.line))
+                lines.append((not any(map(_made_of, heads)), statement.location.begin.line))
 
     parse_string(program.text, collect)
-    path, line = program.locate(min(found)[1])
+    path, line = program.locate(min(lines)[1])
     return f"{path}:{line}"

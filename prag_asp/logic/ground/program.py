@@ -40,7 +40,7 @@ Joint = Sequence[Sequence[Sequence[clingo.Symbol]]]
 """Groups of interchangeable entities, and of units whose entities are interchangeable together."""
 
 DESCRIBING = (CONTRACT, "skeleton.lp")
-"""The encodings that mention the added predicates in any case."""
+"""The encodings that always mention the added predicates."""
 
 
 def whole_program(domain: Domain) -> Program:
@@ -49,7 +49,7 @@ def whole_program(domain: Domain) -> Program:
 
 
 def weighing_program(domain: Domain, program: Program, weighed: Sequence[str]) -> Program:
-    """Return a program of a domain with the rules for what weights depend on, and the facts `weighed`."""
+    """Return a program of a domain with the rules of `weights.lp` and the facts `weighed`."""
     whole = Program((*program.sources, *_rules(domain, "weights")))
     facts = domain.facts
     stated = weighed if _read(program, MENTIONS) else [*weighed, *mention_facts(facts.actions, facts.entities)]
@@ -85,9 +85,9 @@ def canonical_extension(
     if any(_read(domain.program, predicate) for predicate in CANONICAL):
         return None
     rules = _canonical_rules(domain, joint)
-    known = set(_added_facts(domain.facts, domain.program))
+    stated = set(_added_facts(domain.facts, domain.program))
     facts = _added_facts(domain.facts, Program((*domain.program.sources, *rules)))
-    added = [*(each for each in facts if each not in known), *_order_facts(groups, joint)]
+    added = [*(each for each in facts if each not in stated), *_order_facts(groups, joint)]
     carried = [INTRODUCED.timeless(entity) for group in groups for entity in group[:-1]]
     for number, units in enumerate(joint):
         for place in range(len(units) - 1):
@@ -115,10 +115,10 @@ def _unit_facts(number: int, units: Sequence[Sequence[clingo.Symbol]]) -> Iterat
 
 
 def _rules(domain: Domain, name: str) -> tuple[Source, ...]:
-    """Return a file of rules of the encodings, with its includes, without what the domain has already."""
-    known = {source.path.resolve() for source in domain.program.sources}
+    """Return a file of rules of the encodings with its includes, without files that the domain already has."""
+    paths = {source.path.resolve() for source in domain.program.sources}
     rules = read_sources(domain.encodings / "rules" / f"{name}.lp", domain.encodings)
-    return tuple(rule for rule in rules if rule.path.resolve() not in known)
+    return tuple(rule for rule in rules if rule.path.resolve() not in paths)
 
 
 def _added_facts(facts: Facts, program: Program) -> list[str]:
@@ -143,5 +143,5 @@ def _read(program: Program, predicate: EncodingPredicate) -> bool:
 
 
 def with_facts(program: Program, facts: Sequence[str]) -> Program:
-    """Return a program with more facts, each a text that ends in a period."""
+    """Return a program with additional facts, each a text that ends in a period."""
     return Program((*program.sources, Source(ADDED, " ".join(facts))))

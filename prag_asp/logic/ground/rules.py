@@ -37,7 +37,7 @@ class Rule(NamedTuple):
 
     @property
     def is_disjunctive(self) -> bool:
-        """Whether one of several heads follows, whichever."""
+        """Whether one of several heads follows."""
         return len(self.heads) > 1 and not self.choice
 
     @property
@@ -51,7 +51,7 @@ class GroundRecorder(clingo.Observer):
 
     `rules` are those of each program part; the caller sets the `part` before it is ground. Without `base_facts`, facts
     of the base part are not recorded. `shown` are the conditions under which a symbol is shown, `projected` the atoms
-    of ``#project``, None where there is no such statement. `externals` have the last value stated of each.
+    of ``#project``, None without such a statement. `externals` have the last value of each.
     """
 
     def __init__(self, *, base_facts: bool = True) -> None:

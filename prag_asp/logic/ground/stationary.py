@@ -84,11 +84,11 @@ class Obstacle:
 
 @dataclass(frozen=True)
 class StepReads:
-    """What the rules of a step read of the step before.
+    """The predicates that the rules of a step read.
 
     `timed` are the predicates with a time, `previous` those read at step t-1, and `last` those that the check after the
-    last step reads. `growing` are the timed ones that may take new values without end. `obstacles` are the reasons why
-    the step is no function of the state and the action.
+    last step reads. `growing` are the timed ones that may take ever new values. `obstacles` are the reasons why the
+    step is no function of the state and the action.
     """
 
     timed: frozenset[Signature]
@@ -131,7 +131,7 @@ def _reads_number(rule: _TimedRule) -> bool:
 
 
 def read_step(program: Program) -> StepReads:
-    """Return what the parts ``step(t)`` and ``check(t)`` of a program read of step t-1.
+    """Return the predicates of step t-1 that the parts ``step(t)`` and ``check(t)`` of a program read.
 
     Statements that clingo cannot parse are skipped: grounding the program raises the error.
     """
@@ -186,7 +186,7 @@ def _may_carry_time(rule: _TimedRule, timed: Collection[Signature]) -> bool:
 
 
 def _obstacle(rule: _TimedRule, part: str, timed: Collection[Signature], previous: set[Signature]) -> Obstacle | None:
-    """Return why a rule is not the same at every step, or None; add what it reads of step t-1 to `previous`."""
+    """Return the reason why a rule differs between steps, or None; add the predicates that it reads to `previous`."""
     for atom in rule.atoms():
         wrong = _read_elsewhere(atom, timed) if part == "base" else _misread(atom, part, rule.times, timed)
         if wrong:
@@ -201,14 +201,14 @@ def _obstacle(rule: _TimedRule, part: str, timed: Collection[Signature], previou
 
 
 def _read_elsewhere(atom: AtomNode, timed: Collection[Signature]) -> tuple[str, ...] | None:
-    """Return what is wrong with reading an atom in the base part, None where nothing is."""
+    """Return the problem of reading an atom in the base part, or None."""
     if atom.signature in timed and _time_of(atom) != START:
         return ("is read outside of the parts step(t) and check(t)",)
     return None
 
 
 def _misread(atom: AtomNode, part: str, times: _Times, timed: Collection[Signature]) -> tuple[str, ...] | None:
-    """Return what is wrong with an atom of a step or a check, and the remedy if there is one; None if nothing is."""
+    """Return the problem of an atom of a step or a check, with the remedy if there is one, or None."""
     time = _time_of(atom)
     if atom.name.startswith("-") and (time in (times.now, times.before) or atom.signature in timed):
         return "is strongly negated", "carry a predicate of another name along instead"

@@ -1,4 +1,4 @@
-"""All steps of a program as the ground rules that clingo makes."""
+"""All steps of a program as ground rules."""
 
 from __future__ import annotations
 

@@ -51,12 +51,12 @@ class Circuit:
 
 
 class Gates:
-    """Makes gates: equal gates are shared, and a gate that a constant decides is that constant."""
+    """Builds gates: equal gates are shared, and a gate that a constant decides is that constant."""
 
     def __init__(self, inputs: int) -> None:
         self._inputs = inputs
         self._numbers: dict[tuple[bool, tuple[int, ...]], int] = {}
-        self._made: list[tuple[bool, tuple[int, ...]]] = []
+        self._keys: list[tuple[bool, tuple[int, ...]]] = []
 
     def input(self, place: int) -> int:
         """Return the gate of an input."""
@@ -72,15 +72,15 @@ class Gates:
 
     def _gate(self, conjunction: bool, operands: Iterable[int]) -> int:
         neutral, decisive = (TRUE, FALSE) if conjunction else (FALSE, TRUE)
-        found = set(operands) - {neutral}
-        if decisive in found:
+        inputs = set(operands) - {neutral}
+        if decisive in inputs:
             return decisive
-        if len(found) < 2:
-            return found.pop() if found else neutral
-        key = (conjunction, tuple(sorted(found)))
+        if len(inputs) < 2:
+            return inputs.pop() if inputs else neutral
+        key = (conjunction, tuple(sorted(inputs)))
         if key not in self._numbers:
-            self._numbers[key] = CONSTANTS + self._inputs + len(self._made)
-            self._made.append(key)
+            self._numbers[key] = CONSTANTS + self._inputs + len(self._keys)
+            self._keys.append(key)
         return self._numbers[key]
 
     def circuit(self, roots: Sequence[int]) -> tuple[Circuit, Mapping[int, int]]:
@@ -90,14 +90,14 @@ class Gates:
         depths: dict[int, int] = {}
         kinds: dict[tuple[int, bool], list[int]] = {}
         for gate in needed:
-            conjunction, operands = self._made[gate - before]
+            conjunction, operands = self._keys[gate - before]
             depths[gate] = 1 + max(depths.get(each, 0) for each in operands)
             kinds.setdefault((depths[gate], conjunction), []).append(gate)
         numbers = {gate: gate for gate in range(before)}
         layers = []
         for (_, conjunction), members in sorted(kinds.items()):
             first = len(numbers)
-            read = [self._made[gate - before][1] for gate in members]
+            read = [self._keys[gate - before][1] for gate in members]
             numbers |= {gate: first + place for place, gate in enumerate(members)}
             starts = np.array([0, *accumulate(map(len, read[:-1]))], dtype=np.intp)
             reading = np.array([numbers[each] for several in read for each in several], dtype=np.intp)
@@ -105,7 +105,7 @@ class Gates:
         return Circuit(self._inputs, len(numbers), tuple(layers)), numbers
 
     def _needed(self, roots: Sequence[int]) -> list[int]:
-        """Return the gates that roots read, directly or not, in the order in which they were made."""
+        """Return the gates that roots read, directly or indirectly, in order of construction."""
         before = CONSTANTS + self._inputs
         needed: set[int] = set()
         waiting = [gate for gate in roots if gate >= before]
@@ -113,5 +113,5 @@ class Gates:
             gate = waiting.pop()
             if gate not in needed:
                 needed.add(gate)
-                waiting += [each for each in self._made[gate - before][1] if each >= before]
+                waiting += [each for each in self._keys[gate - before][1] if each >= before]
         return sorted(needed)

@@ -1,7 +1,7 @@
 """The cone of influence: the part of a state that decides which plans are valid.
 
-A state needs only what some constraint reads, directly or through rules, now or later. An invariant that no action can
-break from a state that satisfies it constrains nothing, so that it adds nothing to the cone.
+A state needs only the atoms that constraints read, directly or through rules, now or later. An invariant that no
+action can break from a state that satisfies it constrains nothing, so it adds nothing to the cone.
 """
 
 from __future__ import annotations
@@ -36,18 +36,18 @@ def find_cone(step: NormalStep, labels: Iterable[int] = ()) -> Cone:
     roots = [*_atoms(direct), *labels, *leaves]
     reached = influence.of(roots)
     invariants = [body for body in candidates if not _atoms([body]) <= reached]
-    kept = [body for body in candidates if _atoms([body]) <= reached]
+    constraints = [body for body in candidates if _atoms([body]) <= reached]
     broken = find_breakable(step, invariants) if invariants else []
-    reached = influence.of([*roots, *_atoms(kept), *_atoms(broken)])
+    reached = influence.of([*roots, *_atoms(constraints), *_atoms(broken)])
     variables = {influence.before[atom] for atom in reached if atom in influence.before}
     variables |= {timeless(step.ground.names[atom]) for atom in leaves}
-    return Cone(tuple(sorted(variables)), (*direct, *kept, *broken))
+    return Cone(tuple(sorted(variables)), (*direct, *constraints, *broken))
 
 
 def _leaves(step: NormalStep) -> set[int]:
     """Return the atoms of step t that the final check reads."""
-    read = _atoms((*step.final, *(body for found in step.final_bodies.values() for body in found)))
-    return {atom for atom in read if atom not in step.final_bodies and atom in step.ground.names}
+    atoms = _atoms((*step.final, *(body for bodies in step.final_bodies.values() for body in bodies)))
+    return {atom for atom in atoms if atom not in step.final_bodies and atom in step.ground.names}
 
 
 def _atoms(bodies: Iterable[RuleBody]) -> set[int]:
@@ -87,12 +87,12 @@ def find_breakable(step: NormalStep, invariants: list[RuleBody]) -> list[RuleBod
     assumed constraints hold at the start; the rest is an induction over the steps.
     """
     query = _BreakQuery(step, invariants)
-    found: set[int] = set()
+    broken: set[int] = set()
     while True:
-        new = query.broken() - found
+        new = query.broken() - broken
         if not new:
-            return [invariants[number] for number in sorted(found)]
-        found |= new
+            return [invariants[number] for number in sorted(broken)]
+        broken |= new
         query.drop(new)
 
 
@@ -158,13 +158,13 @@ def _state_constraints(step: NormalStep, reached: set[int]) -> list[RuleBody]:
     clauses = [body.literals for body in step.constraints if not body.weights]
     for atom in moved:
         clauses += [(*body.literals, -atom) for body in step.bodies.get(atom, ()) if not body.weights]
-    found = []
+    constraints = []
     for literals in clauses:
         if all(abs(literal) in moved for literal in literals):
             body = RuleBody(tuple(_moved(literal, moved) for literal in literals))
             if not all((abs(literal) in start) == (literal > 0) for literal in body.literals):
-                found.append(body)
-    return found
+                constraints.append(body)
+    return constraints
 
 
 def _moved(literal: int, moved: Mapping[int, int]) -> int:

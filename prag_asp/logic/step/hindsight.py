@@ -1,4 +1,4 @@
-"""The known values of the states of plans, with what later steps reveal, for many plans at once."""
+"""The known values of the states of many plans at once, including values that later steps reveal."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ TRUE, FALSE, UNKNOWN = 1, 0, -1
 class Hindsight:
     """The rules of a step and of ``hindsight.lp`` as functions on columns, one column for each plan.
 
-    A *state* is what a step reads of the step before, shape (variables, plans); *seen* is what hindsight reads of a
-    step, shape (atoms, plans); *known* is the truth of each ``_state(F, V, t)``, shape (atoms, plans). All are boolean.
-    `fluents` are numbered in their order.
+    A *state* has the atoms that a step reads of the previous step, shape (variables, plans); *seen* has those that
+    hindsight reads of a step, shape (atoms, plans); *known* is the truth of each ``_state(F, V, t)``, shape (atoms,
+    plans). All are boolean. `fluents` are numbered in their order.
     """
 
     step: NormalStep
@@ -46,7 +46,7 @@ class Hindsight:
 
     @cached_property
     def _carried(self) -> Mapping[int, int]:
-        """For each variable, an atom of step t-1, its counterpart of step t; 0 where there is none."""
+        """For each variable, an atom of step t-1, its counterpart of step t, or 0."""
         ground = self.step.ground
         carried = {ground.before[symbol]: atom for symbol, atom in ground.now.items() if symbol in ground.before}
         return {**{ground.before[symbol]: 0 for symbol in ground.initial if symbol in ground.before}, **carried}
@@ -111,21 +111,21 @@ class Hindsight:
         return _rows_of(columns, self._carried.values(), size), _rows_of(columns, self._seen, size)
 
     def evaluate_last(self, seen: Truth) -> Truth:
-        """Return the known atoms of the final state, given what is seen of the last step."""
-        return self._tell(dict(zip(self._seen, seen, strict=True)), "ending", seen.shape[1])
+        """Return the known atoms of the final state, from the seen atoms of the last step."""
+        return self._evaluated(dict(zip(self._seen, seen, strict=True)), "ending", seen.shape[1])
 
     def evaluate_before(self, seen: Truth, known: Truth) -> Truth:
-        """Return the known atoms of the states before steps, given what is seen of the steps and known after them."""
+        """Return the known atoms of the states before steps, from the seen atoms of the steps and those known after."""
         columns = dict(zip(self._seen, seen, strict=True))
         columns.update(zip((atom for atom, *_ in self._rows), known, strict=True))
-        return self._tell(columns, "hindsight", seen.shape[1])
+        return self._evaluated(columns, "hindsight", seen.shape[1])
 
     def end_values(self, read: Truth) -> FluentValues:
-        """Return the values in final states, given the truth of the atoms `last_read`; shape (fluents, plans)."""
+        """Return the values in final states, from the truth of the atoms `last_read`; shape (fluents, plans)."""
         columns = dict(zip(self._read("ending"), read, strict=True))
-        return self.values(self._tell(columns, "ending", read.shape[1]))
+        return self.values(self._evaluated(columns, "ending", read.shape[1]))
 
-    def _tell(self, columns: dict[int, Column], part: str, size: int) -> Truth:
+    def _evaluated(self, columns: dict[int, Column], part: str, size: int) -> Truth:
         bodies, strata = self._parts[part]
         _evaluate(strata, bodies, columns, size)
         place = 0 if part == "ending" else 1
@@ -133,10 +133,10 @@ class Hindsight:
 
     def values(self, known: Truth) -> FluentValues:
         """Return known atoms as values of fluents."""
-        found = np.full((len(self.fluents), known.shape[1]), UNKNOWN, dtype=np.int8)
+        values = np.full((len(self.fluents), known.shape[1]), UNKNOWN, dtype=np.int8)
         for (_, _, row, value), column in zip(self._rows, known, strict=True):
-            found[row, column] = value
-        return found
+            values[row, column] = value
+        return values
 
 
 def _number(value: clingo.Symbol) -> int:
@@ -158,7 +158,7 @@ def _evaluate(
 
 
 def solved_states(program: Program, plan: Plan, fluents: Sequence[clingo.Symbol]) -> FluentValues:
-    """Return the values in the states of one plan by solving the unrolled program, which is slower and always works.
+    """Return the values in the states of one plan by solving the unrolled program, which is slower but always works.
 
     Shape (fluents, length of the plan + 1).
     """
@@ -169,7 +169,7 @@ def solved_states(program: Program, plan: Plan, fluents: Sequence[clingo.Symbol]
     grounder.ground([*unrolled(length), ("ending", [clingo.Number(length)]), *hindsight])
     atoms = grounder.control.symbolic_atoms
     occurring = [atoms[OCCURS(a, clingo.Number(k))] for k, a in enumerate(plan, 1)]
-    known = np.full((len(fluents), length + 1), UNKNOWN, dtype=np.int8)
+    values = np.full((len(fluents), length + 1), UNKNOWN, dtype=np.int8)
     rows = {fluent: row for row, fluent in enumerate(fluents)}
     with grounder.control.solve(assumptions=[a.literal for a in occurring if a], yield_=True) as handle:
         model = handle.model()
@@ -177,8 +177,8 @@ def solved_states(program: Program, plan: Plan, fluents: Sequence[clingo.Symbol]
         for symbol in model.symbols(atoms=True):
             if symbol.match(*STATE) and symbol.arguments[0] in rows:
                 fluent, value, time = symbol.arguments
-                known[rows[fluent], time.number] = _number(value)
-    return known
+                values[rows[fluent], time.number] = _number(value)
+    return values
 
 
 def numbered_goals(hindsight: Hindsight, marks: NDArray[np.bool_]) -> NDArray[np.int64]:
@@ -188,5 +188,5 @@ def numbered_goals(hindsight: Hindsight, marks: NDArray[np.bool_]) -> NDArray[np
     """
     kinds, places = np.unique(marks, axis=0, return_inverse=True)
     _, goal_of = np.unique(hindsight.end_values(kinds.T), axis=1, return_inverse=True)
-    found: NDArray[np.int64] = goal_of.reshape(-1)[places.reshape(-1)]
-    return found
+    numbers: NDArray[np.int64] = goal_of.reshape(-1)[places.reshape(-1)]
+    return numbers

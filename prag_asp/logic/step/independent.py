@@ -1,8 +1,8 @@
 """The independent parts of a domain, which share no variable, action, rule or condition on the final state.
 
-All that depends on no variable is evaluated first, so that rules that count or name the actions of a step join no
-parts. An action then belongs to the variables that it reads or sets. A part must also stay as it is while another one
-acts, which `Transition.rests` decides for each state.
+Atoms that depend on no variable are evaluated first, so that rules that count or name the actions of a step join no
+parts. An action then belongs to the variables that it reads or sets. A part must also remain unchanged while another
+part acts; `Transition.rests` decides this for each state.
 """
 
 from __future__ import annotations
@@ -97,11 +97,11 @@ class _Parts:
             inside = set(stratum.atoms)
             read = {abs(literal) for atom in stratum.atoms for body in self._transition.rules.idle[atom]
                     for literal in body.literals}  # fmt: skip
-            if all(atom in decided or atom in inside or not self._known(atom) for atom in read):
+            if all(atom in decided or atom in inside or not self._is_defined(atom) for atom in read):
                 decided |= inside
         return decided
 
-    def _known(self, atom: int) -> bool:
+    def _is_defined(self, atom: int) -> bool:
         return atom in self._variable or atom in self._transition.rules.order
 
     def _join_what_no_action_leaves(self) -> None:
@@ -125,13 +125,13 @@ class _Parts:
         self._join([action, *(("variable", place) for place in self._transition.places_set(move))])
         constants = {**self._transition.rules.no_action, **move.constants}
         for number in move.touched:
-            left = simplify(self._transition.constraints[number], constants)
-            if isinstance(left, RuleBody):
+            simplified = simplify(self._transition.constraints[number], constants)
+            if isinstance(simplified, RuleBody):
                 self._join([action, *self._idle_nodes.get(number, ())])
                 self._asking.setdefault(number, []).append(action)
 
     def _join_lonely(self) -> bool:
-        """Join what no action touches, and the actions without variables; return whether separate actions remain."""
+        """Join nodes that no action touches, and actions without variables; return whether separate actions remain."""
         acting = {self._root(("action", letter)) for letter in self._moves}
         placed = {self._root(("variable", place)) for place in range(len(self._transition.variables))}
         self._join([IDLE, *(placed - acting)])
@@ -168,7 +168,7 @@ class _Parts:
             atom = waiting.pop()
             if atom not in seen:
                 seen.add(atom)
-                waiting += [abs(each) for found in step.final_bodies.get(atom, ()) for each in found.literals]
+                waiting += [abs(each) for derivation in step.final_bodies.get(atom, ()) for each in derivation.literals]
         return [("variable", places[atom]) for atom in sorted(seen) if atom in places and atom not in step.final_bodies]
 
     def _root(self, node: Node) -> Node:

@@ -19,9 +19,9 @@ from prag_asp.logic.step.strata import Stratum
 class Move:
     """The compiled rules of one action: guards over the state, rules, constraints, and the effect on the state.
 
-    `touched` are the constraints that read the action. Of the packed state that no action leaves, the bits `keep`
-    stay, the bits `put` are set, and `changed` says which other places an atom decides; `labels` and `fixed_labels`
-    are the same for labels. `constants` are the atoms whose truth the action alone decides.
+    `touched` are the constraints that read the action. From the packed state after a step without an action, the bits
+    `keep` stay, the bits `put` are set, and `changed` maps other places to the atoms that decide them; `labels` and
+    `fixed_labels` are the same for labels. `constants` are the atoms whose truth the action alone decides.
     """
 
     guards: tuple[RuleBody, ...]
@@ -44,30 +44,32 @@ def compile_move(rules: StepRules, action: int) -> Move:
     constants = {**rules.no_action, action: True}
     bodies, strata = _left_of_rules(rules, action, affected, constants)
     touched = {number for atom in (*affected, action) for number in rules.constraint_readers.get(atom, ())}
-    left = [simplify(rules.constraints[number], constants) for number in sorted(touched)]
-    residual = [body for body in left if isinstance(body, RuleBody)]
+    simplified = [simplify(rules.constraints[number], constants) for number in sorted(touched)]
+    residual = [body for body in simplified if isinstance(body, RuleBody)]
     guards = tuple(body for body in residual if not any(abs(literal) in affected for literal in body.literals))
     later = tuple(body for body in residual if any(abs(literal) in affected for literal in body.literals))
-    known = {atom: constants[atom] for atom in (action, *affected) if atom in constants}
-    values = {place: value for atom, value in known.items() for place in rules.places.get(atom, ())}
-    changed = {place: atom for atom in affected if atom not in known for place in rules.places.get(atom, ())}
-    labels = [(place, atom) for atom in affected if atom not in known for place in rules.label_places.get(atom, ())]
+    constant_atoms = {atom: constants[atom] for atom in (action, *affected) if atom in constants}
+    values = {place: value for atom, value in constant_atoms.items() for place in rules.places.get(atom, ())}
+    changed = {place: atom for atom in affected if atom not in constant_atoms for place in rules.places.get(atom, ())}
+    labels = [
+        (place, atom) for atom in affected if atom not in constant_atoms for place in rules.label_places.get(atom, ())
+    ]
     words = words_for(len(rules.written))
-    wanted = {*changed.values(), *(atom for _, atom in labels)}
+    roots = {*changed.values(), *(atom for _, atom in labels)}
     return Move(
         guards,
-        _needed(strata, bodies, wanted | {abs(literal) for body in later for literal in body.literals}),
+        _needed(strata, bodies, roots | {abs(literal) for body in later for literal in body.literals}),
         bodies,
         later,
         frozenset(touched),
-        known,
-        any(body is True for body in left),
+        constant_atoms,
+        any(body is True for body in simplified),
         keep=~mask_of([*values, *changed], words),
         put=mask_of([place for place, value in values.items() if value], words),
         changed=tuple(sorted(changed.items())),
         labels=tuple(sorted(labels)),
         fixed_labels=tuple(
-            (place, value) for atom, value in known.items() for place in rules.label_places.get(atom, ())
+            (place, value) for atom, value in constant_atoms.items() for place in rules.label_places.get(atom, ())
         ),
     )
 
@@ -93,12 +95,12 @@ def _left_of_rules(
         stratum = rules.strata[place]
         inside = set(stratum.atoms) if stratum.recursive else set()
         for atom in stratum.atoms:
-            left = [simplify(body, constants) for body in rules.bodies_with(action, atom)]
-            if any(body is True for body in left):
+            simplified = [simplify(body, constants) for body in rules.bodies_with(action, atom)]
+            if any(body is True for body in simplified):
                 constants[atom] = True
-            elif atom not in inside and all(body is False for body in left):
+            elif atom not in inside and all(body is False for body in simplified):
                 constants[atom] = False
-            bodies[atom] = tuple([body for body in left if isinstance(body, RuleBody)])
+            bodies[atom] = tuple([body for body in simplified if isinstance(body, RuleBody)])
         open_atoms = tuple(atom for atom in stratum.atoms if atom not in constants)
         if open_atoms:
             strata.append(Stratum(open_atoms, stratum.recursive))
@@ -108,7 +110,7 @@ def _left_of_rules(
 def _needed(
     strata: Sequence[Stratum], bodies: Mapping[int, tuple[RuleBody, ...]], roots: set[int]
 ) -> tuple[Stratum, ...]:
-    """Return the strata that the atoms `roots` still depend on after simplification."""
+    """Return the strata on which the atoms `roots` still depend after simplification."""
     needed = set(roots)
     found = []
     for stratum in reversed(strata):

@@ -1,4 +1,4 @@
-"""Literals of the state that forbid actions, tested for all actions at once: most cannot occur in most states."""
+"""Literals of the state that forbid actions, tested for all actions at once: in most states, most cannot occur."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from prag_asp.logic.step.normal import RuleBody
 from prag_asp.logic.step.strata import Column
 
 ROOM = 2**25
-"""The memory in bytes of the columns that are tested together."""
+"""The maximum memory in bytes of the columns that are tested together."""
 
 
 @dataclass(frozen=True)

@@ -112,7 +112,7 @@ def _add_unnamed(ground: GroundStep, final_bodies: dict[int, list[RuleBody]], fi
             for head in rule.heads:
                 if head not in ground.names:
                     defined.setdefault(head, []).append(_body(rule))
-    waiting = [body for found in final_bodies.values() for body in found] + list(final)
+    waiting = [body for derivations in final_bodies.values() for body in derivations] + list(final)
     while waiting:
         for literal in waiting.pop().literals:
             atom = abs(literal)
@@ -137,7 +137,7 @@ def _body(rule: Rule) -> RuleBody:
 
 
 def _frozen(bodies: Mapping[int, list[RuleBody]]) -> dict[int, tuple[RuleBody, ...]]:
-    return {atom: tuple(found) for atom, found in bodies.items()}
+    return {atom: tuple(derivations) for atom, derivations in bodies.items()}
 
 
 def _fresh_atoms(ground: GroundStep) -> Iterator[int]:

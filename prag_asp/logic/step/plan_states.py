@@ -57,7 +57,7 @@ class PlanStates:
     def __init__(self, hindsight: Hindsight) -> None:
         self._hindsight = hindsight
         self._width = len(hindsight.step.occurs)
-        self._states, self._seen, self._known = _Rows(), _Rows(), _Rows()
+        self._states, self._seen, self._outcomes = _Rows(), _Rows(), _Rows()
         self._steps: dict[int, tuple[int, int]] = {}
         self._last: dict[int, int] = {}
         self._before: dict[int, int] = {}
@@ -84,18 +84,18 @@ class PlanStates:
         state = np.full(count, self._start)
         seen = np.full((length + 1, count), self._nothing)
         for k in range(length):
-            step = _looked_up(self._steps, state * self._width + plans[:, k], self._follow)
+            step = _look_up(self._steps, state * self._width + plans[:, k], self._follow)
             state, seen[k + 1] = step[:, 0], step[:, 1]
-        known = np.empty((length + 1, count), dtype=np.int64)
-        known[length] = _looked_up(self._last, seen[length], self._evaluate_last)
+        state_numbers = np.empty((length + 1, count), dtype=np.int64)
+        state_numbers[length] = _look_up(self._last, seen[length], self._evaluate_last)
         for k in range(length, 0, -1):
-            known[k - 1] = _looked_up(self._before, (known[k] << 32) + seen[k], self._evaluate_before)
-        plans_first: Numbers = known.T
+            state_numbers[k - 1] = _look_up(self._before, (state_numbers[k] << 32) + seen[k], self._evaluate_before)
+        plans_first: Numbers = state_numbers.T
         return plans_first
 
     def values(self, numbers: Sequence[int]) -> FluentValues:
         """Return the values with some numbers, shape (fluents, numbers)."""
-        return self._hindsight.values(self._known.get(numbers))
+        return self._hindsight.values(self._outcomes.get(numbers))
 
     def _follow(self, keys: list[int]) -> list[tuple[int, int]]:
         states = self._states.get([key // self._width for key in keys])
@@ -103,22 +103,24 @@ class PlanStates:
         return list(zip(self._states.add(after), self._seen.add(seen), strict=True))
 
     def _evaluate_last(self, keys: list[int]) -> list[int]:
-        return self._known.add(self._hindsight.evaluate_last(self._seen.get(keys)))
+        return self._outcomes.add(self._hindsight.evaluate_last(self._seen.get(keys)))
 
     def _evaluate_before(self, keys: list[int]) -> list[int]:
         seen = self._seen.get([key & 0xFFFFFFFF for key in keys])
-        return self._known.add(self._hindsight.evaluate_before(seen, self._known.get([key >> 32 for key in keys])))
+        return self._outcomes.add(
+            self._hindsight.evaluate_before(seen, self._outcomes.get([key >> 32 for key in keys]))
+        )
 
 
-def _looked_up(table: dict[int, Any], keys: Numbers, evaluate: Callable[[list[int]], list[Any]]) -> Numbers:
+def _look_up(table: dict[int, Any], keys: Numbers, evaluate: Callable[[list[int]], list[Any]]) -> Numbers:
     """Return the entries of a table for keys, after computing the missing ones."""
     different, places = np.unique(keys, return_inverse=True)
-    wanted = different.tolist()
-    new = [key for key in wanted if key not in table]
+    distinct = different.tolist()
+    new = [key for key in distinct if key not in table]
     if new:
         table.update(zip(new, evaluate(new), strict=True))
-    found: Numbers = np.array([table[key] for key in wanted])[places]
-    return found
+    entries: Numbers = np.array([table[key] for key in distinct])[places]
+    return entries
 
 
 class SolvedPlanStates:
@@ -137,11 +139,11 @@ class SolvedPlanStates:
 
     def numbers(self, plans: Numbers) -> Numbers:
         """Return the number of the known values of each state 0..n of valid plans; shape (plans, n + 1)."""
-        found = np.empty((plans.shape[0], plans.shape[1] + 1), dtype=np.int64)
-        for row, letters in zip(found, plans.tolist(), strict=True):
-            known = solved_states(self._program, tuple(self.letters[each] for each in letters), self._fluents)
-            row[:] = [self._numbers.setdefault(state.tobytes(), len(self._numbers)) for state in known.T]
-        return found
+        numbers = np.empty((plans.shape[0], plans.shape[1] + 1), dtype=np.int64)
+        for row, letters in zip(numbers, plans.tolist(), strict=True):
+            values = solved_states(self._program, tuple(self.letters[each] for each in letters), self._fluents)
+            row[:] = [self._numbers.setdefault(state.tobytes(), len(self._numbers)) for state in values.T]
+        return numbers
 
     def values(self, numbers: Sequence[int]) -> FluentValues:
         """Return the values with some numbers, shape (fluents, numbers)."""

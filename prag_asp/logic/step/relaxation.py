@@ -26,7 +26,7 @@ from prag_asp.logic.step.strata import Stratum
 from prag_asp.logic.step.transition import Transition
 
 MOST_ROUNDS = 16
-"""The size up to which a recursive stratum is evaluated; atoms of larger ones may have any value."""
+"""The maximum size of a recursive stratum that is evaluated; atoms of larger ones may have any value."""
 
 ROOM = 2**23
 """The largest memory in bytes of the operands of one gate."""
@@ -51,10 +51,7 @@ class Relaxation:
     ends: int
 
     def within(self, states: Rows, left: int) -> tuple[NDArray[np.bool_], bool]:
-        """Return which states may be at most `left` steps from the end, and whether the others cannot reach it at all.
-
-        From the others, no plan ends within `left` steps.
-        """
+        """Return which states may be at most `left` steps from the end, and whether all others can never reach it."""
         near = np.empty(len(states), dtype=np.bool_)
         together = 64 * max(ROOM // (8 * self.circuit.widest), 4)
         forever = True
@@ -99,7 +96,7 @@ def relax(transition: Transition) -> Relaxation:
 
 
 class _Relaxed:
-    """Makes the gates of a step."""
+    """Builds the gates of a step."""
 
     def __init__(self, transition: Transition, gates: Gates, inputs: Sequence[May]) -> None:
         self._transition, self._gates, self._inputs = transition, gates, inputs
@@ -156,11 +153,11 @@ class _Relaxed:
             if not stratum.recursive:
                 values |= {atom: self._value(bodies[atom], value) for atom in stratum.atoms}
                 continue
-            known = len(stratum.atoms) <= MOST_ROUNDS
+            evaluated = len(stratum.atoms) <= MOST_ROUNDS
             # In the least model, a true atom is derived within as many rounds as there are atoms. That an atom
             # may be false is always assumed.
-            values |= dict.fromkeys(stratum.atoms, NEVER if known else ANYTHING)
-            for _ in range(len(stratum.atoms) if known else 0):
+            values |= dict.fromkeys(stratum.atoms, NEVER if evaluated else ANYTHING)
+            for _ in range(len(stratum.atoms) if evaluated else 0):
                 values |= {atom: (self._value(bodies[atom], value)[0], TRUE) for atom in stratum.atoms}
 
     def _value(self, bodies: Sequence[RuleBody], value: Callable[[int], May]) -> May:

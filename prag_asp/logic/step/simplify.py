@@ -17,10 +17,10 @@ def simplify(body: RuleBody, constants: Constants) -> RuleBody | bool:
         return _simplified_sum(body, constants)
     unknown = []
     for literal in body.literals:
-        known = constants.get(abs(literal))
-        if known is None:
+        truth = constants.get(abs(literal))
+        if truth is None:
             unknown.append(literal)
-        elif known == (literal < 0):
+        elif truth == (literal < 0):
             return False
     if len(unknown) == len(body.literals):
         return body if unknown else True
@@ -30,11 +30,11 @@ def simplify(body: RuleBody, constants: Constants) -> RuleBody | bool:
 def _simplified_sum(body: RuleBody, constants: Constants) -> RuleBody | bool:
     bound, literals, weights = body.bound, [], []
     for literal, weight in zip(body.literals, body.weights, strict=True):
-        known = constants.get(abs(literal))
-        if known is None:
+        truth = constants.get(abs(literal))
+        if truth is None:
             literals.append(literal)
             weights.append(weight)
-        elif known == (literal > 0):
+        elif truth == (literal > 0):
             bound -= weight
     if bound <= 0:
         return True
@@ -43,9 +43,9 @@ def _simplified_sum(body: RuleBody, constants: Constants) -> RuleBody | bool:
     return RuleBody(tuple(literals), bound, tuple(weights))
 
 
-def as_bodies(left: Iterable[RuleBody | bool]) -> Iterator[RuleBody]:
+def as_bodies(simplified: Iterable[RuleBody | bool]) -> Iterator[RuleBody]:
     """Yield simplified bodies: an empty one for a true body, nothing for a false one."""
-    for body in left:
+    for body in simplified:
         if isinstance(body, RuleBody):
             yield body
         elif body:

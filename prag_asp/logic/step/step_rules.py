@@ -56,9 +56,9 @@ class StepRules:
     def idle_constraints(self) -> list[tuple[int, RuleBody]]:
         """The constraints, simplified for no action, with their numbers."""
         return [
-            (number, left)
+            (number, simplified)
             for number, body in enumerate(self.constraints)
-            for left in as_bodies([simplify(body, self.no_action)])
+            for simplified in as_bodies([simplify(body, self.no_action)])
         ]
 
     @cached_property
@@ -81,7 +81,7 @@ class StepRules:
     def bodies_with(self, action: int, atom: int) -> list[RuleBody]:
         """Return the bodies of an atom that may be true if one action occurs and no other."""
         by_action, sums, others = self._by_action[atom]
-        return [*by_action.get(action, ()), *(left for each in sums for left in each.with_action(action)), *others]
+        return [*by_action.get(action, ()), *(body for each in sums for body in each.with_action(action)), *others]
 
     @cached_property
     def readers(self) -> Mapping[int, list[int]]:

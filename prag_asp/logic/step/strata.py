@@ -1,4 +1,4 @@
-"""Ground rules in an order in which each atom comes after what it depends on, and their evaluation on columns."""
+"""Stratification of ground rules, and their evaluation on columns."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def _stratum(members: list[int], bodies: Mapping[int, tuple[RuleBody, ...]]) -> 
 
 
 def body_column(body: RuleBody, column: Callable[[int], Column], size: int) -> Column:
-    """Return where a body is true."""
+    """Return the column of the truth of a body."""
     if body.weights:
         total = np.zeros(size, dtype=np.int64)
         for literal, weight in zip(body.literals, body.weights, strict=True):
@@ -102,6 +102,6 @@ def evaluate(
 def _any_body(bodies: tuple[RuleBody, ...], column: Callable[[int], Column], size: int) -> Column:
     value: Column | None = None
     for body in bodies:
-        found = body_column(body, column, size)
-        value = found if value is None else value | found
+        result = body_column(body, column, size)
+        value = result if value is None else value | result
     return np.zeros(size, dtype=np.bool_) if value is None else value

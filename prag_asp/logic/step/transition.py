@@ -1,8 +1,8 @@
 """A step of a domain as a function from states to states, evaluated on all states of a frontier at once.
 
-Nothing here knows what a rule means. The ground rules are evaluated once with no action, which leaves every atom a
-column over the states; an action then re-evaluates just the atoms that depend on it, and only on the states in which
-it breaks no constraint that reads the state directly.
+This module does not interpret the meaning of rules. The ground rules are evaluated once without an action, which gives
+every atom a column over the states. An action then re-evaluates only the atoms that depend on it, and only on the
+states in which it breaks no constraint that reads the state directly.
 """
 
 from __future__ import annotations
@@ -73,8 +73,8 @@ class Transition:
         """The rules of the step in order, with an index of their readers."""
         now, bodies = self.step.ground.now, self.step.bodies
         atoms = (now.get(symbol, 0) for symbol in self.variables)
-        kept = set(self.step.occurs.values())
-        written = tuple(atom if atom in bodies or atom in kept else 0 for atom in atoms)
+        actions = set(self.step.occurs.values())
+        written = tuple(atom if atom in bodies or atom in actions else 0 for atom in atoms)
         return StepRules(
             self.step, self.constraints, written, tuple(now.get(symbol, 0) for symbol in self.labels)
         )  # fmt: skip
@@ -100,7 +100,7 @@ class Transition:
         return self._moves[letter]
 
     def accepts(self, states: Rows) -> Column:
-        """Return in which states a plan may end, shape (number of states,)."""
+        """Return whether a plan may end in each state, shape (number of states,)."""
         broken = np.zeros(len(states), dtype=np.bool_)
         if not self.step.final:
             return ~broken
@@ -114,11 +114,11 @@ class Transition:
 
     def places_set(self, move: Move) -> list[int]:
         """Return the variables that an action decides, in order."""
-        kept = unpack(move.keep[None], len(self.variables))[:, 0]
-        return [place for place, stays in enumerate(kept.tolist()) if not stays]
+        unchanged = unpack(move.keep[None], len(self.variables))[:, 0]
+        return [place for place, stays in enumerate(unchanged.tolist()) if not stays]
 
     def rests(self, states: Rows) -> Column:
-        """Return which states do not change and break no constraint if no action occurs, shape (states,)."""
+        """Return whether each state is unchanged and breaks no constraint if no action occurs, shape (states,)."""
         before = _Before.evaluated(self.rules, self._columns(states, self.step.ground.before), len(states))
         stays: Column = (before.after == states).all(axis=1) & (before.breaches == 0)
         return stays
@@ -189,9 +189,9 @@ def _apply(move: Move, letter: int, before: _Before, sources: NDArray[np.intp]) 
     for body in move.constraints:
         bad |= body_column(body, column, len(sources))
     if bad.any():
-        kept = ~bad
-        sources = sources[kept]
-        columns = {atom: value[kept] for atom, value in columns.items()}
+        allowed = ~bad
+        sources = sources[allowed]
+        columns = {atom: value[allowed] for atom, value in columns.items()}
     states = (before.after[sources] & move.keep) | move.put
     for place, atom in move.changed:
         word, shift, _ = bit(place)
@@ -223,8 +223,8 @@ def _unguarded(move: Move, before: _Before, tried: NDArray[np.bool_] | None) -> 
 
 
 def _stacked(columns: Iterator[Column], size: int) -> NDArray[np.bool_]:
-    found = list(columns)
-    return np.stack(found) if found else np.zeros((0, size), dtype=np.bool_)
+    rows = list(columns)
+    return np.stack(rows) if rows else np.zeros((0, size), dtype=np.bool_)
 
 
 def _reader(columns: Mapping[int, Column], size: int) -> Callable[[int], Column]:

@@ -47,9 +47,9 @@ def states_unevenly(facts: Facts, groups: Collection[Sequence[clingo.Symbol]]) -
 
 def _idle_goals(facts: Facts) -> Iterator[clingo.Symbol]:
     """Yield the fluents of the goal that have to be false and are false in every state."""
-    wanted = [fluent for fluent, value in facts.goal if value == "false"]
-    graph = invariant_graph(facts) if wanted else {}
-    return (fluent for fluent in wanted if conflict(entailed([(fluent, True)], graph)))
+    negative = [fluent for fluent, value in facts.goal if value == "false"]
+    graph = invariant_graph(facts) if negative else {}
+    return (fluent for fluent in negative if conflict(entailed([(fluent, True)], graph)))
 
 
 def _stated(facts: Facts, shapes: Shapes) -> Iterator[_Stated]:

@@ -69,17 +69,17 @@ class Atoms:
         self._of_atom = {
             atom: self._named(shapes.of(symbol))
             for atom, symbol in ground.names.items()
-            if not symbol.match(*FINDING)  # a condition may number in it what is alike
+            if not symbol.match(*FINDING)  # a condition may assign different numbers to alike entities in it
         }
         step, facts = propagate_facts(ground.rules.get("step", ()))
         check, _ = propagate_facts(ground.rules.get("check", ()), facts)
-        told = [*((rule, False) for rule in step), *((rule, True) for rule in check)]
-        self._defining = definitions = self._definitions(rule for rule, _ in told)
+        tagged = [*((rule, False) for rule in step), *((rule, True) for rule in check)]
+        self._defining = definitions = self._definitions(rule for rule, _ in tagged)
         for component in components(definitions, lambda atom: _below(definitions[atom], definitions)):
             self._number_component(component, definitions)
         self.rules = {
             SpelledRule(frozenset(map(self.number, rule.heads)), self._body(rule), last)
-            for rule, last in told
+            for rule, last in tagged
             if not (len(rule.heads) == 1 and rule.heads[0] in definitions)
         }
         start = (self._named(shapes.of(symbol)) for symbol in ground.initial)
@@ -100,12 +100,12 @@ class Atoms:
     def shapes(self, rules: Iterable[SpelledRule]) -> dict[int, list[Shaped]]:
         """Return the named atoms of rules, by the entities that they name."""
         inside = {atom for heads, (_, _, body), _ in rules for atom in (*heads, *(each for each, _, _ in body))}
-        found: dict[int, list[Shaped]] = {}
+        by_entities: dict[int, list[Shaped]] = {}
         for key in map(self._keys.__getitem__, sorted(inside)):
             if isinstance(key, tuple):
                 for entity in {*key[1]}:
-                    found.setdefault(entity, []).append(key)
-        return found
+                    by_entities.setdefault(entity, []).append(key)
+        return by_entities
 
     def has(self, shaped: Shaped) -> bool:
         """Return whether there is an atom with a name."""
@@ -141,7 +141,7 @@ class Atoms:
             if names.keys().isdisjoint(self.mentioned[atom]):
                 moved[atom] = atom
             elif isinstance(key, frozenset):
-                said = frozenset(
+                bodies = frozenset(
                     (
                         choice,
                         bound,
@@ -149,7 +149,7 @@ class Atoms:
                     )
                     for choice, bound, literals in key
                 )
-                moved[atom] = self._numbers.get(said, MISSING)
+                moved[atom] = self._numbers.get(bodies, MISSING)
             else:
                 moved[atom] = self._numbers.get(self._under(key, names, np.empty(0, dtype=np.int64)), MISSING)
         return moved[atom]
@@ -175,7 +175,7 @@ class Atoms:
 
     def _definitions(self, rules: Iterable[Rule]) -> dict[int, list[Rule]]:
         """Return the rules of the unnamed atoms that are identified by them; others are identified by themselves."""
-        found: dict[int, list[Rule]] = {}
+        definitions: dict[int, list[Rule]] = {}
         for rule in rules:
             for head in rule.heads:
                 if head in self._of_atom:
@@ -183,39 +183,39 @@ class Atoms:
                 if rule.choice or len(rule.heads) > 1:
                     self._of_atom[head] = self._new(-head, frozenset())
                 else:
-                    found.setdefault(head, []).append(rule)
-        found = {atom: own for atom, own in found.items() if atom not in self._of_atom}
+                    definitions.setdefault(head, []).append(rule)
+        definitions = {atom: own for atom, own in definitions.items() if atom not in self._of_atom}
         around = [
             atom
-            for component in components(found, lambda atom: _below(found[atom], found))
-            if _negates(component, found)
+            for component in components(definitions, lambda atom: _below(definitions[atom], definitions))
+            if _negates(component, definitions)
             for atom in component
         ]
         for atom in around:
             self._of_atom[atom] = self._new(-atom, frozenset())
-            del found[atom]
-        return dict(_passed_on(found))
+            del definitions[atom]
+        return dict(_passed_on(definitions))
 
     def _number_component(self, component: list[int], definitions: Mapping[int, list[Rule]]) -> None:
         """Assign numbers to the atoms of a component, which may be a single atom."""
         if len(component) == 1 and component[0] not in _below(definitions[component[0]], definitions):
-            self._of_atom[component[0]] = self._said(definitions[component[0]])
+            self._of_atom[component[0]] = self._number_by_rules(definitions[component[0]])
             return
         inside = self._new(INSIDE, frozenset())
         self._of_atom.update(dict.fromkeys(component, inside))
-        found = 1
+        classes = 1
         while True:
-            finer = {atom: self._said(definitions[atom]) for atom in component}
+            finer = {atom: self._number_by_rules(definitions[atom]) for atom in component}
             self._of_atom.update(finer)
-            if len(set(finer.values())) == found:
+            if len(set(finer.values())) == classes:
                 break
-            found = len(set(finer.values()))
+            classes = len(set(finer.values()))
         whole = self._defined(frozenset({(False, COMPONENT, frozenset((each, 0, 1) for each in finer.values()))}))
         for atom, own in finer.items():
             key = frozenset({(False, COMPONENT, frozenset({(own, 0, 1), (whole, 0, 2)}))})
             self._of_atom[atom] = self._defined(key)
 
-    def _said(self, rules: Iterable[Rule]) -> int:
+    def _number_by_rules(self, rules: Iterable[Rule]) -> int:
         """Return the number of an unnamed atom, given the numbers of the atoms that its rules read."""
         return self._defined(frozenset(map(self._body, rules)))
 
@@ -273,8 +273,8 @@ def _passed_on(rules: Mapping[int, list[Rule]]) -> Iterator[tuple[int, list[Rule
                 if below not in reached:
                     reached[below] = None
                     waiting.append(below)
-        said = (rule for below in reached for rule in solid[below])
-        yield atom, [rule for rule in said if rule.weights or atom not in rule.body]
+        derived_by = (rule for below in reached for rule in solid[below])
+        yield atom, [rule for rule in derived_by if rule.weights or atom not in rule.body]
 
 
 def _passes(rule: Rule, among: Mapping[int, object]) -> bool:

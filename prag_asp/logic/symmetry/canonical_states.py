@@ -110,14 +110,14 @@ class Merging:
     def twins(self, states: Rows) -> NDArray[np.bool_]:
         """Return which entities are twins of the entity before them, shape (states, entities)."""
         together = max(TOGETHER // self.size, 1)
-        found = [np.zeros((0, self.size), dtype=np.bool_)]
+        columns = [np.zeros((0, self.size), dtype=np.bool_)]
         for start in range(0, len(states), together):
             bits, keys = self._keys(states[start : start + together])
-            found.append(self._alike(bits, keys, np.broadcast_to(np.arange(self.size), keys.shape))[0])
-        return np.concatenate(found)
+            columns.append(self._alike(bits, keys, np.broadcast_to(np.arange(self.size), keys.shape))[0])
+        return np.concatenate(columns)
 
     def classes(self, twins: NDArray[np.bool_]) -> Twins:
-        """Return the classes of twins in some states, where `twins` says which entities are those of the one before."""
+        """Return the classes of twins in some states; `twins` marks the entities that are twins of the previous one."""
         return Twins.between(self.actions, twins)
 
     def free(self, states: Rows) -> NDArray[np.bool_]:
@@ -152,20 +152,20 @@ class Merging:
         initial_colours: Colours = np.zeros((len(states), self.size), dtype=np.uint64)
         while len(waiting):
             bits, keys = self._keys(states[waiting], initial_colours)
-            found = self._sorted(keys)
-            orders[waiting] = found
-            keys = np.take_along_axis(keys, found, axis=1)
-            twins, ties = self._alike(bits, keys, found)
+            order = self._sorted(keys)
+            orders[waiting] = order
+            keys = np.take_along_axis(keys, order, axis=1)
+            twins, ties = self._alike(bits, keys, order)
             unsettled = ties & ~twins
             rows = np.flatnonzero(unsettled.any(axis=1))
             # One of the first tied entities that are no twins is individualized, together with its twins.
             one = unsettled[rows].argmax(axis=1)[:, None]
             tied = keys[rows] == np.take_along_axis(keys[rows], one, axis=1)
             row, place = np.nonzero(tied & (self._group == self._group[one]))
-            chosen = found[rows[row], one[row, 0]]
-            alike = are_twins(bits, self.moved, rows[row], np.stack([chosen, found[rows[row], place]], axis=1))
+            chosen = order[rows[row], one[row, 0]]
+            alike = are_twins(bits, self.moved, rows[row], np.stack([chosen, order[rows[row], place]], axis=1))
             initial_colours = initial_colours[rows]
-            initial_colours[row[alike], found[rows[row], place][alike]] += MARK
+            initial_colours[row[alike], order[rows[row], place][alike]] += MARK
             waiting = waiting[rows]
         return orders
 

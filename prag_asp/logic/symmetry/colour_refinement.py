@@ -43,7 +43,7 @@ class StateBits:
 
 
 def find_bits(rows: Rows, terms: Patterns, term_of: NDArray[np.int64]) -> StateBits:
-    """Return the bits set in packed states; `term_of` maps a variable to its term, -1 where it has none."""
+    """Return the bits set in packed states; `term_of` maps a variable to its term, or to -1."""
     state, word = np.nonzero(rows)
     octets = rows[state, word].astype("<u8")[:, None].view(np.uint8)
     place, shift = np.nonzero(np.unpackbits(octets, axis=1, bitorder="little"))
@@ -75,12 +75,12 @@ def refine_colours(bits: StateBits, initial: Colours) -> Colours:
     number = _distinct(refined)
     while True:
         finer = _refined(bits, refined, inverse)
-        found = _distinct(finer)
-        grown = found > number
+        counts = _distinct(finer)
+        grown = counts > number
         if not grown.any():
             break
         # A stable state keeps its colours, even if others are refined further.
-        refined[grown], number[grown] = finer[grown], found[grown]
+        refined[grown], number[grown] = finer[grown], counts[grown]
     colours = colours.copy()
     colours[states] = refined
     return colours
@@ -92,13 +92,13 @@ def _refined(bits: StateBits, colours: Colours, state: NDArray[np.intp]) -> Colo
     entities = bits.entities(bits.related)
     sums = np.zeros_like(colours)
     for place in range(entities.shape[1]):
-        told = _mixed(pattern + np.uint64(1 + place * 2**32))
+        hashes = _mixed(pattern + np.uint64(1 + place * 2**32))
         for other in range(entities.shape[1]):
             if other != place:
                 there = entities[:, other] >= 0
-                told[there] = _mixed(told[there] ^ colours[state[there], entities[there, other]])
+                hashes[there] = _mixed(hashes[there] ^ colours[state[there], entities[there, other]])
         there = entities[:, place] >= 0
-        np.add.at(sums, (state[there], entities[there, place]), told[there])
+        np.add.at(sums, (state[there], entities[there, place]), hashes[there])
     return _mixed(colours ^ _mixed(sums + np.uint64(1)))
 
 
@@ -110,8 +110,8 @@ def _mixed(values: NDArray[np.uint64]) -> NDArray[np.uint64]:
 
 def _distinct(colours: Colours) -> NDArray[np.intp]:
     ordered = np.sort(colours, axis=1)
-    found: NDArray[np.intp] = (ordered[:, 1:] != ordered[:, :-1]).sum(axis=1)
-    return found
+    differences: NDArray[np.intp] = (ordered[:, 1:] != ordered[:, :-1]).sum(axis=1)
+    return differences
 
 
 def are_twins(
@@ -126,10 +126,10 @@ def are_twins(
     if not len(bits.related):
         return result
     starts = np.searchsorted(bits.state[bits.related], np.arange(len(bits.rows) + 1))
-    asked = np.flatnonzero(result & (starts[state + 1] > starts[state]))
-    size = max(int((starts[state[asked] + 1] - starts[state[asked]]).max(initial=1)), 1)
-    for begin in range(0, len(asked), max(TOGETHER // size, 1)):
-        some = asked[begin : begin + max(TOGETHER // size, 1)]
+    candidates = np.flatnonzero(result & (starts[state + 1] > starts[state]))
+    size = max(int((starts[state[candidates] + 1] - starts[state[candidates]]).max(initial=1)), 1)
+    for begin in range(0, len(candidates), max(TOGETHER // size, 1)):
+        some = candidates[begin : begin + max(TOGETHER // size, 1)]
         result[some] = _relations_agree(bits, variable_of, state[some], pairs[some], starts)
     return result
 

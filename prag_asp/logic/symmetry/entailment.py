@@ -37,27 +37,27 @@ class Consequences:
         """Return whether the test finds that a rule is a consequence."""
         if not rule.is_plain:
             return False
-        known = self._follow((atom, sign) for atom, sign, _ in rule.body[2])
-        if known is None:
+        consequences = self._follow((atom, sign) for atom, sign, _ in rule.body[2])
+        if consequences is None:
             return True
-        return len(rule.heads) == 1 and (*rule.heads, 0) in known
+        return len(rule.heads) == 1 and (*rule.heads, 0) in consequences
 
-    def _follow(self, given: Iterable[_Literal]) -> set[_Literal] | None:
-        """Return all that follows from some literals, or None if they contradict the rules or each other."""
-        known = {*given, *((atom, 0) for atom in self._facts)}
-        waiting = list(known)
+    def _follow(self, literals: Iterable[_Literal]) -> set[_Literal] | None:
+        """Return the consequences of some literals, or None if they contradict the rules or each other."""
+        consequences = {*literals, *((atom, 0) for atom in self._facts)}
+        waiting = list(consequences)
         reached: Counter[int] = Counter()
         while waiting:
             atom, sign = waiting.pop()
-            if (atom, 1 - sign) in known:
+            if (atom, 1 - sign) in consequences:
                 return None
             for number, weight in self._having.get((atom, sign), ()):
                 heads, bound = self._rules[number]
                 if reached[number] < bound <= reached[number] + weight:
                     if not heads:
                         return None
-                    if (heads[0], 0) not in known:
-                        known.add((heads[0], 0))
+                    if (heads[0], 0) not in consequences:
+                        consequences.add((heads[0], 0))
                         waiting.append((heads[0], 0))
                 reached[number] += weight
-        return known
+        return consequences

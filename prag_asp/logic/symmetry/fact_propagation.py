@@ -12,33 +12,34 @@ from prag_asp.logic.ground.rules import Rule
 
 
 def propagate_facts(rules: Sequence[Rule], facts: Iterable[int] = ()) -> tuple[list[Rule], set[int]]:
-    """Return equivalent rules without facts in their bodies, and all facts; `facts` are already known."""
-    known = {*facts, *(rule.heads[0] for rule in rules if _states(rule))}
-    spoken = known | {-fact for fact in known}
+    """Return equivalent rules without facts in their bodies, and all facts, including the given `facts`."""
+    derived = {*facts, *(rule.heads[0] for rule in rules if _states(rule))}
+    spoken = derived | {-fact for fact in derived}
     if all(spoken.isdisjoint(rule.body) for rule in rules):
-        return list(_without_known(rules, known)), known
-    left = list(rules)
+        return list(_without_facts(rules, derived)), derived
+    remaining = list(rules)
     reading: dict[int, list[int]] = {}
     for number, rule in enumerate(rules):
         for literal in rule.body:
             reading.setdefault(abs(literal), []).append(number)
-    waiting, gone = deque(known), set[int]()
+    waiting, gone = deque(derived), set[int]()
     while waiting:
         fact = waiting.popleft()
         for number in reading.get(fact, ()):
-            rest = _after(left[number], fact) if number not in gone else None
+            rest = _after(remaining[number], fact) if number not in gone else None
             if rest is None:
                 gone.add(number)
                 continue
-            left[number] = rest
-            if _states(rest) and rest.heads[0] not in known:
-                known.add(rest.heads[0])
+            remaining[number] = rest
+            if _states(rest) and rest.heads[0] not in derived:
+                derived.add(rest.heads[0])
                 waiting.append(rest.heads[0])
-    return list(_without_known((rule for number, rule in enumerate(left) if number not in gone), known)), known
+    simplified = (rule for number, rule in enumerate(remaining) if number not in gone)
+    return list(_without_facts(simplified, derived)), derived
 
 
 def _states(rule: Rule) -> bool:
-    """Return whether a rule states its only head."""
+    """Return whether a rule is a fact."""
     return not rule.body and not rule.choice and len(rule.heads) == 1 and rule.bound <= 0
 
 
@@ -48,20 +49,20 @@ def _after(rule: Rule, fact: int) -> Rule | None:
         if -fact in rule.body:
             return None
         return Rule(rule.heads, tuple(literal for literal in rule.body if literal != fact), rule.choice)
-    left = [pair for pair in zip(rule.body, rule.weights, strict=True) if abs(pair[0]) != fact]
+    rest = [pair for pair in zip(rule.body, rule.weights, strict=True) if abs(pair[0]) != fact]
     bound = rule.bound - sum(weight for literal, weight in zip(rule.body, rule.weights, strict=True) if literal == fact)
     if bound <= 0:
         return Rule(rule.heads, (), rule.choice)
-    if sum(weight for _, weight in left) < bound:
+    if sum(weight for _, weight in rest) < bound:
         return None
-    return Rule(rule.heads, tuple(each for each, _ in left), rule.choice, bound, tuple(each for _, each in left))
+    return Rule(rule.heads, tuple(each for each, _ in rest), rule.choice, bound, tuple(each for _, each in rest))
 
 
-def _without_known(rules: Iterable[Rule], known: set[int]) -> Iterator[Rule]:
+def _without_facts(rules: Iterable[Rule], facts: set[int]) -> Iterator[Rule]:
     """Yield the rules that do not derive known facts, and each known fact once."""
     stated = set[int]()
     for rule in rules:
-        if len(rule.heads) != 1 or rule.choice or rule.heads[0] not in known:
+        if len(rule.heads) != 1 or rule.choice or rule.heads[0] not in facts:
             yield rule
         elif _states(rule) and rule.heads[0] not in stated:
             stated.add(rule.heads[0])

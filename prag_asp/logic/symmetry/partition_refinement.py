@@ -26,10 +26,10 @@ def refine_partition(facts: Mapping[int, Hashable], terms: Iterable[Shaped]) -> 
     while touched:
         parts: dict[int, dict[Hashable, list[int]]] = {}
         for entity in touched:
-            said = sorted(
+            signature = sorted(
                 (shape, *(-1 if each == entity else kinds[each] for each in inside)) for shape, inside in naming[entity]
             )
-            parts.setdefault(kinds[entity], {}).setdefault(tuple(said), []).append(entity)
+            parts.setdefault(kinds[entity], {}).setdefault(tuple(signature), []).append(entity)
         moved: list[int] = []
         for kind, split in parts.items():
             # The untouched entities form one part; the touched ones differ from them and are new.

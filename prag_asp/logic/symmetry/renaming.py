@@ -22,16 +22,16 @@ class Shapes:
     def __init__(self, entities: Mapping[clingo.Symbol, int]) -> None:
         self._entities = entities
         self._numbers: dict[object, int] = {}
-        self._told: dict[clingo.Symbol, Shaped] = {}
+        self._shaped: dict[clingo.Symbol, Shaped] = {}
 
     def of(self, term: clingo.Symbol) -> Shaped:
         """Return the shape of a term and the entities in it."""
-        found = self._told.get(term)
-        if found is None:
-            found = self._told[term] = self._tell(term)
-        return found
+        shaped = self._shaped.get(term)
+        if shaped is None:
+            shaped = self._shaped[term] = self._compute(term)
+        return shaped
 
-    def _tell(self, term: clingo.Symbol) -> Shaped:
+    def _compute(self, term: clingo.Symbol) -> Shaped:
         if term in self._entities:
             return PLACE, (self._entities[term],)
         if term.type != clingo.SymbolType.Function or not term.arguments:

@@ -53,14 +53,14 @@ class Symmetries:
     @cached_property
     def innermost(self) -> tuple[tuple[Unit, ...], ...]:
         """The groups, as units of one entity, and the joint groups whose units contain no other group."""
-        found: list[tuple[Unit, ...]] = [tuple((entity,) for entity in group) for group in self.groups]
+        innermost: list[tuple[Unit, ...]] = [tuple((entity,) for entity in group) for group in self.groups]
         inside = {entity for group in self.groups for entity in group}
         for units in reversed(self.joint):
             members = {entity for unit in units for entity in unit}
             if inside.isdisjoint(members):
-                found.append(units)
+                innermost.append(units)
             inside |= members
-        return tuple(found)
+        return tuple(innermost)
 
     @cached_property
     def naming(self) -> dict[clingo.Symbol, Unit]:

@@ -37,10 +37,10 @@ def find_symmetries(facts: Facts, ground: GroundStep, bare: Callable[[], GroundS
     With `bare`, renamings also have to keep the step that it returns; it is called only if entities are alike in
     `ground`.
     """
-    entities, told = sorted(facts.entities), _stated(facts)
+    entities, class_of = sorted(facts.entities), _stated(facts)
     by_class: dict[Hashable, list[int]] = {}
     for number, each in enumerate(entities):
-        by_class.setdefault(told[each], []).append(number)
+        by_class.setdefault(class_of[each], []).append(number)
     classes = [members for members in by_class.values() if len(members) > 1]
     if not classes:
         return Symmetries()
@@ -48,16 +48,16 @@ def find_symmetries(facts: Facts, ground: GroundStep, bare: Callable[[], GroundS
     rules = _Rules(Atoms(ground, numbers), None if bare is None else lambda: _Rules(Atoms(bare(), numbers)))
     blocks: list[list[int]] = []
     for members in classes:
-        found: list[list[int]] = []
+        alike: list[list[int]] = []
         for entity in members:
-            for group in found:
+            for group in alike:
                 if rules.kept_by(group[0], entity):
                     group.append(entity)
                     break
             else:
-                found.append([entity])
-        blocks += found
-    kinds = refine_partition({number: told[entities[number]] for block in blocks for number in block}, rules.exact)
+                alike.append([entity])
+        blocks += alike
+    kinds = refine_partition({number: class_of[entities[number]] for block in blocks for number in block}, rules.exact)
     joint = joint_groups([tuple(block) for block in blocks], kinds, rules)
 
     def named(numbers: Iterable[int]) -> tuple[clingo.Symbol, ...]:
@@ -115,11 +115,11 @@ class _Actions:
     @cached_property
     def naming(self) -> dict[int, list[Shaped]]:
         """The actions by the entities that they name."""
-        found: dict[int, list[Shaped]] = {}
+        by_entity: dict[int, list[Shaped]] = {}
         for action in self.all:
             for entity in set(action[1]):
-                found.setdefault(entity, []).append(action)
-        return found
+                by_entity.setdefault(entity, []).append(action)
+        return by_entity
 
     def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[Conflict]:
         """Yield the actions that name some entities and whose image is no action."""
@@ -187,10 +187,10 @@ class _Rules:
     def _says(self, rule: SpelledRule, names: Mapping[int, int]) -> bool:
         """Return whether the image of a rule is a rule or entailed."""
         image = self.atoms.renamed(rule, names)
-        return image is not None and (image in self._known or self._consequences(image.last).has(image))
+        return image is not None and (image in self._present or self._consequences(image.last).has(image))
 
     @cached_property
-    def _known(self) -> frozenset[SpelledRule]:
+    def _present(self) -> frozenset[SpelledRule]:
         return frozenset(self._deriving)
 
     def size(self, entities: Iterable[int]) -> int:
@@ -233,7 +233,7 @@ class _Rules:
         return [_table(self.atoms, rules) for rules in forms.values()]
 
     def _consequences(self, last: bool) -> Consequences:
-        """Return what follows in every step, or in the last one."""
+        """Return the consequences in every step, or in the last step."""
         return self._of_the_last if last else self._of_every
 
     @cached_property
@@ -284,9 +284,9 @@ class _RuleRows:
             return
         images, ordered = self._inside(image), self._inside(rows)
         if not np.array_equal(_sorted(images), _sorted(ordered)):
-            known = set(map(tuple, ordered.tolist()))
+            present = set(map(tuple, ordered.tolist()))
             for row, each in enumerate(images.tolist()):
-                if tuple(each) not in known:
+                if tuple(each) not in present:
                     yield self._rule(ordered[row].tolist()), self._rule(each)
 
     def _rule(self, row: Sequence[int]) -> SpelledRule:

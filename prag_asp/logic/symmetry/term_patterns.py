@@ -97,8 +97,8 @@ def read_patterns(terms: Sequence[clingo.Symbol], groups: Sequence[Sequence[Unit
     if len(kinds) * (len(units) + 1) ** table.shape[1] > LARGEST_CODE:
         return None
     sizes = [len(group) for group in groups]
-    wanted = [_renamings(signature, sizes) for signature in signatures]
-    complete = np.bincount(pattern, minlength=len(kinds)).tolist() == wanted
+    numbers_of_renamings = [_renamings(signature, sizes) for signature in signatures]
+    complete = np.bincount(pattern, minlength=len(kinds)).tolist() == numbers_of_renamings
     return Patterns(pattern, table, np.array([*map(len, signatures)], dtype=np.int64), len(units), complete)
 
 

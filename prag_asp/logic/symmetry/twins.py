@@ -62,12 +62,12 @@ class Twins:
     def _twins_before(
         self, entities: NDArray[np.int64], place: int, states: NDArray[np.intp] | slice
     ) -> NDArray[np.int64]:
-        """Return how many of the entities that actions name before a place are twins of the one that they name there.
+        """Return the number of entities that actions name before a place and that are twins of the one at this place.
 
         `entities` has shape (actions, most named), the result (states, actions).
         """
         first = self.first[states]
-        found = np.zeros((len(first), len(entities)), dtype=np.int64)
+        counts = np.zeros((len(first), len(entities)), dtype=np.int64)
         for earlier in range(place):
-            found += first[:, entities[:, earlier]] == first[:, entities[:, place]]
-        return found
+            counts += first[:, entities[:, earlier]] == first[:, entities[:, place]]
+        return counts

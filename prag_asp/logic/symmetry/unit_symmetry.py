@@ -61,7 +61,7 @@ def joint_groups(blocks: Sequence[Block], kinds: Mapping[int, int], rules: Renam
 
     Entities of different `kinds` are not interchangeable.
     """
-    found: list[list[Block]] = []
+    groups: list[list[Block]] = []
     search: _UnitSearch | None = None
     while True:
         alike: dict[tuple[int, ...], list[int]] = {}
@@ -69,16 +69,16 @@ def joint_groups(blocks: Sequence[Block], kinds: Mapping[int, int], rules: Renam
             alike.setdefault(tuple(kinds[entity] for entity in block), []).append(place)
         classes = [places for places in alike.values() if len(places) > 1]
         if not classes:
-            return found
+            return groups
         if search is None:
             search = _UnitSearch(rules, WORK + EACH * rules.size(kinds))
         search.begin(blocks, classes)
         new = search.groups()
         if not new:
-            return found
+            return groups
         moved = {place for units in new for unit in units for place in unit}
         units_of = [[tuple(e for place in unit for e in blocks[place]) for unit in units] for units in new]
-        found = units_of + found
+        groups = units_of + groups
         joined = [tuple(entity for unit in units for entity in unit) for units in units_of]
         blocks = [*(block for place, block in enumerate(blocks) if place not in moved), *joined]
 
@@ -102,33 +102,33 @@ class _UnitSearch:
     def groups(self) -> list[list[tuple[int, ...]]]:
         """Return the groups of aligned units with the fewest blocks; a unit has the places of its blocks."""
         waiting = [[place for place in places if self._blocks[place] not in self._alone] for places in self._classes]
-        while self._left > 0 and (waiting := [left for left in waiting if len(left) > 1]):
+        while self._left > 0 and (waiting := [candidates for candidates in waiting if len(candidates) > 1]):
             most = FEWEST
             while most < 2 * max(min(len(self._class_of), MOST), FEWEST):
-                if found := self._smallest(waiting, most):
-                    return found
+                if groups := self._smallest(waiting, most):
+                    return groups
                 most *= 2
-            self._alone |= {self._blocks[left[0]] for left in waiting}
-            waiting = [left[1:] for left in waiting]
+            self._alone |= {self._blocks[candidates[0]] for candidates in waiting}
+            waiting = [candidates[1:] for candidates in waiting]
         return []
 
     def _smallest(self, waiting: Sequence[Sequence[int]], most: int) -> list[list[tuple[int, ...]]]:
         """Return groups of the smallest units that swaps of the first blocks yield, of at most `most` blocks."""
         stars: list[list[Swap]] = []
-        for left in waiting:
-            if not {place for star in stars for swap in star for place in swap}.issuperset(left):
-                stars.append(list(self._star(left, most)))
+        for remaining in waiting:
+            if not {place for star in stars for swap in star for place in swap}.issuperset(remaining):
+                stars.append(list(self._star(remaining, most)))
         smallest = min((len(swap) for star in stars for swap in star), default=0)
-        found = [units for star in stars if (units := self._units(star, smallest))]
-        for places in waiting if found else ():
+        groups = [units for star in stars if (units := self._units(star, smallest))]
+        for places in waiting if groups else ():
             if self._taken.isdisjoint(places):
                 continue
-            left = self._free(places)
-            while len(left) > 1:
-                if units := self._units(list(self._star(left, smallest)), smallest):
-                    found.append(units)
-                left = self._free(left[1:])
-        return found
+            remaining = self._free(places)
+            while len(remaining) > 1:
+                if units := self._units(list(self._star(remaining, smallest)), smallest):
+                    groups.append(units)
+                remaining = self._free(remaining[1:])
+        return groups
 
     def _free(self, places: Iterable[int]) -> list[int]:
         return [place for place in places if place not in self._taken]
@@ -194,8 +194,8 @@ class _UnitSearch:
                 longer = {**moved, place: partner, partner: place}
                 if settled and not conflict.kept_by(self._names({p: longer[p] for p in places if p in longer})):
                     continue
-                if found := self._swap(longer, fixed, clean):
-                    return found
+                if extended := self._swap(longer, fixed, clean):
+                    return extended
             fixed |= {place}
         return None
 

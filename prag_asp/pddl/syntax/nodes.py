@@ -1,4 +1,4 @@
-"""A syntax tree without parentheses, whose words have lines."""
+"""A syntax tree without parentheses, whose words carry their line numbers."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 class LocatedWord(str):
-    """A word of a file, with its line."""
+    """A word of a file, with its line number."""
 
     line: int
 
@@ -19,14 +19,14 @@ class LocatedWord(str):
 
 @dataclass(frozen=True)
 class Node:
-    """A node of a file: its grammar rule, and its words and inner nodes in order."""
+    """A node of the syntax tree: its grammar rule, and its words and child nodes in order."""
 
     kind: str
     children: tuple[Node | LocatedWord, ...]
 
     @property
     def nodes(self) -> tuple[Node, ...]:
-        """The inner nodes."""
+        """The child nodes."""
         return tuple(each for each in self.children if isinstance(each, Node))
 
     @property
@@ -36,8 +36,8 @@ class Node:
 
     @property
     def all_words(self) -> list[LocatedWord]:
-        """All words, with those of inner nodes."""
-        found: list[LocatedWord] = []
+        """All words below this node, in order."""
+        words: list[LocatedWord] = []
         for each in self.children:
-            found += [each] if isinstance(each, LocatedWord) else each.all_words
-        return found
+            words += [each] if isinstance(each, LocatedWord) else each.all_words
+        return words

@@ -1,10 +1,10 @@
-"""Text of PDDL to a syntax tree, by the grammar of the package `pddl`.
+"""Parse PDDL into a syntax tree, by the grammar of the package `pddl`.
 
 Of the first two tasks of all families of the public planning competition collection (294 tasks), the parser of `pddl`
-0.5.1 takes 194, for it refuses files that declare fewer requirements than they use; the reader of `unified-planning`
-1.3.0 takes 262, and knows neither derived predicates nor a name that two things have in common. The grammar of `pddl`
-alone takes all 294, in 10 s, and tells the line of every word. So that grammar is used, on text in
-small letters, and what it means is read from the tree.
+0.5.1 accepts 194, because it refuses files that declare fewer requirements than they use. The reader of
+`unified-planning` 1.3.0 accepts 262; it supports neither derived predicates nor a name with two meanings. The grammar
+of `pddl` alone accepts all 294, in 10 s, and gives the line of every word. So only that grammar is used, on the text
+in lower case, and `file_reader` interprets the tree.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from lark import Token, Tree
 
 DEEPEST = 100
-"""How deep parentheses may be nested."""
+"""The maximum nesting depth of parentheses."""
 
 COMMENT = re.compile(r";[^\n]*")
 BEGIN = re.compile(r"\s*\(\s*define\s*\(\s*(\w+)")
@@ -45,14 +45,14 @@ UNSUPPORTED = {
     **dict.fromkeys([":object-fluents"], "functions whose values are objects"),
     **dict.fromkeys([":probabilistic-effects", "probabilistic"], "effects by chance"),
 }
-"""What other planners know and a task space has no meaning for, by the words that it begins with."""
+"""Features of PDDL that a task space cannot express, by the keywords that introduce them."""
 
 
 def parse(path: Path, kind: str) -> Node:
-    """Return the syntax tree of a file that is a ``domain`` or a ``problem``.
+    """Return the syntax tree of a ``domain`` or ``problem`` file.
 
     Raises:
-        DomainError: it cannot be read, or is none.
+        DomainError: the file cannot be read, or is not of this kind.
         PddlMissingError: the package pddl is not installed.
     """
     text = COMMENT.sub(lambda found: " " * len(found[0]), read_text(path).lower())
@@ -63,31 +63,33 @@ def parse(path: Path, kind: str) -> Node:
     def refuse(at: int, message: str) -> NoReturn:
         raise DomainError(f"{path}:{bisect_left(ends, at) + 1}: {message}") from None
 
-    parser, given = grammar(), arranged(text, kind, refuse)
+    parser, arrangement = grammar(), arranged(text, kind, refuse)
     from lark import UnexpectedInput
 
     try:
-        return _node(parser.parse(given.text, start=kind), lambda at: bisect_left(ends, given.origin(at)) + 1)
+        return _node(
+            parser.parse(arrangement.text, start=kind), lambda at: bisect_left(ends, arrangement.origin(at)) + 1
+        )
     except UnexpectedInput as error:
-        at = min(error.pos_in_stream or 0, len(given.text))
-        refuse(given.origin(at), _message(given.text, at, kind))
+        at = min(error.pos_in_stream or 0, len(arrangement.text))
+        refuse(arrangement.origin(at), _message(arrangement.text, at, kind))
 
 
 def _node(tree: Tree[Token], line: Callable[[int], int]) -> Node:
-    """Return a tree of the grammar without its parentheses; `line` tells in which line a character is."""
+    """Return a lark tree without its parentheses; `line` maps a position to its line number."""
     from lark import Tree
 
-    found: list[Node | LocatedWord] = []
+    children: list[Node | LocatedWord] = []
     for each in tree.children:
         if isinstance(each, Tree):
-            found.append(_node(each, line))
+            children.append(_node(each, line))
         elif each is not None and each not in ("(", ")"):
-            found.append(LocatedWord(str(each), line(each.start_pos or 0)))
-    return Node(str(tree.data), tuple(found))
+            children.append(LocatedWord(str(each), line(each.start_pos or 0)))
+    return Node(str(tree.data), tuple(children))
 
 
 def _message(text: str, at: int, kind: str) -> str:  # noqa: PLR0911 - one for each mistake
-    """Return what is wrong at a place of a text, and what to do."""
+    """Return the message of a syntax error at a position: the problem and the remedy."""
     begin, around = WORDS.match(text, at), WORDS.match(text, max(text.rfind("(", 0, at), 0))
     words = begin.groups() if begin else ("", "")
     for word in (*words, *(around.groups() if around else ())):
@@ -118,10 +120,10 @@ def _message(text: str, at: int, kind: str) -> str:  # noqa: PLR0911 - one for e
 
 
 def _check_kind(path: Path, text: str, kind: str) -> None:
-    """Check that a text is what it is given as.
+    """Check that a text begins as a file of its kind.
 
     Raises:
-        DomainError: it is not.
+        DomainError: it does not.
     """
     begin = BEGIN.match(text)
     if begin is None:
@@ -132,10 +134,10 @@ def _check_kind(path: Path, text: str, kind: str) -> None:
 
 
 def _check_parentheses(path: Path, text: str) -> None:
-    """Check that parentheses fit each other, and are not nested beyond what is of use.
+    """Check that parentheses match, and are nested at most `DEEPEST` deep.
 
     Raises:
-        DomainError: they are.
+        DomainError: they do not match, or are nested deeper.
     """
     depth, line = 0, 1
     for sign in re.findall(r"[()\n]", text):

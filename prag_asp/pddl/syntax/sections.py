@@ -1,4 +1,4 @@
-"""Sections of a file, and parts of its actions, in the order that the grammar takes, whatever order they come in."""
+"""Sort the sections of a file, and the parts of its actions, into the order that the grammar requires."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ ORDER = {
     "domain": (":requirements", ":types", ":constants", ":predicates", ":functions"),
     "problem": (":domain", ":requirements", ":objects", ":init", ":goal", ":metric"),
 }
-"""The sections that a file has once at most, in the order of the grammar; rules and actions come after them."""
+"""The sections that a file has at most once, in the order of the grammar; rules and actions come after them."""
 
 NEEDED = {"domain": (), "problem": (":domain", ":init", ":goal")}
 ACTION = (":parameters", ":precondition", ":effect")
 
 DROPPED = frozenset([":length"])
-"""What says nothing about which plans there are."""
+"""The sections that do not affect the set of plans."""
 
 NOT_EMPTY = frozenset([":requirements", ":predicates", ":functions"])
-"""What the grammar takes only with something in it."""
+"""The sections that the grammar does not accept empty."""
 
 Span = tuple[int, int]
 Refuse = Callable[[int, str], NoReturn]
@@ -32,9 +32,9 @@ Refuse = Callable[[int, str], NoReturn]
 
 @dataclass
 class Arranged:
-    """A text made of pieces of another, and where each piece was there."""
+    """A text composed of pieces of a source text, with the position of each piece in the source."""
 
-    _given: str
+    _source: str
     _pieces: list[str] = field(default_factory=list)
     _starts: list[int] = field(default_factory=list)
     _origins: list[int] = field(default_factory=list)
@@ -46,15 +46,15 @@ class Arranged:
         return "".join(self._pieces)
 
     def take(self, start: int, end: int) -> None:
-        """Add a piece of the other text."""
-        self._add(self._given[start:end], start)
+        """Append a piece of the source."""
+        self._add(self._source[start:end], start)
 
     def insert(self, text: str, at: int) -> None:
-        """Add what the other text leaves out at a place; its lines are that of the place."""
+        """Append text that the source lacks; its position is `at` in the source."""
         self._add(text, at)
 
     def origin(self, position: int) -> int:
-        """Return where a character was in the other text."""
+        """Return the position in the source of a character of this text."""
         piece = max(bisect(self._starts, position) - 1, 0)
         return self._origins[piece] + min(position - self._starts[piece], len(self._pieces[piece]))
 
@@ -66,27 +66,27 @@ class Arranged:
 
 
 def arranged(text: str, kind: str, refuse: Refuse) -> Arranged:
-    """Return a text without comments, whose parentheses fit each other, in the order that the grammar takes.
+    """Return a text without comments and with matching parentheses, in the order that the grammar requires.
 
-    What is no section or part of an action that is known stays, after the others. `refuse` is told the position and the
-    mistake where a section is there twice, or missing.
+    Unknown sections and parts of actions stay, after the others. `refuse` gets the position and the message of an error
+    if a section is repeated or missing.
     """
     (start, end), *after = _items(text, 0, len(text))
     _, name, *sections = _items(text, start + 1, end - 1)
-    found: dict[str, Span] = {}
+    spans: dict[str, Span] = {}
     others: list[tuple[str, Span]] = []
     for span in sections:
         head = _head(text, span)
         if head not in ORDER[kind]:
             others.append((head, span))
-        elif found.setdefault(head, span) != span:
+        elif spans.setdefault(head, span) != span:
             refuse(span[0], f"a second {head}; merge them into one")
     for head in NEEDED[kind]:
-        if head not in found:
+        if head not in spans:
             refuse(end - 1, f"the {kind} has no ({head} ...); add it")
     result = Arranged(text)
     result.take(start, name[1])
-    for head, span in [*((head, found[head]) for head in ORDER[kind] if head in found), *others]:
+    for head, span in [*((head, spans[head]) for head in ORDER[kind] if head in spans), *others]:
         _arrange(result, text, head, span, refuse)
     for span in ((end - 1, end), *after):
         result.take(*span)
@@ -94,7 +94,7 @@ def arranged(text: str, kind: str, refuse: Refuse) -> Arranged:
 
 
 def _arrange(result: Arranged, text: str, head: str, span: Span, refuse: Refuse) -> None:
-    """Add a section."""
+    """Append a section."""
     parts = list(_items(text, span[0] + 1, span[1] - 1))
     if head == ":action":
         _arrange_action(result, text, span, parts, refuse)
@@ -105,19 +105,19 @@ def _arrange(result: Arranged, text: str, head: str, span: Span, refuse: Refuse)
 
 
 def _arrange_action(result: Arranged, text: str, span: Span, parts: list[Span], refuse: Refuse) -> None:
-    """Add an action; where it is no list of words with something after each, it stays as it is."""
+    """Append an action; it is copied unchanged if it is not a list of known keywords with one value each."""
     words = [text[begin:end] for begin, end in islice(parts, 2, None, 2)]
     if len(parts) % 2 or not set(words) <= set(ACTION):
         result.take(*span)
         return
-    given = dict(zip(words, zip(parts[2::2], parts[3::2], strict=True), strict=True))
-    if len(given) < len(words):
+    spans = dict(zip(words, zip(parts[2::2], parts[3::2], strict=True), strict=True))
+    if len(spans) < len(words):
         again = next(number for number, word in enumerate(words) if word in words[:number])
         refuse(parts[2 + 2 * again][0], f"a second {words[again]} of this action; merge them into one")
     result.take(span[0], parts[1][1])
     for word in ACTION:
-        if word in given:
-            (begin, _), (_, end) = given[word]
+        if word in spans:
+            (begin, _), (_, end) = spans[word]
             for piece in _flat(text, begin, end) if word == ":effect" else [(begin, end)]:
                 result.take(*piece)
         elif word == ":parameters":
@@ -126,7 +126,7 @@ def _arrange_action(result: Arranged, text: str, span: Span, parts: list[Span], 
 
 
 def _flat(text: str, start: int, end: int) -> Iterator[Span]:
-    """Yield a text in pieces without the ``(and ...)`` right within another one: effects of the grammar have none."""
+    """Yield a text in pieces with nested ``(and (and ...))`` flattened: the grammar does not accept it in effects."""
     heads: list[tuple[str, bool]] = []
     begin = start
     for token in TOKEN.finditer(text, start, end):
@@ -145,7 +145,7 @@ def _flat(text: str, start: int, end: int) -> Iterator[Span]:
 
 
 def _items(text: str, start: int, end: int) -> Iterator[Span]:
-    """Yield where the words and the pieces in parentheses begin and end that lie side by side in a text."""
+    """Yield the spans of the words and parenthesized expressions at the top level of a text."""
     depth = begin = 0
     for token in TOKEN.finditer(text, start, end):
         if token[0] == "(":
@@ -160,6 +160,6 @@ def _items(text: str, start: int, end: int) -> Iterator[Span]:
 
 
 def _head(text: str, span: Span) -> str:
-    """Return the first word in parentheses."""
+    """Return the first word of a parenthesized expression, or "" for anything else."""
     word = TOKEN.search(text, span[0] + 1, span[1]) if text[span[0]] == "(" else None
     return word[0] if word else ""

@@ -42,7 +42,7 @@ def openings_at(motion: Sequence[Waypoint], i: int, before: Moment) -> dict[str,
 
 def carried_along(poses: Mapping[str, Pose], before: Openings, after: Openings, scene: Scene) -> dict[str, Pose]:
     """Return all poses after drawers have moved together with their contents."""
-    moved = dict(poses)
+    all_poses = dict(poses)
     for entity, opening in after.items():
         shape = scene.shapes[entity]
         if opening != before[entity] and mechanism(shape).slides:
@@ -50,8 +50,8 @@ def carried_along(poses: Mapping[str, Pose], before: Openings, after: Openings, 
             start, end = (part_pose(shape, poses[entity], at) for at in (before[entity], opening))
             delta = compose(end, invert(start))
             for rider in riders(situation, entity, set(poses) - {entity}):
-                moved[rider] = compose(delta, poses[rider])
-    return moved
+                all_poses[rider] = compose(delta, poses[rider])
+    return all_poses
 
 
 def handling_problems(

@@ -88,8 +88,8 @@ def _carried(poses: Mapping[str, Pose], entity: str, pose: Pose, scene: Scene) -
     """Return all poses after one object and all that rests on it have moved."""
     situation = Situation(scene, poses)
     delta = compose(pose, invert(poses[entity]))
-    moved = {rider: compose(delta, poses[rider]) for rider in riders(situation, entity, set(poses) - {entity})}
-    return {**poses, **moved, entity: pose}
+    new_poses = {rider: compose(delta, poses[rider]) for rider in riders(situation, entity, set(poses) - {entity})}
+    return {**poses, **new_poses, entity: pose}
 
 
 def stray_objects(effect: ActionEffect, before: Moment, after: Moment, simulator: Simulator) -> Iterator[str]:
@@ -104,6 +104,6 @@ def stray_objects(effect: ActionEffect, before: Moment, after: Moment, simulator
     for entity in [entity for entity in may_move if entity in before.poses]:
         may_move |= set(riders(situation, entity, set(before.poses) - {entity}))
     for entity, pose in along.items():
-        moved = not near(pose, after.poses.get(entity, pose))
-        if moved and (entity not in may_move or entity in simulator.scene.fixed):
+        has_moved = not near(pose, after.poses.get(entity, pose))
+        if has_moved and (entity not in may_move or entity in simulator.scene.fixed):
             yield f"{entity} has moved"

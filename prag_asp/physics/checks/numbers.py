@@ -17,12 +17,12 @@ LIMIT_TOLERANCE = 1e-9
 
 def count_mismatch(witness: Witness, actions: int) -> str | None:
     """Return that the numbers of states and motions of a witness do not match those of a task, None if they do."""
-    for name, found, expected in (
+    for name, count, expected in (
         ("motion", len(witness.motions), actions),
         ("state", len(witness.moments), actions + 1),
     ):
-        if found != expected:
-            return f"the witness has {plural(found, name)}, the task {plural(actions, 'action')}"
+        if count != expected:
+            return f"the witness has {plural(count, name)}, the task {plural(actions, 'action')}"
     return None
 
 

@@ -59,9 +59,9 @@ class Settling:
         previous: Moment | None = None
         for facts, moment in zip(physical.states, witness.moments, strict=True):
             if previous is None or not _as_stable(previous, moment):
-                poses, openings, moved = self._settle(scene, bodies, moment)
-                if moved:
-                    return PhysicsFault(UNSTABLE, moved)
+                poses, openings, displaced = self._settle(scene, bodies, moment)
+                if displaced:
+                    return PhysicsFault(UNSTABLE, displaced)
                 situation = Situation(scene, poses, moment.arms, openings)
                 for fact in facts:
                     if not fact.is_satisfied(situation):
@@ -95,14 +95,14 @@ class Settling:
         for entity in moment.held:
             pybullet.changeDynamics(bodies[entity], -1, mass=mass(scene, entity), physicsClientId=client)
         openings = {entity: read_opening(client, bodies[entity]) for entity in moment.openings}
-        moved = [
+        displaced = [
             entity
             for entity, pose in settled.items()
             if math.hypot(*speeds[entity]) > LARGEST_SPEED
             or not _stayed(moment.poses[entity], pose)
             or abs(openings.get(entity, 0.0) - moment.openings.get(entity, 0.0)) > LARGEST_MOVE
         ]
-        return settled, openings, tuple(moved)
+        return settled, openings, tuple(displaced)
 
 
 @contextmanager

@@ -87,10 +87,10 @@ class Actor:
         situation = self._situation()
         if waypoint.held is not None and waypoint.opening is not None:
             return plan_pull(self._planner, situation, arm, waypoint.held, waypoint.opening)
-        found = plan_path(self._planner, situation, arm, leg, action)
-        if found is None:
+        path = plan_path(self._planner, situation, arm, leg, action)
+        if path is None:
             raise PerformanceFailed(NO_PATH, f"{action.effect.action}: {NO_PATH} to the waypoint {waypoint.name}")
-        return found
+        return path
 
     def _situation(self) -> Situation:
         """Return the present situation."""

@@ -74,15 +74,15 @@ def intended_contacts(physical: PhysicalTask, number: int, *around: Situation) -
 
 def unintended_contacts(touches: Iterable[Touch], intended: IntendedContacts) -> list[Touch]:
     """Return the unintended contacts of an action, for each pair of bodies the strongest one."""
-    found: dict[Pair, Touch] = {}
+    strongest: dict[Pair, Touch] = {}
     for together in _frames(touches):
-        moved = _moved(together, intended)
+        movable = _moved(together, intended)
         for touch in together:
             pair = (touch.one, touch.two)
-            if touch.force > GENTLE and not _is_intended(touch, moved, intended):
-                worst = found.get(pair)
-                found[pair] = touch if worst is None or touch.force > worst.force else worst
-    return sorted(found.values(), key=lambda touch: touch.frame)
+            if touch.force > GENTLE and not _is_intended(touch, movable, intended):
+                worst = strongest.get(pair)
+                strongest[pair] = touch if worst is None or touch.force > worst.force else worst
+    return sorted(strongest.values(), key=lambda touch: touch.frame)
 
 
 class _Moved(NamedTuple):
@@ -102,7 +102,7 @@ def _moved(touches: Iterable[Touch], intended: IntendedContacts) -> _Moved:
     return _Moved(frozenset(touched), frozenset(riding - touched))
 
 
-def _is_intended(touch: Touch, moved: _Moved, intended: IntendedContacts) -> bool:
+def _is_intended(touch: Touch, movable: _Moved, intended: IntendedContacts) -> bool:
     """Return whether a contact is intended, or concerns no robot."""
     (part, robot), (other_part, other_robot) = _part(touch.one), _part(touch.two)
     if part and other_part:
@@ -112,7 +112,7 @@ def _is_intended(touch: Touch, moved: _Moved, intended: IntendedContacts) -> boo
     if other_part:
         return other_part in FINGERS and touch.one in intended.handled[other_robot]
     pair = {touch.one, touch.two}
-    if pair.isdisjoint(moved.touched | moved.riding) or pair <= moved.riding:
+    if pair.isdisjoint(movable.touched | movable.riding) or pair <= movable.riding:
         return True
     return (touch.one, touch.two) in intended.resting or (touch.two, touch.one) in intended.resting
 

@@ -186,9 +186,9 @@ def _read(file: BinaryIO, path: Path) -> Demonstration:
     missing = [name for name in (*ARRAYS, *TEXTS) if name not in content]
     if missing:
         raise BadArchive(f"it has no {missing[0]}")
-    found = _from_arrays(content)
-    footage = read_footage(file, len(found.times), len(found.robots), LARGEST)
-    return replace(found, footage=footage, variation=_variation(content.get(VARIED)))
+    episode = _from_arrays(content)
+    footage = read_footage(file, len(episode.times), len(episode.robots), LARGEST)
+    return replace(episode, footage=footage, variation=_variation(content.get(VARIED)))
 
 
 def read_variation(path: str | Path, *, within: str | Path | None = None) -> Variation | None:

@@ -24,7 +24,7 @@ def check_demonstration(task: Task, demonstration: Demonstration, scene: Scene) 
     if demonstration.robots != tuple(scene.robots):
         names = ", ".join(demonstration.robots) or "none"
         return [f"it shows the robots {names}; the scene has {', '.join(scene.robots)}"]
-    found = list[str]()
+    faults = list[str]()
     previous: Situation | None = None
     for k, (frame, facts) in enumerate(zip(ends, states, strict=True)):
         if not 0 <= frame < len(demonstration.times):
@@ -36,10 +36,10 @@ def check_demonstration(task: Task, demonstration: Demonstration, scene: Scene) 
         except SceneError as error:
             return [f"state {k}: {error}"]
         touches = demonstration.touches(ends[k - 1] + 1 if k else 0, frame)
-        found += [f"{_during(task, k)}: {touch.sentence()}" for touch in unintended_contacts(touches, intended)]
-        found += [f"state {k}: it does not hold that {fact.sentence()}" for fact in broken]
+        faults += [f"{_during(task, k)}: {touch.sentence()}" for touch in unintended_contacts(touches, intended)]
+        faults += [f"state {k}: it does not hold that {fact.sentence()}" for fact in broken]
         previous = situation
-    return found
+    return faults
 
 
 def _during(task: Task, number: int) -> str:

@@ -120,11 +120,11 @@ class Footage:
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return the small arrays of the file."""
-        found: dict[str, NDArray[Any]] = {name: getattr(self, name) for name in LISTS[:5]}
-        found |= {"legend": np.array(self.legend), "cameras": np.array(tuple(self.films))}
+        result: dict[str, NDArray[Any]] = {name: getattr(self, name) for name in LISTS[:5]}
+        result |= {"legend": np.array(self.legend), "cameras": np.array(tuple(self.films))}
         for name, film in self.films.items():
-            found |= {f"{name}/{each}": getattr(film, each) for each in OF_CAMERA}
-        return found
+            result |= {f"{name}/{each}": getattr(film, each) for each in OF_CAMERA}
+        return result
 
     def packed_arrays(self) -> dict[str, Packed]:
         """Return the large arrays of the file, compressed."""
@@ -185,10 +185,10 @@ def _film(file: BinaryIO, camera: str, count: int, segmented: str, at_most: int)
         ValueError: it does not match the others.
     """
     names = [f"{camera}/{name}" for name in OF_CAMERA]
-    found = read_arrays(file, names, at_most)
+    content = read_arrays(file, names, at_most)
     shapes = [(3, 3), (count, 4, 4), (2,)]
-    _require(found, {name: (shape, "f") for name, shape in zip(names, shapes, strict=True)})
-    intrinsics, extrinsics, limits = (found[name].astype(np.float32) for name in names)
+    _require(content, {name: (shape, "f") for name, shape in zip(names, shapes, strict=True)})
+    intrinsics, extrinsics, limits = (content[name].astype(np.float32) for name in names)
     # The principal point is the centre of the image.
     width, height = (round(2 * float(intrinsics[i, 2])) for i in (0, 1))
     if not (0 < width <= PIXEL_LIMIT and 0 < height <= PIXEL_LIMIT):
@@ -200,7 +200,7 @@ def _film(file: BinaryIO, camera: str, count: int, segmented: str, at_most: int)
     return Film(intrinsics, extrinsics, limits, (rgb, depth, segmentation))
 
 
-def _require(found: Mapping[str, NDArray[Any]], required: Mapping[str, tuple[tuple[int, ...], str]]) -> None:
+def _require(content: Mapping[str, NDArray[Any]], required: Mapping[str, tuple[tuple[int, ...], str]]) -> None:
     """Check the shapes and types of arrays.
 
     Raises:
@@ -208,9 +208,9 @@ def _require(found: Mapping[str, NDArray[Any]], required: Mapping[str, tuple[tup
         ValueError: one has another shape or type.
     """
     for name, (shape, kinds) in required.items():
-        if name not in found:
+        if name not in content:
             raise BadArchive(f"it has no {name}")
-        if found[name].shape != shape:
-            raise ValueError(f"{name} has the shape {found[name].shape} in place of {shape}")
-        if found[name].dtype.kind not in kinds or not np.isfinite(found[name]).all():
+        if content[name].shape != shape:
+            raise ValueError(f"{name} has the shape {content[name].shape} in place of {shape}")
+        if content[name].dtype.kind not in kinds or not np.isfinite(content[name]).all():
             raise ValueError(f"{name} has to hold {'whole' if kinds == 'iu' else 'finite'} numbers")

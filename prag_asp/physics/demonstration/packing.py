@@ -70,10 +70,10 @@ class Packed:
         Raises:
             QueryError: the stream was cut off or changed.
         """
-        found = np.empty(self.shape, self.dtype)
+        result = np.empty(self.shape, self.dtype)
         for i, row in enumerate(self.rows()):
-            found[i] = row
-        return found
+            result[i] = row
+        return result
 
 
 class Packer:
@@ -183,7 +183,7 @@ def _unpacked(packed: Packed, head: int, length: int) -> Iterator[bytes]:
     Raises:
         QueryError: it was cut off or changed.
     """
-    decompressor, rest, at, found = zlib.decompressobj(RAW), b"", 0, 0
+    decompressor, rest, at, rows = zlib.decompressobj(RAW), b"", 0, 0
     try:
         for needed in (head, *repeat(length, packed.count)):
             content = bytearray()
@@ -196,10 +196,10 @@ def _unpacked(packed: Packed, head: int, length: int) -> Iterator[bytes]:
                     raise QueryError(BROKEN)
                 rest = decompressor.unconsumed_tail
                 content += piece
-            found = zlib.crc32(content, found)
+            rows = zlib.crc32(content, rows)
             yield bytes(content)
         beyond = decompressor.decompress(rest + packed.stream[at:], 1)
     except zlib.error as error:
         raise QueryError(BROKEN) from error
-    if beyond or not decompressor.eof or found != packed.checksum:
+    if beyond or not decompressor.eof or rows != packed.checksum:
         raise QueryError(BROKEN)

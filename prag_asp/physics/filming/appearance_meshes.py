@@ -86,9 +86,9 @@ def _simplified(
     link.remove(visual)
     source = Path(mesh.get("filename", ""))
     material = visual.find("material")
-    given = WHITE if material is None else named.get(material.get("name", ""), WHITE)
+    default = WHITE if material is None else named.get(material.get("name", ""), WHITE)
     files = {}
-    for number, (colour, parts) in enumerate(_by_colour(source, given).items()):
+    for number, (colour, parts) in enumerate(_by_colour(source, default).items()):
         name = f"{stem}_{number}.obj"
         files[name] = ("\n".join(_lines(parts)) + "\n").encode("ascii")
         part = ElementTree.SubElement(link, "visual")
@@ -100,10 +100,10 @@ def _simplified(
     return files
 
 
-def _by_colour(source: Path, given: Colour) -> dict[Colour, list[Mesh]]:
+def _by_colour(source: Path, default: Colour) -> dict[Colour, list[Mesh]]:
     """Return the simplified parts of a mesh by colour.
 
-    `given` is the colour in the URDF; if that is white, the materials of the mesh decide.
+    `default` is the colour in the URDF; if that is white, the materials of the mesh decide.
     """
     try:
         parts = read_parts(source.read_text(encoding="utf-8", errors="replace"))
@@ -111,15 +111,15 @@ def _by_colour(source: Path, given: Colour) -> dict[Colour, list[Mesh]]:
         colours = _colours(library.read_text(encoding="utf-8", errors="replace")) if library.is_file() else {}
     except (OSError, ValueError) as error:
         raise SceneError(f"{source}: the robot cannot be read: {error}") from error
-    found: dict[Colour, list[Mesh]] = {}
+    meshes: dict[Colour, list[Mesh]] = {}
     for name, mesh in parts.items():
         longest = float(np.ptp(mesh.corners[mesh.triangles.ravel()], axis=0).max(initial=0.0))
         if longest >= SMALLEST:
             painted = DARK if max(colours.get(name, WHITE)) < DARK_BELOW else WHITE
-            colour = painted if min(given) > WHITE_ABOVE else given
+            colour = painted if min(default) > WHITE_ABOVE else default
             cell = min(CELL, max(longest / CELLS, FINEST))
-            found.setdefault(colour, []).append(cluster_corners(mesh, cell))
-    return found
+            meshes.setdefault(colour, []).append(cluster_corners(mesh, cell))
+    return meshes
 
 
 def read_parts(text: str) -> dict[str, Mesh]:
@@ -145,7 +145,7 @@ def read_parts(text: str) -> dict[str, Mesh]:
 
 def _colours(text: str) -> Mapping[str, Colour]:
     """Return the colours of a library of materials by their names."""
-    found: dict[str, Colour] = {}
+    colours: dict[str, Colour] = {}
     name = ""
     for line in text.splitlines():
         word, _, rest = line.strip().partition(" ")
@@ -153,8 +153,8 @@ def _colours(text: str) -> Mapping[str, Colour]:
             name = rest.strip()
         elif word == "Kd":
             red, green, blue = map(float, rest.split()[:3])
-            found[name] = (red, green, blue)
-    return found
+            colours[name] = (red, green, blue)
+    return colours
 
 
 def cluster_corners(mesh: Mesh, cell: float) -> Mesh:

@@ -67,12 +67,12 @@ def _rays(camera: Camera) -> tuple[Floats, Floats]:
 
 def patches(scene: Scene, numbers: Mapping[str, int]) -> list[LevelPatch]:
     """Return the zones of a scene as rectangles; `numbers` are those of the entities."""
-    found = []
+    result = []
     for entity, shape in scene.shapes.items():
         if shape.kind == "zone":
             x, y, yaw = scene.fixed[entity]
-            found.append(LevelPatch(x, y, shape.half[:2], yaw, scene.colors.get(entity, "#808080"), numbers[entity]))
-    return found
+            result.append(LevelPatch(x, y, shape.half[:2], yaw, scene.colors.get(entity, "#808080"), numbers[entity]))
+    return result
 
 
 def has_still_floor(scene: Scene, entity: str) -> bool:
@@ -83,14 +83,14 @@ def has_still_floor(scene: Scene, entity: str) -> bool:
 
 def floors(scene: Scene, numbers: Mapping[str, int]) -> list[LevelPatch]:
     """Return the floors of containers that are fixed on the table; `numbers` are those of the entities."""
-    found = []
+    result = []
     for entity, shape in scene.shapes.items():
         if entity in numbers and has_still_floor(scene, entity):
             x, y, yaw = scene.fixed[entity]
             half = shape.half[0] - shape.wall / 2, shape.half[1] - shape.wall / 2
             color = scene.colors.get(entity, "#808080")
-            found.append(LevelPatch(x, y, half, yaw, color, numbers[entity], shape.wall))
-    return found
+            result.append(LevelPatch(x, y, half, yaw, color, numbers[entity], shape.wall))
+    return result
 
 
 def backdrop(
@@ -142,8 +142,8 @@ def _within(x: Floats, y: Floats, zone: LevelPatch) -> NDArray[np.bool_]:
     """Return which points of the table's top lie in a zone."""
     cosine, sine = math.cos(zone.yaw), math.sin(zone.yaw)
     along, across = cosine * (x - zone.x) + sine * (y - zone.y), cosine * (y - zone.y) - sine * (x - zone.x)
-    found: NDArray[np.bool_] = (np.abs(along) <= zone.half[0]) & (np.abs(across) <= zone.half[1])
-    return found
+    inside: NDArray[np.bool_] = (np.abs(along) <= zone.half[0]) & (np.abs(across) <= zone.half[1])
+    return inside
 
 
 @lru_cache(maxsize=8)

@@ -42,8 +42,8 @@ class Staging:
             if self.cameras.count(name) > 1:
                 raise QueryError(f"the camera {name} is named {self.cameras.count(name)} times; name it once")
         if self.rate not in RATES:
-            known = ", ".join(map(str, RATES))
-            raise QueryError(f"an episode has {FRAMES_A_SECOND} frames a second: film at {known}; got {self.rate}")
+            rates = ", ".join(map(str, RATES))
+            raise QueryError(f"an episode has {FRAMES_A_SECOND} frames a second: film at {rates}; got {self.rate}")
         if self.size is not None and not all(SMALLEST <= side <= LARGEST for side in self.size):
             width, height = self.size
             raise QueryError(f"a camera's picture has {SMALLEST} to {LARGEST} pixels a side; got {width}x{height}")
@@ -62,5 +62,5 @@ class Staging:
             if name not in scene.cameras:
                 hint = did_you_mean(name, scene.cameras)
                 raise QueryError(f"the scene has no camera {name}; {hint}")
-        found = {name: scene.cameras[name] for name in self.cameras}
-        return found if self.size is None else {name: each._replace(size=self.size) for name, each in found.items()}
+        cameras = {name: scene.cameras[name] for name in self.cameras}
+        return cameras if self.size is None else {name: each._replace(size=self.size) for name, each in cameras.items()}

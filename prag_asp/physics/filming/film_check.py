@@ -33,12 +33,16 @@ def check_footage(demonstration: Demonstration, scene: Scene) -> list[str]:
         return []
     if demonstration.robots != tuple(scene.robots):
         return [f"it shows the robots {', '.join(demonstration.robots)}; the scene has {', '.join(scene.robots)}"]
-    known = demonstration.sized_scene(scene).cameras
-    unknown = [f"the scene has no camera {name}" for name in footage.films if name not in known]
-    cameras = {name: known[name]._replace(size=each.size) for name, each in footage.films.items() if name in known}
+    scene_cameras = demonstration.sized_scene(scene).cameras
+    unknown = [f"the scene has no camera {name}" for name in footage.films if name not in scene_cameras]
+    cameras = {
+        name: scene_cameras[name]._replace(size=each.size)
+        for name, each in footage.films.items()
+        if name in scene_cameras
+    }
     again = film_frames(demonstration, scene, cameras, footage.frames.tolist())
-    found = [f"{name} is not what the episode says" for name in _differing(footage, again)]
-    return [*unknown, *found, *(fault for name in cameras for fault in _faults(name, footage, again))]
+    faults = [f"{name} is not what the episode says" for name in _differing(footage, again)]
+    return [*unknown, *faults, *(fault for name in cameras for fault in _faults(name, footage, again))]
 
 
 def _differing(footage: Footage, again: Footage) -> Iterator[str]:

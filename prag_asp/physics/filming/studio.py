@@ -128,11 +128,11 @@ class Studio:
         near, far = camera.near, camera.far
         depth = far * near / (far - (far - near) * buffer)
         in_front = (bodies >= 0) & (depth < behind.depth + RESTING)
-        found = np.where(in_front, depth, behind.depth)
-        found[~np.isfinite(found)] = 0.0
+        depths = np.where(in_front, depth, behind.depth)
+        depths[~np.isfinite(depths)] = 0.0
         return Picture(
             np.where(in_front[..., None], colors, behind.rgb),
-            found.astype(np.float16),
+            depths.astype(np.float16),
             np.where(in_front, self._numbers[bodies + 1], behind.numbers).astype(self._dtype),
         )
 
@@ -142,9 +142,9 @@ class Studio:
         Hands are listed by the names of their robots.
         """
         flags = pybullet.ER_SEGMENTATION_MASK_OBJECT_AND_LINKINDEX
-        _, _, found = self._drawn(camera, self.pose(camera), flags)
+        _, _, numbers = self._drawn(camera, self.pose(camera), flags)
         seen: Counter[str] = Counter()
-        for value, count in zip(*np.unique(found[found >= 0], return_counts=True), strict=True):
+        for value, count in zip(*np.unique(numbers[numbers >= 0], return_counts=True), strict=True):
             body, link = int(value) & BODY, (int(value) >> LINK) - 1
             if link in self._parts.get(body, (link,)):
                 seen[self.legend[self._numbers[body + 1]]] += int(count)
@@ -152,11 +152,11 @@ class Studio:
 
     def _behind(self, camera: Camera, pose: NDArray[np.float64]) -> Backdrop:
         """Return the backdrop of a camera; that of a fixed camera is cached."""
-        known = None if camera.mount else self._fixed.get(camera)
-        if known is None:
-            known = backdrop(self._scene, camera, pose, self._zones, self._table, self._light, self._floors)
-            self._fixed[camera] = known
-        return known
+        cached = None if camera.mount else self._fixed.get(camera)
+        if cached is None:
+            cached = backdrop(self._scene, camera, pose, self._zones, self._table, self._light, self._floors)
+            self._fixed[camera] = cached
+        return cached
 
     def _drawn(
         self, camera: Camera, pose: NDArray[np.float64], flags: int = 0
@@ -191,9 +191,9 @@ def matrices(camera: Camera, pose: NDArray[np.float64]) -> tuple[list[float], li
     width, height = camera.size
     view = FLIPPED @ np.linalg.inv(pose)
     projection = pybullet.computeProjectionMatrixFOV(camera.field_of_view, width / height, camera.near, camera.far)
-    moved = list(projection)
-    moved[8], moved[9] = moved[8] + 1 / width, moved[9] + 1 / height
-    return view.T.ravel().tolist(), moved
+    shifted = list(projection)
+    shifted[8], shifted[9] = shifted[8] + 1 / width, shifted[9] + 1 / height
+    return view.T.ravel().tolist(), shifted
 
 
 @contextmanager

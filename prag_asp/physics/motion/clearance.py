@@ -37,11 +37,11 @@ def gaps(simulator: Simulator, passage: ArmPassage) -> Gaps:
     Contacts of the fingers with what they hold are ignored, and so are the base, which never moves, and pairs of links
     of one arm that cannot collide.
     """
-    found: dict[tuple[str, str], float] = {}
+    distances: dict[tuple[str, str], float] = {}
     for one, two, gap in _near(simulator, passage):
-        if gap < found.get((one, two), CLEARANCE):
-            found[one, two] = gap
-    return found
+        if gap < distances.get((one, two), CLEARANCE):
+            distances[one, two] = gap
+    return distances
 
 
 def keeps_clear(start: Gaps, way: Sequence[Gaps], goal: Gaps) -> bool:
@@ -55,11 +55,11 @@ def keeps_clear(start: Gaps, way: Sequence[Gaps], goal: Gaps) -> bool:
 
 def _uneased(end: Gaps, way: Sequence[Gaps]) -> list[set[tuple[str, str]]]:
     """Return for each point of a path the pairs that are too close, except for those close since its end."""
-    since, found = dict(end), []
+    since, result = dict(end), []
     for here in way:
         since = {pair: gap for pair, gap in since.items() if pair in here}
-        found.append({pair for pair, gap in here.items() if gap < max(COLLISION, since.get(pair, CLEARANCE) - SLACK)})
-    return found
+        result.append({pair for pair, gap in here.items() if gap < max(COLLISION, since.get(pair, CLEARANCE) - SLACK)})
+    return result
 
 
 def _near(simulator: Simulator, passage: ArmPassage) -> Iterator[tuple[str, str, float]]:

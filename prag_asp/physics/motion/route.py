@@ -152,13 +152,13 @@ def _is_free(simulator: Simulator, situation: Situation, arm: Arm, path: NDArray
     carried = _carried(situation, arm)
     start, *between, goal = _check_points(path)
     first, last = (gaps(simulator, _passage(simulator, situation, arm, carried, end)) for end in (start, goal))
-    found: list[Gaps] = []
+    gaps_so_far: list[Gaps] = []
     for joints in between:
         here = gaps(simulator, _passage(simulator, situation, arm, carried, joints))
         if here.keys() - first.keys() - last.keys():
             return False
-        found.append(here)
-    return keeps_clear(first, found, last)
+        gaps_so_far.append(here)
+    return keeps_clear(first, gaps_so_far, last)
 
 
 def _check_points(path: NDArray[np.float64]) -> list[Joints]:
@@ -192,6 +192,6 @@ def _passage(
     """Return where everything is with the arm at joint angles."""
     if arm.held is not None and arm.grasp is not None:
         delta = compose(compose(tool_pose(simulator.robot, joints), arm.grasp), invert(situation.poses[arm.held]))
-        moved = {entity: compose(delta, situation.poses[entity]) for entity in carried}
-        situation = situation.with_poses({**situation.poses, **moved})
+        carried_poses = {entity: compose(delta, situation.poses[entity]) for entity in carried}
+        situation = situation.with_poses({**situation.poses, **carried_poses})
     return ArmPassage(situation, Arm(joints, arm.width, arm.held), carried)

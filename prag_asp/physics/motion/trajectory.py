@@ -56,10 +56,10 @@ class JointLimits(NamedTuple):
         still = np.zeros((1, angles.shape[1]))
         speeds = np.diff(np.concatenate([start[None], angles]), axis=0) / time_step
         accelerations = np.diff(np.concatenate([still, speeds, still]), axis=0) / time_step
-        found: Angles = np.abs(accelerations / self.accelerations).max(axis=1)
+        ratios: Angles = np.abs(accelerations / self.accelerations).max(axis=1)
         fast = np.abs(speeds / self.speeds).max(axis=1)
-        found[:-1] = np.maximum(found[:-1], fast)
-        return found
+        ratios[:-1] = np.maximum(ratios[:-1], fast)
+        return ratios
 
 
 def joint_limits(robot: Robot, loaded: bool = False) -> JointLimits:

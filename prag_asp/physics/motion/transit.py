@@ -49,28 +49,28 @@ def travel(task: Task, witness: Witness, scene: Scene) -> Witness | None:
 
 def _motion(simulator: Simulator, effect: ActionEffect, own: Motion, before: Moment, after: Moment) -> Motion | None:
     """Return the waypoints of an action with transit waypoints in between, None if a path is not found."""
-    found: list[Waypoint] = []
+    waypoints_so_far: list[Waypoint] = []
     arms, poses, openings = dict(before.arms), _relocated(effect, before, after), before.openings
     for waypoint in own:
         robot = waypoint.robot
         grasp = grasp_of(waypoint.held, arms[robot], after.arms[robot])
         situation = Situation(simulator.scene, poses, dict(arms), openings)
         if waypoint.opening is not None:  # the motion of a handle was checked step by step
-            moved = open_furniture(situation, str(waypoint.held), waypoint.opening, list(poses))
-            poses, openings = moved.poses, moved.openings
+            opened = open_furniture(situation, str(waypoint.held), waypoint.opening, list(poses))
+            poses, openings = opened.poses, opened.openings
         elif waypoint.joints != arms[robot].joints:
             simulator.turn_to(robot)
             arm = carry_object(arms[robot], waypoint.width, waypoint.held, grasp)
             way = checked_path(simulator, situation, arm, waypoint.joints, TIME_STEP)
             if way is None:
                 return None
-            found += [Waypoint(TRANSIT, robot, each, waypoint.width, waypoint.held) for each in way]
+            waypoints_so_far += [Waypoint(TRANSIT, robot, each, waypoint.width, waypoint.held) for each in way]
             if arm.held is not None and grasp is not None:
                 tool = tool_pose(robot_of(simulator.scene, robot), waypoint.joints)
                 poses = with_riders(situation, arm.held, compose(tool, grasp), situation.poses)
-        found.append(waypoint)
+        waypoints_so_far.append(waypoint)
         arms[robot] = Arm(waypoint.joints, waypoint.width, waypoint.held, grasp)
-    return tuple(found)
+    return tuple(waypoints_so_far)
 
 
 def _relocated(effect: ActionEffect, before: Moment, after: Moment) -> Mapping[str, Pose]:

@@ -206,13 +206,13 @@ def _caption(task: Task, scene: Scene, k: int, headings: Sequence[str | None] | 
     """Return the heading and the text of a state in plain words."""
     if k == 0:
         named = {argument for action in task.actions for argument in action.arguments}
-        known = [fact for fact in facts(scene, task.initial) if fact.value]
-        handled = [fact for fact in known if not named.isdisjoint(_things(fact, scene))]
-        return "start", _fact_words(handled or known, START_FACTS)
-    made = [fact for fact in facts(scene, task.subgoals[k - 1]) if fact.value]
+        true_facts = [fact for fact in facts(scene, task.initial) if fact.value]
+        handled = [fact for fact in true_facts if not named.isdisjoint(_things(fact, scene))]
+        return "start", _fact_words(handled or true_facts, START_FACTS)
+    effects = [fact for fact in facts(scene, task.subgoals[k - 1]) if fact.value]
     undone = [fact for fact in facts(scene, task.subgoals[k - 1]) if not fact.value]
     heading = (headings[k - 1] if headings is not None else None) or _action_words(task.actions[k - 1], scene)
-    return f"{k}. {heading}", _fact_words(made or undone[:1])
+    return f"{k}. {heading}", _fact_words(effects or undone[:1])
 
 
 def _things(fact: Fact, scene: Scene) -> set[str]:
@@ -245,5 +245,5 @@ def _action_words(action: Atom, scene: Scene) -> str:
 def _fact_words(candidates: Sequence[Fact], most: int = 2) -> str:
     """Return the facts of the lowest caption ranks in words; those of user-defined predicates come first."""
     worth = (fact for fact in candidates if fact.predicate.caption_rank < math.inf)
-    known = sorted(worth, key=lambda fact: fact.predicate.caption_rank)
-    return ", ".join(fact.sentence() for fact in known[:most] or candidates[:1])
+    ranked = sorted(worth, key=lambda fact: fact.predicate.caption_rank)
+    return ", ".join(fact.sentence() for fact in ranked[:most] or candidates[:1])

@@ -93,8 +93,8 @@ def view_from(scene: Scene, aspect: float, towards: Vector = TOWARDS_EYE) -> Vie
 
 def _directions() -> list[Vector]:
     """Return the directions to the camera that are tried besides the default one."""
-    found = []
+    directions = []
     for azimuth, height in product(AZIMUTHS, HEIGHTS):
         angle = math.radians(azimuth)
-        found.append((math.cos(angle), math.sin(angle), height))
-    return found
+        directions.append((math.cos(angle), math.sin(angle), height))
+    return directions

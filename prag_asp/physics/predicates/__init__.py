@@ -40,10 +40,10 @@ def predicate_of(scene: Scene, name: str) -> Predicate:
     Raises:
         SceneError: there is none; or a Python file defines it that is not trusted, or fails.
     """
-    known = NAMED.get(name) if scene.shared else None
-    known = known or PREDICATES.get(name)
-    if known is not None:
-        return known
+    shared = NAMED.get(name) if scene.shared else None
+    shared = shared or PREDICATES.get(name)
+    if shared is not None:
+        return shared
     own = scene.own.get(name)
     if own is None:
         raise SceneError(f"there is no spatial predicate {name}; known are {', '.join((*PREDICATES, *scene.own))}")

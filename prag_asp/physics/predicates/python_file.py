@@ -32,11 +32,11 @@ def load_predicate(own: Own) -> Predicate:
     Raises:
         SceneError: the file fails, or does not define the predicate.
     """
-    found = _run(own.file)
-    predicate = found.get(own.name)
+    predicates = _run(own.file)
+    predicate = predicates.get(own.name)
     if predicate is None:
         raise SceneError(
-            f"{own.file}:1: PREDICATES has no {own.name}; it has {', '.join(map(str, found)) or 'nothing'}"
+            f"{own.file}:1: PREDICATES has no {own.name}; it has {', '.join(map(str, predicates)) or 'nothing'}"
         )
     if not isinstance(predicate, Predicate) or predicate.name != own.name:
         got = f"one of the name {predicate.name}" if isinstance(predicate, Predicate) else repr(predicate)
@@ -69,10 +69,10 @@ def _run(file: str) -> Mapping[Any, Any]:
     except (Exception, SystemExit) as error:
         del sys.modules[name]
         raise SceneError(f"{_place(file, error)}: {_error_line(error)}; fix the file") from error
-    found = getattr(module, "PREDICATES", None)
-    if not isinstance(found, Mapping):
+    predicates = getattr(module, "PREDICATES", None)
+    if not isinstance(predicates, Mapping):
         raise SceneError(f'{file}:1: defines no PREDICATES; write PREDICATES = {{"name": Predicate(...)}}')
-    return found
+    return predicates
 
 
 def _place(file: str, error: BaseException) -> str:

@@ -97,11 +97,11 @@ class Volume(NamedTuple):
         """Return volumes without unions whose union is the region, without those known to be empty."""
         if not self.unions:
             return (self,)
-        found = [self._replace(unions=())]
+        volumes = [self._replace(unions=())]
         for union in self.unions:
-            met = (part.meet(each) for part in found for option in union for each in option.parts())
-            found = [part for part in met if not part.empty]
-        return tuple(found)
+            met = (part.meet(each) for part in volumes for option in union for each in option.parts())
+            volumes = [part for part in met if not part.empty]
+        return tuple(volumes)
 
     def miss_distance(self, point: Vector) -> float:
         """Return the distance in metres by which a point misses the region, 0 within it."""
@@ -192,8 +192,8 @@ def _choose(floor: Floor, uniform: Callable[[float, float], float]) -> FloorPatc
 
 def _keeps(floor: Floor, x: float, y: float, uniform: Callable[[float, float], float]) -> bool:
     """Return whether to accept a position: one that lies in n patches is sampled n times too often."""
-    found = sum(inside_by(patch.polygon, (x, y)) >= 0.0 and patch.volume.admits(x, y) for patch in floor)
-    return found <= 1 or uniform(0.0, found) <= 1.0
+    patch_count = sum(inside_by(patch.polygon, (x, y)) >= 0.0 and patch.volume.admits(x, y) for patch in floor)
+    return patch_count <= 1 or uniform(0.0, patch_count) <= 1.0
 
 
 def _inside(patch: FloorPatch, uniform: Callable[[float, float], float]) -> tuple[float, float]:
@@ -212,14 +212,14 @@ def _meet_yaws(first: tuple[Yaws, ...] | None, second: tuple[Yaws, ...] | None) 
     """Return the pairwise intersections of ranges of yaws; None means unrestricted."""
     if first is None or second is None:
         return second if first is None else first
-    found = []
+    ranges = []
     for one in first:
         for two in second:
             offset = wrap(two.centre - one.centre)
             low, high = max(-one.half, offset - two.half), min(one.half, offset + two.half)
             if low <= high:
-                found.append(Yaws(one.centre + (low + high) / 2, (high - low) / 2))
-    return tuple(found)
+                ranges.append(Yaws(one.centre + (low + high) / 2, (high - low) / 2))
+    return tuple(ranges)
 
 
 def turned_box(pose: tuple[Vector, tuple[float, float]], half: tuple[float, float]) -> tuple[Side, ...]:

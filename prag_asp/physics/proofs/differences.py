@@ -60,12 +60,12 @@ def lowest(gaps: Iterable[Gap], start: Node) -> Mapping[Node, float]:
     The gaps have to be satisfiable.
     """
     gaps = list(gaps)
-    found = {start: 0.0}
+    bounds = {start: 0.0}
     changed = True
     while changed:
         changed = False
         for low, high, least in gaps:
-            if low in found and found[low] + least > found.get(high, float("-inf")) + ROUNDING:
-                found[high] = found[low] + least
+            if low in bounds and bounds[low] + least > bounds.get(high, float("-inf")) + ROUNDING:
+                bounds[high] = bounds[low] + least
                 changed = True
-    return found
+    return bounds

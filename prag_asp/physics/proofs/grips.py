@@ -23,15 +23,15 @@ def never_gripped(domain: Domain, scene: Scene) -> Iterator[Problem]:
 
     Grasps are from above, so the least width of a body seen from above counts.
     """
-    found: dict[tuple[str, int, str], list[str]] = {}
+    shapes_by_line: dict[tuple[str, int, str], list[str]] = {}
     for fluent in map(atom_of, domain.facts.fluents):
         meaning = PREDICATES.get(scene.meaning(fluent) or "")
         if meaning is not None and meaning.gripper is Gripper.HOLDS:
             robot, entity = fluent.arguments
             for name, table, text in _faults(scene, robot, entity):
-                several = found.setdefault((name, _line(domain, table, entity), text), [])
+                several = shapes_by_line.setdefault((name, _line(domain, table, entity), text), [])
                 several += [entity] if entity not in several else []
-    for (name, line, text), several in found.items():
+    for (name, line, text), several in shapes_by_line.items():
         are = "is" if len(several) == 1 else "are"
         yield Problem(domain.settings.path, line, f"{', '.join(several)} {are} {text}", name)
 
@@ -75,8 +75,8 @@ def _line(domain: Domain, table: str, entity: str) -> int:
     facts = domain.facts
     line = ancestors(facts.entity_names[entity], facts.class_names)
     for each in (table, "shapes"):
-        given = domain.settings.scene.get(each, {})
-        owner = next((name for name in line if name in given), None)
+        entries = domain.settings.scene.get(each, {})
+        owner = next((name for name in line if name in entries), None)
         if owner is not None:
             return domain.settings.line_of("scene", each, owner)
     return 1

@@ -41,28 +41,28 @@ def prove_exclusions(domain_facts: Facts, scene: Scene, tell: Callable[[str], No
     stage("proving")
     prover, graph = Prover(scene), invariant_graph(domain_facts)
     spatial = list(_spatial(domain_facts.fluents, scene))
-    found: dict[Fluents, str | None] = {}
+    proofs: dict[Fluents, str | None] = {}
     possible = []
     for symbol, fluent, fact in spatial:
         reason = prover.refutation([fact])
         if _excluded(graph, symbol):
-            found[(fluent,)] = None
+            proofs[(fluent,)] = None
         elif reason is not None:
-            found[(fluent,)] = reason
+            proofs[(fluent,)] = reason
         else:
             possible.append((symbol, fluent, fact))
     for number, ((one, first, fact), (two, second, other)) in enumerate(combinations(possible, 2)):
         if number % 10_000 == 0:
-            tell(f"{number} pairs of fluents tried, {len(found)} proofs")
+            tell(f"{number} pairs of fluents tried, {len(proofs)} proofs")
         if set(first.arguments).isdisjoint(second.arguments):
             continue
         if _excluded(graph, one, two):
-            found[first, second] = None
+            proofs[first, second] = None
             continue
         reason = prover.refutation([fact, other])
         if reason is not None:
-            found[first, second] = reason
-    return found
+            proofs[first, second] = reason
+    return proofs
 
 
 def unproved_exclusions(domain: Domain, scene: Scene) -> Iterator[Fluents]:

@@ -24,17 +24,17 @@ def body_demands(entity: str, scene: Scene) -> tuple[Demand, ...]:
     if shape.traits.furniture:
         return ()
     tall = (2 * min(shape.half), 2 * math.hypot(*shape.half)) if place is None else (shape.size[2],) * 2
-    found = [(Z, gap) for gap in between(top(entity), bottom(entity), *tall)]
+    demands = [(Z, gap) for gap in between(top(entity), bottom(entity), *tall)]
     if place is not None:
-        found += [(axis, gap) for axis in (0, 1) for gap in between(centre(entity), ORIGIN, place[axis], place[axis])]
-        found += [(Z, gap) for gap in between(bottom(entity), ORIGIN, 0.0, 0.0)]
-    return tuple(found)
+        demands += [(axis, gap) for axis in (0, 1) for gap in between(centre(entity), ORIGIN, place[axis], place[axis])]
+        demands += [(Z, gap) for gap in between(bottom(entity), ORIGIN, 0.0, 0.0)]
+    return tuple(demands)
 
 
 def bodies(fact: Fact, scene: Scene) -> tuple[str, ...]:
     """Return the objects among the arguments of a fact, without robots, tables, zones and rotations."""
-    known = ((entity, scene.shapes.get(entity)) for entity in fact.arguments)
-    return tuple(entity for entity, shape in known if shape is not None and shape.traits.body)
+    shapes = ((entity, scene.shapes.get(entity)) for entity in fact.arguments)
+    return tuple(entity for entity, shape in shapes if shape is not None and shape.traits.body)
 
 
 def all_demands(fact: Fact, scene: Scene) -> tuple[Demand, ...]:

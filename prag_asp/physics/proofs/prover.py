@@ -74,8 +74,8 @@ class Prover:
                 least = self.fewest(facts)
                 reason = next(self._reasons(least, least))
                 return Impossibility(reason, least, k, physical.effects[k - 1].action if k else None)
-        for k, reason, moved in slip_reasons(physical, self._scene):
-            return Impossibility(reason, moved, k, physical.effects[k - 1].action)
+        for k, reason, entities in slip_reasons(physical, self._scene):
+            return Impossibility(reason, entities, k, physical.effects[k - 1].action)
         return None
 
     def refutation(self, facts: Sequence[Fact]) -> str | None:
@@ -132,11 +132,11 @@ class Prover:
 
     def _linked(self, fact: Fact) -> frozenset[str]:
         """Return the movable bodies and grippers whose positions a fact constrains; cached."""
-        known = self._links.get(fact)
-        if known is None:
+        links = self._links.get(fact)
+        if links is None:
             names = (name for _, gap in self._demanded(fact) for name, _ in gap[:2])
-            known = self._links[fact] = frozenset(name for name in names if name and name not in self._scene.fixed)
-        return known
+            links = self._links[fact] = frozenset(name for name in names if name and name not in self._scene.fixed)
+        return links
 
     def _together(self, group: frozenset[Fact]) -> str | None:
         """Return why the facts of a group cannot hold together, None if nothing is proved; cached."""
@@ -159,15 +159,15 @@ class Prover:
 
     def _demanded(self, fact: Fact) -> tuple[Demand, ...]:
         """Return the constraints of a fact that hold for all sizes of its bodies; cached."""
-        known = self._demands.get(fact)
-        if known is None:
+        demands = self._demands.get(fact)
+        if demands is None:
             first, *others = (_lengths(all_demands(fact, sized)) for sized in self._sized(fact))
             common = [demanded for demanded in first if all(demanded in other for other in others)]
-            known = self._demands[fact] = tuple(
+            demands = self._demands[fact] = tuple(
                 (axis, Gap(low, high, min(found[axis, low, high] for found in (first, *others))))
                 for axis, low, high in common
             )
-        return known
+        return demands
 
     def _never(self, fact: Fact) -> str | None:
         """Return why a fact can never hold, for any sizes of its bodies, None if it may; cached."""
@@ -188,10 +188,10 @@ def impossibility(physical: PhysicalTask, scene: Scene) -> Impossibility | None:
     return Prover(scene).impossibility(physical)
 
 
-def _lengths(found: Iterable[Demand]) -> dict[tuple[int, Node, Node], float]:
+def _lengths(demands: Iterable[Demand]) -> dict[tuple[int, Node, Node], float]:
     """Return the strongest lower bound on the difference of two coordinates along an axis."""
     lengths: dict[tuple[int, Node, Node], float] = {}
-    for axis, (low, high, least) in found:
+    for axis, (low, high, least) in demands:
         lengths[axis, low, high] = max(least, lengths.get((axis, low, high), -math.inf))
     return lengths
 
@@ -203,14 +203,14 @@ def slip_reasons(physical: PhysicalTask, scene: Scene) -> Iterator[tuple[int, st
     retreats straight up from where it grasps an object, and comes straight down to where it releases it.
     """
     for number, effect in enumerate(physical.effects, 1):
-        found = _lift(effect, physical.states[number - 1])
-        if found is not None:
-            _, held, _ = found
+        lift = _lift(effect, physical.states[number - 1])
+        if lift is not None:
+            _, held, _ = lift
             robot, entity = held.arguments
             sizes = scene.ranges.get(entity, (scene.shapes[entity],))
             reasons = [slips(scene.with_shapes({entity: shape}), entity, robot) for shape in sizes]
             if reasons[0] is not None and None not in reasons:
-                yield number, reasons[0], found
+                yield number, reasons[0], lift
 
 
 def _lift(effect: ActionEffect, before: tuple[Fact, ...]) -> tuple[Fact, Fact, Fact] | None:

@@ -70,13 +70,13 @@ def rules(proofs: Proofs, stated: Facts) -> list[ExclusionRule]:
     return _Folding(proofs, stated).rules()
 
 
-def text_of(found: Iterable[ExclusionRule], name: str) -> str:
+def text_of(rules: Iterable[ExclusionRule], name: str) -> str:
     """Return rules as a logic program, each with its reason."""
     lines = [
         f"% What physics proves impossible in the scene of {name}: written by prag-asp learn, to be written again",
         "% where the scene changes. impossible(F,G): F and G never hold together; impossible(F,F): F never holds.",
     ]
-    for rule in found:
+    for rule in rules:
         lines += ["", f"% {rule.reason}", str(rule)]
     return "\n".join([*lines, ""])
 
@@ -94,14 +94,14 @@ class _Folding:
 
     def rules(self) -> list[ExclusionRule]:
         """Return the rules, in the order of the first proof of each."""
-        found: list[ExclusionRule] = []
+        result: list[ExclusionRule] = []
         covered = set[Fluents]()
         for fluents, reason in self._proofs.items():
             if reason is not None and fluents not in covered:
                 rule = self._rule(fluents, reason)
                 covered.update(rule.proofs)
-                found.append(rule)
-        return found
+                result.append(rule)
+        return result
 
     def _rule(self, fluents: Fluents, reason: str) -> ExclusionRule:
         """Return the most general rule for a proof whose instances are all proved for the same reason."""
@@ -151,11 +151,11 @@ class _Folding:
     @cached_property
     def _arguments(self) -> Mapping[tuple[str, int], set[str]]:
         """The i-th arguments of the fluents of each name."""
-        found: dict[tuple[str, int], set[str]] = {}
+        arguments: dict[tuple[str, int], set[str]] = {}
         for fluent in self._fluents:
             for i, argument in enumerate(fluent.arguments):
-                found.setdefault((fluent.name, i), set()).add(argument)
-        return found
+                arguments.setdefault((fluent.name, i), set()).add(argument)
+        return arguments
 
     @cached_property
     def _tables(self) -> Mapping[Shape, _InstanceTable]:
@@ -194,12 +194,12 @@ class _Folding:
 
     def _range(self, shape: Shape, variable: str, kind: str) -> set[str]:
         """Return the range of a variable."""
-        found = self._members.get(kind, {kind})
+        entities = self._members.get(kind, {kind})
         for name, arguments in shape:
             for i, argument in enumerate(arguments):
                 if argument == variable:
-                    found = found & self._arguments[name, i]
-        return found
+                    entities = entities & self._arguments[name, i]
+        return entities
 
     def _could_be(self, shape: Shape, one: str, two: str, entity: str) -> bool:
         """Return whether fluents of a shape can have an entity for two variables at once."""
@@ -218,7 +218,7 @@ def _in_variables(reason: str, entities: Entities) -> str:
     """Return a reason with variables in place of the names of entities."""
     variables = {words(entity): variable for variable, entity in zip(VARIABLES, entities, strict=False)}
     names = sorted(map(re.escape, variables), key=len, reverse=True)  # cube 2 before cube
-    return re.sub(rf"\b({'|'.join(names)})\b", lambda found: variables[found[0]], reason) if names else reason
+    return re.sub(rf"\b({'|'.join(names)})\b", lambda match: variables[match[0]], reason) if names else reason
 
 
 def _kind(reason: str) -> str:

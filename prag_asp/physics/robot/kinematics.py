@@ -60,26 +60,26 @@ def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> Iterator[Jo
     goal, flange = rows(tool), matrix(compose(tool, _from_tool(robot)))
     start = _facing(robot, tool) if near is None else near
     weights = robot.solver.weights if near is None else EVEN
-    found: list[Joints] = []
+    solutions: list[Joints] = []
     for angles in robot.solver.sweeps(tool, near):
-        yield from _fresh(robot, _ranked(robot, flange, start, angles, weights), goal, found)
-        if len(found) == MAX_SOLUTIONS:
+        yield from _fresh(robot, _ranked(robot, flange, start, angles, weights), goal, solutions)
+        if len(solutions) == MAX_SOLUTIONS:
             return
-    if not found:
-        yield from _fresh(robot, _ranked(robot, flange, start, robot.solver.last_resort, weights), goal, found)
+    if not solutions:
+        yield from _fresh(robot, _ranked(robot, flange, start, robot.solver.last_resort, weights), goal, solutions)
 
 
 def _fresh(
-    robot: Robot, candidates: Sequence[Joints], goal: list[list[float]], found: list[Joints]
+    robot: Robot, candidates: Sequence[Joints], goal: list[list[float]], solutions: list[Joints]
 ) -> Iterator[Joints]:
-    """Yield the joint configurations that reach the goal and differ from those in `found`, and add them to it."""
+    """Yield the joint configurations that reach the goal and differ from those in `solutions`, and add them to it."""
     for joints in candidates:
-        if any(math.dist(joints, other) < APART for other in found):
+        if any(math.dist(joints, other) < APART for other in solutions):
             continue
         if _error(tool_matrix(robot, joints), goal) < ACCURACY:
-            found.append(joints)
+            solutions.append(joints)
             yield joints
-            if len(found) == MAX_SOLUTIONS:
+            if len(solutions) == MAX_SOLUTIONS:
                 return
 
 
@@ -93,8 +93,8 @@ def adjust_joints(robot: Robot, tool: Pose, near: Joints) -> Joints | None:
         here = forward(joints)
         error = _twist(here, target)
         if np.abs(error).max() < ACCURACY:
-            found = tuple(joints.tolist())
-            return found if robot.within_limits(found) else None
+            solution = tuple(joints.tolist())
+            return solution if robot.within_limits(solution) else None
         columns = [_twist(here, forward(joints + row)) / DIFFERENCE for row in DIFFERENCE * np.eye(len(joints))]
         jacobian = np.array(columns).T
         joints = joints + jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + DAMPING * np.eye(6), error)
@@ -118,8 +118,8 @@ def nudge_joints(
     inverse = jacobian.T @ np.linalg.inv(jacobian @ jacobian.T + DAMPED)
     posture_step = POSTURE_GAIN * (_posture(robot) - joints)
     posture_step[0] = 0.0
-    found: NDArray[np.float64] = joints + posture_step + inverse @ (twist - jacobian @ posture_step)
-    return found
+    result: NDArray[np.float64] = joints + posture_step + inverse @ (twist - jacobian @ posture_step)
+    return result
 
 
 @cache
@@ -155,17 +155,17 @@ def _ranked(
     weights: tuple[float, ...],
 ) -> list[Joints]:
     """Return the solutions within the joint limits for some values of the redundant angle, nearest to `start` first."""
-    found, origin = [], tuple(map(mul, start, weights))
+    solutions, origin = [], tuple(map(mul, start, weights))
     for row in robot.solver.solutions(flange, start, angles):
         # A branch without a solution is NaN, for which no comparison holds.
         if robot.within_limits(row):
-            found.append((math.dist(tuple(map(mul, row, weights)), origin), tuple(row)))
-    return [joints for _, joints in sorted(found)]
+            solutions.append((math.dist(tuple(map(mul, row, weights)), origin), tuple(row)))
+    return [joints for _, joints in sorted(solutions)]
 
 
-def _error(found: Rows, goal: list[list[float]]) -> float:
+def _error(actual: Rows, goal: list[list[float]]) -> float:
     """Return the largest distance between corresponding rows of two homogeneous matrices."""
-    return max(map(math.dist, found[:3], goal))
+    return max(map(math.dist, actual[:3], goal))
 
 
 def _facing(robot: Robot, tool: Pose) -> Joints:

@@ -97,8 +97,8 @@ def carry(search: Search, snapshot: Snapshot, entity: str, effect: ActionEffect,
     poses = with_riders(situation, entity, pose, search.objects)
     after = situation.with_poses(poses)
     verify_objects(search, after, changed_objects(snapshot, poses))
-    wanted = CollisionQuery(after, arm.width, entity)
-    joints = configure(search, compose(pose, invert(arm.grasp)), wanted)
+    query = CollisionQuery(after, arm.width, entity)
+    joints = configure(search, compose(pose, invert(arm.grasp)), query)
     carried = moved_arm(snapshot, joints, poses)
     waypoints.append(arm_waypoint("carry", carried))
     return carried
@@ -117,9 +117,9 @@ def _turned(search: Search, situation: Situation, entity: str, effect: ActionEff
     """Return the pose of the held object rotated in place."""
     pose = situation.poses[entity]
     yaw = yaw_of(pose.quaternion)
-    wanted = yaw_ranges(situation, entity, relevant_facts(effect.after, entity, situation))
-    if wanted is not None:
-        yaw = next(sample_yaws(search, wanted))
+    ranges = yaw_ranges(situation, entity, relevant_facts(effect.after, entity, situation))
+    if ranges is not None:
+        yaw = next(sample_yaws(search, ranges))
     turn = yaw_quaternion(yaw - yaw_of(pose.quaternion))
     return Pose(pose.position, multiply(turn, pose.quaternion))
 
@@ -136,6 +136,6 @@ def relocate(search: Search, snapshot: Snapshot, effect: ActionEffect, entity: s
     poses = with_riders(situation, entity, pose, search.objects)
     after = situation.with_poses(poses)
     verify_objects(search, after, changed_objects(snapshot, poses))
-    moved = snapshot.with_poses(poses)
-    require_free(search, moved)
-    return moved
+    relocated = snapshot.with_poses(poses)
+    require_free(search, relocated)
+    return relocated

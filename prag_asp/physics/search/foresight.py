@@ -21,7 +21,7 @@ Rooms = dict[Direction, float]
 
 def foresee(physical: PhysicalTask, scene: Scene) -> Foresight:
     """Return the volumes for the objects of a task that leave room for what is placed beside them later."""
-    found: dict[tuple[int, str], tuple[Volume, ...]] = {}
+    volumes_by_object: dict[tuple[int, str], tuple[Volume, ...]] = {}
     begun = [_named(effect.fresh) for effect in physical.effects]
     for k in range(len(physical.states)):
         concerned = set().union(*begun[k:], _named(physical.initial) if k == 0 else ())
@@ -29,8 +29,8 @@ def foresee(physical: PhysicalTask, scene: Scene) -> Foresight:
             if entity in concerned and entity not in scene.fixed:
                 volumes = [_volume(scene, _rooms(physical, scene, k, entity, wide)) for wide in (True, False)]
                 if any(volume != Volume() for volume in volumes):
-                    found[k, entity] = tuple(volumes)
-    return found
+                    volumes_by_object[k, entity] = tuple(volumes)
+    return volumes_by_object
 
 
 def _named(facts: Iterable[Fact]) -> set[str]:

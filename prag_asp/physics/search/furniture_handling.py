@@ -51,9 +51,9 @@ class Pull(NamedTuple):
 
 def sample_openings(search: Search, situation: Situation, facts: Iterable[Fact]) -> dict[str, float]:
     """Return random openings of all furniture of a situation, as facts require; metres or radians."""
-    known = list(facts)
+    all_facts = list(facts)
     furniture = [entity for entity in situation.poses if situation.shape(entity).traits.furniture]
-    return {entity: sample_opening(search, situation, entity, known) for entity in furniture}
+    return {entity: sample_opening(search, situation, entity, all_facts) for entity in furniture}
 
 
 def sample_opening(search: Search, situation: Situation, furniture: str, facts: Iterable[Fact]) -> float:
@@ -110,20 +110,20 @@ def open_furniture(situation: Situation, furniture: str, opening: float, objects
         return after
     delta = compose(after.part(furniture), invert(situation.part(furniture)))
     within = riders(situation, furniture, [other for other in objects if other != furniture])
-    moved = {rider: compose(delta, situation.poses[rider]) for rider in within}
-    return after.with_poses({**situation.poses, **moved})
+    rider_poses = {rider: compose(delta, situation.poses[rider]) for rider in within}
+    return after.with_poses({**situation.poses, **rider_poses})
 
 
 def _grips(robot: Robot, situation: Situation, furniture: str, halfway: float) -> list[Pose]:
     """Return tool poses that grasp the handle, in the frame of the moving part, the easiest first."""
-    made = mechanism(situation.shape(furniture))
-    turns = (0.0, math.pi) if made.slides else (0.0, math.pi / 2, math.pi, -math.pi / 2)
+    parts = mechanism(situation.shape(furniture))
+    turns = (0.0, math.pi) if parts.slides else (0.0, math.pi / 2, math.pi, -math.pi / 2)
     part = part_pose(situation.shape(furniture), situation.pose(furniture), halfway)
-    x, y, _ = compose(part, Pose(made.handle)).position
+    x, y, _ = compose(part, Pose(parts.handle)).position
     base_x, base_y, _ = robot.base.position
     heading = math.atan2(y - base_y, x - base_x) - yaw_of(part.quaternion)
     nearest = sorted(turns, key=lambda angle: abs(wrap(angle - heading)))
-    return [Pose(made.handle, multiply(yaw_quaternion(angle), DOWN)) for angle in nearest]
+    return [Pose(parts.handle, multiply(yaw_quaternion(angle), DOWN)) for angle in nearest]
 
 
 def _between(situation: Situation, furniture: str, goal: float) -> tuple[float, ...]:
@@ -151,13 +151,13 @@ def _pull(search: Search, snapshot: Snapshot, pull: Pull, low: Joints) -> tuple[
     joints = low
     for joints, at in _along(search, situation, pull, low):
         waypoints.append(Waypoint("pull", acting, joints, POST_WIDTH, furniture, at))
-    moved = open_furniture(situation, furniture, pull.openings[-1], search.objects)
-    falling = unsupported(moved, search.objects)
+    opened = open_furniture(situation, furniture, pull.openings[-1], search.objects)
+    falling = unsupported(opened, search.objects)
     if falling is not None:
         raise Failure(UNSUPPORTED, falling)
-    _require_free(search, moved, joints, opening, furniture)
-    above = _above(search, moved, joints, furniture)
-    after = replace(snapshot, situation=moved).with_arm(Arm(above, opening))
+    _require_free(search, opened, joints, opening, furniture)
+    above = _above(search, opened, joints, furniture)
+    after = replace(snapshot, situation=opened).with_arm(Arm(above, opening))
     return after, [*waypoints, Waypoint("at", acting, joints, opening), arm_waypoint("retreat", after)]
 
 
@@ -173,11 +173,11 @@ def _along(search: Search, situation: Situation, pull: Pull, joints: Joints) -> 
         near = adjust_joints(search.robot, compose(part_pose(shape, pose, at), pull.grip), joints)
         if near is None:
             raise Failure(NO_KINEMATICS_AT, pull.furniture)
-        moved = open_furniture(situation, pull.furniture, at, search.objects)
-        pair = colliding(search.simulator, moved, [pull.furniture, *within], search.objects)
+        opened = open_furniture(situation, pull.furniture, at, search.objects)
+        pair = colliding(search.simulator, opened, [pull.furniture, *within], search.objects)
         if pair is not None:
             raise Failure(OBJECTS_COLLIDE, *pair)
-        _require_free(search, moved, near, POST_WIDTH, pull.furniture)
+        _require_free(search, opened, near, POST_WIDTH, pull.furniture)
         yield near, at
         joints = near
 

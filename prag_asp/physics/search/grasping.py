@@ -71,20 +71,20 @@ def grasps(search: Search, situation: Situation, entity: str) -> list[tuple[Pose
     turns = [first + turn * math.pi / (4 if round_body else 2) for turn in range(8 if round_body else 4)]
     # Half a turn gives the same grasp, so the nearer one of each pair of opposite headings is enough.
     yaws = sorted(turns, key=lambda angle: -math.cos(angle - heading))[: len(turns) // 2]
-    found = []
+    candidates = []
     for yaw in yaws:
         opening = (-math.sin(yaw), math.cos(yaw), 0.0)
         width = width_along(shape, pose.quaternion, opening)
         if width <= search.robot.opening - CLEARANCE:
-            found.append((Pose((x, y, height), multiply(yaw_quaternion(yaw), DOWN)), width))
-    if not found:
+            candidates.append((Pose((x, y, height), multiply(yaw_quaternion(yaw), DOWN)), width))
+    if not candidates:
         raise Failure(NO_GRASP, entity)
     if search.scene.shared and shape.traits.even and max(shape.half[:2]) >= LONG:
-        found = [at_end for grasp in found for at_end in _at_ends(shape, pose, grasp)]
+        candidates = [at_end for grasp in candidates for at_end in _at_ends(shape, pose, grasp)]
     rise = z + half - TOP_GRIP - height
     if rise > 0.0 and shape.traits.flat:
-        found += [(raised(tool, rise), width) for tool, width in found]
-    return found
+        candidates += [(raised(tool, rise), width) for tool, width in candidates]
+    return candidates
 
 
 def _at_ends(shape: Shape, pose: Pose, grasp: tuple[Pose, float]) -> Iterator[tuple[Pose, float]]:

@@ -70,8 +70,8 @@ def _about(physical: PhysicalTask, entity: str, situation: Situation) -> tuple[F
 
 def _in_the_air(physical: PhysicalTask, entity: str) -> bool:
     """Return whether a held object is known to have no support: some facts deny one, and none states one."""
-    known = [fact for fact in physical.initial if fact.predicate.supports and fact.arguments[0] == entity]
-    return bool(known) and not any(fact.value for fact in known)
+    supports = [fact for fact in physical.initial if fact.predicate.supports and fact.arguments[0] == entity]
+    return bool(supports) and not any(fact.value for fact in supports)
 
 
 def _bring(search: Search, snapshot: Snapshot, physical: PhysicalTask) -> Snapshot:

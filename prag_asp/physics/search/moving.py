@@ -77,13 +77,13 @@ def arm_waypoint(name: str, snapshot: Snapshot) -> Waypoint:
     return Waypoint(name, snapshot.acting, arm.joints, arm.width, arm.held)
 
 
-def verify_objects(search: Search, situation: Situation, moved: Iterable[str]) -> None:
+def verify_objects(search: Search, situation: Situation, changed: Iterable[str]) -> None:
     """Check that moved objects collide with nothing, and that every object is stable.
 
     Raises:
         Failure: two objects collide, or one would fall.
     """
-    pair = colliding(search.simulator, situation, moved, search.objects)
+    pair = colliding(search.simulator, situation, changed, search.objects)
     if pair is not None:
         raise Failure(OBJECTS_COLLIDE, *pair)
     falling = unsupported(situation, search.objects, STEADY)

@@ -151,7 +151,7 @@ def _place(search: Search, situation: Situation, request: PlacementRequest) -> t
     Raises:
         Failure: the volume is empty.
     """
-    found: tuple[Quaternion, Volume, Floor] | None = None
+    first: tuple[Quaternion, Volume, Floor] | None = None
     for yaw in _yaws(search, situation, request):
         quaternion = yaw_quaternion(yaw)
         volume, floor = _roomy(situation, request, quaternion)
@@ -164,12 +164,12 @@ def _place(search: Search, situation: Situation, request: PlacementRequest) -> t
                 preferred_volume.rings == volume.rings or Volume.sample(preferred_floor, search.uniform)
             ):
                 return quaternion, preferred_volume, preferred_floor
-        found = found or (quaternion, volume, floor)
+        first = first or (quaternion, volume, floor)
         if not request.ahead:
             break
-    if found is None:
+    if first is None:
         raise Failure(EMPTY_VOLUME, request.entity)
-    return found
+    return first
 
 
 def _roomy(situation: Situation, request: PlacementRequest, quaternion: Quaternion) -> tuple[Volume, Floor | None]:
@@ -195,14 +195,14 @@ def _ahead(search: Search, situation: Situation, entity: str, support: str, stat
     spans = [span for span in search.spans.get((state, entity), ()) if span.other in situation.poses]
     if not spans:
         return rooms
-    found = []
+    volumes = []
     for room, wide in zip(rooms or (Volume(), Volume()), (True, False), strict=True):
         rings = []
         for span in spans:
             x, y, _ = situation.pose(span.other).position
             rings.append(Ring(x, y, span.ample if wide else span.enough, math.inf))
-        found.append(room._replace(rings=tuple(rings)))
-    return tuple(found)
+        volumes.append(room._replace(rings=tuple(rings)))
+    return tuple(volumes)
 
 
 def _volume(situation: Situation, request: PlacementRequest, quaternion: Quaternion) -> Volume:
@@ -261,7 +261,7 @@ def _others(situation: Situation, about: Iterable[Fact]) -> list[str]:
 
 def _neighbours(situation: Situation, others: Iterable[str], support: str, half: Vector, z: float) -> list[Neighbour]:
     """Return the others that the bounding box of an object at a height can meet, without containers it is put into."""
-    found, shapes = [], situation.scene.shapes
+    neighbours, shapes = [], situation.scene.shapes
     for other in others:
         traits = shapes[other].traits
         if traits.hollow and support != TABLE:
@@ -269,8 +269,8 @@ def _neighbours(situation: Situation, others: Iterable[str], support: str, half:
         boxes = _boxes(situation, other)
         for (x, y, other_z), (half_x, half_y, half_z) in boxes:
             if abs(z - other_z) < half[2] + half_z + COLLISION:
-                found.append((x, y, half_x + half[0], half_y + half[1]))
-    return found
+                neighbours.append((x, y, half_x + half[0], half_y + half[1]))
+    return neighbours
 
 
 def _boxes(situation: Situation, entity: str) -> tuple[Box, ...]:

@@ -41,22 +41,22 @@ def spacing_chains(situation: Situation, entity: str, facts: Iterable[Fact]) -> 
     return tuple(_longest(situation, entity, links, wide) for wide in (True, False))
 
 
-def spacing_volume(situation: Situation, entity: str, quaternion: Quaternion, found: Iterable[SpacingChain]) -> Volume:
+def spacing_volume(situation: Situation, entity: str, quaternion: Quaternion, chains: Iterable[SpacingChain]) -> Volume:
     """Return the volume in which an object with its orientation leaves room for what is between it and others."""
     volume = Volume()
     half = extents(situation.shape(entity), quaternion)
-    for end, side, between in found:
+    for end, side, between in chains:
         volume = volume.meet(wedge(situation, side, end, half, GAP + MARGIN + between))
     return volume
 
 
 def _longest(situation: Situation, entity: str, links: Mapping[Direction, Links], wide: bool) -> list[SpacingChain]:
     """Return the longest chain to each end in each direction."""
-    found: dict[tuple[str, Direction], float] = {}
+    longest: dict[tuple[str, Direction], float] = {}
     for side, pairs in links.items():
         for end, between in _follow(situation, entity, pairs, wide, ()):
-            found[end, side] = max(between, found.get((end, side), 0.0))
-    return [SpacingChain(end, side, between) for (end, side), between in found.items()]
+            longest[end, side] = max(between, longest.get((end, side), 0.0))
+    return [SpacingChain(end, side, between) for (end, side), between in longest.items()]
 
 
 def _links(beside: Iterable[Fact], side: Direction) -> Iterator[tuple[str, str]]:

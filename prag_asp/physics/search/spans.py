@@ -31,10 +31,10 @@ Spans = Mapping[tuple[int, str], tuple[Span, ...]]
 
 def foresee_spans(physical: PhysicalTask, scene: Scene) -> Spans:
     """Return the desired distances between the objects of a task, for what comes between them."""
-    known = [*physical.initial, *(fact for effect in physical.effects for fact in effect.fresh)]
-    if not any(fact.value and fact.predicate.lies_between for fact in known):
+    all_facts = [*physical.initial, *(fact for effect in physical.effects for fact in effect.fresh)]
+    if not any(fact.value and fact.predicate.lies_between for fact in all_facts):
         return {}
-    found: dict[tuple[int, str], tuple[Span, ...]] = {}
+    spans_by_object: dict[tuple[int, str], tuple[Span, ...]] = {}
     for k in range(len(physical.states)):
         for entity in physical.objects if k == 0 else physical.effects[k - 1].moved:
             spans = tuple(
@@ -47,8 +47,8 @@ def foresee_spans(physical: PhysicalTask, scene: Scene) -> Spans:
                 if other != entity and any(_between(physical, k, (entity, other)))
             )
             if spans:
-                found[k, entity] = spans
-    return found
+                spans_by_object[k, entity] = spans
+    return spans_by_object
 
 
 def _span(physical: PhysicalTask, scene: Scene, k: int, pair: tuple[str, str], wide: bool, depth: int = 0) -> float:

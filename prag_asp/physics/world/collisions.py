@@ -37,11 +37,11 @@ def boxes_meet(one: Box, two: Box) -> bool:
 
 
 def colliding(
-    simulator: Simulator, situation: Situation, moved: Iterable[str], objects: Iterable[str]
+    simulator: Simulator, situation: Situation, changed: Iterable[str], objects: Iterable[str]
 ) -> tuple[str, str] | None:
     """Return a moved object and the object, or the table, with which it collides; None if there is no collision."""
     boxes, done = {entity: box(situation, entity) for entity in objects}, set[str]()
-    for one in moved:
+    for one in changed:
         done.add(one)
         if situation.bottom(one) < 0.0:
             simulator.place(situation.poses, situation.openings)

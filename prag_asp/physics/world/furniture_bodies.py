@@ -24,10 +24,10 @@ def make_furniture(client: int, shape: Shape, material: Material, at: Vector, co
     Raises:
         SceneError: PyBullet refuses its shape.
     """
-    made = mechanism(shape)
-    solid, looks = make_shapes(boxes(made.body), client, color)
-    part, part_looks = make_shapes(boxes(made.part), client, color and lighter(color))
-    weight = material.density * volume(boxes(made.part))
+    parts = mechanism(shape)
+    solid, looks = make_shapes(boxes(parts.body), client, color)
+    part, part_looks = make_shapes(boxes(parts.part), client, color and lighter(color))
+    weight = material.density * volume(boxes(parts.part))
     body = pybullet.createMultiBody(
         0.0,
         solid,
@@ -36,26 +36,26 @@ def make_furniture(client: int, shape: Shape, material: Material, at: Vector, co
         linkMasses=[weight],
         linkCollisionShapeIndices=[part],
         linkVisualShapeIndices=[part_looks],
-        linkPositions=[made.joint],
+        linkPositions=[parts.joint],
         linkOrientations=[UPRIGHT],
         linkInertialFramePositions=[(0.0, 0.0, 0.0)],
         linkInertialFrameOrientations=[UPRIGHT],
         linkParentIndices=[0],
-        linkJointTypes=[pybullet.JOINT_PRISMATIC if made.slides else pybullet.JOINT_REVOLUTE],
-        linkJointAxis=[made.axis],
+        linkJointTypes=[pybullet.JOINT_PRISMATIC if parts.slides else pybullet.JOINT_REVOLUTE],
+        linkJointAxis=[parts.axis],
         physicsClientId=client,
     )
     if body < 0:
         raise SceneError(f"PyBullet refuses furniture of the size {shape.size}")
     for link in (-1, JOINT):
         pybullet.changeDynamics(body, link, lateralFriction=material.friction, physicsClientId=client)
-    pybullet.changeDynamics(body, JOINT, jointLowerLimit=0.0, jointUpperLimit=made.limit, physicsClientId=client)
+    pybullet.changeDynamics(body, JOINT, jointLowerLimit=0.0, jointUpperLimit=parts.limit, physicsClientId=client)
     pybullet.setJointMotorControl2(
         body,
         JOINT,
         pybullet.VELOCITY_CONTROL,
         targetVelocity=0.0,
-        force=SLIDE_DRAG if made.slides else HINGE_DRAG,
+        force=SLIDE_DRAG if parts.slides else HINGE_DRAG,
         physicsClientId=client,
     )
     return int(body)

@@ -58,11 +58,11 @@ class SimulatedArm:
 
     def contacts(self, body: int, links: Iterable[int], within: float = 0.0) -> list[tuple[int, float]]:
         """Return the links of the arm that are `within` a distance of a body, with the distances in metres."""
-        found = []
+        contacts = []
         for link in links:
             points = pybullet.getClosestPoints(self.body, body, within, linkIndexA=link, physicsClientId=self.client)
-            found += [(link, point[8]) for point in points]
-        return found
+            contacts += [(link, point[8]) for point in points]
+        return contacts
 
     def link_boxes(self, joints: Joints, width: float) -> list[Corners]:
         """Return the bounding box of each of the robot's links at joint angles in radians and an opening in metres.
@@ -72,22 +72,22 @@ class SimulatedArm:
         Raises:
             SceneError: a number is not finite, or there are not seven joints.
         """
-        known = self._known.get(joints)
-        if known is None:
+        posture = self._known.get(joints)
+        if posture is None:
             self.pose(joints, width)
             read, body, client = pybullet.getAABB, self.body, self.client
-            known = _Posture(width, [read(body, link, client) for link in self.robot.links])
+            posture = _Posture(width, [read(body, link, client) for link in self.robot.links])
             if len(self._known) >= REMEMBERED:
                 self._known.clear()
-            self._known[joints] = known
-        return known.boxes if known.width == width else self._opened(joints, known, width)
+            self._known[joints] = posture
+        return posture.boxes if posture.width == width else self._opened(joints, posture, width)
 
-    def _opened(self, joints: Joints, known: _Posture, width: float) -> list[Corners]:
+    def _opened(self, joints: Joints, posture: _Posture, width: float) -> list[Corners]:
         """Return the bounding boxes for another opening: the fingers slide along the y axis of the tool."""
         axis = rotate(tool_pose(self.robot, joints).quaternion, (0.0, 1.0, 0.0))
-        boxes = list(known.boxes)
+        boxes = list(posture.boxes)
         for i, side in self._fingers:
-            shift = side * (width - known.width) / 2
+            shift = side * (width - posture.width) / 2
             dx, dy, dz = axis[0] * shift, axis[1] * shift, axis[2] * shift
             (ax, ay, az), (bx, by, bz) = boxes[i]
             boxes[i] = (ax + dx, ay + dy, az + dz), (bx + dx, by + dy, bz + dz)
@@ -96,10 +96,12 @@ class SimulatedArm:
     def self_overlap(self, joints: Joints, width: float) -> float:
         """Return minus the deepest penetration of two links of the arm in metres, 0 if none touch."""
         boxes = self.link_boxes(joints, width)
-        known = self._known[joints]
-        if known.overlap is None:
-            known.overlap = min([0.0, *self._overlaps(joints, width, dict(zip(self.robot.links, boxes, strict=True)))])
-        return known.overlap
+        posture = self._known[joints]
+        if posture.overlap is None:
+            posture.overlap = min(
+                [0.0, *self._overlaps(joints, width, dict(zip(self.robot.links, boxes, strict=True)))]
+            )
+        return posture.overlap
 
     def _overlaps(self, joints: Joints, width: float, boxes: Mapping[int, Corners]) -> Iterator[float]:
         """Yield the distances of the links that touch in metres, among those whose bounding boxes do."""

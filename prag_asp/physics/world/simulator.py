@@ -86,8 +86,8 @@ class Simulator:
                 set_opening(self.client, self.body(entity), opening)
                 self._openings[entity] = opening
         for entity, pose in poses.items():
-            known = self._poses.get(entity)
-            if known is not pose and known != pose:
+            current = self._poses.get(entity)
+            if current is not pose and current != pose:
                 if not finite(pose):
                     raise SceneError(f"{entity} has the pose {pose}, which is not a finite position and rotation")
                 self._move(entity, pose)

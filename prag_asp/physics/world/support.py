@@ -38,15 +38,15 @@ def _contacts(situation: Situation, entity: str, tops: Iterable[tuple[str, float
     """Return the contacts of a body with surfaces, given with their heights in metres."""
     bottom = situation.bottom(entity)
     below: Outline = ()
-    found = []
+    contacts = []
     for support, height in tops:
         if support != entity and abs(bottom - height) <= CONTACT:
             below = below or outline(situation.shape(entity), situation.pose(entity))
             region = below if support == TABLE and _on_table(situation, below) else ()
             region = region or intersection(below, _top(situation, support))
             if region:
-                found.append(Contact(support, region))
-    return found
+                contacts.append(Contact(support, region))
+    return contacts
 
 
 def resting_height(situation: Situation, entity: str, others: Iterable[str]) -> float:
@@ -85,10 +85,10 @@ def unsupported(situation: Situation, entities: Iterable[str], margin: float = 0
 def riders(situation: Situation, entity: str, others: Iterable[str]) -> list[str]:
     """Return the bodies that rest on or in a body, directly or indirectly, and so move with it."""
     candidates = list(others)
-    found = [entity]
-    for current in found:
-        found += [other for other in candidates if other not in found and _rests_on(situation, other, current)]
-    return found[1:]
+    bodies = [entity]
+    for current in bodies:
+        bodies += [other for other in candidates if other not in bodies and _rests_on(situation, other, current)]
+    return bodies[1:]
 
 
 def _tops(situation: Situation, others: Iterable[str]) -> Iterable[tuple[str, float]]:

@@ -1,4 +1,4 @@
-"""The arithmetic of clingo's terms with exact numbers, which finds intermediate results out of range."""
+"""Evaluate clingo's arithmetic terms with exact integers, to detect intermediate results out of range."""
 
 from __future__ import annotations
 
@@ -15,28 +15,28 @@ from prag_asp.integers import fits
 OPERATIONS = (ASTType.BinaryOperation, ASTType.UnaryOperation)
 
 WIDTH, COMBINATIONS = 64, 10_000
-"""The number of values up to which an interval in an operation is computed whole, and not at its ends alone; the number
-of combinations of values that are computed. Both bound the time of one check."""
+"""The width up to which an interval in an operation is evaluated at all values, not only at its ends; and the maximum
+number of evaluated combinations of values. Both bound the time of one check."""
 
 
 class OutOfRange(Exception):
-    """A number is out of the range of clingo."""
+    """A number is out of clingo's range."""
 
 
 class Undefined(Exception):
-    """An operation has no value, which clingo itself reports."""
+    """An operation has no value; clingo itself reports this."""
 
 
 @dataclass(frozen=True)
 class Leaf:
-    """An operand that is no operation: the text of a term, whose value comes from the grounder."""
+    """An operand that is not an operation: the text of a term, whose value comes from the grounder."""
 
     text: str
 
 
 @dataclass(frozen=True)
 class NumberRange:
-    """All numbers from one to another."""
+    """An interval of numbers."""
 
     low: Expression
     high: Expression
@@ -44,7 +44,7 @@ class NumberRange:
 
 @dataclass(frozen=True)
 class Operation:
-    """An operation by its sign, or by a name if it takes one argument."""
+    """An operation: its sign, or its name if it is unary, and its arguments."""
 
     sign: str
     arguments: tuple[Expression, ...]
@@ -92,16 +92,16 @@ def leaves(expression: Expression) -> Iterator[str]:
 
 
 def divides(expression: Expression) -> bool:
-    """Return whether an expression has a division, which ends the process of clingo if it is out of range."""
+    """Return whether an expression has a division, which crashes clingo if it is out of range."""
     own = isinstance(expression, Operation) and expression.sign in ("/", "\\")
     return own or any(map(divides, _parts(expression)))
 
 
 def check_range(expression: Expression, values: Mapping[str, clingo.Symbol]) -> None:
-    """Compute an expression whose leaves have these values, with all intermediate results.
+    """Evaluate an expression for these values of its leaves.
 
     Raises:
-        OutOfRange: one of them is out of range.
+        OutOfRange: the value or an intermediate result is out of range.
     """
     with suppress(Undefined):
         for _ in islice(_values(expression, values), COMBINATIONS):
@@ -112,7 +112,7 @@ def compute(expression: Expression, values: Mapping[str, clingo.Symbol]) -> int:
     """Return the first value of an expression.
 
     Raises:
-        OutOfRange: it, or an intermediate result, is out of range.
+        OutOfRange: the value or an intermediate result is out of range.
         Undefined: it has no value.
     """
     return next(_values(expression, values))
@@ -127,7 +127,7 @@ def _parts(expression: Expression) -> Sequence[Expression]:
 
 
 def _values(expression: Expression, values: Mapping[str, clingo.Symbol]) -> Iterator[int]:
-    """Yield the values of an expression: several if it has intervals or pools."""
+    """Yield the values of an expression; it has several with intervals or pools."""
     if isinstance(expression, int):
         yield expression
     elif isinstance(expression, Leaf):

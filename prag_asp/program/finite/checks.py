@@ -1,4 +1,4 @@
-"""The functions that a guarded program calls while clingo grounds it: range of numbers, number and depth of terms."""
+"""The functions that a guarded program calls during grounding: range of numbers, number and depth of terms."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from prag_asp.program.finite.arithmetic import Expression, OutOfRange, check_ran
 from prag_asp.program.problem import Problem
 
 MOST_VALUES = 25_000
-"""The number of values of which one rule may make larger terms within one step; grounding them takes a second."""
+"""The maximum number of values of which a rule derives larger terms within one step; grounding them takes 1 s."""
 
 DEEPEST = 1_000
-"""The depth of the terms that such a rule may make."""
+"""The maximum depth of the terms that such a rule derives."""
 
 WIDEST = 1_000_000
-"""The number of values of an interval, of which each needs some hundred bytes in an atom."""
+"""The maximum number of values of an interval; each takes some hundred bytes in an atom."""
 
 CONSTANT = re.compile(r"(?<![\w'])_*[a-z][\w']*")
 
@@ -29,17 +29,17 @@ BOUND = "bound it by a condition such as N < 10"
 
 
 class BoundReached(DomainError):
-    """Grounding made a number that is out of range, or exceeded a bound, at the place of `problem`."""
+    """Grounding computed a number out of range, or exceeded a bound, at the place of `problem`."""
 
     def __init__(self, problem: Problem | BoundReached) -> None:
         super().__init__(str(problem))
-        # clingo raises the error of a callback anew, with the error as its argument.
+        # clingo re-raises the error of a callback, with the error as its argument.
         self.problem: Problem = problem.problem if isinstance(problem, BoundReached) else problem
 
 
 @dataclass(frozen=True)
 class Site:
-    """The place of a check in the files, and the expression that it checks."""
+    """The place of a check in the files, and the checked expression."""
 
     path: Path
     line: int
@@ -55,9 +55,9 @@ class Site:
 
 @dataclass
 class Checks:
-    """The functions that a guarded program calls while one control grounds it.
+    """The functions that a guarded program calls during grounding by one control.
 
-    `overflows` are the sites of numbers out of range: clingo then reports that an operation is undefined.
+    `overflows` are the sites of numbers out of range: for these, clingo reports an undefined operation.
     """
 
     sites: Sequence[Site]
@@ -73,16 +73,16 @@ class Checks:
         return site.error(out_of_range(site.text))
 
     def as_written(self, message: str) -> str:
-        """Return the message of clingo about an undefined operation, with the operation as the author wrote it."""
+        """Return clingo's message about an undefined operation, with the operation as the author wrote it."""
         here = (site for site in self.sites if site.text and message.startswith(f"{site.path}:{site.line}:"))
         site = next(here, None)
         return f"{site.path}:{site.line}: operation undefined: {site.text}" if site else message
 
     def in_range(self, number: clingo.Symbol, *inputs: clingo.Symbol) -> clingo.Symbol:
-        """Return 0 if an operation on these inputs stays in range, otherwise a term that no operation takes.
+        """Return 0 if an operation on these inputs stays in range, otherwise a term without a numeric value.
 
         Raises:
-            BoundReached: it does not, and the process of clingo would end.
+            BoundReached: the operation would crash clingo.
         """
         site = self.sites[number.number]
         try:
@@ -109,7 +109,7 @@ class Checks:
         """Return the upper end of an interval.
 
         Raises:
-            BoundReached: the interval has too many numbers, or an end that is no number.
+            BoundReached: the interval is too wide, or an end is not a number.
         """
         site = self.sites[number.number]
         if not low.type == high.type == clingo.SymbolType.Number:
@@ -121,23 +121,23 @@ class Checks:
         return high
 
     def summed(self, number: clingo.Symbol, group: clingo.Symbol, element: clingo.Symbol) -> clingo.Symbol:
-        """Return 0 if the sum of the elements of a group stays in range, otherwise a term that no operation takes."""
-        found, total = self._sums.get((number.number, group), (set(), 0))
+        """Return 0 if the sum of the elements of a group stays in range, otherwise a term without a numeric value."""
+        elements, total = self._sums.get((number.number, group), (set(), 0))
         weight = element.arguments[0]
-        if element not in found and weight.type == clingo.SymbolType.Number:
-            found.add(element)
+        if element not in elements and weight.type == clingo.SymbolType.Number:
+            elements.add(element)
             total += abs(weight.number)
-            self._sums[number.number, group] = (found, total)
+            self._sums[number.number, group] = (elements, total)
         if not fits(total):
             self.overflows.append(self.sites[number.number])
             return clingo.Function("out_of_range")
         return clingo.Number(0)
 
     def goes_on(self, number: clingo.Symbol, time: clingo.Symbol, *values: clingo.Symbol) -> clingo.Symbol:
-        """Return 0 if a rule may make terms of these values.
+        """Return 0 if a rule may derive terms of these values.
 
         Raises:
-            BoundReached: it has made terms of too many values, makes terms that are too deep, or never ends.
+            BoundReached: it has derived terms of too many values, derives too deep terms, or never terminates.
         """
         site = self.sites[number.number]
         if site.certain:
@@ -151,19 +151,19 @@ class Checks:
         return clingo.Number(0)
 
 
-def measure(symbol: clingo.Symbol, known: dict[clingo.Symbol, int], of: Callable[[Iterable[int]], int]) -> int:
-    """Return a measure of a term, computed by `of` from those of its arguments; `known` is a cache."""
-    waiting = [] if symbol in known else [symbol]
+def measure(symbol: clingo.Symbol, cache: dict[clingo.Symbol, int], of: Callable[[Iterable[int]], int]) -> int:
+    """Return a measure of a term, computed by `of` from the measures of its arguments; `cache` has earlier results."""
+    waiting = [] if symbol in cache else [symbol]
     while waiting:
         each = waiting[-1]
         inner = each.arguments if each.type == clingo.SymbolType.Function else ()
-        unseen = [term for term in inner if term not in known]
+        unseen = [term for term in inner if term not in cache]
         if unseen:
             waiting += unseen
         else:
-            known[each] = of(known[term] for term in inner)
+            cache[each] = of(cache[term] for term in inner)
             waiting.pop()
-    return known[symbol]
+    return cache[symbol]
 
 
 def _depth(inner: Iterable[int]) -> int:
@@ -171,15 +171,15 @@ def _depth(inner: Iterable[int]) -> int:
 
 
 def ever_larger(name: str) -> str:
-    """Return the message about a rule that never ends."""
+    """Return the message about a rule that never terminates."""
     return f"this rule makes ever larger terms of {name} and never ends; {BOUND}"
 
 
 def out_of_range(operation: str) -> str:
-    """Return the message about an operation that makes a number out of range."""
+    """Return the message about an operation whose result is out of range."""
     return f"{operation} makes a number that is out of range; keep it from -{LARGEST} to {LARGEST}"
 
 
 def too_wide(interval: str, low: int, high: int) -> str:
-    """Return the message about an interval that has too many numbers."""
+    """Return the message about an interval that is too wide."""
     return f"{interval} has {high - low + 1:,} numbers, more than {WIDEST:,}; make it smaller"

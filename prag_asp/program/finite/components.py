@@ -9,9 +9,9 @@ Node = TypeVar("Node", bound=Hashable)
 
 
 def components(roots: Iterable[Node], below: Callable[[Node], Iterable[Node]]) -> Iterator[list[Node]]:
-    """Yield the strongly connected components that `roots` lead to (Tarjan 1972, without recursion).
+    """Yield the strongly connected components that are reachable from `roots` (Tarjan 1972, without recursion).
 
-    Each comes after those that it leads to; `below` gives the nodes that a node leads to.
+    `below` returns the successors of a node. Each component comes after all components that it reaches.
     """
     index: dict[Node, int] = {}
     low: dict[Node, int] = {}
@@ -40,8 +40,8 @@ def components(roots: Iterable[Node], below: Callable[[Node], Iterable[Node]]) -
                     above = work[-1][0]
                     low[above] = min(low[above], low[node])
                 if low[node] == index[node]:
-                    found = [path.pop()]
-                    while found[-1] != node:
-                        found.append(path.pop())
-                    waiting.difference_update(found)
-                    yield found
+                    component = [path.pop()]
+                    while component[-1] != node:
+                        component.append(path.pop())
+                    waiting.difference_update(component)
+                    yield component

@@ -1,12 +1,12 @@
-"""Rules whose recursion may make new terms without end, and those that certainly do.
+"""Find recursive rules that may derive new terms forever, and those that certainly do.
 
-A recursive rule makes new terms if a term of its head may be larger than the terms of the same component that it reads.
-Without such rules, the terms of a component are bounded by those below it, so that grounding ends. What is proved here
-is only that one application makes no larger term. Whether repeated applications end is left to `Checks.goes_on`, which
-counts the new terms of such a rule and limits how deep they are nested.
+A recursive rule derives new terms if a term of its head may be larger than the terms that it reads in the same
+component. Without such rules, the terms of a component are bounded by those below it, so grounding terminates. The
+proof here covers only one application of a rule: it derives no larger term. Otherwise, `Checks.goes_on` bounds the
+number of new terms of the rule and their depth at run time.
 
-A rule that reads nothing but its own head, with smaller terms, never ends once it is used: `certain` rules are reported
-without grounding the terms up to the limit.
+A rule that reads only its own head, with smaller terms, never terminates once it fires: such `certain` rules are
+reported without grounding up to the limit.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ LOWER = (ComparisonOperator.GreaterThan, ComparisonOperator.GreaterEqual)
 
 @dataclass(frozen=True)
 class EndlessRule:
-    """A rule that may make larger terms of `variables` without end; a `certain` one does so once it is used.
+    """A rule that may derive larger terms of `variables` forever; a `certain` one does so once it fires.
 
-    `element` is the number of the element of its head that makes them, None for a head without elements.
+    `element` is the index of the element of its head that derives them, None for a head without elements.
     """
 
     rule: Statement
@@ -45,7 +45,7 @@ class EndlessRule:
 
 @dataclass(frozen=True, eq=False)
 class _Derivation:
-    """An atom of the head of a rule, with the literals that it follows from."""
+    """An atom of the head of a rule, with the literals of its body and condition."""
 
     rule: Statement
     head: AST
@@ -58,7 +58,7 @@ class _Derivation:
 
     @cached_property
     def head_variables(self) -> tuple[tuple[int, str, int], ...]:
-        """The place of each argument of the head with its variables and their depths."""
+        """The variables of the head, each with the index of its argument and its depth."""
         return tuple(
             (place, name, depth)
             for place, argument in enumerate(_arguments(self.head))
@@ -78,7 +78,7 @@ class _Derivation:
 
     @cached_property
     def bound(self) -> tuple[tuple[str, Signature, int], ...]:
-        """The variables that an atom binds, with the predicate and their depth in its terms."""
+        """The variables that positive atoms bind, with the predicate and the depth in its terms."""
         return tuple(
             (name, _signature(atom), depth)
             for atom in self.atoms
@@ -89,15 +89,15 @@ class _Derivation:
 
     @cached_property
     def comparisons(self) -> tuple[tuple[AST, int, AST], ...]:
-        """The comparisons of two terms, read from the left and from the right."""
-        found = []
+        """The comparisons of two terms, each in both directions."""
+        comparisons = []
         for literal in self.literals:
             atom = literal.atom if literal.ast_type == ASTType.Literal else literal
             if atom.ast_type == ASTType.Comparison and literal.sign == Sign.NoSign:
                 terms = [atom.term, *(guard.term for guard in atom.guards)]
                 for left, guard, right in zip(terms, atom.guards, terms[1:], strict=False):
-                    found += [(left, guard.comparison, right), (right, MIRRORED[guard.comparison], left)]
-        return tuple(found)
+                    comparisons += [(left, guard.comparison, right), (right, MIRRORED[guard.comparison], left)]
+        return tuple(comparisons)
 
 
 MIRRORED = {
@@ -111,9 +111,9 @@ MIRRORED = {
 
 
 def endless_rules(statements: Iterable[Statement]) -> list[EndlessRule]:
-    """Return the author's rules that may make new terms without end."""
+    """Return the author's rules that may derive new terms forever."""
     rules = [each for each in statements if each.is_rule and each.body]
-    found: list[EndlessRule] = []
+    endless: list[EndlessRule] = []
     for inside in _recursive(rules):
         derived = [
             each
@@ -125,12 +125,12 @@ def endless_rules(statements: Iterable[Statement]) -> list[EndlessRule]:
         for each in derived:
             grown = _grown(each, inside) if each.rule.own else ()
             if grown:
-                found.append(EndlessRule(each.rule, grown, _is_certain(each), each.element))
-    return found
+                endless.append(EndlessRule(each.rule, grown, _is_certain(each), each.element))
+    return endless
 
 
 def _recursive(rules: Iterable[Statement]) -> Iterator[set[Signature]]:
-    """Yield the predicates of each component that is recursive through a rule of the author."""
+    """Yield the predicates of each component with a recursive rule of the author."""
     reads: dict[Signature, set[Signature]] = {}
     own: set[tuple[Signature, Signature]] = set()
     for rule in rules:
@@ -159,7 +159,7 @@ def _derivations(rule: Statement) -> Iterator[_Derivation]:
 
 
 def _heights(each: _Derivation, inside: Collection[Signature]) -> Mapping[str, float]:
-    """Return how much larger than the terms of the component `inside` the values of variables may be.
+    """Return the depth by which values of variables may exceed the terms of the component `inside`.
 
     A variable that a predicate outside the component binds has finitely many values: its height is minus infinity.
     """
@@ -180,7 +180,7 @@ def _heights(each: _Derivation, inside: Collection[Signature]) -> Mapping[str, f
 
 
 def _grown(each: _Derivation, inside: Collection[Signature]) -> tuple[str, ...]:
-    """Return the variables of which a derivation makes larger terms, unless a comparison bounds them."""
+    """Return the variables of which a derivation builds larger terms, unless a comparison bounds them."""
     heights = _heights(each, inside)
     grown = {
         name
@@ -191,17 +191,17 @@ def _grown(each: _Derivation, inside: Collection[Signature]) -> tuple[str, ...]:
 
 
 def _is_bounded(each: _Derivation, place: int, name: str) -> bool:
-    """Return whether an argument of the head is a variable plus a number that a comparison with a number bounds."""
+    """Return whether an argument of the head is a variable plus a number, and a comparison bounds its value."""
     term = _substituted(each, _arguments(each.head)[place])
     step = _step(term)
     if step is None:
         return False
     variable, number = step
-    wanted = UPPER if number > 0 else LOWER
+    bounding = UPPER if number > 0 else LOWER
     return any(
         left.ast_type == ASTType.Variable
         and left.name in (variable, name)
-        and comparison in wanted
+        and comparison in bounding
         and right.ast_type == ASTType.SymbolicTerm
         and right.symbol.type == clingo.SymbolType.Number
         for left, comparison, right in each.comparisons
@@ -209,7 +209,7 @@ def _is_bounded(each: _Derivation, place: int, name: str) -> bool:
 
 
 def _substituted(each: _Derivation, term: AST) -> AST:
-    """Return the other side of an equation for a variable, or the term itself."""
+    """Return the term that an equation assigns to a variable, or the term itself."""
     if term.ast_type == ASTType.Variable:
         for left, comparison, right in each.comparisons:
             if comparison == ComparisonOperator.Equal and left == term and right.ast_type != ASTType.Variable:
@@ -233,10 +233,10 @@ def _step(term: AST) -> tuple[str, int] | None:
 
 
 def _is_certain(each: _Derivation) -> bool:
-    """Return whether a derivation that is used once can be used with its own result without end.
+    """Return whether a derivation that fires once fires again with its own result, forever.
 
-    It can if its literals are atoms and equations for its head, and one of the atoms is its head except for arguments
-    that are smaller and that no other atom reads.
+    It does if its literals are atoms and equations, and one atom equals its head except for smaller arguments that no
+    other atom reads.
     """
     equal = [comparison == ComparisonOperator.Equal for _, comparison, _ in each.comparisons]
     if (
@@ -248,36 +248,36 @@ def _is_certain(each: _Derivation) -> bool:
     own = [atom for atom in each.atoms if _signature(atom) == each.signature]
     if len(own) != 1:
         return False
-    read = [_substituted(each, term) for term in _arguments(each.head)]
+    results = [_substituted(each, term) for term in _arguments(each.head)]
     changed: set[str] = set()
-    for before, after in zip(_arguments(own[0]), read, strict=True):
+    for before, after in zip(_arguments(own[0]), results, strict=True):
         if before != after:
             if before.ast_type != ASTType.Variable or not _is_larger(before.name, after):
                 return False
             changed.add(before.name)
-    read_of = [name for atom in each.atoms for argument in _arguments(atom) for name, _ in _depths(argument, -1)]
-    return bool(changed) and all(read_of.count(name) == 1 for name in changed)
+    variables = [name for atom in each.atoms for argument in _arguments(atom) for name, _ in _depths(argument, -1)]
+    return bool(changed) and all(variables.count(name) == 1 for name in changed)
 
 
 def _is_larger(name: str, term: AST) -> bool:
-    """Return whether a term is a function of a variable, or the variable plus a number."""
+    """Return whether a term is a function term with a variable, or the variable plus a number."""
     step = _step(term)
     if step:
         return step[0] == name
     inner = [node for node in below(term) if node.ast_type not in (ASTType.Function, ASTType.Variable)]
     inner = [node for node in inner if node.ast_type != ASTType.SymbolicTerm]
-    return term.ast_type == ASTType.Function and not inner and any(found == name for found, _ in _depths(term, 1))
+    return term.ast_type == ASTType.Function and not inner and any(variable == name for variable, _ in _depths(term, 1))
 
 
 def _is_hidden(name: str, term: AST) -> bool:
-    """Return whether infinitely many values of a variable may give one value of a term, as in ``X/7``, not ``X+1``."""
+    """Return whether a term maps infinitely many values of a variable to one, as ``X/7`` does, but not ``X+1``."""
     if term.ast_type == ASTType.BinaryOperation and term.operator_type not in SOLVED:
-        return any(found == name for found, _ in _depths(term, 1))
+        return any(variable == name for variable, _ in _depths(term, 1))
     return any(_is_hidden(name, child) for child in children_of(term))
 
 
 def _depths(term: AST, arithmetic: int) -> Iterator[tuple[str, int]]:
-    """Yield the variables of a term, each with its depth: a function counts 1, an operation as much as `arithmetic`."""
+    """Yield the variables of a term with their depths: a function counts 1, an operation counts `arithmetic`."""
     stack = [(term, 0)]
     while stack:
         node, depth = stack.pop()

@@ -1,8 +1,8 @@
-"""Write checks into the rules of a domain: the range of numbers, and the number of terms that a rule makes.
+"""Insert checks into the rules of a domain: of the range of numbers, and of the number of new terms.
 
-clingo computes with 32 bits and overflows without a message. A rule therefore calls functions of `Checks` while it is
-ground; no line moves. An operation is checked where clingo computes it: ``X+1`` becomes ``(X+1)+@in_range(7,X)``, which
-adds 0 or has no value. Where clingo solves an operation for a variable, as in an atom of a body, the check follows it.
+clingo computes with 32 bits and overflows silently. So rules call functions of `Checks` during grounding; line numbers
+do not change. An operation is checked in place: ``X+1`` becomes ``(X+1)+@in_range(7,X)``, which adds 0 or has no
+value. If clingo solves an operation for a variable, as in an atom of a body, the check follows the literal.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ from prag_asp.program.sources import ADDED, Program, Source, owned
 from prag_asp.program.syntax import Statement, children_of, runs_no_code, variables
 
 OPERATION = re.compile(r"[-+*/\\&?^~|]|\.\.")
-"""Finds arithmetic in the text of a rule as clingo writes it; it also finds some rules without arithmetic."""
+"""Arithmetic in the text of a rule as clingo prints it; it also matches some rules without arithmetic."""
 
 SUMS = (AggregateFunction.Sum, AggregateFunction.SumPlus)
 SMALL = 1_000
-"""The largest constant weight whose sums are not checked: out of range, they would need two million elements."""
+"""The largest constant weight whose sums are not checked: two million elements would be needed for an overflow."""
 
 
 @dataclass(frozen=True)
 class Guarded:
-    """The text of a program with its checks, and the sites of the checks.
+    """The text of a program with checks, and the sites of the checks.
 
-    `endless_steps` is true if steps may make new terms without end.
+    `endless_steps` is true if rules of steps may derive new terms forever.
     """
 
     text: str
@@ -45,26 +45,26 @@ class Guarded:
 
 @lru_cache(maxsize=16)
 def guard_program(program: Program) -> Guarded:
-    """Return a program with its checks.
+    """Insert the checks into a program.
 
     Raises:
-        BoundReached: a number is out of range, or an interval has too many numbers.
-        DomainError: a statement calls a function.
+        BoundReached: a number is out of range, or an interval is too wide.
+        DomainError: a statement calls an external function.
     """
     for source in program.sources:
         problem = number_problem(source)
         if problem:
             raise BoundReached(problem)
-    read = {source: parse_sources([(source, own)])[0] for source, own in owned(program) if source.path != ADDED}
-    _require_no_scripts(chain.from_iterable(read.values()))
+    statements = {source: parse_sources([(source, own)])[0] for source, own in owned(program) if source.path != ADDED}
+    _require_no_scripts(chain.from_iterable(statements.values()))
     endless: dict[Statement, list[EndlessRule]] = {}
-    for each in endless_rules(chain.from_iterable(read.values())):
+    for each in endless_rules(chain.from_iterable(statements.values())):
         endless.setdefault(each.rule, []).append(each)
     sites: list[Site] = []
     sources = []
     for source in program.sources:
         writer = _CheckWriter(sites)
-        for statement in read.get(source, ()):
+        for statement in statements.get(source, ()):
             if statement.own and statement.is_rule:
                 writer.guard(statement, endless.get(statement, ()))
         sources.append(Source(source.path, writer.written(source.text)))
@@ -73,10 +73,10 @@ def guard_program(program: Program) -> Guarded:
 
 
 def _require_no_scripts(statements: Iterable[Statement]) -> None:
-    """Check that no statement of the author calls a function: the functions of the checks are not for authors.
+    """Check that no statement of the author calls an external function: those of the checks are internal.
 
     Raises:
-        DomainError: a statement calls a function.
+        DomainError: a statement calls an external function.
     """
     for statement in statements:
         for name in statement.scripts if statement.own else ():
@@ -84,7 +84,7 @@ def _require_no_scripts(statements: Iterable[Statement]) -> None:
 
 
 class _CheckWriter:
-    """Writes checks into the text of one source; checks at one place keep the order in which they are made."""
+    """Inserts checks into the text of one source; checks at the same position keep their order of insertion."""
 
     def __init__(self, sites: list[Site]) -> None:
         self._sites = sites
@@ -92,7 +92,7 @@ class _CheckWriter:
         self._rule: Statement
 
     def written(self, text: str) -> str:
-        """Return the text with the checks; clingo counts columns in bytes."""
+        """Return a text with the checks inserted; clingo counts columns in bytes."""
         if not self._added:
             return text
         lines = text.encode().split(b"\n")
@@ -102,7 +102,7 @@ class _CheckWriter:
         return b"\n".join(lines).decode()
 
     def guard(self, rule: Statement, endless: Sequence[EndlessRule]) -> None:
-        """Write the checks of a rule."""
+        """Add the checks of a rule."""
         self._rule = rule
         text = rule.text
         if OPERATION.search(text.replace(":-", "").replace(self._before, "")) or "#sum" in text:
@@ -113,11 +113,11 @@ class _CheckWriter:
 
     @property
     def _before(self) -> str:
-        """The text of the step before in the rule; its number is in range."""
+        """The text of the previous step in the rule, such as ``(t-1)``, which is always in range."""
         return f"({self._rule.parameters[0]}-1)" if self._rule.timed and self._rule.parameters else ":-"
 
     def _count(self, endless: EndlessRule) -> None:
-        """Write the check that counts the terms of an endless rule."""
+        """Add the check that counts the terms of an endless rule."""
         rule = endless.rule
         time = rule.parameters[0] if rule.timed and rule.parameters else "0"
         names = "/".join(dict.fromkeys(head.name for head in rule.heads))
@@ -131,7 +131,7 @@ class _CheckWriter:
             self._add(_end(_conditions(rule.node.head)[endless.element][-1]), f",0={check}")
 
     def _scope(self, literals: Iterable[AST], bound: frozenset[str]) -> frozenset[str]:
-        """Write the checks of literals that hold together, and return the variables that are bound by them."""
+        """Add the checks of a conjunction of literals, and return the variables that they bind."""
         literals = tuple(literals)
         bound = _bound(literals, bound)
         for literal in literals:
@@ -143,7 +143,7 @@ class _CheckWriter:
         return bound
 
     def _literal(self, literal: AST, bound: frozenset[str], *, binding: bool) -> None:
-        """Write the checks of a literal: after it, where it binds a variable by way of an operation."""
+        """Add the checks of a literal: after it, if it binds a variable through an operation."""
         atom = literal.atom
         if atom.ast_type == ASTType.SymbolicAtom:
             self._terms([atom.symbol], literal if binding else None)
@@ -178,7 +178,7 @@ class _CheckWriter:
             self._tuple(aggregate, element, bound)
 
     def _tuple(self, aggregate: AST, element: AST, bound: frozenset[str]) -> None:
-        """Write the checks of the tuple of an element, and of the sum that its weight belongs to."""
+        """Add the checks of the tuple of an element, and of the sum to which its weight belongs."""
         terms = list(element.terms)
         if aggregate.function not in SUMS or not terms or _is_small(terms[0]):
             self._terms(terms, None)
@@ -193,7 +193,7 @@ class _CheckWriter:
         self._terms(terms[1:], None)
 
     def _terms(self, terms: Iterable[AST], after: AST | None) -> None:
-        """Write the checks of the operations and intervals in terms: where they stand, or after a literal."""
+        """Add the checks of the operations and intervals in terms, in place or after a literal."""
         for term in terms:
             kind = term.ast_type
             if kind in OPERATIONS and not _is_signed(term):
@@ -218,7 +218,7 @@ class _CheckWriter:
         self._add(_end(term), f")+{self._call('in_range', site, *inputs)}")
 
     def _intervals(self, term: AST) -> None:
-        """Write the checks of the intervals within an operation."""
+        """Add the checks of the intervals within an operation."""
         for child in children_of(term):
             if child.ast_type == ASTType.Interval:
                 self._interval(child)
@@ -263,7 +263,7 @@ def _conditions(head: AST) -> list[Sequence[AST]]:
 
 
 def _bound(literals: Sequence[AST], outer: frozenset[str]) -> frozenset[str]:
-    """Return the variables that literals bind without solving an operation for one."""
+    """Return the variables that literals bind, without those for which an operation has to be solved."""
     bound = set(outer)
     equations: list[tuple[str, set[str]]] = []
     for literal in literals:
@@ -287,7 +287,7 @@ def _bound(literals: Sequence[AST], outer: frozenset[str]) -> frozenset[str]:
 
 
 def _plain_variables(term: AST) -> set[str]:
-    """Return the variables of a term that stand in no operation of it."""
+    """Return the variables of a term outside of operations."""
     if term.ast_type == ASTType.Variable:
         return {term.name}
     if (term.ast_type in OPERATIONS and not _is_signed(term)) or term.ast_type == ASTType.Interval:
@@ -296,12 +296,12 @@ def _plain_variables(term: AST) -> set[str]:
 
 
 def _is_signed(term: AST) -> bool:
-    """Return whether a term is another with a sign or between bars: that is in range where the other is."""
+    """Return whether a term is the negation or the absolute value of another: it is in range if the other is."""
     return term.ast_type == ASTType.UnaryOperation and term.operator_type != UnaryOperator.Negation
 
 
 def _is_small(term: AST) -> bool:
-    """Return whether a weight is a number of which no sum that can be made goes out of range."""
+    """Return whether a weight is so small that no feasible sum of it overflows."""
     expression = read_expression(term)
     return isinstance(expression, int) and abs(expression) <= SMALL
 

@@ -124,9 +124,11 @@ class AdaptiveSampler:
             return self._usual.take()
         both = self._usual, self._now
         which = sample_index(self._shares, self._seed, "which", self._usual.taken, self._lots, self._now.taken)
-        found = both[which].take()
-        other = both[1 - which].probability(found.word)
-        return found._replace(probability=self._shares[which] * found.probability + self._shares[1 - which] * other)
+        proposal = both[which].take()
+        other = both[1 - which].probability(proposal.word)
+        return proposal._replace(
+            probability=self._shares[which] * proposal.probability + self._shares[1 - which] * other
+        )
 
     def _weights(self) -> dict[str, Fraction]:
         """Return the factor of each name, pair and class by its progress."""
@@ -134,8 +136,8 @@ class AdaptiveSampler:
         most = max(progress.values(), default=Fraction(0))
         if not most:
             return {}
-        found = {key: Fraction(round((EMPHASIS - 1) * STEPS * each / most), STEPS) for key, each in progress.items()}
-        return {key: 1 + more for key, more in found.items() if more}
+        factors = {key: Fraction(round((EMPHASIS - 1) * STEPS * each / most), STEPS) for key, each in progress.items()}
+        return {key: 1 + more for key, more in factors.items() if more}
 
     def _begin(self, lots: int, own: dict[str, Fraction]) -> None:
         """Begin a lot with its own factors."""

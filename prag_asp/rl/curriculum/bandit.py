@@ -162,15 +162,15 @@ def _arms(pool: TaskPool) -> tuple[str, ...]:
     Raises:
         QueryError: there are fewer than two.
     """
-    found: set[str] = set()
+    arms: set[str] = set()
     for length in reversed(pool.lengths):
         figures = pool.at(length).statistics()
-        found |= {*figures.expected_names, *map(">".join, figures.expected_pairs), *figures.contains_class}
-    known = ActionKeys(pool.space.domain.facts)
-    found = {key for key in found if ">" in key or key in known.weighable}
-    if len(found) < 2:
+        arms |= {*figures.expected_names, *map(">".join, figures.expected_pairs), *figures.contains_class}
+    keys = ActionKeys(pool.space.domain.facts)
+    arms = {key for key in arms if ">" in key or key in keys.weighable}
+    if len(arms) < 2:
         raise QueryError("a bandit needs two arms: action names, pairs or classes; give a space that has more")
-    return tuple(sorted(found))
+    return tuple(sorted(arms))
 
 
 def _exponential(number: Fraction) -> Decimal:

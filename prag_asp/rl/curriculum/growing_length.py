@@ -56,10 +56,10 @@ class LengthsSampler:
         """Return a task of one of the lengths so far."""
         shares = review_shares(self._review, self._reached + 1)
         place = sample_index(shares, self._seed, "length", self._drawn)
-        found = next(self._of_length(place))
+        proposal = next(self._of_length(place))
         self._drawn += 1
         self._taken[place] += 1
-        return found._replace(probability=shares[place] * found.probability)
+        return proposal._replace(probability=shares[place] * proposal.probability)
 
     def note_feasibility(self, word: Word, feasible: bool) -> None:
         """Ignore it."""

@@ -175,13 +175,13 @@ class CoverageSampler:
     def __init__(self, pool: TaskPool, what: What):
         self._pool, self._what = pool, what
         self._keys = ActionKeys(pool.space.domain.facts)
-        found: set[str] = set()
+        names: set[str] = set()
         for length in pool.lengths:
             figures = pool.at(length).statistics()
-            found |= set(figures.expected_names) if what == "names" else set(map(">".join, figures.expected_pairs))
-        if not found:
+            names |= set(figures.expected_names) if what == "names" else set(map(">".join, figures.expected_pairs))
+        if not names:
             raise QueryError(f"no task of the space has {what}; give one of another length, or another novelty")
-        self._all = tuple(sorted(found))
+        self._all = tuple(sorted(names))
         self._base = dict(pool.space.domain.settings.weights)
         self.seed(0)
 
@@ -199,8 +199,8 @@ class CoverageSampler:
             if len(self._due) == len(self._all):
                 return self._pool.next_in_pool(self._drawn)
         self._begin(self._all, {})
-        found = self._pool.next_in_pool(self._drawn)
-        return found._replace(passed=MISSED + found.passed)
+        proposal = self._pool.next_in_pool(self._drawn)
+        return proposal._replace(passed=MISSED + proposal.passed)
 
     def note_feasibility(self, word: Word, feasible: bool) -> None:
         """Mark the names or pairs of a task as covered."""
@@ -242,9 +242,9 @@ class CoverageSampler:
         """Return a task with something due, in the pool or not."""
         stream = self._emphasized or self._usual
         for _ in range(MISSES):
-            found = stream.take()
-            if not self._has(found.word).isdisjoint(self._due):
-                return found._replace(probability=found.probability / self._share)
+            proposal = stream.take()
+            if not self._has(proposal.word).isdisjoint(self._due):
+                return proposal._replace(probability=proposal.probability / self._share)
         raise NotFound(f"none of {MISSES} tasks drawn in a row has {self._what} that are due; give a larger space")
 
     def _has(self, word: Word) -> frozenset[str]:

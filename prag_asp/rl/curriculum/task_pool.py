@@ -68,10 +68,10 @@ class TaskPool:
         Raises:
             QueryError: there is no task.
         """
-        found = sorted(length for length in self.space.lengths if length and self.at(length).count())
-        if not found:
+        lengths = sorted(length for length in self.space.lengths if length and self.at(length).count())
+        if not lengths:
             raise QueryError("there is no task to draw; give a space of other lengths, or of fewer conditions")
-        return found
+        return lengths
 
     def at(self, length: int) -> TaskSpace:
         """Return the space of one length."""

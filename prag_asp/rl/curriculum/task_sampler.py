@@ -167,17 +167,17 @@ class ActionKeys:
     @cached_property
     def weighable(self) -> frozenset[str]:
         """The names, and the classes of which some action mentions an entity, that have no other meaning."""
-        known = self._known.values()
-        found = {name for name, _ in known} | {each for _, classes in known for each in classes}
-        return frozenset(found.difference(shared_names(self.facts)))
+        names_and_classes = self._known.values()
+        names = {name for name, _ in names_and_classes} | {each for _, classes in names_and_classes for each in classes}
+        return frozenset(names.difference(shared_names(self.facts)))
 
     @cached_property
     def _known(self) -> dict[str, tuple[str, frozenset[str]]]:
         """For the text of each action its name, and the classes of the entities that it mentions."""
         facts = self.facts
-        found = {}
+        result = {}
         for action in facts.actions:
             entities = set(mentioned_entities(action, facts.entities))
             classes = frozenset(str(name) for entity, name in facts.memberships if entity in entities)
-            found[str(action)] = action_name(action), classes
-        return found
+            result[str(action)] = action_name(action), classes
+        return result

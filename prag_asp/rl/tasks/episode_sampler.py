@@ -152,8 +152,8 @@ class EpisodeSampler:
         self._cached.move_to_end(key)
         if len(self._cached) > CACHED:
             self._cached.popitem(last=False)
-        found: Made = self._cached[key][1]
-        return found
+        cached: Made = self._cached[key][1]
+        return cached
 
     def _initial_stage(
         self, requested: int | str | None, count: int, rng: np.random.Generator

@@ -111,7 +111,7 @@ class TaskOrigin:
         Raises:
             QueryError: there are several.
         """
-        found = [each for each in self._curricula if hasattr(each, method)]
-        if len(found) > 1:
-            raise QueryError(f"{len(found)} curricula of one kind: give one of tasks at most, and Backwards()")
-        return found[0] if found else None
+        curricula = [each for each in self._curricula if hasattr(each, method)]
+        if len(curricula) > 1:
+            raise QueryError(f"{len(curricula)} curricula of one kind: give one of tasks at most, and Backwards()")
+        return curricula[0] if curricula else None

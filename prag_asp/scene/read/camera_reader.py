@@ -42,15 +42,15 @@ RANGE = (0.005, 100.0)
 
 def read_cameras(section: TableEntry, robots: Mapping[str, object]) -> dict[str, Camera]:
     """Return the cameras without problems by their names; `robots` are those that can carry one."""
-    found = {}
+    cameras = {}
     for name, entry in section.entries():
         if not NAME.fullmatch(name):
             entry.add("is no name of a camera; begin with a small letter, go on with small letters, digits and _")
         elif entry.is_table("like { at = [1.2, 0.6, 0.8], look_at = [0.4, 0, 0.1] }", KEYS):
             camera = _camera(entry, robots)
             if entry.is_sound:
-                found[name] = camera
-    return found
+                cameras[name] = camera
+    return cameras
 
 
 def _camera(entry: TableEntry, robots: Mapping[str, object]) -> Camera:

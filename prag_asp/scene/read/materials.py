@@ -20,11 +20,11 @@ LIMITS: Mapping[str, tuple[float, float, str]] = {
 def read_materials(section: TableEntry, names: DomainNames) -> dict[str, Material]:
     """Return the material of every entity whose class or nearest ancestor has one."""
     by_class = {name: _material(entry) for name, entry in section.entries() if names.has_class(entry, name)}
-    found = {
+    materials = {
         entity: next((by_class[name] for name in names.line(entity) if name in by_class), None)
         for entity in names.entities
     }
-    return {entity: material for entity, material in found.items() if material is not None}
+    return {entity: material for entity, material in materials.items() if material is not None}
 
 
 def _material(entry: TableEntry) -> Material:
@@ -66,6 +66,6 @@ def read_colors(section: TableEntry, names: DomainNames, shapes: Mapping[str, Sh
 
 def _distinct_colors(taken: Sequence[str], count: int) -> list[str]:
     """Return `count` colours that look different from those that are taken, and from each other."""
-    known = (*dict.fromkeys(taken), *AROUND)
-    found = [each for each in PALETTE if all(apart(each, other) >= DISTINCT for other in known)][:count]
-    return [*found, *more_colours((*known, *found), count - len(found))] if len(found) < count else found
+    others = (*dict.fromkeys(taken), *AROUND)
+    chosen = [each for each in PALETTE if all(apart(each, other) >= DISTINCT for other in others)][:count]
+    return [*chosen, *more_colours((*others, *chosen), count - len(chosen))] if len(chosen) < count else chosen

@@ -112,12 +112,12 @@ def _read(path: str, modified: int, size: int) -> tuple[Part, ...]:
         raise SceneError(f"{path}: cannot be read: {error.strerror}") from error
     except (ValueError, struct.error) as error:
         raise SceneError(f"{path}: not a mesh: {error}; export it anew") from error
-    found = tuple(tuple(part) for part in parts if part)
-    if not found:
+    result = tuple(tuple(part) for part in parts if part)
+    if not result:
         raise SceneError(f"{path}: not a mesh: it has no faces; export it anew")
-    if not all(math.isfinite(value) for point in _corners(chain.from_iterable(found)) for value in point):
+    if not all(math.isfinite(value) for point in _corners(chain.from_iterable(result)) for value in point):
         raise SceneError(f"{path}: not a mesh: a point is not finite; export it anew")
-    return found
+    return result
 
 
 def _obj(content: bytes) -> list[list[Triangle]]:

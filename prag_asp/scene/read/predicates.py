@@ -40,14 +40,14 @@ def read_own(section: TableEntry, names: DomainNames) -> dict[str, Own]:
     """Return the predicates of a ``[scene.own]`` table by their names, without those that have problems."""
     if not section.is_table("for each predicate, such as [scene.own.in_corner]"):
         return {}
-    found = {}
+    predicates = {}
     for name, entry in section.entries():
         own = _predicate(entry, name, names)
         if own is not None and entry.is_sound:
-            found[name] = own
+            predicates[name] = own
         else:
             section.report.doubtful.add(name)
-    return found
+    return predicates
 
 
 def _predicate(entry: TableEntry, name: str, names: DomainNames) -> Own | None:

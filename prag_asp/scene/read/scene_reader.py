@@ -119,10 +119,10 @@ def _check_bodies(root: TableEntry, scene: Scene, names: DomainNames) -> None:
 
 def _predicates(section: TableEntry, own: Mapping[str, Own]) -> dict[str, str]:
     """Return which spatial predicate a fluent name means."""
-    known = [*PREDICATE_ROLES, *own, IGNORED]
+    names = [*PREDICATE_ROLES, *own, IGNORED]
     for _, entry in section.entries():
-        if entry.value not in known and str(entry.value) not in section.report.doubtful:
-            entry.add(f"unknown spatial predicate {shown(entry.value)}; {did_you_mean(str(entry.value), known)}")
+        if entry.value not in names and str(entry.value) not in section.report.doubtful:
+            entry.add(f"unknown spatial predicate {shown(entry.value)}; {did_you_mean(str(entry.value), names)}")
     return {fluent: str(entry.value) for fluent, entry in section.entries()}
 
 

@@ -58,10 +58,10 @@ class DomainNames:
 
 def ancestors(name: str, classes: Mapping[str, Sequence[str]]) -> list[str]:
     """Return a class and its ancestors, nearest first; a cycle is walked once."""
-    found = [name]
-    for current in found:
-        found += [parent for parent in classes.get(current, ()) if parent not in found]
-    return found
+    result = [name]
+    for current in result:
+        result += [parent for parent in classes.get(current, ()) if parent not in result]
+    return result
 
 
 def lengths(entry: TableEntry, count: int, least: float = SMALLEST) -> tuple[float, ...] | None:

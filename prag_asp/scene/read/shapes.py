@@ -34,14 +34,14 @@ def read_shapes(section: TableEntry, names: DomainNames) -> dict[str, tuple[Shap
         else:
             meant = nearest(name, names.known_classes)
             by_class |= {} if meant is None or meant in section.value else {meant: ()}
-    found = {}
+    shapes_by_entity = {}
     for entity in names.entities:
         shapes = next((by_class[name] for name in names.line(entity) if name in by_class), None)
         if shapes:
-            found[entity] = shapes
+            shapes_by_entity[entity] = shapes
         elif shapes is not None:
             section.report.doubtful.add(entity)
-    return found
+    return shapes_by_entity
 
 
 def _shapes(entry: TableEntry, folder: Path) -> tuple[Shape, ...]:

@@ -45,8 +45,8 @@ def read_urdf(path: Path, folder: Path) -> Shape:
     links = root.findall("link")
     if len(links) != 1:
         named = ", ".join(f"{link.get('name')} in line {lines[link]}" for link in links)
-        found = f"{plural(len(links), 'link')}{f' ({named})' if named else ''}"
-        raise SceneError(f"{path}:{lines[root]}: has {found}; give a URDF of one rigid link")
+        content = f"{plural(len(links), 'link')}{f' ({named})' if named else ''}"
+        raise SceneError(f"{path}:{lines[root]}: has {content}; give a URDF of one rigid link")
     (link,) = links
     name = f"link {link.get('name', 'without a name')}"
     solids, corners = [], list[Size]()

@@ -1,4 +1,4 @@
-"""Drawing beside clingo's random search, in one run: python benchmarks/drawing.py."""
+"""Compare sampling with clingo's random search: python benchmarks/sampling.py."""
 
 from __future__ import annotations
 
@@ -20,28 +20,28 @@ from prag_asp.program.grounding import Grounder
 
 DOMAIN = load_domain(Path(__file__).parent / "transport")
 LENGTH, SHORT = 15, 4
-"""Lengths at which rates are measured, and at which chi-square is."""
+"""The lengths for measuring the rates, and for measuring chi-square."""
 
 RUNS = 3
 CHECKED = 20_000
-"""Draws that chi-square takes, for each way to draw but clingo's."""
+"""The number of samples for chi-square, except for clingo's."""
 
 BY_CLINGO = 3000
 
 
-def rate(draw: Callable[[int], object], count: int) -> float:
-    """Return how many tasks a second of processor time are drawn, in the best of some runs."""
-    draw(count // 10)
+def rate(sample: Callable[[int], object], count: int) -> float:
+    """Return the sampled tasks per second of processor time, in the best of `RUNS` runs."""
+    sample(count // 10)
     times = []
     for _ in range(RUNS):
         begun = process_time()
-        draw(count)
+        sample(count)
         times.append(process_time() - begun)
     return count / min(times)
 
 
 def clingo_draws(length: int) -> Iterator[tuple[str, ...]]:
-    """Yield tasks that clingo finds first, with random decisions and signs, from a new seed each time."""
+    """Yield the first task that clingo finds with random decisions and signs, with a new seed each time."""
     grounder = Grounder(DomainLogic(DOMAIN).task_program(length), "1", "--rand-freq=1", "--sign-def=rnd")
     grounder.ground([("base", []), *unrolled(length)])
     solver = grounder.control.configuration.solver
@@ -56,7 +56,7 @@ def clingo_draws(length: int) -> Iterator[tuple[str, ...]]:
 
 
 def chi_square(words: Iterator[tuple[str, ...]], draws: int) -> float:
-    """Return chi-square over its degrees of freedom against the uniform distribution; 1 is right."""
+    """Return chi-square divided by its degrees of freedom for the uniform distribution; about 1 is expected."""
     total = TaskSpace(DOMAIN, SHORT).count()
     seen = Counter(islice(words, draws))
     expected = draws / total
@@ -65,25 +65,29 @@ def chi_square(words: Iterator[tuple[str, ...]], draws: int) -> float:
 
 
 def main() -> None:
-    """Print the rates at one length and the chi-square at a short one, for each way to draw."""
+    """Print the rate at one length and chi-square at a short one, for each way to sample."""
     space, short = TaskSpace(DOMAIN, LENGTH), TaskSpace(DOMAIN, SHORT)
     tasks = space.stream(seed=0, weights={})
-    found = clingo_draws(LENGTH)
-    letters = short.action_texts()
+    from_clingo = clingo_draws(LENGTH)
+    texts = short.action_texts()
     rows = short.sampling(weights={}).array(CHECKED, seed=2).tolist()
-    arrays = (tuple(letters[letter] for letter in row) for row in rows)
+    arrays = (tuple(texts[number] for number in row) for row in rows)
     lines = (tuple(map(str, task.actions)) for task in short.stream(seed=3, weights={}))
-    weighed = {"grasp": 2, "grasp>move": "1/3", "object": "1/2"}
+    weights = {"grasp": 2, "grasp>move": "1/3", "object": "1/2"}
     ways: list[tuple[str, float, float | None]] = [
         ("array", rate(lambda n: space.sampling(weights={}).array(n, seed=0), 1_000_000), chi_square(arrays, CHECKED)),
-        ("array, weighed", rate(lambda n: space.sampling(weights=weighed).array(n, seed=0), 1_000_000), None),
+        ("array, weights", rate(lambda n: space.sampling(weights=weights).array(n, seed=0), 1_000_000), None),
         ("Task objects", rate(lambda n: list(islice(tasks, n)), 50_000), chi_square(lines, CHECKED)),
         ("JSON lines", rate(lambda n: [write_line(Record(task)) for task in islice(tasks, n)], 20_000), None),
         ("over skeletons", rate(lambda n: space.sampling(weights={}, over="skeletons").array(n, seed=0), 10_000), None),
         ("over goals", rate(lambda n: space.sampling(weights={}, over="goals").array(n, seed=0), 200_000), None),
-        ("clingo, random", rate(lambda n: list(islice(found, n)), 300), chi_square(clingo_draws(SHORT), BY_CLINGO)),
+        (
+            "clingo, random",
+            rate(lambda n: list(islice(from_clingo, n)), 300),
+            chi_square(clingo_draws(SHORT), BY_CLINGO),
+        ),
     ]
-    table = Table("way to draw", f"tasks/s at length {LENGTH}", f"chi2/df at length {SHORT}")
+    table = Table("way to sample", f"tasks/s at length {LENGTH}", f"chi2/df at length {SHORT}")
     for name, speed, fit in ways:
         table.add_row(name, f"{speed:,.0f}", "" if fit is None else f"{fit:.2f}")
     Console().print(table)
