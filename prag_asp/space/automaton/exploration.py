@@ -178,7 +178,7 @@ class _BreadthFirst:
     def _near(self, rows: Rows, left: int) -> NDArray[np.intp]:
         """Return the indices of the states from which a plan may end within `left` steps.
 
-        If few of the first states of a layer are too far from the end, the others are not tested.
+        If few states at the start of a layer are too far from the end, the others are not tested.
         """
         if len(self.states) < MANY or self._relaxation is None or self._worth_a_look == (left, False):
             return np.arange(len(rows))
