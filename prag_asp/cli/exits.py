@@ -23,13 +23,13 @@ class Exit(IntEnum):
 
 MEANINGS = {
     Exit.DONE: "done",
-    Exit.NOT_FOUND: "found less than asked for: tasks fail validate, sample, generate or suite find few, explain "
-    "has something to explain, verify finds something wrong",
-    Exit.BAD_INPUT: "wrong input: the domain, a file, or what is asked of it",
+    Exit.NOT_FOUND: "incomplete result: validate found invalid tasks, sample, generate or suite found too few, "
+    "explain or verify found a problem",
+    Exit.BAD_INPUT: "invalid input: the domain, a file, or the request",
     Exit.LIMIT: "a limit on time or memory was reached",
-    Exit.OUTPUT: "the output could not be written; after a closed pipe, quietly",
-    Exit.WORKERS: "the workers of physics died again and again",
-    Exit.USAGE: "wrong usage: an unknown command or option, a missing or an invalid value",
+    Exit.OUTPUT: "the output could not be written (no message after a closed pipe)",
+    Exit.WORKERS: "physics workers died repeatedly",
+    Exit.USAGE: "usage error: an unknown command or option, a missing or an invalid value",
     Exit.INTERRUPTED: "interrupted by Ctrl-C",
     Exit.TERMINATED: "ended by SIGTERM",
 }

@@ -39,7 +39,7 @@ def validate_tasks(
     Raises:
         QueryError: the number of workers is not positive, or the scene lacks a camera.
         SceneError: the scene cannot be built, or a task names an entity that has no shape.
-        WorkerError: workers died again and again over the same tasks, or cannot be started.
+        WorkerError: workers died repeatedly on the same tasks, or cannot be started.
     """
     return validate_numbered(enumerate(tasks), scene, seed=seed, workers=workers, budget=budget, staging=staging)
 
@@ -82,7 +82,7 @@ def check_numbered(
     Raises:
         QueryError: the number of workers is not positive.
         SceneError: the scene cannot be built.
-        WorkerError: workers died again and again over the same tasks, or cannot be started.
+        WorkerError: workers died repeatedly on the same tasks, or cannot be started.
     """
     if workers < 1:
         raise QueryError(f"checking needs at least 1 worker; got {workers}")
