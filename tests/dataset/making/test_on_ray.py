@@ -97,7 +97,8 @@ def test_ctrl_c_leaves_no_process_of_a_cluster_on_this_machine(tmp_path: Path) -
     command = [*PRAG, "generate", "tabletop", "-n", "3", "--tasks", "100000", "--on", "ray", "-o", "data"]
     with interruptible(command, tmp_path) as running:
         until = time.monotonic() + 300
-        while not (tmp_path / "data" / "journal.part").exists():
+        journal = tmp_path / "data" / "journal.part"
+        while not (journal.exists() and journal.read_bytes().count(b"\n") > 1):  # the first line identifies the request
             assert running.poll() is None and time.monotonic() < until
             time.sleep(0.1)
         processes = family(running.pid)
