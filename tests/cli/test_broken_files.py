@@ -34,7 +34,7 @@ def arm(witness: dict[str, Any], k: int) -> dict[str, Any]:
 
 
 MALFORMED: dict[str, Change] = {
-    "witness.moments: is missing": lambda w: w.clear(),
+    "witness.version: is missing": lambda w: w.clear(),
     "witness.version: needs 2; got 3": lambda w: w.update(version=3),
     "witness.moments[2].arms.panda.joints: needs a list; got 'x'": lambda w: arm(w, 2).update(joints="x"),
     "witness.moments[2].arms.panda.joints: needs a list of 7; got a list of 6": lambda w: arm(w, 2)["joints"].pop(),

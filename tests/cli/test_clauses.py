@@ -101,7 +101,7 @@ def test_export_writes_the_same_bytes_again_for_each_level(tmp_path: Path) -> No
         atoms = {int(line.split()[1]): line.split()[2] for line in lines if line.startswith("c ") and line[2].isdigit()}
         shown[level] = [atoms[name] for name in names]
     assert all(atom.startswith("occurs(") for atom in shown["plan"] + shown["task"])
-    assert {atom.partition("(")[0] for atom in shown["skeleton"]} == {"named"}
+    assert {atom.partition("(")[0] for atom in shown["skeleton"]} == {"_step_name"}
     assert len(shown["skeleton"]) == 8
     ok("export", "blocks", "-n", "2", "--by", "plan", "--format", "dimacs", "-o", str(tmp_path / "plans.cnf"))
     assert (tmp_path / "plans.cnf").read_text() == ok("export", "blocks", "-n", "2", "--by", "plan")

@@ -59,7 +59,7 @@ def test_what_is_held_out_is_in_the_test_part_alone(tmp_path: Path) -> None:
         (("--tasks", "1", "--part", "third"), 2, "part third: write K/N, such as 3/64"),
         (("--tasks", "1", "--on", "moon"), 64, "'moon' is not 'ray'"),
         (("--tasks", "1", "--seed", str(2**63)), 2, "seed 9223372036854775808: give one from 0 to"),
-        (("--tasks", "1", "--where", "uses apple", "--where", "avoids apple"), 2, "no tasks to draw"),
+        (("--tasks", "1", "--where", "uses apple", "--where", "avoids apple"), 2, "no tasks to sample"),
         (("--tasks", "1", "--weight", "juggle=2"), 2, "juggle"),
     ],
     ids=str,
@@ -86,7 +86,7 @@ def test_a_folder_with_something_else_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "data").mkdir()
     (tmp_path / "data" / "mine.txt").write_text("mine")
     done = run("generate", *KITCHEN, "--tasks", "1", "-o", "data", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (4, "data: holds mine.txt, and is no data set; give a new folder\n")
+    assert (done.returncode, done.stderr) == (4, "data: holds mine.txt, and is not a dataset; give a new folder\n")
     assert content(tmp_path / "data") == {"mine.txt": b"mine"}
 
 

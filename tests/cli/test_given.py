@@ -54,7 +54,7 @@ def test_a_constant_that_is_not_there_or_not_written_so_is_told(told: Told) -> N
     for wrong in ("discs", "=4", ""):
         message = f"--const {wrong}: write NAME=VALUE, such as discs=4\n"
         assert told("count", "hanoi", "-n", "3", "-c", wrong, code=2) == message
-    assert "'X' is no term" in told("count", "hanoi", "-n", "3", "-c", "discs=X", code=2)
+    assert "'X' is not a term" in told("count", "hanoi", "-n", "3", "-c", "discs=X", code=2)
 
 
 def test_tasks_of_a_file_are_checked_with_the_constants_they_name(

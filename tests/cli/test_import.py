@@ -41,9 +41,9 @@ def test_an_import_is_a_domain_with_the_same_plans(tmp_path: Path) -> None:
         ),
         (
             ["import", *FILES, "-o", "new", "--cost-factor", "1/3"],
-            "factor 1/3: to the power of 2 it has no end as a dec",
+            "factor 1/3: its power 2 has no finite decimal expansion",
         ),
-        (["import", *reversed(FILES), "-o", "new"], "this is a problem, and a domain is needed here"),
+        (["import", *reversed(FILES), "-o", "new"], "this is a problem, but a domain is needed"),
         (["count", FILES[0], "-n", "1"], "one file of PDDL; give a domain, then its problem: DOMAIN.pddl PROBLEM.pddl"),
     ],
 )

@@ -167,7 +167,7 @@ def test_what_cannot_be_merged_is_told_in_one_line(kitchen: TaskSpace, plain: Ma
     refused("it was made for 12 tasks, not 10; run the same --tasks for all", [one, more, three])
     refused("one of 2 parts, not of 3", [one, half])
     refused("is one of the parts; give a new folder", [one, two, three], two)
-    refused("is not a dataset, for it has no dataset.json", [one, two, tmp_path / "none"])
+    refused("is not a dataset, because it has no dataset.json", [one, two, tmp_path / "none"])
     refused(r"holds 1-3, and is not a dataset; give a new folder", [one, two, three], whole.parent)
     shard = three / "data" / "train-00000.parquet"
     assert not (tmp_path / "merged").exists()

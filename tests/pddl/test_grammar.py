@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from prag_asp.output.cache_files import read_cached, write_cached
 from prag_asp.pddl.syntax import lark_grammar as tables
 from prag_asp.pddl.syntax.nodes import Node
 from prag_asp.pddl.syntax.parsing import parse
@@ -41,14 +42,14 @@ def test_kept_tables_read_the_same(folder: Path, tmp_path: Path, monkeypatch: py
     for wrong in (content[:-9], content.replace(b"action_def", b"action_fed"), b""):
         kept.write_bytes(wrong)
         assert trees(tmp_path) == first
-        assert tables.read_kept(kept, tables.LARGEST), "what is damaged is made anew"
+        assert read_cached(kept, tables.LARGEST), "what is damaged is made anew"
 
 
 @pytest.mark.parametrize("content", [b"{}", b"[]", b"null", b'{"data": {}, "memo": {}}', b"\xff", b"7"])
 def test_tables_of_another_form_are_made_anew(content: bytes, folder: Path, tmp_path: Path) -> None:
     first = trees(tmp_path)
     (path,) = folder.iterdir()
-    assert tables.keep(path, content)
+    assert write_cached(path, content)
     assert trees(tmp_path) == first
 
 

@@ -63,7 +63,7 @@ def test_a_range_holds_sizes_from_its_lower_to_its_upper_end(ranged):
 @pytest.mark.parametrize(
     ("shape", "message"),
     [
-        ({"kind": "box", "size": {"low": [0.1, 0.1, 0.1]}}, "scene.shapes.cube.size.high: missing: a range of sizes"),
+        ({"kind": "box", "size": {"low": [0.1, 0.1, 0.1]}}, "scene.shapes.cube.size.high: missing; write three"),
         (
             {"kind": "box", "size": {"low": [0.1, 0.1, 0.1], "high": [0.2, 0.05, 0.2]}},
             "scene.shapes.cube.size: needs no side of low greater than that of high",
@@ -71,7 +71,7 @@ def test_a_range_holds_sizes_from_its_lower_to_its_upper_end(ranged):
         ({"kind": "box", "size": {**CUBE["size"], "middle": 1}}, "scene.shapes.cube.size.middle: unknown key"),
         ({"kind": "sphere", "radius": [0.04, 0.03]}, "scene.shapes.cube.radius: needs the smaller length first"),
         ({"kind": "sphere", "radius": [0.03, float("nan")]}, "scene.shapes.cube.radius: needs two positive lengths"),
-        ({"kind": "sphere", "radius": [0.03, 0.04, 0.05]}, "scene.shapes.cube.radius: needs a positive length"),
+        ({"kind": "sphere", "radius": [0.03, 0.04, 0.05]}, "scene.shapes.cube.radius: needs a number from 0.0015 to 2"),
     ],
 )
 def test_a_malformed_range_is_refused_with_its_key(shape, message):

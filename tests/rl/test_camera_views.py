@@ -67,7 +67,7 @@ def test_a_camera_sees_how_far_furniture_is_open(scenes: Mapping[str, Scene], gi
     with ExitStack() as resources:
         viewer = Viewer(scene, ("front",), 64, resources)
         for name in moment.openings:
-            seen = [viewer.picture(situation.with_opening(name, opening)) for opening in (0.0, 0.2, 0.0)]
+            seen = [viewer.image(situation.with_opening(name, opening)) for opening in (0.0, 0.2, 0.0)]
             assert np.array_equal(seen[0], seen[2]) and (seen[0] != seen[1]).any()
 
 

@@ -54,7 +54,7 @@ CURVES = [
     ("approach", "dense", "approach, dense", "5,000 steps"),
     ("approach", "sparse", "approach, sparse", "5,000 steps"),
     ("approach", "faded", "approach, faded with success", "5,000 steps"),
-    ("grasp", "dense", "grasp, begun at the object, dense", "8,000 steps"),
+    ("grasp", "dense", "grasp, from the object, dense", "8,000 steps"),
 ]
 
 
@@ -74,17 +74,17 @@ def test_where_episodes_begin_is_told_as_it_is_kept() -> None:
     for name, begin in {
         "last": "with the grasp",
         "task": "at home",
-        "any": "with a stage drawn uniformly",
-        "backwards": "nearer and nearer to home",
+        "any": "at a uniformly sampled stage",
+        "backwards": "ever nearer to home",
     }.items():
         rows = last(kept(f"grasp_from_{name}", reward="dense"))
         assert len(rows) == 3 and cells(begin) == [together(rows), together(rows, "whole")]
-    assert f"seeds did {', '.join(str(row['whole']) for row in rows[:2])} and {rows[2]['whole']}" in TOLD
+    assert f"completed {', '.join(str(row['whole']) for row in rows[:2])} and {rows[2]['whole']}" in TOLD
 
 
 def test_the_whole_pick_is_told_as_it_is_kept() -> None:
-    ends = "where the approach ends"
-    for whence, begin in (("witnesses", "states of witnesses"), (ends, ends)):
+    ends = {"witnesses": "witness states", "where the approach ends": "final states of the approach"}
+    for whence, begin in ends.items():
         rows = last(kept("parts", skill="grasp", learned_from=whence))
         approached, held = (sum(row[what] for row in rows) for what in ("approach", "grasp"))
         expected = [f"{approached} of 90", f"{held} of {approached}", f"{each(rows, 'grasp')} of 30"]
@@ -107,11 +107,11 @@ def shares(length: int) -> Iterator[str]:
 def test_what_the_text_says_is_what_is_kept() -> None:
     unseen = kept("fresh_unseen_box_1", length=2)
     reached = [f"{row['successes'] / row['trials']:.2f}" for row in unseen]
-    assert f"the box of {', '.join(reached[:2])} and {reached[2]} of 30 fresh" in TOLD
+    assert f"box in {', '.join(reached[:2])} and {reached[2]} of 30 new witnesses" in TOLD
     assert f"together {together(unseen)}" in TOLD
     picks = last(kept("pick", reward="dense"))
     successes = [str(row["successes"]) for row in picks]
     assert f"reached {' and '.join(successes)} of 30 held-out witnesses after {picks[0]['step']:,} steps" in TOLD
     assert f"steps, {together(picks)}" in TOLD
     later = [row["successes"] for row in kept("grasp", reward="dense") if row["step"] >= 2000]
-    assert "no fewer than 28 at any test from the 2,000th step on" in TOLD and min(later) >= 28
+    assert "at least 28 at any test from step 2,000 on" in TOLD and min(later) >= 28

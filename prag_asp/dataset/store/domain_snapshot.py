@@ -145,6 +145,14 @@ def _own_sources(domain: Domain) -> list[Source]:
     return [source for source in domain.program.sources if source.path.resolve() not in core]
 
 
+def _portable_text(source: Source, encodings: Path) -> str:
+    """Return the text of a source; a rule of the encodings, whose predicates are reserved, is included by its name."""
+    path, folder = source.path.resolve(), encodings.resolve()
+    if path.is_relative_to(folder):
+        return f'#include "{path.relative_to(folder).as_posix()}".\n'
+    return f"#program base.\n{source.text}\n"
+
+
 def _own_files(domain: Domain) -> Iterator[tuple[str, bytes]]:
     """Yield the files of a folder that defines the same domain; if the domain is a folder, they are its own."""
     from prag_asp.domain.identity import scene_files
@@ -158,7 +166,7 @@ def _own_files(domain: Domain) -> Iterator[tuple[str, bytes]]:
         for source in logic:
             yield source.path.resolve().relative_to(folder).as_posix(), read_bytes(source.path)
     else:
-        yield "domain.lp", "".join(f"#program base.\n{source.text}\n" for source in logic).encode()
+        yield "domain.lp", "".join(_portable_text(source, domain.encodings) for source in logic).encode()
     for source in learned:
         yield LEARNED, source.text.encode()
     settings = domain.settings

@@ -56,7 +56,7 @@ class ManifestFile(Generic[Contents]):
         try:
             values = decoded(text)
             if not isinstance(values, dict) or values.get("format") != self.format:
-                raise QueryError(f"is no {self.what} of prag_asp: it has no format {self.format!r}")
+                raise QueryError(f"is not a {self.what} of prag_asp: it has no format {self.format!r}")
             if values.get("version") != self.version:
                 other = values.get("version")
                 raise QueryError(f"has version {other!r}, not {self.version}; use the prag_asp that made it")

@@ -160,7 +160,7 @@ def test_the_command_proposes_measures_and_writes(tmp_path: Path, after: Domain)
     plans = [TaskSpace(domain, 2).count("plan") for domain in (load_domain(folder), after)]
     table = {line.split()[1]: line.split()[2:] for line in proposed.stdout.splitlines()[-9:]}
     assert table["plans"] == [str(count) for count in plans]
-    assert table["drawn"] == ["20", "20"] and table["budget"][:4] == ["10", "x", "10,", "kinematics"]
+    assert table["sampled"] == ["20", "20"] and table["budget"][:4] == ["10", "x", "10,", "kinematics"]
     assert int(table["passed"][0]) < int(table["passed"][3])
 
     written = run("learn", folder, "-n", "2", "--count", "0", "--write")

@@ -129,7 +129,7 @@ def test_orders_have_the_probabilities_of_successive_sampling(
 
 @pytest.mark.parametrize("engine", ["automaton", "clingo", "symbolic"])
 @pytest.mark.parametrize("by", ["plan", "task"])
-def test_what_is_left_weighs_exactly_what_was_not_taken(engine: str, by: Any) -> None:
+def test_what_is_left_weighs_exactly_what_was_not_taken(engine: str, by: Any, chance: Chance) -> None:
     space = with_engine(TaskSpace(load_domain("prag"), 2), engine)
     engine_of, letters = space.engines.engine(by, 2), space.action_texts(by)
     weighed = engine_of.weighed(2, space.weights({"grasp": 3, "approach>grasp": "1/2", "apple": 2}))
@@ -142,7 +142,7 @@ def test_what_is_left_weighs_exactly_what_was_not_taken(engine: str, by: Any) ->
     left, taken = RemainingWords(weighed, 2), []
     while left.weight:
         before = left.weight
-        word, weight = left.take(SeededBits(3), len(taken))
+        word, weight = left.take(SeededBits(chance.seed(3)), len(taken))
         taken.append(tuple(letters[letter] for letter in word))
         assert before - left.weight == weight == exact.get(taken[-1], weight)
     assert len(set(taken)) == len(taken) == space.count(by) and left.taken == len(taken)
