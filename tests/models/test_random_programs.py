@@ -69,7 +69,7 @@ def test_a_weighted_program_has_the_weights_of_its_atoms(text: str) -> None:
 @settings(max_examples=examples(25))
 def test_a_diagram_has_as_many_models_as_the_counter(text: str) -> None:
     found = read(text, engine="diagram")
-    if found is None or found._obstacle:
+    if found is None or found._reason_to_enumerate:
         return
     told = told_by_clingo(text, project=False)
     assert found.count() == answer_sets(text=text, engine="ganak").count() == sum(told.values())
