@@ -99,7 +99,8 @@ def sample(
                     out.write(line(Record(task)))
                     found += 1
             if found < requested_count:
-                raise NotFound(f"only {found} of {plural(requested_count, 'task')}: there are no others")
+                others = "others of positive weight" if space.count() > found else "others"
+                raise NotFound(f"only {found} of {plural(requested_count, 'task')}: there are no {others}")
             return
         from prag_asp.dataset.scenes import scene_of
 
