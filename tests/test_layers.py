@@ -94,7 +94,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     "space": (
         "limits", "automaton", "weights", "plans", "parts", "conditions", "engines", "reduced_count",
         "explanation", "sampling", "domain_engines", "word_set", "task_sampling", "distinct_sampling", "lengths",
-        "splits", "task_space", "without_replacement", "emptiness",
+        "task_space", "without_replacement", "emptiness",
     ),
     "physics": (
         "bullet", "required", "temporary_files", "robot", "witness", "situation", "predicates",
