@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 
 from prag_asp.physics.predicates import PREDICATES
@@ -13,7 +12,7 @@ from prag_asp.physics.search.furniture_handling import turn
 from prag_asp.physics.search.grasping import CollisionQuery, descend, grasps
 from prag_asp.physics.search.meeting import move_over, take_over
 from prag_asp.physics.search.moving import arm_waypoint, raise_arm, require_free, turn_to
-from prag_asp.physics.symbolic_facts import ActionEffect, Fact
+from prag_asp.physics.symbolic_facts import ActionEffect
 from prag_asp.physics.witness import Arm, Waypoint
 from prag_asp.scene.geometry import compose, invert
 from prag_asp.scene.solids import weight
@@ -30,7 +29,8 @@ def advance(search: Search, snapshot: Snapshot, effect: ActionEffect, attempt: i
     """
     if attempt > 0 and not (effect.moved or effect.turns or effect.grasps or effect.visits or effect.over):
         raise Exhausted
-    snapshot = start = turn_to(search, snapshot, effect.robot)
+    snapshot = turn_to(search, snapshot, effect.robot)
+    before = snapshot.situation
     for entity in effect.moved:
         if entity not in (effect.holds, effect.grasps, effect.releases):
             snapshot = relocate(search, snapshot, effect, entity)
@@ -40,7 +40,14 @@ def advance(search: Search, snapshot: Snapshot, effect: ActionEffect, attempt: i
     snapshot = _act(search, snapshot, effect, attempt, waypoints)
     if not waypoints:
         waypoints.append(arm_waypoint("stay", snapshot))
-    _verify(search, start, snapshot, effect.fresh, effect.after)
+    after, fresh = snapshot.situation, set(effect.fresh)
+    changed = {entity for entity, pose in after.poses.items() if before.poses[entity] != pose}
+    changed |= {entity for entity, opening in after.openings.items() if before.openings[entity] != opening}
+    for fact in effect.after:
+        predicate = fact.predicate
+        concerned = predicate.of_gripper or predicate.looks_around or not changed.isdisjoint(fact.arguments)
+        if (concerned or fact in fresh) and not fact.is_satisfied(after):
+            raise Failure(RELATION, fact=fact)
     return snapshot, tuple(waypoints)
 
 
@@ -79,22 +86,6 @@ def take_place(search: Search, snapshot: Snapshot, entity: str, closed: bool) ->
     choice = 0 if search.rng.random() < 0.5 else int(search.rng.integers(len(options)))
     down = _visit(search, snapshot, entity, choice, [])
     return _close(search, down, entity) if closed else down
-
-
-def _verify(search: Search, before: Snapshot, after: Snapshot, fresh: Iterable[Fact], facts: Iterable[Fact]) -> None:
-    """Check the facts that an action may have changed, and those that are new in the state."""
-    known_again, openings = set(fresh), after.situation.openings
-    changed = {
-        entity
-        for entity, pose in after.situation.poses.items()
-        if before.situation.poses[entity] is not pose and before.situation.poses[entity] != pose
-    }
-    changed |= {entity for entity, opening in openings.items() if before.situation.openings[entity] != opening}
-    for fact in facts:
-        predicate = fact.predicate
-        concerned = predicate.of_gripper or predicate.looks_around or not changed.isdisjoint(fact.arguments)
-        if (concerned or fact in known_again) and not fact.is_satisfied(after.situation):
-            raise Failure(RELATION, fact=fact)
 
 
 def _stays_down(snapshot: Snapshot, effect: ActionEffect) -> bool:

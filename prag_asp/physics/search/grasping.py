@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from itertools import islice
 from typing import NamedTuple
 
@@ -22,7 +21,6 @@ from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.collisions import ArmCollision, arm_collision
 from prag_asp.scene.geometry import Pose, multiply, raised, rotate, width_along, yaw_of, yaw_quaternion
 from prag_asp.scene.robots import Joints
-from prag_asp.scene.scene import Shape
 
 LIFT = 0.10
 """The height above an object at which the gripper begins its approach, in metres."""
@@ -80,22 +78,19 @@ def grasps(search: Search, situation: Situation, entity: str) -> list[tuple[Pose
     if not candidates:
         raise Failure(NO_GRASP, entity)
     if search.scene.shared and shape.traits.even and max(shape.half[:2]) >= LONG:
-        candidates = [at_end for grasp in candidates for at_end in _at_ends(shape, pose, grasp)]
+        # A grasp near either end leaves the other end free for another robot.
+        reach, along_x = max(shape.half[:2]) - FROM_END, shape.half[0] > shape.half[1]
+        ends = [(side, 0.0, 0.0) if along_x else (0.0, side, 0.0) for side in (reach, -reach)]
+        shifts = [rotate(pose.quaternion, end) for end in ends]
+        candidates = [
+            (Pose((x + dx, y + dy, height + dz), tool.quaternion), width)
+            for tool, width in candidates
+            for dx, dy, dz in shifts
+        ]
     rise = z + half - TOP_GRIP - height
     if rise > 0.0 and shape.traits.flat:
         candidates += [(raised(tool, rise), width) for tool, width in candidates]
     return candidates
-
-
-def _at_ends(shape: Shape, pose: Pose, grasp: tuple[Pose, float]) -> Iterator[tuple[Pose, float]]:
-    """Yield a grasp of a long box shifted to either end, so that the other end is free for another robot."""
-    tool, width = grasp
-    along = 0 if shape.half[0] > shape.half[1] else 1
-    shift = shape.half[along] - FROM_END
-    for side in (shift, -shift):
-        x, y, z = rotate(pose.quaternion, (side, 0.0, 0.0) if along == 0 else (0.0, side, 0.0))
-        cx, cy, cz = tool.position
-        yield Pose((cx + x, cy + y, cz + z), tool.quaternion), width
 
 
 def configure(search: Search, tool: Pose, query: CollisionQuery, near: Joints | None = None) -> Joints:

@@ -84,20 +84,14 @@ def _tool_over(search: Search, snapshot: Snapshot, place: str, attempt: int) -> 
         raise Failure(EMPTY_VOLUME, place)
     points = [point for _ in range(2) if (point := volume.sample(floor, search.uniform)) is not None]
     at = min(points, key=lambda point: math.dist(point[:2], base[:2]))
-    if attempt < HANDY_ATTEMPTS:
-        yaw = _handy_yaw(search, snapshot, at) + search.uniform(-SPREAD, SPREAD)
-    else:
-        yaw = search.uniform(-math.pi, math.pi)
-    return Pose(at, multiply(yaw_quaternion(yaw), DOWN))
-
-
-def _handy_yaw(search: Search, snapshot: Snapshot, at: tuple[float, float, float]) -> float:
-    """Return the best yaw of the tool: along the arm, or with a held object's free end towards the other robots."""
-    x, y, _ = search.robot.base.position
-    grasp = snapshot.arm.grasp
+    if attempt >= HANDY_ATTEMPTS:
+        return Pose(at, multiply(yaw_quaternion(search.uniform(-math.pi, math.pi)), DOWN))
+    # The best yaw is along the arm, or turns a held object's free end towards the nearest other robot.
+    grasp, towards, turn = snapshot.arm.grasp, at, 0.0
     bases = [robot_of(search.scene, name).base.position for name in search.scene.robots if name != snapshot.acting]
-    if grasp is None or not bases or math.hypot(*grasp.position[:2]) < OFF_CENTRE:
-        return math.atan2(at[1] - y, at[0] - x)
-    other = min(bases, key=lambda base: math.dist(base, at))
-    # The tool points down, so its y axis is mirrored.
-    return math.atan2(other[1] - y, other[0] - x) - math.atan2(-grasp.position[1], grasp.position[0])
+    if grasp is not None and bases and math.hypot(*grasp.position[:2]) >= OFF_CENTRE:
+        towards = min(bases, key=lambda other: math.dist(other, at))
+        # The tool points down, so its y axis is mirrored.
+        turn = math.atan2(-grasp.position[1], grasp.position[0])
+    yaw = math.atan2(towards[1] - base[1], towards[0] - base[0]) - turn
+    return Pose(at, multiply(yaw_quaternion(yaw + search.uniform(-SPREAD, SPREAD)), DOWN))
