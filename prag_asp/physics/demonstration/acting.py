@@ -55,19 +55,15 @@ class Actor:
                 arm = self._arms[robot] = replace(arm, joints=tuple(ways[-1][-1].tolist()))
             if waypoint.held != arm.held:
                 self._drive(robot, ways)
-                self._grip(waypoint)
+                self._arms[robot] = replace(arm, held=waypoint.held)
+                squeeze = SQUEEZE if waypoint.held is not None else 0.0
+                self._driver.move_fingers(robot, waypoint.width - squeeze)
+                self._driver.rest()
         self._drive(robot, ways)
 
     def _fingers_move(self, waypoint: Waypoint) -> bool:
         """Return whether an empty gripper has another opening than at a waypoint."""
         return self._arms[waypoint.robot].held is None and waypoint.width != self._driver.opening(waypoint.robot)
-
-    def _grip(self, waypoint: Waypoint) -> None:
-        """Close the gripper on what it holds at a waypoint, or open it, and wait until nothing moves."""
-        squeeze = SQUEEZE if waypoint.held is not None else 0.0
-        self._arms[waypoint.robot] = replace(self._arms[waypoint.robot], held=waypoint.held)
-        self._driver.move_fingers(waypoint.robot, waypoint.width - squeeze)
-        self._driver.rest()
 
     def _drive(self, robot: str, ways: list[Angles]) -> None:
         """Move an arm along paths without a stop between them, and clear the list."""
@@ -82,21 +78,16 @@ class Actor:
         Raises:
             PerformanceFailed: there is no collision-free path.
         """
-        waypoint = leg.waypoint
+        waypoint, world = leg.waypoint, self._world
         self._planner.turn_to(waypoint.robot)
-        situation = self._situation()
+        arms = {name: replace(actual, held=self._arms[name].held) for name, actual in world.arms().items()}
+        situation = Situation(world.scene, world.poses(), arms, world.openings())
         if waypoint.held is not None and waypoint.opening is not None:
             return plan_pull(self._planner, situation, arm, waypoint.held, waypoint.opening)
         path = plan_path(self._planner, situation, arm, leg, action)
         if path is None:
             raise PerformanceFailed(NO_PATH, f"{action.effect.action}: {NO_PATH} to the waypoint {waypoint.name}")
         return path
-
-    def _situation(self) -> Situation:
-        """Return the present situation."""
-        world = self._world
-        arms = {name: replace(arm, held=self._arms[name].held) for name, arm in world.arms().items()}
-        return Situation(world.scene, world.poses(), arms, world.openings())
 
 
 def holding_command(arm: Arm) -> ArmCommand:

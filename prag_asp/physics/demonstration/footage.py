@@ -163,18 +163,14 @@ def read_footage(file: BinaryIO, frames: int, robots: int, at_most: int) -> Foot
         "grippers": ((count, robots), "f"),
         "subgoals": ((count,), "iu"),
     }
-    _require(lists, required)
+    require_arrays(lists, required)
     if count < 1 or not 0 <= lists["frames"].min() <= lists["frames"].max() < frames:
         raise ValueError(f"frames has to hold numbers of frames; it has {frames} frames")
-    return Footage(
-        frames=lists["frames"].astype(np.int32),
-        tools=lists["tools"].astype(np.float32),
-        deltas=lists["deltas"].astype(np.float32),
-        grippers=lists["grippers"].astype(np.float32),
-        subgoals=lists["subgoals"].astype(np.int32),
-        legend=legend,
-        films={name: _film(file, name, count, segmentation_type(legend), at_most) for name in cameras},
-    )
+    films = {name: _film(file, name, count, segmentation_type(legend), at_most) for name in cameras}
+    arrays: dict[str, Any] = {
+        name: lists[name].astype(np.int32 if kinds == "iu" else np.float32) for name, (_, kinds) in required.items()
+    }
+    return Footage(**arrays, legend=legend, films=films)
 
 
 def _film(file: BinaryIO, camera: str, count: int, segmented: str, at_most: int) -> Film:
@@ -187,7 +183,7 @@ def _film(file: BinaryIO, camera: str, count: int, segmented: str, at_most: int)
     names = [f"{camera}/{name}" for name in OF_CAMERA]
     content = read_arrays(file, names, at_most)
     shapes = [(3, 3), (count, 4, 4), (2,)]
-    _require(content, {name: (shape, "f") for name, shape in zip(names, shapes, strict=True)})
+    require_arrays(content, {name: (shape, "f") for name, shape in zip(names, shapes, strict=True)})
     intrinsics, extrinsics, limits = (content[name].astype(np.float32) for name in names)
     # The principal point is the centre of the image.
     width, height = (round(2 * float(intrinsics[i, 2])) for i in (0, 1))
@@ -200,8 +196,8 @@ def _film(file: BinaryIO, camera: str, count: int, segmented: str, at_most: int)
     return Film(intrinsics, extrinsics, limits, (rgb, depth, segmentation))
 
 
-def _require(content: Mapping[str, NDArray[Any]], required: Mapping[str, tuple[tuple[int, ...], str]]) -> None:
-    """Check the shapes and types of arrays.
+def require_arrays(content: Mapping[str, NDArray[Any]], required: Mapping[str, tuple[tuple[int, ...], str]]) -> None:
+    """Check the shapes and types of arrays; a type is one of some kinds of NumPy.
 
     Raises:
         BadArchive: one is missing.

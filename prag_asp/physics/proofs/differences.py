@@ -16,33 +16,19 @@ def impossible_row(gaps: Sequence[Gap]) -> tuple[Node, ...]:
 
     The cycle begins at the origin if it passes it.
     """
-    reached = dict.fromkeys((node for gap in gaps for node in gap[:2]), 0.0)
+    heights = dict.fromkeys((node for gap in gaps for node in gap[:2]), 0.0)
     last: dict[Node, Gap] = {}
-    changed = _relax(gaps, reached, last)
-    for _ in range(len(reached)):
-        if changed is None:
+    node = ORIGIN
+    for _ in range(len(heights) + 1):
+        changed = False
+        for gap in gaps:
+            low, high, least = gap
+            if heights[low] + least > heights[high] + ROUNDING:
+                heights[high], last[high], node, changed = heights[low] + least, gap, high, True
+        if not changed:
             return ()
-        changed = _relax(gaps, reached, last)
-    row = () if changed is None else _cycle(last, changed, len(reached))
-    if ORIGIN in row:
-        turn = row.index(ORIGIN)
-        return (*row[turn:], *row[:turn])
-    return row
-
-
-def _relax(gaps: Sequence[Gap], reached: dict[Node, float], last: dict[Node, Gap]) -> Node | None:
-    """Raise every coordinate that violates a gap, and return the last one raised."""
-    changed = None
-    for gap in gaps:
-        low, high, least = gap
-        if reached[low] + least > reached[high] + ROUNDING:
-            reached[high], last[high], changed = reached[low] + least, gap, high
-    return changed
-
-
-def _cycle(last: Mapping[Node, Gap], node: Node, steps: int) -> tuple[Node, ...]:
-    """Return the cycle of positive length to which the last gaps lead back from a node, the lowest node first."""
-    for _ in range(steps):
+    # The last gaps lead back from the node that was raised last into a cycle.
+    for _ in heights:
         if node not in last:
             return ()
         node = last[node].low
@@ -51,7 +37,11 @@ def _cycle(last: Mapping[Node, Gap], node: Node, steps: int) -> tuple[Node, ...]
         row.append(current)
         length += last[current].least
         current = last[current].low
-    return tuple(reversed(row)) if length > ROUNDING else ()
+    if length <= ROUNDING:
+        return ()
+    row.reverse()
+    turn = row.index(ORIGIN) if ORIGIN in row else 0
+    return (*row[turn:], *row[:turn])
 
 
 def lowest(gaps: Iterable[Gap], start: Node) -> Mapping[Node, float]:

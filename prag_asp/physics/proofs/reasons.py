@@ -25,8 +25,10 @@ def own_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
     if fact.value and predicate.impossible is not None:
         yield from predicate.impossible(scene, fact.arguments)
     entities = () if predicate.of_gripper or predicate.looks_around else bodies(fact, scene)
-    still = _still(scene)
-    if entities and all(entity in still.poses for entity in entities) and not fact.is_satisfied(still):
+    traits = {entity: scene.shapes[entity].traits for entity in scene.fixed}
+    still = [entity for entity, kind in traits.items() if kind.body and not kind.furniture]
+    situation = Situation(scene, {entity: fixed_pose(scene, entity) for entity in still})
+    if entities and all(entity in still for entity in entities) and not fact.is_satisfied(situation):
         yield f"{fact.sentence()} cannot hold, for nothing of it can move"
 
 
@@ -37,15 +39,11 @@ def gap_reasons(true: Sequence[Fact]) -> Iterator[str]:
         least = fact.predicate.apart[0]
         for other in close:
             if other.predicate.apart[1] < least and {*other.arguments[:2]} == {*fact.arguments[:2]}:
-                yield _not_both(other, fact)
-
-
-def _not_both(close: Fact, wide: Fact) -> str:
-    """Return the sentence that two objects cannot be as close as one fact requires and as far apart as another."""
-    if any(fact.predicate.inverse != fact.predicate.name for fact in (close, wide)):
-        return _never_together((close, wide))
-    ways = f"{words(close.predicate.name)} and {words(wide.predicate.name)}"
-    return f"{' and '.join(map(words, wide.arguments))} cannot be {ways} at once"
+                if all(each.predicate.inverse == each.predicate.name for each in (other, fact)):
+                    ways = f"{words(other.predicate.name)} and {words(fact.predicate.name)}"
+                    yield f"{' and '.join(map(words, fact.arguments))} cannot be {ways} at once"
+                else:
+                    yield _never_together((other, fact))
 
 
 def exclusions(true: Sequence[Fact], scene: Scene) -> Iterator[str]:
@@ -92,13 +90,3 @@ def _never_together(facts: Iterable[Fact]) -> str:
     """Return the sentence that facts exclude each other."""
     *others, last = [fact.sentence() for fact in facts]
     return f"{', '.join(others)} and {last} exclude each other" if others else f"{last} is never so"
-
-
-def _still(scene: Scene) -> Situation:
-    """Return the situation of the bodies that never move, without furniture."""
-    poses = {
-        entity: fixed_pose(scene, entity)
-        for entity in scene.fixed
-        if scene.shapes[entity].traits.body and not scene.shapes[entity].traits.furniture
-    }
-    return Situation(scene, poses)

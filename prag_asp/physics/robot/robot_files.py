@@ -16,7 +16,6 @@ from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet_data
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.robots.robot import Hand, Robot
-from prag_asp.scene.scene import Solid
 
 PALM_MASS, FINGER_MASS, INERTIA = 0.8, 0.1, 0.01
 STIFFNESS, DAMPING = 30000.0, 1000.0
@@ -51,7 +50,10 @@ def robot_file(robot: Robot) -> bytes:
         finger = root.find(f"link[@name='{name}']")
         if finger is None:
             raise SceneError(f"{source}: the robot has no link {name}")
-        _give_boxes(finger, robot.finger_boxes, side)
+        for collision in finger.findall("collision"):
+            finger.remove(collision)
+        for solid in robot.finger_boxes:
+            _add_box(finger, "collision", _mirrored(solid.at, side), solid.size)
     return ElementTree.tostring(root)
 
 
@@ -95,14 +97,6 @@ def _joint(
     ElementTree.SubElement(joint, "child", link=links[1])
     ElementTree.SubElement(joint, "origin", xyz=f"0 0 {ahead}", rpy=f"0 0 {turn}")
     return joint
-
-
-def _give_boxes(finger: ElementTree.Element, boxes: tuple[Solid, ...], side: float) -> None:
-    """Replace the collision geometry of a finger by boxes, mirrored if `side` is -1."""
-    for collision in finger.findall("collision"):
-        finger.remove(collision)
-    for solid in boxes:
-        _add_box(finger, "collision", _mirrored(solid.at, side), solid.size)
 
 
 def _mirrored(at: Vector, side: float) -> Vector:

@@ -37,7 +37,8 @@ def _failure(
     """Return why one arrangement of objects is not stable."""
     arm = Arm(PANDA.home, PANDA.opening, held, Pose((0.0, 0.0, 0.0)) if held else None)
     moment = Moment(poses, {"panda": arm})
-    return settling.failure(PhysicalTask(tuple(poses), facts, held, ()), Witness((moment,), ()))
+    fault = settling.fault(PhysicalTask(tuple(poses), facts, held, ()), Witness((moment,), ()))
+    return None if fault is None else fault.cause
 
 
 @settings(max_examples=examples(50))
