@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -16,7 +16,7 @@ from prag_asp.array_archive import BadArchive, read_arrays
 from prag_asp.errors import OutputError, QueryError
 from prag_asp.output import replace_file
 from prag_asp.physics.demonstration.contacts import Touch
-from prag_asp.physics.demonstration.footage import Footage, read_footage, require_arrays
+from prag_asp.physics.demonstration.footage import Footage, are_equal, read_footage, require_arrays
 from prag_asp.physics.demonstration.packing import with_packed
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import VERSION, Arm
@@ -88,11 +88,7 @@ class Demonstration:
 
     def __eq__(self, other: object) -> bool:
         """Return whether two episodes are equal, bit by bit."""
-        if not isinstance(other, Demonstration):
-            return NotImplemented
-        names = [each.name for each in fields(self) if each.name not in ("footage", "variation")]
-        same = all(np.array_equal(getattr(self, name), getattr(other, name)) for name in names)
-        return same and self.footage == other.footage and self.variation == other.variation
+        return are_equal(self, other) if isinstance(other, Demonstration) else NotImplemented
 
     __hash__ = None  # type: ignore[assignment]
 

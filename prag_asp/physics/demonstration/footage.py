@@ -30,6 +30,12 @@ def segmentation_type(legend: Sequence[str]) -> str:
     return "u1" if len(legend) <= BYTES else "<u2"
 
 
+def are_equal(one: Any, other: Any) -> bool:
+    """Return whether two instances of a dataclass have equal fields, arrays bit by bit."""
+    pairs = ((getattr(one, each.name), getattr(other, each.name)) for each in fields(one))
+    return all(np.array_equal(a, b) if isinstance(a, np.ndarray) else bool(a == b) for a, b in pairs)
+
+
 class Picture(NamedTuple):
     """A camera image: `rgb` (H, W, 3), `depth` (H, W) in metres, `segmentation` (H, W).
 
@@ -82,10 +88,7 @@ class Film:
 
     def __eq__(self, other: object) -> bool:
         """Return whether two films are equal, bit by bit."""
-        if not isinstance(other, Film):
-            return NotImplemented
-        same = all(np.array_equal(getattr(self, name), getattr(other, name)) for name in OF_CAMERA)
-        return same and self.packed == other.packed
+        return are_equal(self, other) if isinstance(other, Film) else NotImplemented
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -110,11 +113,7 @@ class Footage:
 
     def __eq__(self, other: object) -> bool:
         """Return whether two footages are equal, bit by bit."""
-        if not isinstance(other, Footage):
-            return NotImplemented
-        names = [each.name for each in fields(self) if each.name != "films"]
-        same = all(np.array_equal(getattr(self, name), getattr(other, name)) for name in names)
-        return same and self.films == other.films
+        return are_equal(self, other) if isinstance(other, Footage) else NotImplemented
 
     __hash__ = None  # type: ignore[assignment]
 

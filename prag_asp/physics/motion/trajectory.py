@@ -87,7 +87,11 @@ def time_path(path: Sequence[Joints], time_step: float, limits: JointLimits) -> 
     for slowdown in count(1):
         reached, places = _passed(cells, time_step)
         angles = np.column_stack([np.interp(places, cells.corners, column) for column in points.T])
-        angles = _rounded(angles, points, window)
+        # The average over the window, by which the motion becomes longer.
+        padded = np.concatenate([np.repeat(points[:1], window, axis=0), angles, np.repeat(points[-1:], window, axis=0)])
+        sums = np.concatenate([np.zeros((1, padded.shape[1])), np.cumsum(padded, axis=0)])
+        angles = ((sums[window:] - sums[:-window]) / window)[1:]
+        angles[-1] = points[-1]
         excess = limits.excess(angles, points[0], time_step)
         if excess.max() <= 1.0 + TOLERANCE:
             break
@@ -172,13 +176,3 @@ def blend_paths(ways: Sequence[Angles], start: Joints, time_step: float, limits:
                 break
         whole = joined
     return whole
-
-
-def _rounded(angles: Angles, points: Angles, window: int) -> Angles:
-    """Return joint angles averaged over a window of steps, by which the motion becomes longer."""
-    before, after = np.repeat(points[:1], window, axis=0), np.repeat(points[-1:], window, axis=0)
-    padded = np.concatenate([before, angles, after])
-    sums = np.concatenate([np.zeros((1, padded.shape[1])), np.cumsum(padded, axis=0)])
-    averaged: Angles = (sums[window:] - sums[:-window]) / window
-    averaged[-1] = points[-1]
-    return averaged[1:]

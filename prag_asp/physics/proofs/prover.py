@@ -81,8 +81,13 @@ class Prover:
                 least = self.fewest(facts)
                 reason = next(self._reasons(least, least))
                 return Impossibility(reason, least, k, physical.effects[k - 1].action if k else None)
-        for k, reason, entities in slip_reasons(physical, self._scene):
-            return Impossibility(reason, entities, k, physical.effects[k - 1].action)
+        for number, effect in enumerate(physical.effects, 1):
+            lift = _lift(effect, physical.states[number - 1])
+            if lift is not None:
+                robot, entity = lift[1].arguments
+                by_size = [slips(sized, entity, robot) for sized in self._sized(lift[1])]
+                if by_size[0] is not None and None not in by_size:
+                    return Impossibility(by_size[0], lift, number, effect.action)
         return None
 
     def refutation(self, facts: Sequence[Fact]) -> str | None:
@@ -176,30 +181,11 @@ class Prover:
             yield self._scene.with_shapes(dict(zip(drawn, shapes, strict=True)))
 
 
-def impossibility(physical: PhysicalTask, scene: Scene) -> Impossibility | None:
-    """Return a proof that a task is infeasible, None if nothing is proved."""
-    return Prover(scene).impossibility(physical)
-
-
-def slip_reasons(physical: PhysicalTask, scene: Scene) -> Iterator[tuple[int, str, tuple[Fact, ...]]]:
-    """Yield lifts of objects that slip in every size: the number of the next state, the reason, and the facts.
+def _lift(effect: ActionEffect, before: tuple[Fact, ...]) -> tuple[Fact, Fact, Fact] | None:
+    """Return the facts that an object is at a place, that it is held, and that it is no longer there; None if it stays.
 
     A gripper may close around anything that it spans, but only lifting loads it. A witness lifts what it moves: the arm
     retreats straight up from where it grasps an object, and comes straight down to where it releases it.
-    """
-    for number, effect in enumerate(physical.effects, 1):
-        lift = _lift(effect, physical.states[number - 1])
-        if lift is not None:
-            _, held, _ = lift
-            robot, entity = held.arguments
-            sizes = scene.ranges.get(entity, (scene.shapes[entity],))
-            reasons = [slips(scene.with_shapes({entity: shape}), entity, robot) for shape in sizes]
-            if reasons[0] is not None and None not in reasons:
-                yield number, reasons[0], lift
-
-
-def _lift(effect: ActionEffect, before: tuple[Fact, ...]) -> tuple[Fact, Fact, Fact] | None:
-    """Return the facts that an object is at a place, that it is held, and that it is no longer there; None if it stays.
 
     Only actions that move nothing but the object, and open nothing, leave the place itself still. An object in a
     handover may stay where it is.

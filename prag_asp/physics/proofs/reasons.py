@@ -1,13 +1,16 @@
-"""The reasons, in words, why facts cannot hold: impossible facts, exclusions, and lack of room."""
+"""The reasons, in words, why facts cannot hold: impossible facts, exclusions, and lack of room.
+
+Room is a system of difference constraints, lower bounds on differences of coordinates. It is unsatisfiable if and only
+if its graph has a cycle of positive length, which the Bellman-Ford algorithm finds.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from prag_asp.physics.predicates.gaps import ORIGIN, Gap, centre
+from prag_asp.physics.predicates.gaps import ORIGIN, ROUNDING, Gap, Node, centre
 from prag_asp.physics.predicates.predicate import words
-from prag_asp.physics.proofs.differences import impossible_row, lowest
 from prag_asp.physics.proofs.placement_demands import bodies
 from prag_asp.physics.situation import Situation, fixed_pose
 from prag_asp.physics.symbolic_facts import Fact
@@ -90,3 +93,53 @@ def _never_together(facts: Iterable[Fact]) -> str:
     """Return the sentence that facts exclude each other."""
     *others, last = [fact.sentence() for fact in facts]
     return f"{', '.join(others)} and {last} exclude each other" if others else f"{last} is never so"
+
+
+def impossible_row(gaps: Sequence[Gap]) -> tuple[Node, ...]:
+    """Return a cycle of positive length: nodes, each of which has to be above the one before; () if there is none.
+
+    The cycle begins at the origin if it passes it.
+    """
+    heights = dict.fromkeys((node for gap in gaps for node in gap[:2]), 0.0)
+    last: dict[Node, Gap] = {}
+    node = ORIGIN
+    for _ in range(len(heights) + 1):
+        changed = False
+        for gap in gaps:
+            low, high, least = gap
+            if heights[low] + least > heights[high] + ROUNDING:
+                heights[high], last[high], node, changed = heights[low] + least, gap, high, True
+        if not changed:
+            return ()
+    # The last gaps lead back from the node that was raised last into a cycle.
+    for _ in heights:
+        if node not in last:
+            return ()
+        node = last[node].low
+    row, length, current = [node], last[node].least, last[node].low
+    while current != node:
+        row.append(current)
+        length += last[current].least
+        current = last[current].low
+    if length <= ROUNDING:
+        return ()
+    row.reverse()
+    turn = row.index(ORIGIN) if ORIGIN in row else 0
+    return (*row[turn:], *row[:turn])
+
+
+def lowest(gaps: Iterable[Gap], start: Node) -> Mapping[Node, float]:
+    """Return lower bounds on the differences of coordinates from that of `start`, as far as gaps imply any.
+
+    The gaps have to be satisfiable.
+    """
+    gaps = list(gaps)
+    bounds = {start: 0.0}
+    changed = True
+    while changed:
+        changed = False
+        for low, high, least in gaps:
+            if low in bounds and bounds[low] + least > bounds.get(high, float("-inf")) + ROUNDING:
+                bounds[high] = bounds[low] + least
+                changed = True
+    return bounds

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain, combinations, product
 from operator import contains
+from typing import NamedTuple
 
 from prag_asp.atom import Atom, atom_of
 from prag_asp.physics.predicates.predicate import words
@@ -57,13 +58,12 @@ class ExclusionRule:
         return rule if len(rule) <= LINE else rule.replace(" :- ", " :-\n    ")
 
 
-@dataclass(frozen=True)
-class _InstanceTable:
+class _InstanceTable(NamedTuple):
     """All instances of a shape over the fluents of a domain: their entities, proofs and reasons."""
 
-    proofs: Mapping[Entities, Fluents]
-    reasons: Mapping[Entities, str | None]
-    possible: frozenset[Entities]
+    proofs: dict[Entities, Fluents]
+    reasons: dict[Entities, str | None]
+    possible: set[Entities]
 
 
 def rules(proofs: Proofs, stated: Facts) -> list[ExclusionRule]:
@@ -142,21 +142,19 @@ class _Folding:
     def _tables(self) -> Mapping[Shape, _InstanceTable]:
         """The instances of the shapes of all proofs, in both orders of a pair."""
         shapes = {self._abstract(fluents)[0] for fluents, reason in self._proofs.items() if reason is not None}
-        possible: dict[Shape, set[Entities]] = {shape: set() for shape in shapes}
-        reasons: dict[Shape, dict[Entities, str | None]] = {shape: {} for shape in shapes}
-        stated: dict[Shape, dict[Entities, Fluents]] = {shape: {} for shape in shapes}
+        tables = {shape: _InstanceTable({}, {}, set()) for shape in shapes}
         sizes = {len(shape) for shape in shapes}  # one fluent, two, or both
         for fluents in chain.from_iterable(combinations(self._fluents, size) for size in sorted(sizes)):
             for ordered in (fluents, fluents[::-1]) if len(fluents) > 1 else (fluents,):
                 shape, entities = self._abstract(ordered)
-                if shape in shapes:
-                    possible[shape].add(entities)
+                table = tables.get(shape)
+                if table is not None:
+                    table.possible.add(entities)
                     if fluents in self._proofs:
-                        reasons[shape][entities] = self._proofs[fluents]
-                        stated[shape][entities] = fluents
+                        table.reasons[entities], table.proofs[entities] = self._proofs[fluents], fluents
                     elif any((fluent,) in self._proofs for fluent in fluents):
-                        reasons[shape][entities] = None
-        return {shape: _InstanceTable(stated[shape], reasons[shape], frozenset(possible[shape])) for shape in shapes}
+                        table.reasons[entities] = None
+        return tables
 
     def _different(self, shape: Shape, kinds: Sequence[str]) -> tuple[tuple[str, str], ...]:
         """Return the pairs of variables that need an inequality, because fluents could have one entity for both."""

@@ -19,8 +19,8 @@ from prag_asp.scene.geometry import Pose, Quaternion, compose, invert, matrix, r
 from prag_asp.scene.robots import Joints, Robot
 from prag_asp.scene.robots.robot import ORIGIN
 
-ACCURACY = 1e-5
-APART = 0.4
+ACCURACY = 1e-5  # metres, and radians: a hundredth of a millimetre
+APART = 0.4  # radians, the distance of joint configurations that count as different
 ADJUSTMENTS, DIFFERENCE, DAMPING = 12, 1e-5, 1e-6
 DIFFERENCES = DIFFERENCE * np.eye(7)
 BELOW, ABOVE = np.array((7, 2, 3)), np.array((5, 6, 1))
@@ -63,7 +63,7 @@ def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> Iterator[Jo
     if start is None:
         heading = math.atan2(tool.position[1], tool.position[0])
         start, weights = (heading, *robot.posture[1:]), solver.weights
-    solutions: list[Joints] = []
+    solutions, origin = list[Joints](), tuple(map(mul, start, weights))
 
     def sweeps() -> Iterator[tuple[float, ...]]:
         yield from solver.sweeps(tool, near)
@@ -71,7 +71,12 @@ def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> Iterator[Jo
             yield solver.last_resort
 
     for angles in sweeps():
-        for joints in _ranked(robot, flange, start, angles, weights):
+        ranked = []
+        for row in solver.solutions(flange, start, angles):
+            # A branch without a solution is NaN, for which no comparison holds.
+            if robot.within_limits(row):
+                ranked.append((math.dist(tuple(map(mul, row, weights)), origin), tuple(row)))
+        for _, joints in sorted(ranked):
             if any(math.dist(joints, other) < APART for other in solutions):
                 continue
             if max(map(math.dist, tool_matrix(robot, joints)[:3], goal)) < ACCURACY:
@@ -93,7 +98,7 @@ def adjust_joints(robot: Robot, tool: Pose, near: Joints) -> Joints | None:
         if np.abs(error).max() < ACCURACY:
             solution = tuple(joints.tolist())
             return solution if robot.within_limits(solution) else None
-        columns = [_twist(here, forward(joints + row)) / DIFFERENCE for row in DIFFERENCE * np.eye(len(joints))]
+        columns = [_twist(here, forward(joints + row)) / DIFFERENCE for row in DIFFERENCES]
         jacobian = np.array(columns).T
         joints = joints + jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + DAMPING * np.eye(6), error)
     return None
@@ -131,22 +136,6 @@ def _twist(one: NDArray[np.float64], two: NDArray[np.float64]) -> NDArray[np.flo
     turn = two[:3, :3] @ one[:3, :3].T
     vector = (turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1])
     return np.concatenate([two[:3, 3] - one[:3, 3], np.array(vector) / 2])
-
-
-def _ranked(
-    robot: Robot,
-    flange: NDArray[np.float64],
-    start: Joints,
-    angles: tuple[float, ...],
-    weights: tuple[float, ...],
-) -> list[Joints]:
-    """Return the solutions within the joint limits for some values of the redundant angle, nearest to `start` first."""
-    solutions, origin = [], tuple(map(mul, start, weights))
-    for row in robot.solver.solutions(flange, start, angles):
-        # A branch without a solution is NaN, for which no comparison holds.
-        if robot.within_limits(row):
-            solutions.append((math.dist(tuple(map(mul, row, weights)), origin), tuple(row)))
-    return [joints for _, joints in sorted(solutions)]
 
 
 def _from_base(robot: Robot, tool: Pose) -> Pose:

@@ -52,8 +52,7 @@ def robot_file(robot: Robot) -> bytes:
             raise SceneError(f"{source}: the robot has no link {name}")
         for collision in finger.findall("collision"):
             finger.remove(collision)
-        for solid in robot.finger_boxes:
-            _add_box(finger, "collision", _mirrored(solid.at, side), solid.size)
+        _add_finger_boxes(finger, "collision", robot, side)
     return ElementTree.tostring(root)
 
 
@@ -69,8 +68,7 @@ def _mount(root: ElementTree.Element, hand: Hand, robot: Robot) -> None:
         contact = ElementTree.SubElement(finger, "contact")
         ElementTree.SubElement(contact, "stiffness", value=str(STIFFNESS))
         ElementTree.SubElement(contact, "damping", value=str(DAMPING))
-        for solid in robot.finger_boxes:
-            _add_box(finger, "visual", _mirrored(solid.at, side), solid.size)
+        _add_finger_boxes(finger, "visual", robot, side)
         joint = _joint(root, f"{name}_joint", "prismatic", ("hand", name), hand.palm[2], 0.0)
         ElementTree.SubElement(joint, "axis", xyz=f"0 {side} 0")
         limits = {"lower": "0", "upper": str(robot.opening / 2), "effort": str(FORCE), "velocity": str(SPEED)}
@@ -99,10 +97,11 @@ def _joint(
     return joint
 
 
-def _mirrored(at: Vector, side: float) -> Vector:
-    """Return a point of the left finger for the finger on a side."""
-    x, y, z = at
-    return (x, side * y, z)
+def _add_finger_boxes(finger: ElementTree.Element, kind: str, robot: Robot, side: float) -> None:
+    """Add the boxes of a finger to its collision or visual geometry, mirrored if `side` is -1."""
+    for solid in robot.finger_boxes:
+        x, y, z = solid.at
+        _add_box(finger, kind, (x, side * y, z), solid.size)
 
 
 def _add_box(link: ElementTree.Element, kind: str, at: Vector, size: Vector) -> None:

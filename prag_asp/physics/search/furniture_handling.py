@@ -10,7 +10,6 @@ from prag_asp.physics.predicates import Volume
 from prag_asp.physics.predicates.opening import IS_CLOSED, IS_OPEN
 from prag_asp.physics.robot.kinematics import adjust_joints, inverse, tool_pose
 from prag_asp.physics.search.attempt import (
-    ARM_COLLIDES,
     EMPTY_VOLUME,
     NO_GRASP,
     NO_KINEMATICS_ABOVE,
@@ -21,15 +20,14 @@ from prag_asp.physics.search.attempt import (
     Search,
     Snapshot,
 )
-from prag_asp.physics.search.grasping import DOWN, LARGEST_STEP, LIFT, CollisionQuery, collide
-from prag_asp.physics.search.moving import arm_waypoint
+from prag_asp.physics.search.grasping import DOWN, CollisionQuery, raise_joints, require_clear
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import Fact
 from prag_asp.physics.witness import Arm, Waypoint
 from prag_asp.physics.world.collisions import colliding
 from prag_asp.physics.world.support import riders, unsupported
 from prag_asp.scene.furniture import POST, mechanism, part_pose
-from prag_asp.scene.geometry import IDENTITY, Pose, compose, invert, multiply, raised, wrap, yaw_of, yaw_quaternion
+from prag_asp.scene.geometry import IDENTITY, Pose, compose, invert, multiply, wrap, yaw_of, yaw_quaternion
 from prag_asp.scene.robots import Joints
 
 SLIDE_STRIDE, TURN_STRIDE = 0.05, 0.2
@@ -67,9 +65,7 @@ def sample_opening(search: Search, situation: Situation, furniture: str, facts: 
     return search.uniform(*allowed.opening)
 
 
-def turn(
-    search: Search, snapshot: Snapshot, furniture: str, facts: Iterable[Fact], attempt: int, waypoints: list[Waypoint]
-) -> Snapshot:
+def turn(search: Search, snapshot: Snapshot, furniture: str, facts: Iterable[Fact], attempt: int) -> Snapshot:
     """Open or close furniture as facts require, release it, and retreat straight up.
 
     Raises:
@@ -94,12 +90,9 @@ def turn(
     failed = Failure(NO_KINEMATICS_AT, furniture)
     for low in inverse(search.robot, compose(situation.part(furniture), grip)):
         try:
-            after, motion = _pull(search, snapshot, furniture, openings, grip, low)
+            return _pull(search, snapshot, furniture, openings, grip, low)
         except Failure as failure:
             failed = failure
-            continue
-        waypoints += motion
-        return after
     raise failed
 
 
@@ -116,8 +109,8 @@ def open_furniture(situation: Situation, furniture: str, opening: float, objects
 
 def _pull(
     search: Search, snapshot: Snapshot, furniture: str, openings: Sequence[float], grip: Pose, low: Joints
-) -> tuple[Snapshot, list[Waypoint]]:
-    """Return a snapshot after furniture was moved through openings, in metres or radians, and the waypoints.
+) -> Snapshot:
+    """Return a snapshot after furniture was moved through openings, in metres or radians.
 
     `grip` is the tool pose in the frame of the moving part, `low` the joint configuration at the handle.
 
@@ -126,7 +119,6 @@ def _pull(
     """
     situation, acting, opening = snapshot.situation, snapshot.acting, search.robot.opening
     shape, pose = situation.shape(furniture), situation.pose(furniture)
-    _require_free(search, situation, low, opening, furniture)
     waypoints = [
         Waypoint("approach", acting, _above(search, situation, low, furniture), opening),
         Waypoint("at", acting, low, opening),
@@ -142,38 +134,27 @@ def _pull(
         pair = colliding(search.simulator, opened, [furniture, *within], search.objects)
         if pair is not None:
             raise Failure(OBJECTS_COLLIDE, *pair)
-        _require_free(search, opened, near, POST_WIDTH, furniture)
+        require_clear(search, near, CollisionQuery(opened, POST_WIDTH, furniture))
         joints = near
         waypoints.append(Waypoint("pull", acting, joints, POST_WIDTH, furniture, at))
     falling = unsupported(opened, search.objects)
     if falling is not None:
         raise Failure(UNSUPPORTED, falling)
-    _require_free(search, opened, joints, opening, furniture)
     above = _above(search, opened, joints, furniture)
-    after = replace(snapshot, situation=opened).with_arm(Arm(above, opening))
-    return after, [*waypoints, Waypoint("at", acting, joints, opening), arm_waypoint("retreat", after)]
+    waypoints.append(Waypoint("at", acting, joints, opening))
+    after = replace(snapshot, situation=opened, waypoints=(*snapshot.waypoints, *waypoints))
+    return after.with_arm(Arm(above, opening)).with_waypoint("retreat")
 
 
 def _above(search: Search, situation: Situation, low: Joints, furniture: str) -> Joints:
-    """Return a collision-free joint configuration straight above another.
+    """Return a collision-free joint configuration straight above one at a handle, with the gripper open.
 
     Raises:
-        Failure: there are none.
+        Failure: there are none, or the one at the handle collides.
     """
-    for high in inverse(search.robot, raised(tool_pose(search.robot, low), LIFT), near=low):
-        if max(abs(a - b) for a, b in zip(low, high, strict=True)) > LARGEST_STEP:
-            continue
-        if collide(search, high, CollisionQuery(situation, search.robot.opening, furniture)) is None:
-            return high
-    raise Failure(NO_KINEMATICS_ABOVE, furniture)
-
-
-def _require_free(search: Search, situation: Situation, joints: Joints, width: float, furniture: str) -> None:
-    """Check that the arm is free of collisions while its fingers are at a handle.
-
-    Raises:
-        Failure: it is not.
-    """
-    hit = collide(search, joints, CollisionQuery(situation, width, furniture))
-    if hit is not None:
-        raise Failure(ARM_COLLIDES, hit.other)
+    query = CollisionQuery(situation, search.robot.opening, furniture)
+    require_clear(search, low, query)
+    high = raise_joints(search, low, tool_pose(search.robot, low), query)
+    if high is None:
+        raise Failure(NO_KINEMATICS_ABOVE, furniture)
+    return high

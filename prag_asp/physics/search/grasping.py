@@ -35,6 +35,8 @@ LONG, FROM_END = 0.08, 0.03
 """With several robots, a box of at least twice `LONG` is grasped at the distance `FROM_END` from its end, in metres."""
 
 LARGEST_STEP = 1.2
+"""The largest turn of a joint between a grasp and `LIFT` above it, in radians: no other branch of the kinematics."""
+
 DOWN = (1.0, 0.0, 0.0, 0.0)
 
 
@@ -124,13 +126,25 @@ def descend(search: Search, tool: Pose, at: CollisionQuery, above: CollisionQuer
             if collision.by_hand:
                 break
             continue
-        for high in islice(inverse(search.robot, raised(tool, LIFT), near=low), 2):
-            if max(abs(a - b) for a, b in zip(low, high, strict=True)) > LARGEST_STEP:
-                continue
-            if collide(search, high, above) is None:
-                return low, high
+        high = raise_joints(search, low, tool, above, 2)
+        if high is not None:
+            return low, high
         failed = Failure(NO_KINEMATICS_ABOVE, *_touched(at))
     raise failed or Failure(NO_KINEMATICS_AT, *_touched(at))
+
+
+def raise_joints(
+    search: Search, low: Joints, tool: Pose, query: CollisionQuery, tries: int | None = None
+) -> Joints | None:
+    """Return a collision-free joint configuration close to one at a tool pose, with the tool straight above.
+
+    None if none of the first configurations, `tries` or all, is both.
+    """
+    for high in islice(inverse(search.robot, raised(tool, LIFT), near=low), tries):
+        turn = max(abs(a - b) for a, b in zip(low, high, strict=True))
+        if turn <= LARGEST_STEP and collide(search, high, query) is None:
+            return high
+    return None
 
 
 def _touched(query: CollisionQuery) -> tuple[str, ...]:
@@ -141,3 +155,14 @@ def _touched(query: CollisionQuery) -> tuple[str, ...]:
 def collide(search: Search, joints: Joints, query: CollisionQuery) -> ArmCollision | None:
     """Return the collision of the acting arm, None if it is free."""
     return arm_collision(search.simulator, query.situation, joints, query.width, query.touched)
+
+
+def require_clear(search: Search, joints: Joints, query: CollisionQuery) -> None:
+    """Check that the acting arm is free of collisions.
+
+    Raises:
+        Failure: it is not.
+    """
+    hit = collide(search, joints, query)
+    if hit is not None:
+        raise Failure(ARM_COLLIDES, hit.other)

@@ -9,11 +9,10 @@ from dataclasses import replace
 from prag_asp.physics.predicates import Gripper
 from prag_asp.physics.predicates.on_top import ON_TOP
 from prag_asp.physics.search.action_effects import take_place
-from prag_asp.physics.search.attempt import ARM_COLLIDES, RELATION, Failure, Search, Snapshot
+from prag_asp.physics.search.attempt import RELATION, Failure, Search, Snapshot
 from prag_asp.physics.search.furniture_handling import sample_openings
-from prag_asp.physics.search.grasping import CollisionQuery, collide
 from prag_asp.physics.search.meeting import move_over
-from prag_asp.physics.search.moving import raise_arm, turn_to, verify_objects
+from prag_asp.physics.search.moving import raise_arm, require_free, turn_to, verify_objects
 from prag_asp.physics.search.placement import sample_resting_pose
 from prag_asp.physics.situation import Situation, fixed_pose
 from prag_asp.physics.symbolic_facts import Fact, PhysicalTask, of_robot
@@ -74,19 +73,17 @@ def _bring(search: Search, snapshot: Snapshot, physical: PhysicalTask) -> Snapsh
     Raises:
         Failure: it cannot get there.
     """
-    arm, own = snapshot.arm, of_robot(physical.initial, snapshot.acting)
+    own = of_robot(physical.initial, snapshot.acting)
     held, over = physical.held.get(snapshot.acting), _place(own, Gripper.OVER)
     place = held or _place(own, Gripper.AT)
     if place is not None:
         snapshot = take_place(search, snapshot, place, closed=held is not None)
         lifted = held is not None and (search.scene.shared or _in_the_air(physical, held))
-        return raise_arm(search, snapshot, []) if lifted else snapshot
+        return raise_arm(search, snapshot) if lifted else snapshot
     if over is not None:
-        snapshot = move_over(search, snapshot, over, 0, [])
+        snapshot = move_over(search, snapshot, over, 0)
     else:
-        hit = collide(search, arm.joints, CollisionQuery(snapshot.situation, arm.width, None))
-        if hit is not None:
-            raise Failure(ARM_COLLIDES, hit.other)
+        require_free(search, snapshot)
     if any(fact.predicate.gripper is Gripper.OPEN and not fact.value for fact in own):
         return snapshot.with_arm(replace(snapshot.arm, width=0.0), snapshot.above)
     return snapshot

@@ -7,16 +7,8 @@ import math
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.search.attempt import EMPTY_VOLUME, Failure, Search, Snapshot
 from prag_asp.physics.search.grasping import DOWN, LIFT, CollisionQuery, configure
-from prag_asp.physics.search.moving import (
-    arm_waypoint,
-    changed_objects,
-    moved_arm,
-    require_free,
-    turn_to,
-    verify_objects,
-    with_riders,
-)
-from prag_asp.physics.witness import Arm, Waypoint
+from prag_asp.physics.search.moving import move_object, moved_arm, require_free, turn_to
+from prag_asp.physics.witness import Arm
 from prag_asp.scene.geometry import IDENTITY, Pose, compose, multiply, raised, yaw_quaternion
 from prag_asp.scene.robots import robot_of
 
@@ -30,7 +22,7 @@ HANDY_ATTEMPTS = 6
 OFF_CENTRE = 0.02
 
 
-def move_over(search: Search, snapshot: Snapshot, place: str, attempt: int, waypoints: list[Waypoint]) -> Snapshot:
+def move_over(search: Search, snapshot: Snapshot, place: str, attempt: int) -> Snapshot:
     """Move the gripper over a zone or an object, with what it holds.
 
     Raises:
@@ -41,15 +33,13 @@ def move_over(search: Search, snapshot: Snapshot, place: str, attempt: int, wayp
     poses = situation.poses
     if arm.held is not None:
         assert arm.grasp is not None
-        poses = with_riders(situation, arm.held, compose(tool, arm.grasp), search.objects)
-        verify_objects(search, situation.with_poses(poses), changed_objects(snapshot, poses))
+        poses = move_object(search, snapshot, arm.held, compose(tool, arm.grasp))
     query = CollisionQuery(situation.with_poses(poses), arm.width, arm.held)
     after = moved_arm(snapshot, configure(search, tool, query), poses)
-    waypoints.append(arm_waypoint("move" if arm.held is None else "carry", after))
-    return after
+    return after.with_waypoint("move" if arm.held is None else "carry")
 
 
-def take_over(search: Search, snapshot: Snapshot, giver: str, waypoints: list[Waypoint]) -> Snapshot:
+def take_over(search: Search, snapshot: Snapshot, giver: str) -> Snapshot:
     """Let the giver in a handover open its gripper and retreat upwards, when the receiver has grasped the object.
 
     Raises:
@@ -57,14 +47,11 @@ def take_over(search: Search, snapshot: Snapshot, giver: str, waypoints: list[Wa
     """
     snapshot = turn_to(search, snapshot, giver)
     before, opening, tool = snapshot.arm, search.robot.opening, snapshot.tool
-    opened = snapshot.with_arm(Arm(before.joints, opening))
+    opened = snapshot.with_arm(Arm(before.joints, opening)).with_waypoint("at")
     require_free(search, opened, before.held)
-    waypoints.append(arm_waypoint("at", opened))
     query = CollisionQuery(opened.situation, opening, None)
     joints = configure(search, raised(tool, LIFT), query, near=before.joints)
-    gone = moved_arm(opened, joints, opened.situation.poses)
-    waypoints.append(arm_waypoint("retreat", gone))
-    return gone
+    return moved_arm(opened, joints, opened.situation.poses).with_waypoint("retreat")
 
 
 def _tool_over(search: Search, snapshot: Snapshot, place: str, attempt: int) -> Pose:

@@ -31,12 +31,12 @@ from prag_asp.scene.boxes import Vector, box_of
 from prag_asp.scene.furniture import swept
 from prag_asp.scene.geometry import Pose, Quaternion, extents, yaw_of, yaw_quaternion
 
-TRIES = 8
-SPACING = 0.01
-TABLE_ROOM = 0.1
-NEAR = 0.15
-JITTER = 0.05
-EDGE = 0.02
+TRIES = 8  # samples with each spacing
+SPACING = 0.01  # metres between objects on the table, which do not touch then
+TABLE_ROOM = 0.1  # metres to the border of the volume on the table, for hands and later objects
+NEAR = 0.15  # metres within which people say that an object is beside another
+JITTER = 0.05  # radians by which an object on a support is turned against it, as nothing stands exactly straight
+EDGE = 0.02  # metres to the edge of the table
 
 Neighbour = tuple[float, float, float, float]
 """The centre of a body seen from above, and the distances along x and y at which another touches it; metres."""

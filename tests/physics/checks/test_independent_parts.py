@@ -231,7 +231,7 @@ def test_every_predicate_says_of_random_scenes_what_the_product_says(name, chanc
     grippers, places = sorted(scene.robots), [*bodies, *flat]
     rotations, furniture = sorted(scene.rotations), sorted(world.furniture)
     roles = {"robot": grippers, "rotation": rotations, "furniture": furniture}
-    for _ in range(chance.examples(400)):
+    for _ in range(chance.examples(200)):
         situation, seen = _random_scene(scene, world, rng)
         for predicate in MEANINGS:
             options = [roles.get(role, places if k else bodies) for k, role in enumerate(scene.roles(predicate))]

@@ -6,10 +6,9 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
-from prag_asp.physics import Budget, check_demonstration
+from prag_asp.physics import check_demonstration
 from prag_asp.physics.demonstration.contacts import IntendedContacts, Touch, intended_contacts, unintended_contacts
 from prag_asp.physics.demonstration.performance import Performer, open_performer
 from prag_asp.physics.robot.kinematics import inverse
@@ -130,7 +129,7 @@ def test_an_arm_that_presses_on_another_on_a_plank_or_on_a_drawer_fails_and_is_t
     assert list(unwanted(shown, ["wait"], ["is_closed(drawer)", "on_top(plank,table)"]))
 
 
-def test_an_arm_that_goes_there_and_stops_short_of_it_is_not_told(scene, planner, performer, waiting, start):
+def test_an_arm_that_stops_short_of_a_body_does_not_press_on_it(scene, planner, performer, waiting, start):
     path = _towards(planner, start, planner.body("plank"), *PRESSING["plank"])
     shown = performer.perform(physical_task(waiting, scene), _there_and_back(start, path[: -round(0.012 / STEP)]))
     assert shown.success, shown.detail
@@ -164,11 +163,8 @@ def test_the_definition_pair_by_pair():
     # What the gripper holds, what that rests on, and what rests on it.
     assert _told([held, ("brick", "cube"), ("cube", "lid"), ("table", "brick")], wanted) == set()
     # What it holds against anything else, and what rides on that.
-    assert _told([held, ("cube", "wall"), ("lid", "wall"), ("table", "cube")], wanted) == {
-        ("cube", "wall"),
-        ("lid", "wall"),
-        ("table", "cube"),
-    }
+    against = {("cube", "wall"), ("lid", "wall"), ("table", "cube")}
+    assert _told([held, *against], wanted) == against
     # What no robot moves, whichever way it leans.
     assert _told([("brick", "wall"), ("cup", "can")], wanted) == set()
     # Any part of a robot but a finger at what it handles.
@@ -186,11 +182,8 @@ def test_the_definition_pair_by_pair():
     pulled = IntendedContacts({"panda": frozenset({"drawer"})}, resting)
     handle = (finger, "drawer")
     assert _told([handle, ("drawer", "cup"), ("cup", "can")], pulled) == set()
-    assert _told([handle, ("drawer", "wall"), ("cup", "wall"), (arm, "drawer")], pulled) == {
-        ("drawer", "wall"),
-        ("cup", "wall"),
-        (arm, "drawer"),
-    }
+    against = {("drawer", "wall"), ("cup", "wall"), (arm, "drawer")}
+    assert _told([handle, *against], pulled) == against
 
 
 def test_a_gentle_touch_is_not_told_and_of_two_bodies_the_hardest_one_is():
@@ -212,17 +205,3 @@ def test_what_is_asked_for_is_read_off_the_task_action_by_action(tabletop, table
     pick, stack = (intended_contacts(physical, k, *seen[k - 1 : k + 1]).resting for k in (1, 2))
     assert ("cube_1", "table") in pick and ("cube_1", "brick_1") not in pick
     assert ("cube_1", "brick_1") in stack and ("cube_1", "table") not in stack
-
-
-def test_a_contact_that_was_written_into_an_episode_does_not_pass_the_check(tabletop, tabletop_validator):
-    shown = tabletop_validator.validate(stacking(), seed=1, budget=Budget(5, 10, "demonstration")).demonstration
-    assert check_demonstration(stacking(), shown, tabletop) == []
-    names = shown.bodies.index("arm of panda"), shown.bodies.index("brick_1")
-    rows = np.concatenate([shown.contacts, np.array([[int(shown.ends[1]) + 1, *names]], dtype=np.int32)])
-    forces = np.append(shown.forces, np.float32(5.7))
-    pressed = replace(shown, contacts=rows, forces=forces)
-    assert check_demonstration(stacking(), pressed, tabletop) == [
-        "action 2, stack(panda,cube_1,brick_1): the arm of panda presses on brick_1 with 5.7 N"
-    ]
-    swapped = replace(shown, robots=("somebody",))
-    assert check_demonstration(stacking(), swapped, tabletop) == ["it shows the robots somebody; the scene has panda"]
