@@ -248,8 +248,8 @@ def test_only_furniture_can_be_open(domain):
     table = {**domain.settings.scene, "predicates": {"open": "is_open", "empty": "gripper_open"}}
     shapes = {**table["shapes"], "drawer": {"kind": "container", "size": [0.2, 0.2, 0.1]}}
     fluents = list(state("open(drawer_1)"))
-    told = scene_problems({**table, "shapes": shapes}, domain.facts.class_names, domain.facts.entity_names, fluents)
-    assert [problem.text for problem in told] == [
+    problems = scene_problems({**table, "shapes": shapes}, domain.facts.class_names, domain.facts.entity_names, fluents)
+    assert [problem.text for problem in problems] == [
         "open(drawer_1) needs drawer_1 to be of the kind drawer or cupboard where it means is_open; "
         "let it mean something else, or change scene.shapes.drawer"
     ]

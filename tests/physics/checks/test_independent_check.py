@@ -195,7 +195,7 @@ def test_every_dropped_waypoint_is_found(any_records, chance):
         assert _found(world, changed), (record["actions"][k], waypoint["name"], i)
 
 
-def test_an_opening_that_is_not_as_it_is_told_is_found(kitchen, chance):
+def test_an_opening_that_contradicts_its_fluent_is_found(kitchen, chance):
     world, records = kitchen
     cases = [(record, k, name) for record, k, _ in _moments(records) for name in world.furniture]
     for record, k, name in _some(cases, 4, chance):
@@ -242,7 +242,7 @@ def _pose(record, k, body):
     return record["witness"]["moments"][k]["poses"][body]
 
 
-def test_arms_that_are_swapped_and_one_that_moves_unasked_are_found(two_arms, chance):
+def test_arms_that_are_swapped_and_one_that_moves_unexpectedly_are_found(two_arms, chance):
     world, records = two_arms
     cases = [(record, k) for record, k, _ in _moments(records) if k < len(record["actions"])]
     for record, k in _some(cases, 4, chance):

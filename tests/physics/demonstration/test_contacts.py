@@ -113,7 +113,7 @@ PRESSING = {
 
 
 @pytest.mark.parametrize("other", PRESSING)
-def test_an_arm_that_presses_on_another_on_a_plank_or_on_a_drawer_fails_and_is_told_with_names(
+def test_an_arm_that_presses_on_another_on_a_plank_or_on_a_drawer_fails_with_their_names(
     scene, planner, performer, waiting, start, other
 ):
     body = planner.arms[other].body if other in planner.arms else planner.body(other)
@@ -137,7 +137,7 @@ def test_an_arm_that_stops_short_of_a_body_does_not_press_on_it(scene, planner, 
     assert list(unwanted(shown, ["wait"], ["is_closed(drawer)", "on_top(plank,table)"])) == []
 
 
-def test_an_arm_that_presses_on_itself_is_felt(scene, start):
+def test_an_arm_that_presses_on_itself_is_reported(scene, start):
     folded = (0.0, 1.2, 0.0, -3.0, 0.0, 3.0, 0.0)
     with dynamics.open_dynamics(scene) as world:
         world.begin((), replace(start, poses={}, openings={}, arms={**start.arms, "left": Arm(folded, WIDTH)}))
@@ -150,8 +150,8 @@ def test_an_arm_that_presses_on_itself_is_felt(scene, start):
     assert unintended_contacts([touch], IntendedContacts({"left": frozenset()}, frozenset())) == [touch]
 
 
-def _told(touches: Iterable[tuple[str, str]], wanted: IntendedContacts) -> set[tuple[str, str]]:
-    """Return the pairs of some in one frame, all of 5 N, for which a task does not ask."""
+def _unintended_pairs(touches: Iterable[tuple[str, str]], wanted: IntendedContacts) -> set[tuple[str, str]]:
+    """Return the unintended ones among contacts of 5 N in one frame."""
     return {(touch.one, touch.two) for touch in unintended_contacts([Touch(0, *pair, 5.0) for pair in touches], wanted)}
 
 
@@ -161,12 +161,12 @@ def test_the_definition_pair_by_pair():
     wanted = IntendedContacts({"panda": frozenset({"cube"}), "other": frozenset()}, resting)
     held = (finger, "cube")
     # What the gripper holds, what that rests on, and what rests on it.
-    assert _told([held, ("brick", "cube"), ("cube", "lid"), ("table", "brick")], wanted) == set()
+    assert _unintended_pairs([held, ("brick", "cube"), ("cube", "lid"), ("table", "brick")], wanted) == set()
     # What it holds against anything else, and what rides on that.
     against = {("cube", "wall"), ("lid", "wall"), ("table", "cube")}
-    assert _told([held, *against], wanted) == against
+    assert _unintended_pairs([held, *against], wanted) == against
     # What no robot moves, whichever way it leans.
-    assert _told([("brick", "wall"), ("cup", "can")], wanted) == set()
+    assert _unintended_pairs([("brick", "wall"), ("cup", "can")], wanted) == set()
     # Any part of a robot but a finger at what it handles.
     for pair in (
         (arm, "cube"),
@@ -177,16 +177,16 @@ def test_the_definition_pair_by_pair():
         (finger, "brick"),
         ("right finger of other", "cube"),
     ):
-        assert pair in _told([held, pair], wanted), pair
+        assert pair in _unintended_pairs([held, pair], wanted), pair
     # Furniture that is pulled, with what lies in it.
     pulled = IntendedContacts({"panda": frozenset({"drawer"})}, resting)
     handle = (finger, "drawer")
-    assert _told([handle, ("drawer", "cup"), ("cup", "can")], pulled) == set()
+    assert _unintended_pairs([handle, ("drawer", "cup"), ("cup", "can")], pulled) == set()
     against = {("drawer", "wall"), ("cup", "wall"), (arm, "drawer")}
-    assert _told([handle, *against], pulled) == against
+    assert _unintended_pairs([handle, *against], pulled) == against
 
 
-def test_a_gentle_touch_is_not_told_and_of_two_bodies_the_hardest_one_is():
+def test_gentle_contacts_pass_and_of_two_bodies_the_strongest_contact_is_reported():
     wanted = IntendedContacts({"panda": frozenset()}, frozenset())
     touches = [Touch(k, "arm of panda", "can_1", force) for k, force in enumerate((0.9, 1.0, 3.0, 7.0, 2.0))]
     assert unintended_contacts(touches[:2], wanted) == []
@@ -195,7 +195,7 @@ def test_a_gentle_touch_is_not_told_and_of_two_bodies_the_hardest_one_is():
     ]
 
 
-def test_what_is_asked_for_is_read_off_the_task_action_by_action(tabletop, tabletop_validator):
+def test_the_intended_contacts_of_an_action_follow_from_the_task(tabletop, tabletop_validator):
     physical = physical_task(stacking(), tabletop)
     moments = tabletop_validator.validate(stacking(), seed=1).witness.moments
     seen = [Situation(tabletop, moment.poses, moment.arms, moment.openings) for moment in moments]

@@ -175,12 +175,12 @@ def test_no_long_search_finds_what_a_zone_and_the_table_exclude(
         made = with_zones(**zones)
         signs = {place: rng.choice(["", "-"]) for place in ("a", "b", "table_1")}
         asked = task(state(*(f"{sign}on_top(cube_1,{place})" for place, sign in signs.items())))
-        told = reason(asked, made)
+        proof = reason(asked, made)
         with monkeypatch.context() as patch, open_validator(made) as validator:
             patch.setattr(Prover, "impossibility", lambda self, physical: None)
             verdict = validator.validate(asked, seed=1, budget=Budget(4 * chance.times, 10))
-        found, proved = found + verdict.feasible, proved + (told is not None)
-        assert told is None or not verdict.feasible, (told, zones, signs)
+        found, proved = found + verdict.feasible, proved + (proof is not None)
+        assert proof is None or not verdict.feasible, (proof, zones, signs)
     assert found > 0 and proved > 0
 
 
@@ -201,9 +201,9 @@ def test_a_zone_excludes_that_a_body_is_not_on_another_exactly_where_it_lies_wit
 ) -> None:
     made = with_zones(outer=((0.4, 0.4), (0.5, 0.0, 0.0)), inner=((0.2, 0.2), (0.5, 0.1 + out, 0.0)))
     beside = task(state("on_top(cube_1,inner)", "-on_top(cube_1,outer)"))
-    told = reason(beside, made)
-    assert (told is not None) == proved
-    assert told is None or told.endswith("cube 1 cannot be on inner and not on outer, which covers all of inner")
+    proof = reason(beside, made)
+    assert (proof is not None) == proved
+    assert proof is None or proof.endswith("cube 1 cannot be on inner and not on outer, which covers all of inner")
     if out > 0.01:
         verdict = validate_task(beside, made, seed=1)
         assert verdict.witness is not None and check_witness(beside, verdict.witness, made) == []
@@ -216,5 +216,5 @@ def test_three_zones_that_meet_by_pairs_but_nowhere_all_three_exclude_each_other
     for left_out in places:
         pair = task(state(*(fact for name, fact in facts.items() if name != left_out)))
         assert reason(pair, made) is None
-    told = reason(task(state(*facts.values())), made)
-    assert told is not None and "no part in common" in told
+    proof = reason(task(state(*facts.values())), made)
+    assert proof is not None and "no part in common" in proof

@@ -51,7 +51,7 @@ def learned(domain: Domain) -> Domain:
 
 
 def satisfies(task: Task, fluents: frozenset[Atom]) -> bool:
-    """Tell whether a state of a task is known to satisfy some fluents."""
+    """Return whether a state of a task is known to satisfy some fluents."""
     return any(all(state.get(fluent) is True for fluent in fluents) for state in (task.initial, *task.states))
 
 
@@ -112,8 +112,8 @@ def test_no_task_with_a_witness_leaves_and_the_pass_rate_rises(before: Domain, a
             assert (task not in spaces[1]) == (verdict.status == "infeasible")
             if verdict.feasible:
                 assert verdict.witness is not None
-                [told] = spaces[1].tasks_of_plans(iter([tuple(map(str, task.actions))]))
-                assert replace(task, log_probability=None) == told
+                [same] = spaces[1].tasks_of_plans(iter([tuple(map(str, task.actions))]))
+                assert replace(task, log_probability=None) == same
     assert passed[0] < 15 and passed[1] >= 28
 
 
@@ -143,7 +143,7 @@ def test_what_is_impossible_excludes_what_is_known_and_tells_nothing(toy: Toy) -
     }
 
 
-def test_what_was_learned_for_another_scene_is_told(before: Domain, after: Domain) -> None:
+def test_exclusions_learned_for_another_scene_are_reported(before: Domain, after: Domain) -> None:
     scene = scene_of(before)
     assert list(unproved_exclusions(after, scene)) == []
     nearer = replace(scene, fixed={**scene.fixed, "shelf_2": (0.6, 0.0, 0.0)})
@@ -179,9 +179,12 @@ def test_the_command_proposes_measures_and_writes(tmp_path: Path, after: Domain)
 def test_an_action_that_is_ruled_out_is_explained(tmp_path: Path) -> None:
     folder = copytree(WAREHOUSE, tmp_path / "warehouse")
     (folder / "learned.lp").write_text(LEARNED)
-    told = run("explain", str(folder), "pick(panda,crate_1,table_1)")
-    assert told.returncode == 1
-    assert "holding(panda,crate_1) would have to be true, which is impossible together with what else is" in told.stdout
+    explained = run("explain", str(folder), "pick(panda,crate_1,table_1)")
+    assert explained.returncode == 1
+    assert (
+        "holding(panda,crate_1) would have to be true, which is impossible together with what else is"
+        in explained.stdout
+    )
 
 
 @pytest.mark.parametrize(
@@ -195,7 +198,7 @@ def test_an_action_that_is_ruled_out_is_explained(tmp_path: Path) -> None:
         ("impossible(F,F :- fluent(F).", 1, "unexpected"),
     ],
 )
-def test_a_malformed_file_is_told_in_one_line(tmp_path: Path, text: str, line: int, problem: str) -> None:
+def test_a_malformed_file_is_refused_in_one_line(tmp_path: Path, text: str, line: int, problem: str) -> None:
     folder = copytree(WAREHOUSE, tmp_path / "warehouse")
     (folder / "learned.lp").write_text(text)
     with pytest.raises(DomainError) as caught:

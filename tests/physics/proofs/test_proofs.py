@@ -112,7 +112,7 @@ def any_situation(rng: random.Random, made: Scene) -> Situation:
 
 
 def ruled_out(fact: Fact, made: Scene) -> bool:
-    """Tell whether a fact is excluded by a rule of every scene rather than by the definition of its predicate."""
+    """Return whether a fact is excluded by a rule of every scene rather than by the definition of its predicate."""
     return fact.predicate.name == "on_top" and made.shapes[fact.arguments[1]].kind == "sphere"
 
 
@@ -152,7 +152,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_two_facts_that_exclude_each_other_are_told_and_neither_can_be_left_out(name: str) -> None:
+def test_two_facts_that_exclude_each_other_are_proved_and_both_are_needed(name: str) -> None:
     fluents, fixed = CASES[name]
     made = scene(fixed=fixed)
     noise = ("-holding(panda,ball_1)", "behind(cube_1,ball_1)", "on_top(brick_1,table_1)", "-reachable(panda,brick_1)")
@@ -165,7 +165,7 @@ def test_two_facts_that_exclude_each_other_are_told_and_neither_can_be_left_out(
     assert all(prover.refutation([fact]) is None for fact in proof.facts)
 
 
-def test_a_circle_is_told_by_its_relations_alone() -> None:
+def test_a_circle_is_proved_by_its_relations_alone() -> None:
     circle = ["left_of(cube_1,can_1)", "right_of(ball_1,can_1)", "left_of(ball_1,cube_1)"]
     found = proof_of(scene(fixed={}), "behind(cube_1,can_1)", *circle)
     assert found is not None and {str(f.arguments) for f in found.facts} == {
@@ -232,5 +232,5 @@ def test_what_is_heavier_than_an_arm_carries_cannot_be_held() -> None:
         for kilograms, heavy in ((limit - 0.1, False), (limit + 0.1, True)):
             made = scene(robots={"panda": Mount(robot)}, materials={"cube_1": Material(kilograms / cube)})
             found = next(own_reasons(held[0], made), None)
-            told = f"cube 1 weighs {kilograms:.3g} kg, the gripper carries {limit:g} kg"
-            assert found == (told if heavy else None)
+            expected = f"cube 1 weighs {kilograms:.3g} kg, the gripper carries {limit:g} kg"
+            assert found == (expected if heavy else None)

@@ -81,6 +81,6 @@ def test_variables_replace_whole_names_in_a_reason() -> None:
     assert _in_variables(reason, ()) == reason
 
 
-def test_one_of_something_is_told_in_the_singular() -> None:
+def test_one_of_something_is_singular() -> None:
     assert [plural(number, "task") for number in (0, 1, 2)] == ["0 tasks", "1 task", "2 tasks"]
     assert [plural(number, "entity", "entities") for number in (1, 3)] == ["1 entity", "3 entities"]
