@@ -137,20 +137,15 @@ def _objection_to_atoms(statement: Statement, reserved: AbstractSet[Signature]) 
     for atom in statement.body:
         if atom.name.startswith("-") or atom.signature in reserved - READ or atom.signature in MIRRORED:
             return f"{spelled(atom.signature)} may tell of every entity"
-    compared = [literal for literal, _ in statement.literals if _is_ordered(literal)]
+    compared = []  # literals that compare terms by their order, none of which is certain to be a number
+    for literal, _ in statement.literals:
+        guards = literal.atom.guards if literal.atom.ast_type == ASTType.Comparison else ()
+        sides = [literal.atom.term, *(guard.term for guard in guards)] if guards else []
+        if any(guard.comparison in ORDERED for guard in guards) and (len(sides) > 2 or not any(map(_is_number, sides))):
+            compared.append(literal)
     if compared and (len(compared) > 1 or not _is_mirrored(statement, compared[0])):
         return "entities may be distinguished by the order of their names"
     return None
-
-
-def _is_ordered(literal: AST) -> bool:
-    """Return whether a literal compares terms by their order, none of which is certain to be a number."""
-    if literal.atom.ast_type != ASTType.Comparison:
-        return False
-    sides = [literal.atom.term, *(guard.term for guard in literal.atom.guards)]
-    if not any(guard.comparison in ORDERED for guard in literal.atom.guards):
-        return False
-    return len(sides) > 2 or not any(_is_number(side) for side in sides)
 
 
 def _is_number(term: AST) -> bool:
