@@ -104,10 +104,30 @@ class Facts:
         """The names of the actions, including pruned ones."""
         return frozenset(action.name for action in self.declared_actions)
 
+    @cached_property
+    def action_arguments(self) -> Mapping[tuple[str, int], list[set[str]]]:
+        """The arguments, as text, at each place of the actions with a name and an arity, including pruned ones."""
+        return _arguments(self.declared_actions)
+
+    @cached_property
+    def fluent_arguments(self) -> Mapping[tuple[str, int], list[set[str]]]:
+        """The arguments, as text, at each place of the fluents with a name and an arity."""
+        return _arguments(self.fluents)
+
     @property
     def closed(self) -> bool:
         """Whether every fluent has an initial value."""
         return set(self.fluents) <= {fluent for fluent, _ in self.initially}
+
+
+def _arguments(terms: Iterable[clingo.Symbol]) -> dict[tuple[str, int], list[set[str]]]:
+    by_signature: dict[tuple[str, int], list[set[str]]] = {}
+    for term in terms:
+        arguments = term.arguments
+        places = by_signature.setdefault((term.name, len(arguments)), [set() for _ in arguments])
+        for place, argument in zip(places, arguments, strict=True):
+            place.add(str(argument))
+    return by_signature
 
 
 def ground_later(ground: Callable[[], Facts]) -> Facts:
