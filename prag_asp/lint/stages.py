@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from clingo.ast import ASTType
 from prag_asp.errors import DomainError
 from prag_asp.lint.allowed_warnings import Allowed, allowance_problems, allowed_names, not_allowed
 from prag_asp.lint.composites import composite_problems
-from prag_asp.lint.directives import directive_problems, placement_problems
+from prag_asp.lint.directives import directive_problems, placement_problems, recursion_problems, size_problems
 from prag_asp.lint.effects import action_problems, effect_problems, limit_problems
 from prag_asp.lint.ever import ever_problems, needless_problems
 from prag_asp.lint.hierarchy import choice_problems, hierarchy_problems, shared_name_problems, term_problems
@@ -28,7 +28,6 @@ from prag_asp.lint.occurrence import (
 from prag_asp.lint.open_world import open_world_problems
 from prag_asp.lint.rule_origin import Origins
 from prag_asp.lint.settings_checks import name_problems, table_problems
-from prag_asp.lint.size_checks import recursion_problems, size_problems
 from prag_asp.lint.unsatisfiable_atoms import demand_problems
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.entity_names import mention_facts, name_fact
@@ -124,7 +123,15 @@ def check_stated(program: Program, settings_source: Source) -> StatedDomain:
     warnings.add(demand_problems(grounder.control, statements))
     origins = Origins([each for each in statements if each.own or each.path.name != HIERARCHY])
     facts = _facts(grounder, statements, origins)
-    _check_facts(warnings, grounder, facts, statements, origins)
+    warnings.add(term_problems(facts, origins))
+    warnings.add(hierarchy_problems(grounder.control, origins))
+    warnings.add([*action_problems(facts, statements, origins), *effect_problems(grounder.control, facts, origins)])
+    warnings.add(composite_problems(facts, origins))
+    warnings.add(limit_problems(grounder.control, facts, statements, origins))
+    warnings.add(state_problems(facts, origins))
+    if grounder.control.is_conflicting:
+        text = "the facts of the base part violate this constraint, so there is no plan; change one of them"
+        warnings.add(statement.problem(text) for statement in origins.violated())
     return StatedDomain(
         statements, added_encodings(program), step, grounder, encodings if relaxed else None, facts, settings,
         settings_source, origins, warnings,
@@ -212,20 +219,6 @@ def _facts(grounder: Grounder, statements: Sequence[Statement], origins: Origins
         raise
 
 
-def _check_facts(
-    warnings: _WarningCollector, grounder: Grounder, facts: Facts, statements: Sequence[Statement], origins: Origins
-) -> None:
-    """Check the facts of the base part."""
-    warnings.add(term_problems(facts, origins))
-    warnings.add(hierarchy_problems(grounder.control, origins))
-    warnings.add([*action_problems(facts, statements, origins), *effect_problems(grounder.control, facts, origins)])
-    warnings.add(composite_problems(facts, origins))
-    warnings.add(limit_problems(grounder.control, facts, statements, origins))
-    warnings.add(state_problems(facts, origins))
-    if grounder.control.is_conflicting:
-        warnings.add(_violations(origins))
-
-
 def _one_free_step(program: Program, owned: Sequence[tuple[Source, bool]]) -> Program:
     """Return the program without the hierarchy, and with the author's step rules in parts that are not grounded.
 
@@ -251,10 +244,3 @@ def _described(program: Program, statements: Sequence[Statement]) -> Program:
     entities = {entity for entity, _ in rows(grounder.control, "entity", 2)}
     facts = [*map(name_fact, actions), *mention_facts(actions, entities)]
     return Program((*program.sources, Source(ADDED, " ".join(facts))))
-
-
-def _violations(origins: Origins) -> Iterator[Problem]:
-    for statement in origins.violated():
-        yield statement.problem(
-            "the facts of the base part violate this constraint, so there is no plan; change one of them"
-        )
