@@ -6,7 +6,7 @@ It is given as a shipped name, a folder, files, standard input, or a text from a
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING
 import clingo
 
 from prag_asp.atom import parse_atom
-from prag_asp.checking import check
 from prag_asp.errors import DomainError, SceneError
-from prag_asp.lint import check_learned
+from prag_asp.lint import check, check_learned
+from prag_asp.lint.allowed_warnings import allowed_names, not_allowed
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.constants import Constant, parse_constants, set_constants
 from prag_asp.program.facts import Facts, flattened
@@ -257,3 +257,8 @@ def with_learned(domain: Domain, sources: tuple[Source, ...]) -> Domain:
         reduction=None,
         learned=tuple(added.values()),
     )
+
+
+def shown_warnings(warnings: Iterable[Problem], settings: Settings) -> Iterator[Problem]:
+    """Yield the warnings that no comment of a domain.toml allows."""
+    return not_allowed(warnings, allowed_names((), settings))
