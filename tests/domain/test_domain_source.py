@@ -84,7 +84,7 @@ def test_a_step_rule_counts_wherever_it_stands(folder: Path, engine: str) -> Non
         assert len(space.sample(5, seed=1, weights={"press": 2})) == 5
 
 
-def test_mistakes_are_told_with_the_file_and_the_line(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_mistakes_are_reported_with_the_file_and_the_line(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(DomainError, match=r"^<text>:6: unknown predicate spare/1"):
         load_domain(text=f"{LAMPS}{ACTIONS}spare(1).", strict=True)
     standard_input(monkeypatch, f"{ACTIONS}spare(.".encode())
@@ -104,7 +104,7 @@ def test_mistakes_are_told_with_the_file_and_the_line(folder: Path, monkeypatch:
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    ("given", "message"),
     [
         ((), "no domain; give a shipped name, a folder, files that end in .lp, two of PDDL, or a text"),
         (("prag", "lamps.lp"), "prag lamps.lp: prag is no file that ends in .lp; give one name or folder, or files"),
@@ -114,11 +114,11 @@ def test_mistakes_are_told_with_the_file_and_the_line(folder: Path, monkeypatch:
         (("tabeltop",), "tabeltop: no such domain; did you mean tabletop?"),
     ],
 )
-def test_what_is_no_domain_is_told(folder: Path, given: tuple[str, ...], told: str) -> None:
+def test_what_is_no_domain_is_reported(folder: Path, given: tuple[str, ...], message: str) -> None:
     (folder / "notes.txt").write_text(LAMPS + ACTIONS, encoding="utf-8")
     with pytest.raises(DomainError) as caught:
         load_domain(*given)
-    assert str(caught.value).startswith(told)
+    assert str(caught.value).startswith(message)
 
 
 def test_a_folder_whose_name_ends_like_a_file_is_a_folder(folder: Path) -> None:
