@@ -6,10 +6,11 @@ It is given as a shipped name, a folder, files, standard input, or a text from a
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import clingo
 
@@ -37,7 +38,7 @@ from prag_asp.program.sources import (
     text_source,
 )
 from prag_asp.reduction.reduction import Reduction, find_reduction
-from prag_asp.safe_reading import STANDARD_INPUT
+from prag_asp.safe_reading import STANDARD_INPUT, is_inside, read_bytes
 from prag_asp.wording import did_you_mean
 
 if TYPE_CHECKING:
@@ -48,6 +49,9 @@ LEARNED = "learned.lp"
 
 NO_SETTINGS = Path("<no domain.toml>")
 """The pseudo-path of the settings of a domain without a folder."""
+
+MESH = re.compile(rb"""filename\s*=\s*["']([^"']+)["']""")
+"""The file names of the meshes in a URDF."""
 
 BOTH = "give a domain, then its problem: DOMAIN.pddl PROBLEM.pddl"
 
@@ -238,6 +242,28 @@ def load_scene(domain: Domain) -> Scene:
     stage("reading the scene")
     folder, trust = domain.settings.path.parent, domain.trusted
     return parse_scene(domain.settings.scene, facts.class_names, facts.entity_names, folder=folder, trust=trust)
+
+
+def scene_files(table: object, folder: Path) -> Iterator[Path]:
+    """Yield the files that the table of a scene names, and the meshes of the URDF files among them."""
+    for text in sorted(set(_texts(table))):
+        path = folder / text
+        if len(text) < 256 and "\0" not in text and is_inside(path, folder) and path.is_file():
+            yield path
+            if path.suffix.lower() == ".urdf":
+                meshes = (path.parent / name.decode(errors="replace") for name in MESH.findall(read_bytes(path)))
+                yield from (mesh for mesh in meshes if is_inside(mesh, folder) and mesh.is_file())
+
+
+def _texts(value: Any) -> Iterator[str]:
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, Mapping):
+        for each in value.values():
+            yield from _texts(each)
+    elif isinstance(value, Sequence):
+        for each in value:
+            yield from _texts(each)
 
 
 def with_learned(domain: Domain, sources: tuple[Source, ...]) -> Domain:

@@ -14,8 +14,6 @@ import clingo
 from prag_asp.atom import symbol_of
 from prag_asp.errors import DomainError
 from prag_asp.program.atom_arrays import ground_atoms
-from prag_asp.program.grounding import Grounder
-from prag_asp.program.sources import Program
 
 # A symbol is an address within a process. Symbols are pickled as text, so that other processes can read them.
 copyreg.pickle(clingo.Symbol, lambda symbol: (symbol_of, (str(symbol),)))
@@ -135,17 +133,6 @@ def ground_later(ground: Callable[[], Facts]) -> Facts:
     facts = object.__new__(Facts)
     facts.__dict__[LATER] = ground
     return facts
-
-
-def ground_facts(program: Program) -> Facts:
-    """Ground the base part of a program and return its facts.
-
-    Raises:
-        DomainError: clingo rejects the program, or a predicate of the contract depends on a choice.
-    """
-    grounder = Grounder(program)
-    grounder.ground([("base", [])])
-    return read_facts(grounder.control)
 
 
 def read_facts(control: clingo.Control) -> Facts:

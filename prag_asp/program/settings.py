@@ -69,11 +69,6 @@ def settings_of(table: Mapping[str, Any], source: Source) -> Settings:
     )
 
 
-def key_shown(key: str) -> str:
-    """Return a key for a message: in quotes if it is blank."""
-    return key if key.strip() else f'"{key}"'
-
-
 def weight_of(value: object) -> Fraction | None:
     """Return the exact value of a weight, or None unless it is a finite nonnegative number."""
     if isinstance(value, bool) or not isinstance(value, int | Decimal):

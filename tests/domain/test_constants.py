@@ -167,7 +167,9 @@ def test_tasks_carry_the_constants_they_were_made_with_and_lines_have_them_only_
     assert read.task == own
 
 
-def test_what_is_kept_for_one_value_is_never_taken_for_another(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_cached_automaton_of_one_value_is_never_used_for_another(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("PRAG_ASP_CACHE", str(tmp_path))
     monkeypatch.setattr(automaton_engine, "WORTH_KEEPING", -1.0)
     for _ in range(2):
