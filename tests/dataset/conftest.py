@@ -10,7 +10,7 @@ import pytest
 
 from prag_asp import Dataset, Domain, TaskSpace, load_domain
 from prag_asp.dataset import generate
-from prag_asp.dataset.pages import strips
+from prag_asp.dataset.pages import dataset_card
 from prag_asp.physics import Budget
 from tests.sharing import logic_shared, small_pictures
 
@@ -29,8 +29,8 @@ def logic() -> Iterator[None]:
 def few_pictures() -> Iterator[None]:
     """Draw little."""
     with small_pictures(), pytest.MonkeyPatch.context() as patch:
-        patch.setattr(strips, "STRIPS", 1)
-        patch.setattr(strips, "STATES", 2)
+        patch.setattr(dataset_card, "STRIPS", 1)
+        patch.setattr(dataset_card, "STATES", 2)
         yield
 
 

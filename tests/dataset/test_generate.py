@@ -14,7 +14,7 @@ from prag_asp import Dataset, OutputError, QueryError, TaskSpace, load_domain
 from prag_asp.dataset import InstructionWriter, generate, instruction, instruction_writer_of, validation_jobs, verify
 from prag_asp.dataset.language.appearance import BASIC, color_terms
 from prag_asp.dataset.making.executors import LocalExecutor
-from prag_asp.dataset.making.preconditions import JOURNAL
+from prag_asp.dataset.making.run import JOURNAL
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.dataset.store import instructions, shard_writer
 from prag_asp.dataset.validation_jobs import JobResult, ValidationJob, ValidationSetup, initial_state_key

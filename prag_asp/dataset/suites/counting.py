@@ -89,7 +89,7 @@ def count_suite(
         sizes[name] = count.by_length(name, part.where, part.lengths)
         total = sum(sizes[name].values())
         if total < part.tasks:
-            problem = f"{name} wants {plural(part.tasks, 'task')}, but there are {total}"
+            problem = f"{plural(part.tasks, 'task')} requested for {name}, but its space has {total}"
             raise QueryError(
                 f"{suite.place('parts', name, 'tasks')}: {problem}; ask for fewer, or give other conditions"
             )

@@ -110,7 +110,13 @@ class _SuiteReader:
             QueryError: the file has problems; the message has a line for each.
             DomainError: something is wrong with the domain.
         """
-        self._domain = domain or self._load_domain()
+        name = self._table.domain
+        path = Path(name) if name in shipped_domains() else self._source.path.parent / name
+        if domain is None and name not in shipped_domains() and not (name and path.exists()):
+            hint = did_you_mean(name, shipped_domains(), "name a shipped domain, or a folder or file beside the suite")
+            self._report.add(("domain",), f"no domain {name!r}; {hint}")
+        self._raise_problems()
+        self._domain = domain or load_domain(path, trust=self._trust)
         with self._report.errors_at("phrasings"):
             Phrasings.parse(self._table.phrasings)
         budget, staging, demonstrate = self._physics()
@@ -134,21 +140,6 @@ class _SuiteReader:
             self._table.description, self._table.uniform, budget, staging, demonstrate, tuple(held.values()),
             self._source.path, self._source.text,
         )  # fmt: skip
-
-    def _load_domain(self) -> Domain:
-        """Return the domain that the suite names: a shipped one, or one next to its file.
-
-        Raises:
-            QueryError: there is no such domain.
-            DomainError: something is wrong with it.
-        """
-        name = self._table.domain
-        path = Path(name) if name in shipped_domains() else self._source.path.parent / name
-        if name not in shipped_domains() and not (name and path.exists()):
-            hint = did_you_mean(name, shipped_domains(), "name a shipped domain, or a folder or file beside the suite")
-            self._report.add(("domain",), f"no domain {name!r}; {hint}")
-        self._raise_problems()
-        return load_domain(path, trust=self._trust)
 
     def _physics(self) -> tuple[Budget | None, Staging | None, bool]:
         """Return the budget of physics, its staging, and whether it demonstrates; without a budget, physics is off.
@@ -176,7 +167,13 @@ class _SuiteReader:
             if not table.demonstrate:
                 raise QueryError("cameras film demonstrations; add demonstrate = true")
             rate = {} if table.rate is None else {"rate": table.rate}
-            staging = Staging(tuple(table.cameras), _pixels(table.size), vary=tuple(table.vary), **rate)
+            size = None
+            if table.size is not None:
+                width, _, height = table.size.partition("x")
+                if not (width.isdecimal() and height.isdecimal() and len(table.size) <= LONGEST_SIZE):
+                    raise QueryError(f"size {table.size!r}: write WIDTHxHEIGHT in pixels, such as 480x420")
+                size = int(width), int(height)
+            staging = Staging(tuple(table.cameras), size, vary=tuple(table.vary), **rate)
         return budget, staging, True
 
     def _held_outs(self) -> dict[str, HeldOut]:
@@ -286,17 +283,3 @@ class _SuiteReader:
             instruction_writer_of(self._domain, language, phrasings=normalized)
             return replace(part, language=language, phrasings=normalized)
         return part
-
-
-def _pixels(text: str | None) -> tuple[int, int] | None:
-    """Return the width and the height in a text such as ``480x420``, None without a text.
-
-    Raises:
-        QueryError: the text has another form.
-    """
-    if text is None:
-        return None
-    width, _, height = text.partition("x")
-    if not (width.isdecimal() and height.isdecimal() and len(text) <= LONGEST_SIZE):
-        raise QueryError(f"size {text!r}: write WIDTHxHEIGHT in pixels, such as 480x420")
-    return int(width), int(height)

@@ -18,7 +18,8 @@ from prag_asp import Dataset, Domain, DomainError, QueryError, TaskSpace, load_d
 from prag_asp.dataset import generate
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.dataset.store import tables
-from prag_asp.dataset.store.schema import FOLDERS, SCHEMAS
+from prag_asp.dataset.store.manifest import FOLDERS
+from prag_asp.dataset.store.schema import SCHEMAS
 from prag_asp.errors import DatasetsMissingError
 from prag_asp.physics import check_witness
 from tests.commands import run

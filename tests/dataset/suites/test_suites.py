@@ -307,7 +307,7 @@ def test_a_leak_is_refused_unless_it_is_declared(tmp_path: Path) -> None:
 
 def test_a_part_cannot_want_more_tasks_than_there_are(tmp_path: Path) -> None:
     found = suite_of(tmp_path, 'domain = "kitchen"\nlengths = 1\n[parts.train]\ntasks = 900\n')
-    with pytest.raises(QueryError, match=r"suite.toml:4: train wants 900 tasks, but there are \d+"):
+    with pytest.raises(QueryError, match=r"suite.toml:4: 900 tasks requested for train, but its space has \d+"):
         count_suite(found)
 
 
