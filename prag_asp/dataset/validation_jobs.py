@@ -152,7 +152,8 @@ def _verdicts(setup: ValidationSetup, job: ValidationJob, task: Task, validator:
         index = job.search + search * START
         return validator.validate(task, seed=spec.seed, budget=spec.budget, index=index, staging=spec.staging)
 
-    spec, distinct = setup.spec, dict[str, Verdict]()
+    spec = setup.spec
+    distinct: dict[str, Verdict] = {}
     result = verdict(0)
     if result.witness is None or spec.starts == 1:
         return [result]

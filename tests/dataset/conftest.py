@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -17,6 +19,24 @@ from tests.sharing import logic_shared, small_pictures
 POOR = Budget(1, 1)
 """A budget with which some tasks are not found."""
 
+SHARES = {"train": "3/4", "test": "1/4"}
+SMALL = {"tasks": 12, "seed": 5, "split": SHARES, "starts": 2, "budget": POOR, "shard": 4}
+"""The request of the dataset `small`."""
+
+Change = Callable[[Path], object]
+"""Changes something in a folder."""
+
+
+def with_json(name: str, change: Callable[[Any], object]) -> Change:
+    """Return a function that changes the value of a JSON file in a folder."""
+
+    def write(folder: Path) -> None:
+        value = json.loads((folder / name).read_text())
+        change(value)
+        (folder / name).write_text(json.dumps(value))
+
+    return write
+
 
 @pytest.fixture(scope="package", autouse=True)
 def logic() -> Iterator[None]:
@@ -26,18 +46,11 @@ def logic() -> Iterator[None]:
 
 
 @pytest.fixture(scope="package", autouse=True)
-def few_pictures() -> Iterator[None]:
-    """Draw little."""
+def few_pictures_and_no_flush() -> Iterator[None]:
+    """Draw little, and leave it to the system when files reach the disk: no power is lost here."""
     with small_pictures(), pytest.MonkeyPatch.context() as patch:
         patch.setattr(dataset_card, "STRIPS", 1)
         patch.setattr(dataset_card, "STATES", 2)
-        yield
-
-
-@pytest.fixture(scope="package", autouse=True)
-def nothing_flushed() -> Iterator[None]:
-    """Leave it to the system when files reach the disk: no power is lost here."""
-    with pytest.MonkeyPatch.context() as patch:
         patch.setattr(os, "fsync", lambda descriptor: None)
         yield
 
@@ -56,8 +69,7 @@ def spaces(tabletop: Domain) -> TaskSpace:
 def small(spaces: TaskSpace, tmp_path_factory: pytest.TempPathFactory) -> Dataset:
     """Return 12 tasks in three shards and two parts, some of them refused, each from two initial states."""
     folder = tmp_path_factory.mktemp("data") / "small"
-    shares = {"train": "3/4", "test": "1/4"}
-    return generate(spaces, folder, tasks=12, seed=5, split=shares, starts=2, budget=POOR, shard=4)
+    return generate(spaces, folder, **SMALL)
 
 
 @pytest.fixture(scope="package")

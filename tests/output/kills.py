@@ -37,20 +37,11 @@ COMMANDS: Mapping[str, tuple[str, ...]] = {
     "split": ("split", "prag", "-n", "8", "train=0.8", "test=0.2", "--count", "15000", "-o", "parts"),
     "render": ("render", "tasks.jsonl", *map(str, range(1, 9)), "--size", "160x120", "-o", "pictures"),
     "generate": (
-        *DATA,
-        "--split",
-        "train=0.5,test=0.5",
-        "--shard",
-        "2",
-        "--starts",
-        "2",
-        "--demonstrate",
-        "-o",
-        "data",
+        *DATA, "--split", "train=0.5,test=0.5", "--shard", "2", "--starts", "2", "--demonstrate", "-o", "data",
     ),
     "merge": ("merge", "one", "two", "-o", "data"),
     "learn": ("learn", "mine", "-n", "2", "--count", "12", "--write"),
-}
+}  # fmt: skip
 GROWS = frozenset(["data/dataset.json"])
 """Files that say how far a run is: each is whole JSON at every moment, and has its last bytes at the end."""
 
