@@ -122,14 +122,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         return msgspec.structs.replace(spec, budget=budget)
 
     def _budget_in(self, domain: Domain, physics: bool) -> Budget | None:
-        """Check the options of physics, and return its budget, with the tier of demonstrations if there are any.
-
-        Raises:
-            QueryError: an option needs physics, which is off, or demonstrations; the scene lacks a camera; or colours
-                vary between the initial states of a task, whose instructions name the colours of only one.
-            SceneError: cameras are requested, and the domain has no scene.
-            PhysicsMissingError: PyBullet is not installed.
-        """
+        """Check the options of physics, and return its budget, with the tier of demonstrations if there are any."""
         from prag_asp.physics import require_physics
 
         if physics:

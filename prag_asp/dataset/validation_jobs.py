@@ -114,11 +114,7 @@ def open_draw_validator(
 
 @contextmanager
 def _validator(setup: ValidationSetup) -> Iterator[Validator | None]:
-    """Yield a validator of the scene, None without one.
-
-    Raises:
-        SceneError: the scene cannot be built.
-    """
+    """Yield a validator of the scene, None without one."""
     if setup.scene is None:
         yield None
         return

@@ -154,11 +154,7 @@ def _fact(fluent: Atom, value: bool) -> str:
 
 
 def _word(text: str) -> str:
-    """Return a name as a word of BDDL.
-
-    Raises:
-        QueryError: it has capital letters, blanks or ``;``.
-    """
+    """Return a name as a word of BDDL."""
     word = text.translate(BRACKETS)
     if not WORD.fullmatch(word):
         raise QueryError(f"BDDL has no name {text}: it reads small letters alone, and no blanks or ;; rename it")

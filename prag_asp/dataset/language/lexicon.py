@@ -84,11 +84,7 @@ class Lexicon:
 
 
 def _reader(domain: Domain, language: str) -> GrammarReader:
-    """Return the reader of the language's tables of a domain.
-
-    Raises:
-        QueryError: the language has no words, or the domain has no sentences in it.
-    """
+    """Return the reader of the language's tables of a domain."""
     known = languages(domain.settings)
     if language not in known:
         if language not in shipped_languages():

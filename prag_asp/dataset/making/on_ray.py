@@ -133,11 +133,7 @@ def answers(messages: Iterator[Any]) -> Iterator[int | bytes | None]:
 
 
 def _begin(ray: Any) -> None:
-    """Connect to the cluster of ``RAY_ADDRESS``, or start one on this machine.
-
-    Raises:
-        WorkerError: there is no cluster at the address.
-    """
+    """Connect to the cluster of ``RAY_ADDRESS``, or start one on this machine."""
     os.environ.update(QUIET)
     address = os.environ.get("RAY_ADDRESS") or "local"
     options = {"include_dashboard": False} if address == "local" else {}
@@ -151,11 +147,7 @@ def _begin(ray: Any) -> None:
 
 
 def _processors(ray: Any) -> int:
-    """Return the number of processors of the cluster, and wait for a first one.
-
-    Raises:
-        WorkerError: none appears within `PATIENCE`.
-    """
+    """Return the number of processors of the cluster, and wait for a first one."""
     until = monotonic() + PATIENCE
     while not (number := int(ray.cluster_resources().get("CPU", 0))):
         if monotonic() > until:

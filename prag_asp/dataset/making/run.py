@@ -140,12 +140,7 @@ class DatasetRun:
         return self._spec.draws_of(self._shares[name], self._max_draws)
 
     def _resumed(self, request: Manifest) -> Manifest:
-        """Return the manifest that the run continues; it is complete if there is nothing to do.
-
-        Raises:
-            OutputError: the folder contains another dataset.
-            QueryError: the dataset is damaged, or has more tasks than requested.
-        """
+        """Return the manifest that the run continues; it is complete if there is nothing to do."""
         spec, shares = self._spec, self._shares
         manifest = DATASET.read(self._folder) or request
         if manifest.identity != request.identity:
@@ -234,11 +229,7 @@ class DatasetRun:
     def _validated(
         self, name: str, plan: DrawPlan, drawn: Iterator[tuple[int, RankedDraw]]
     ) -> Generator[DrawRecord, None, None]:
-        """Yield numbered draws of a part, validated by the executor.
-
-        Raises:
-            SceneError: the domain has no scene, or one of its Python files is not trusted or fails.
-        """
+        """Yield numbered draws of a part, validated by the executor."""
         from prag_asp.dataset.scenes import scene_of
 
         submitted: deque[tuple[RankedDraw, Task | None]] = deque()
@@ -285,11 +276,7 @@ class DatasetRun:
         return f"{folder}/{name}"
 
     def _copy_recording(self, writer: PartWriter, row: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
-        """Copy the recording from an initial state of the next task, and return its row.
-
-        Raises:
-            QueryError: it cannot be read, or differs from its record in the table.
-        """
+        """Copy the recording from an initial state of the next task, and return its row."""
         path = folder / str(row["file"])
         try:
             content = read_bytes(path, within=folder)

@@ -111,11 +111,7 @@ class _Cursor:
 
 
 def _groups(folder: Path, table: str, shard: Shard) -> Iterator[pa.Table]:
-    """Yield the row groups of a table in a shard; no file stays open between them.
-
-    Raises:
-        QueryError: the file differs from its record in dataset.json.
-    """
+    """Yield the row groups of a table in a shard; no file stays open between them."""
     file = shard.files.get(table)
     if file is None:
         return

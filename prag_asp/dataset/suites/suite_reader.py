@@ -96,11 +96,7 @@ class _SuiteReader:
         return read_entry(entry, kind)
 
     def _raise_problems(self) -> None:
-        """Raise the problems collected so far.
-
-        Raises:
-            QueryError: there are problems.
-        """
+        """Raise the problems collected so far."""
         self._report.raise_problems(QueryError, self._source.path, self._source.text)
 
     def suite(self, domain: Domain | None) -> Suite:
@@ -187,11 +183,7 @@ class _SuiteReader:
         return held
 
     def _held_out(self, what: str, space: TaskSpace) -> HeldOut:
-        """Return the conditions for something to hold out: an initial value, or an argument of `TaskSpace.hold_out`.
-
-        Raises:
-            QueryError: it cannot be held out.
-        """
+        """Return the conditions for something to hold out: an initial value, or an argument of `TaskSpace.hold_out`."""
         if what.startswith(STARTS):
             fluent = what.removeprefix(STARTS).strip()
             if len(split_terms(fluent)) > 1:
@@ -249,11 +241,7 @@ class _SuiteReader:
         return self._with_phrasings(part, table, self._table.language, self._table.phrasings)
 
     def _copy(self, name: str, table: PartTable, of: str, parts: Mapping[str, SuitePart]) -> Iterator[SuitePart]:
-        """Yield a part with the tasks of another one in other words; nothing if that part has problems.
-
-        Raises:
-            QueryError: the part changes the tasks, or shares phrasings with the other.
-        """
+        """Yield a part with the tasks of another one in other words; nothing if that part has problems."""
         if of not in self._parts or self._parts[of].of is not None:
             raise QueryError(f"{unknown(of, self._parts, 'part')}, with tasks of its own")
         if of not in parts:

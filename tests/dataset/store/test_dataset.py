@@ -53,6 +53,8 @@ def test_a_task_is_read_without_physics(small: Dataset) -> None:
     loaded = done.stdout.split()
     assert "prag_asp.dataset.store.tables" in loaded
     assert not [name for name in loaded if name.startswith(("pybullet", "frankik", "clingo"))]
+    values = {"verdict", "witness", "demonstration", "filming"}  # the types of a manifest and of its verdicts
+    assert {name.split(".")[2] for name in loaded if name.startswith("prag_asp.physics.")} <= values
 
 
 def test_tasks_drawn_by_weight_are_found_by_rank_too(numbers: Path) -> None:
