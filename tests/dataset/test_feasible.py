@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from prag_asp import Domain, OutputError, QueryError, SceneError, TaskSpace, load_domain
+from prag_asp import Domain, OutputError, QueryError, SceneError, TaskSpace, load_domain, load_scene
 from prag_asp.dataset import Record, Tally, feasible, read_tasks, recheck, write_line
 from prag_asp.physics import Budget, Demonstration, Witness, check_witness
 
@@ -30,8 +30,6 @@ def file(records: list[Record], tmp_path: Path) -> Path:
 
 
 def test_feasible_tasks_are_those_of_the_draw_that_pass_in_its_order(tabletop: Domain, records: list[Record]) -> None:
-    from prag_asp import load_scene
-
     drawn = iter(TaskSpace(tabletop, 2).stream(seed=3))
     for record in records:
         assert any(task == record.task for task in drawn)
@@ -39,14 +37,16 @@ def test_feasible_tasks_are_those_of_the_draw_that_pass_in_its_order(tabletop: D
         assert check_witness(record.task, Witness.from_json(record.witness or {}), load_scene(tabletop)) == []
 
 
-def test_so_many_draws_are_made_and_all_are_counted(tabletop: Domain) -> None:
-    tally = Tally()
-    found = list(feasible(TaskSpace(tabletop, 3), seed=1, budget=Budget(1, 1), draws=12, tally=tally))
-    assert tally.seen == 12 and tally.passed == len(found) < 12
+def test_draws_are_made_one_by_one_and_all_are_counted(tabletop: Domain) -> None:
+    tally, seen = Tally(), list[int]()
+    found = list(
+        feasible(
+            TaskSpace(tabletop, 3), seed=1, budget=Budget(1, 1), draws=12, tally=tally,
+            progress=lambda: seen.append(tally.seen),
+        )
+    )  # fmt: skip
+    assert tally.seen == 12 and tally.passed == len(found) < 12 and seen == [*range(1, 13)]
     assert sum(tally.reasons.values()) == 12 - len(found) and tally.causes
-
-
-def test_nothing_is_drawn_before_it_is_asked_for(tabletop: Domain) -> None:
     tally = Tally()
     endless = feasible(TaskSpace(tabletop, 2), seed=3, tally=tally)
     assert tally.seen == 0

@@ -20,14 +20,13 @@ from prag_asp.dataset.store import instructions, shard_writer
 from prag_asp.dataset.validation_jobs import JobResult, ValidationJob, ValidationSetup, initial_state_key
 from prag_asp.errors import NotFound
 from prag_asp.physics import Budget, Staging, check_demonstration
-from tests.dataset.conftest import POOR
+from tests.dataset.conftest import POOR, SHARES, SMALL
 from tests.output.faults import Disk, content, killed
 
 SAMPLES = 8
 """At how many moments a run is broken off, of all at which it asks something of the disk."""
 
 HALVES = {"train": "0.5", "test": "0.5"}
-SHARES = {"train": "3/4", "test": "1/4"}
 
 
 @pytest.fixture(scope="module")
@@ -42,16 +41,7 @@ def plain(kitchen: TaskSpace, tmp_path_factory: pytest.TempPathFactory) -> Calla
     """Return what makes a dataset without physics, in a folder."""
 
     def make(folder: Path, tasks: int) -> Path:
-        generate(
-            kitchen,
-            folder,
-            tasks=tasks,
-            seed=3,
-            weights={},
-            physics=False,
-            shard=2,
-            split={"train": "0.5", "test": "0.5"},
-        )
+        generate(kitchen, folder, tasks=tasks, seed=3, weights={}, physics=False, shard=2, split=HALVES)
         return folder
 
     return make
@@ -89,15 +79,17 @@ def test_refused_tasks_are_kept_with_their_causes_and_each_draw_is_one_or_the_ot
 
 def test_several_workers_and_going_on_make_the_same_bytes(small: Dataset, spaces: TaskSpace, tmp_path: Path) -> None:
     for tasks, workers in ((5, 1), (12, 2)):
-        generate(
-            spaces, tmp_path / "same", tasks=tasks, seed=5, split=SHARES, starts=2, budget=POOR, shard=4,
-            workers=workers,
-        )  # fmt: skip
+        generate(spaces, tmp_path / "same", **{**SMALL, "tasks": tasks}, workers=workers)
     assert content(tmp_path / "same") == content(small.folder)
 
 
-def test_more_tasks_leave_full_shards_untouched(plain: Callable[..., Path], tmp_path: Path) -> None:
+def test_the_same_request_writes_nothing_and_more_tasks_leave_full_shards_untouched(
+    plain: Callable[..., Path], tmp_path: Path
+) -> None:
     folder = plain(tmp_path / "grown", 6)
+    times = {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
+    plain(folder, 6)
+    assert {path: path.stat().st_mtime_ns for path in folder.rglob("*") if path != folder} == times
     before = {path: path.stat().st_mtime_ns for path in folder.rglob("*-0000[01].parquet") if path.name[-9] == "0"}
     assert len(before) == 2
     assert content(plain(folder, 12)) == content(plain(tmp_path / "whole", 12))
@@ -153,15 +145,7 @@ def test_a_task_is_told_by_the_colours_of_its_recording(spaces: TaskSpace, tmp_p
 
 
 def test_a_first_state_without_a_witness_is_made_up_for(spaces: TaskSpace, tmp_path: Path) -> None:
-    poor = Budget(1, 1)
-    found = {
-        workers: generate(
-            spaces.at(2), tmp_path / f"by_{workers}", tasks=2, seed=5, starts=6, budget=poor, workers=workers
-        )
-        for workers in (1, 2)
-    }
-    assert content(tmp_path / "by_1") == content(tmp_path / "by_2")
-    data = found[1]
+    data = generate(spaces.at(2), tmp_path / "by_1", tasks=2, seed=5, starts=6, budget=POOR)
     for entry in data.entries():
         assert entry.number is not None
         rows = [*data.part("train").witnesses()]
@@ -193,13 +177,6 @@ def test_what_cannot_be_told_by_what_is_seen_is_told_by_names(
     found = instructions.captioner_of(spaces.domain, "en", 0)(task, {})
     assert found.whole == (("plain", instruction(task, spaces.domain.settings.language)),)
     assert found.subgoals == (found.whole[0][1],) and set(found.named) == set(task.entities)
-
-
-def test_the_same_once_more_writes_nothing(plain: Callable[..., Path], tmp_path: Path) -> None:
-    folder = plain(tmp_path / "twice", 6)
-    before = {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
-    plain(folder, 6)
-    assert {path: path.stat().st_mtime_ns for path in folder.rglob("*") if path != folder} == before
 
 
 def test_at_each_failure_of_the_disk_the_same_command_goes_on_to_the_same_bytes(
@@ -252,7 +229,7 @@ def test_what_physics_said_before_a_run_was_broken_off_is_not_asked_again(
     monkeypatch.setattr(LocalExecutor, "run", counted)
 
     def make() -> None:
-        generate(spaces, tmp_path / "broken", tasks=12, seed=5, split=SHARES, starts=2, budget=POOR, shard=4)
+        generate(spaces, tmp_path / "broken", **SMALL)
 
     with pytest.raises(KeyboardInterrupt):
         make()

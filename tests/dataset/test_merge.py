@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
@@ -15,7 +14,7 @@ from prag_asp.dataset import generate, merge, verify
 from prag_asp.dataset.making.executors import LocalExecutor
 from prag_asp.dataset.validation_jobs import JobResult, ValidationJob, ValidationSetup
 from prag_asp.errors import NotFound
-from tests.dataset.conftest import POOR
+from tests.dataset.conftest import SMALL, with_json
 from tests.output.faults import Disk, content, killed
 
 SAMPLES = 2
@@ -86,11 +85,8 @@ def test_with_physics_only_what_no_part_has_looked_at_is_looked_at_once_more(
     small: Dataset, spaces: TaskSpace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     parts = [tmp_path / str(number) for number in (1, 2, 3)]
-    shares = {"train": "3/4", "test": "1/4"}
     for number, folder in enumerate(parts, 1):
-        generate(
-            spaces, folder, tasks=12, seed=5, split=shares, starts=2, budget=POOR, shard=4, part=f"{number}/3",
-        )  # fmt: skip
+        generate(spaces, folder, **SMALL, part=f"{number}/3")
     looked: list[tuple[str, int]] = []
     really = LocalExecutor.run
 
@@ -173,9 +169,7 @@ def test_what_cannot_be_merged_is_told_in_one_line(kitchen: TaskSpace, plain: Ma
     assert not (tmp_path / "merged").exists()
     shard.write_bytes(shard.read_bytes()[:-1] + b"?")
     refused("cannot be read|is not what dataset.json says", [one, two, three])
-    told = json.loads((two / "dataset.json").read_text())
-    told["spec"]["part"] = "4/3"
-    (two / "dataset.json").write_text(json.dumps(told))
+    with_json("dataset.json", lambda manifest: manifest["spec"].update(part="4/3"))(two)
     refused("part 4/3: write K/N", [one, two])
 
 

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pyarrow as pa
 
-from prag_asp.dataset.store.domain_snapshot import MEND, digest_of
+from prag_asp.dataset.store.domain_snapshot import MEND
 from prag_asp.dataset.store.manifest import tally_of_draw
 from prag_asp.dataset.store.schema import ROW_GROUP
-from prag_asp.dataset.store.shards import open_shard
+from prag_asp.dataset.store.shards import row_groups
 from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ class _Cursor:
     """A cursor over the rows of a table in a shard, which are sorted by a numeric column."""
 
     def __init__(self, folder: Path, table: str, shard: Shard) -> None:
-        self._groups = _groups(folder, table, shard)
+        self._groups = row_groups(folder, table, shard, digest=True)
         self._rows: pa.Table | None = None
         self._keys: list[int] = []
         self._place = 0
@@ -108,16 +108,3 @@ class _Cursor:
                 return False
             self._keys, self._place = self._rows[column].to_pylist(), 0
         return True
-
-
-def _groups(folder: Path, table: str, shard: Shard) -> Iterator[pa.Table]:
-    """Yield the row groups of a table in a shard; no file stays open between them."""
-    file = shard.files.get(table)
-    if file is None:
-        return
-    for group in range(-(-file.rows // ROW_GROUP[table])):
-        with open_shard(folder, table, file) as opened:
-            if not group and digest_of(folder / file.path) != file.sha256:
-                raise QueryError(f"{folder / file.path}: is not what dataset.json says; {MEND}")
-            rows = opened.read_row_group(group)
-        yield rows

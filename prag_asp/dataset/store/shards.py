@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from hashlib import sha256
 from pathlib import Path
@@ -10,8 +10,8 @@ from pathlib import Path
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from prag_asp.dataset.store.domain_snapshot import MEND
-from prag_asp.dataset.store.manifest import FOLDERS, ShardFile
+from prag_asp.dataset.store.domain_snapshot import MEND, digest_of
+from prag_asp.dataset.store.manifest import FOLDERS, Shard, ShardFile
 from prag_asp.dataset.store.schema import ROW_GROUP, SCHEMAS
 from prag_asp.errors import QueryError
 from prag_asp.output import file_in, make_folder, replace_file
@@ -70,3 +70,20 @@ def open_shard(folder: Path, table: str, shard: ShardFile) -> Iterator[pq.Parque
     except (OSError, pa.ArrowException) as error:
         why = getattr(error, "strerror", None) or " ".join(str(error).split())
         raise QueryError(f"{file}: cannot be read: {why}; {MEND}") from None
+
+
+def row_groups(
+    folder: Path, table: str, shard: Shard, columns: Sequence[str] | None = None, *, digest: bool = False
+) -> Iterator[pa.Table]:
+    """Yield the row groups of a table in a shard; no file stays open between them.
+
+    Raises:
+        QueryError: the file is missing or damaged, or, with `digest`, has other bytes than dataset.json says.
+    """
+    for group in range(-(-shard.rows(table) // ROW_GROUP[table])):
+        file = shard.files[table]
+        with open_shard(folder, table, file) as opened:
+            if digest and not group and digest_of(folder / file.path) != file.sha256:
+                raise QueryError(f"{folder / file.path}: is not what dataset.json says; {MEND}")
+            rows = opened.read_row_group(group, columns=None if columns is None else [*columns])
+        yield rows

@@ -17,7 +17,7 @@ import pytest
 from prag_asp import Dataset, Domain, DomainError, QueryError, TaskSpace, load_domain
 from prag_asp.dataset import generate
 from prag_asp.dataset.scenes import scene_of
-from prag_asp.dataset.store import tables
+from prag_asp.dataset.store import shards, tables
 from prag_asp.dataset.store.manifest import FOLDERS
 from prag_asp.dataset.store.schema import SCHEMAS
 from prag_asp.errors import DatasetsMissingError
@@ -89,23 +89,21 @@ def test_parts_and_conditions_choose_tasks(small: Dataset) -> None:
         small.part("dev")
     with pytest.raises(QueryError, match="unicorn"):
         small.where("uses unicorn")
+    sent = pickle.loads(pickle.dumps(chosen))  # to another process, whatever was read
+    assert sent.count() == chosen.count() and sent.task(0) == chosen.task(0)
 
 
 def test_only_the_shard_of_a_task_is_read(small: Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
     opened: list[str] = []
-    really = tables.open_shard
-    monkeypatch.setattr(tables, "open_shard", lambda *given: opened.append(given[2].path) or really(*given))
+    open_shard = shards.open_shard
+    for module in (shards, tables):
+        monkeypatch.setattr(module, "open_shard", lambda *given: opened.append(given[2].path) or open_shard(*given))
     fresh = Dataset.open(small.folder)
     assert opened == [] and fresh.count() == 12
     entry = fresh.entry(5)
     fresh.by_rank(len(entry.task), entry.rank)
     fresh.witness(5)
     assert {*opened} == {"data/train-00001.parquet", "witnesses/train-00001.parquet"}
-
-
-def test_it_goes_to_other_processes_whatever_was_read(small: Dataset) -> None:
-    read = small.where("uses cube")
-    assert read.count() and pickle.loads(pickle.dumps(read)).task(0) == read.task(0)
 
 
 def test_the_domain_is_in_the_folder(small: Dataset, tabletop: Domain) -> None:
@@ -186,17 +184,14 @@ def test_what_is_no_data_set_is_told_in_one_line(copy: Path, tmp_path: Path) -> 
     refused("domain.lp: is not what dataset.json says")
 
 
-def test_the_columns_are_the_same_for_every_domain(small: Dataset, numbers: Path) -> None:
+def test_the_columns_are_the_same_for_every_domain_and_other_programs_read_them(small: Dataset, numbers: Path) -> None:
+    import duckdb
+    import pandas
+
     for folder in (small.folder, numbers):
         for table, below in FOLDERS.items():
             for path in (folder / below).glob("*.parquet"):
                 assert pq.read_schema(path).equals(SCHEMAS[table])
-
-
-def test_pandas_and_duckdb_read_the_tables(small: Dataset) -> None:
-    import duckdb
-    import pandas
-
     frame = pandas.read_parquet(small.folder / "data")
     assert len(frame) == 12 and {*frame["rank"]} == {str(entry.rank) for entry in small.entries()}
     where = f"'{small.folder}/data/*.parquet'"
