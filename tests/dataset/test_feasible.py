@@ -55,7 +55,7 @@ def test_draws_are_made_one_by_one_and_all_are_counted(tabletop: Domain) -> None
     endless.close()
 
 
-def test_what_is_asked_for_wrongly_is_refused_at_once(tabletop: Domain) -> None:
+def test_a_wrong_request_is_refused_at_once(tabletop: Domain) -> None:
     with pytest.raises(QueryError, match="juggle"):
         feasible(TaskSpace(tabletop, 2), seed=3, weights={"juggle": 2})
     with pytest.raises(SceneError, match=r"no \[scene\]"):
@@ -78,7 +78,7 @@ def test_a_file_is_rechecked_without_naming_its_domain(file: Path, records: list
     assert [record.task for record in read_tasks(file)] == [record.task for record in records]
 
 
-def test_witnesses_alone_are_checked_and_a_false_one_is_told(file: Path) -> None:
+def test_witnesses_alone_are_checked_and_a_false_one_fails(file: Path) -> None:
     read = list(read_tasks(file))
     # The witness of one task is none of another.
     mixed = [read[0], Record(read[1].task, read[1].verdict, read[0].witness)]

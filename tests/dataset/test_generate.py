@@ -122,7 +122,7 @@ def test_recordings_stand_beside_their_witnesses(spaces: TaskSpace, tmp_path: Pa
         assert demonstration.footage is not None
 
 
-def test_a_task_is_told_by_the_colours_of_its_recording(spaces: TaskSpace, tmp_path: Path) -> None:
+def test_instructions_name_the_colours_of_the_recording(spaces: TaskSpace, tmp_path: Path) -> None:
     staging = Staging(("front",), (16, 16), 1, ("colour",))
     stacks = spaces.at(2).where("uses exactly 2 cube", "has stack")
     data = generate(stacks, tmp_path / "data", tasks=3, seed=3, demonstrate=True, staging=staging)
@@ -144,7 +144,7 @@ def test_a_task_is_told_by_the_colours_of_its_recording(spaces: TaskSpace, tmp_p
     assert not (tmp_path / "none").exists()
 
 
-def test_a_first_state_without_a_witness_is_made_up_for(spaces: TaskSpace, tmp_path: Path) -> None:
+def test_a_search_without_a_new_initial_state_is_replaced(spaces: TaskSpace, tmp_path: Path) -> None:
     data = generate(spaces.at(2), tmp_path / "by_1", tasks=2, seed=5, starts=6, budget=POOR)
     for entry in data.entries():
         assert entry.number is not None
@@ -158,7 +158,7 @@ def test_a_first_state_without_a_witness_is_made_up_for(spaces: TaskSpace, tmp_p
     assert max(searches) > 5 and max(searches) < validation_jobs.TRIES * 6
 
 
-def test_a_task_with_fewer_first_states_than_are_wanted_says_how_many_there_are(
+def test_a_task_with_fewer_initial_states_than_requested_counts_them(
     spaces: TaskSpace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(validation_jobs, "initial_state_key", lambda witness: "the same")
@@ -166,7 +166,7 @@ def test_a_task_with_fewer_first_states_than_are_wanted_says_how_many_there_are(
     assert [entry.starts for entry in data.entries()] == [1] and data.manifest.rows("witnesses") == 1
 
 
-def test_what_cannot_be_told_by_what_is_seen_is_told_by_names(
+def test_a_task_without_an_unambiguous_text_is_described_by_names(
     spaces: TaskSpace, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def unsure(self: object, *_: object) -> None:
@@ -210,7 +210,7 @@ def test_at_each_moment_of_a_kill_the_same_command_goes_on_to_the_same_bytes(
         shutil.rmtree(folder)
 
 
-def test_what_physics_said_before_a_run_was_broken_off_is_not_asked_again(
+def test_a_resumed_run_does_not_validate_draws_of_the_journal_again(
     small: Dataset, spaces: TaskSpace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[int] = []
@@ -242,7 +242,7 @@ def test_what_physics_said_before_a_run_was_broken_off_is_not_asked_again(
     assert len(asked) == sum(part.draws for part in small.manifest.parts) + 1  # the draw that was broken off
 
 
-def test_all_tasks_of_a_space_make_a_data_set_and_one_more_is_told_to_be_missing(
+def test_all_tasks_of_a_space_are_a_dataset_and_one_more_is_reported_missing(
     kitchen: TaskSpace, tmp_path: Path
 ) -> None:
     def make(tasks: int) -> Dataset:
@@ -264,7 +264,7 @@ def test_tasks_that_few_draws_find_are_kept_and_more_draws_find_more(spaces: Tas
     assert make(9).count() == 3
 
 
-def test_what_is_asked_for_wrongly_is_told_in_one_line(kitchen: TaskSpace, numbers: Path, tmp_path: Path) -> None:
+def test_a_wrong_request_is_refused_in_one_line(kitchen: TaskSpace, numbers: Path, tmp_path: Path) -> None:
     def refused(match: str, folder: Path = tmp_path / "none", **more: object) -> None:
         with pytest.raises((QueryError, OutputError), match=match) as error:
             generate(kitchen, folder, **{"tasks": 3, "physics": False, "weights": {}, **more})  # type: ignore[arg-type]
@@ -298,7 +298,7 @@ def test_what_is_asked_for_wrongly_is_told_in_one_line(kitchen: TaskSpace, numbe
         generate(TaskSpace(load_domain("blocks"), 2), numbers, tasks=1)
 
 
-def test_another_run_that_writes_the_same_folder_is_told(
+def test_a_folder_that_another_run_writes_is_refused(
     kitchen: TaskSpace, numbers: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from prag_asp.output import Journal

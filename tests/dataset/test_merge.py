@@ -81,7 +81,7 @@ def test_a_part_says_which_it_is_is_found_by_rank_and_verified_by_itself(
             assert kitchen.at(len(entry.task)).index(entry.task) == entry.rank
 
 
-def test_with_physics_only_what_no_part_has_looked_at_is_looked_at_once_more(
+def test_a_merge_validates_only_draws_that_no_part_has_validated(
     small: Dataset, spaces: TaskSpace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     parts = [tmp_path / str(number) for number in (1, 2, 3)]
@@ -134,16 +134,14 @@ def test_parts_that_grow_are_merged_into_the_same_folder(plain: Make, tmp_path: 
     assert content(tmp_path / "merged") == content(whole)
 
 
-def test_fewer_tasks_than_wanted_are_told_by_the_merge_and_not_by_parts_that_have_all_theirs(
-    plain: Make, tmp_path: Path
-) -> None:
+def test_a_merge_reports_missing_tasks_and_parts_that_are_complete_do_not(plain: Make, tmp_path: Path) -> None:
     parts = plain(tmp_path, 3, tasks=20)
     with pytest.raises(NotFound, match="only 7 of 10 tasks for train found in 7 draws, which are all that there are"):
         merge(parts, tmp_path / "merged")
     assert Dataset.open(tmp_path / "merged").count() == 14
 
 
-def test_what_cannot_be_merged_is_told_in_one_line(kitchen: TaskSpace, plain: Make, tmp_path: Path) -> None:
+def test_parts_that_cannot_be_merged_are_refused_in_one_line(kitchen: TaskSpace, plain: Make, tmp_path: Path) -> None:
     one, two, three = plain(tmp_path, 3)
     (whole,) = plain(tmp_path)
     (other,) = plain(tmp_path / "other", seed=4, only="2/3")

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
+import resource
 import shutil
-import subprocess
 import sys
 from dataclasses import replace
 from functools import partial
@@ -20,7 +20,7 @@ from prag_asp.physics import Staging
 from tests.commands import ok, run
 from tests.dataset.formats.conftest import of
 from tests.dataset.formats.published import Published
-from tests.output.faults import Disk, killed
+from tests.output.faults import Disk, forked, killed
 
 OUT = {form: "out.hdf5" if form == "robomimic" else "out" for form in FORMS}
 RECORDED = [form for form in FORMS if form != "bddl"]
@@ -72,15 +72,16 @@ def test_an_interruption_and_a_full_disk_leave_nothing(form: str, arms: Dataset,
 
 @pytest.mark.parametrize("form", RECORDED)
 def test_a_file_that_may_not_grow_is_told_in_one_line(form: str, arms: Dataset, tmp_path: Path) -> None:
-    """The system itself says that there is no more room: HDF5 would end the process."""
-    code = (
-        "import resource, sys; sys.dont_write_bytecode = True; from prag_asp.cli import main;"
-        "resource.setrlimit(resource.RLIMIT_FSIZE, (2000,) * 2); main()"
-    )
-    command = [sys.executable, "-c", code, "export", form, str(arms.folder), "-o", str(tmp_path / OUT[form])]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr.count("\n")) == (4, 1), done.stderr
-    assert "cannot be written: " in done.stderr and "File too large; free some space" in done.stderr
+    """The system itself refuses: HDF5 would end the process."""
+
+    def limited() -> tuple[int, str]:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
+        done = run("export", form, str(arms.folder), "-o", str(tmp_path / OUT[form]))
+        return done.returncode, done.stderr
+
+    code, err = forked(limited)
+    assert (code, err.count("\n")) == (4, 1), err
+    assert "cannot be written: " in err and "File too large; free some space" in err
     assert not list(tmp_path.iterdir())
 
 

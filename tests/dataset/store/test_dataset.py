@@ -139,7 +139,7 @@ def test_every_way_to_give_a_domain_is_kept(given: dict[str, object], tmp_path: 
         assert scene_of(kept).shapes == scene_of(domain).shapes
 
 
-def test_what_is_no_data_set_is_told_in_one_line(copy: Path, tmp_path: Path) -> None:
+def test_a_damaged_dataset_is_refused_in_one_line(copy: Path, tmp_path: Path) -> None:
     def refused(match: str, folder: Path = copy) -> None:
         with pytest.raises((QueryError, DomainError), match=match) as error:
             data = Dataset.open(folder)
@@ -227,7 +227,7 @@ def test_datasets_loads_each_table_with_its_parts_by_the_card(small: Dataset, tm
     }
 
 
-def test_without_pyarrow_it_is_told_what_to_install(numbers: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_pyarrow_the_message_says_what_to_install(numbers: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(DatasetsMissingError, match=r'pip install "prag_asp\[datasets\]"'):

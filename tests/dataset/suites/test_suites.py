@@ -318,6 +318,6 @@ def test_skeletons_of_one_part_of_a_condition_are_no_leak(tmp_path: Path) -> Non
     text = 'domain = "prag"\nlengths = 4\n'
     text += '[parts.train]\ntasks = 3\nwhere = "part 0-3 of 5 by seed 1"\n'
     text += '[parts.test]\ntasks = 2\nwhere = "part 4-4 of 5 by seed 1"\n'
-    figures = count_suite(suite_of(tmp_path, text))
-    whole = TaskSpace(load_suite(tmp_path / "suite.toml").domain, 4).count()
+    suite = suite_of(tmp_path, text)
+    figures, whole = count_suite(suite), TaskSpace(suite.domain, 4).count()
     assert figures.leaks == () and figures.size("train") + figures.size("test") == whole

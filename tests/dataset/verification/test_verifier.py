@@ -242,13 +242,19 @@ def test_each_wrong_value_is_reported_by_its_column(
     assert any("its verdict is of another budget" in line for line in found)
 
 
-def test_nothing_is_found_on_clean_data_sets(small: Dataset, numbers: Path) -> None:
-    assert list(verify(small.folder)) == [] == list(verify(numbers))
+def test_nothing_is_found_on_clean_datasets(
+    small: Dataset, numbers: Path, quick: Callable[[pytest.MonkeyPatch], None]
+) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        quick(patch)
+        assert list(verify(small.folder)) == []
     done = run("verify", str(numbers))
     assert (done.returncode, done.stdout) == (0, f"{numbers}: ok; 6 tasks\n")
 
 
-def test_recordings_are_the_files_that_were_written_and_show_their_tasks(tabletop: Domain, tmp_path: Path) -> None:
+def test_recordings_are_the_files_that_were_written_and_show_their_tasks(
+    tabletop: Domain, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A condition on the initial state holds for witnesses, too."""
     folder, space = tmp_path / "shown", TaskSpace(tabletop, 1).where("starts not inside(cube_1,bin_1)", "uses cube_1")
     generate(space, folder, tasks=2, seed=3, demonstrate=True, staging=Staging(("front",), (32, 32), rate=1))
@@ -256,6 +262,7 @@ def test_recordings_are_the_files_that_were_written_and_show_their_tasks(tableto
     one, other = (folder / f"demonstrations/train/{number:06d}.npz" for number in (1, 2))
     shutil.copy(other, one)
     other.write_bytes(b"none")
+    monkeypatch.setattr(row_checks.RowChecks, "wrong", lambda *_: iter(()))
     found = [str(finding) for finding in verify(folder)]
     assert any("demonstrations/train/000001.npz: is not the file" in line for line in found)
     assert any("demonstrations/train/000002.npz: is no recording" in line for line in found)
