@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from prag_asp.dataset.dataset_spec import DatasetSpec
     from prag_asp.dataset.store.columns import RowReference
     from prag_asp.domain.load import Domain
-    from prag_asp.physics import Demonstration, Validator, Verdict, Witness
+    from prag_asp.physics import Validator, Verdict, Witness
     from prag_asp.scene.scene import Scene
     from prag_asp.space.distinct_sampling import RankedDraw
 
@@ -135,7 +135,13 @@ def _result(
         starts = []
         for each, content in zip(verdicts, recordings, strict=True):
             witness = msgspec.json.encode(None if each.witness is None else each.witness.to_json())
-            starts.append(StartResult(each.index, msgspec.Raw(witness), _recording_info(each.demonstration, content)))
+            shown, recording = each.demonstration, None
+            if shown is not None and content is not None:
+                colours = {} if shown.variation is None else dict(shown.variation.colours)
+                ends, seconds = [int(frame) for frame in shown.ends], float(shown.times[-1])
+                digest = sha256(content).hexdigest()
+                recording = RecordingInfo("", digest, len(shown.times), seconds, ends, colours)
+            starts.append(StartResult(each.index, msgspec.Raw(witness), recording))
         verdict = replace(verdicts[0], witness=None, demonstration=None)
         result = DrawResult(setup.part, job.number, verdict, starts)
     return result, JobResult(result.to_json(), recordings)
@@ -165,12 +171,3 @@ def _verdicts(setup: ValidationSetup, job: ValidationJob, task: Task, validator:
 def initial_state_key(witness: Witness) -> str:
     """Return a text that is equal for two witnesses if and only if they have the same initial state."""
     return json.dumps([witness.moments[0].to_json(), dict(witness.sizes)], sort_keys=True)
-
-
-def _recording_info(demonstration: Demonstration | None, content: bytes | None) -> RecordingInfo | None:
-    """Return the record of a recording that has no file yet."""
-    if demonstration is None or content is None:
-        return None
-    ends, seconds = [int(frame) for frame in demonstration.ends], float(demonstration.times[-1])
-    colours = {} if demonstration.variation is None else dict(demonstration.variation.colours)
-    return RecordingInfo("", sha256(content).hexdigest(), len(demonstration.times), seconds, ends, colours)

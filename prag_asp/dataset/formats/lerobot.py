@@ -86,7 +86,12 @@ class _LeRobotWriter:
         self._splits: dict[str, tuple[int, int]] = {}
         self._statistics: dict[str, Aggregate] = {}
         self._features = _features(source)
-        self._data = ChunkedTable(folder, DATA, _frame_schema(self._features), form.data_megabytes)
+        columns = []  # of the table of frames: all features except videos
+        for name, feature in self._features.items():
+            if feature["dtype"] != "video":
+                kind, (size,) = pa.type_for_alias(feature["dtype"]), feature["shape"]
+                columns.append((name, kind if feature["names"] is None else pa.list_(kind, size)))
+        self._data = ChunkedTable(folder, DATA, pa.schema(columns), form.data_megabytes)
         self._rows = ChunkedTable(folder, EPISODES, _episode_schema(self._features), form.data_megabytes)
         self._videos = {
             f"observation.images.{name}": _VideoFeature(form, source, folder, name) for name in source.cameras
@@ -246,16 +251,6 @@ def _features(source: EpisodeSource) -> dict[str, Any]:
             "info": video_info((width, height), source.rate),
         }
     return features
-
-
-def _frame_schema(features: Mapping[str, Any]) -> pa.Schema:
-    """Return the schema of the table of frames: all features except videos."""
-    columns = []
-    for name, feature in features.items():
-        if feature["dtype"] != "video":
-            kind, (size,) = pa.type_for_alias(feature["dtype"]), feature["shape"]
-            columns.append((name, kind if feature["names"] is None else pa.list_(kind, size)))
-    return pa.schema(columns)
 
 
 def _episode_schema(features: Mapping[str, Any]) -> pa.Schema:

@@ -197,13 +197,18 @@ class DatasetRun:
                     copies = [self._copy_recording(writer, row, parts.folder(holder)) for row in rows.recordings]
                     writer.take(rows._replace(recordings=copies))
                 elif (record := next(records, None)) is not None:
-                    result = record.result
-                    if record.job_result is not None:
-                        self._write_to_journal(writer, result, record.job_result)
+                    result, job_result = record.result, record.job_result
+                    if job_result is not None:
+                        for number, (start, content) in enumerate(
+                            zip(result.starts, job_result.recordings, strict=False)
+                        ):
+                            if start.recording is not None and content is not None:
+                                start.recording.file = self._write_recording(writer, number, content)
+                        self._journal.write(result.to_json() if any(job_result.recordings) else job_result.result)
                     if record.task is not None:
                         writer.add(record.placed, record.task[0], result, record.task[1])
-                    elif record.job_result is not None and record.job_result.row is not None:
-                        writer.add_row(record.placed, record.job_result.row, result)
+                    elif job_result is not None and job_result.row is not None:
+                        writer.add_row(record.placed, job_result.row, result)
                 else:
                     return
                 done = sum(each.rows("tasks") for each in self._manifest.parts if each is not note) + writer.tasks
@@ -260,13 +265,6 @@ class DatasetRun:
     def _tasks(self, placed: Iterable[RankedDraw]) -> Iterator[Task]:
         """Yield the tasks of draws; their states are computed in batches."""
         return (task for _, task in with_tasks(self._space, placed))
-
-    def _write_to_journal(self, writer: PartWriter, result: DrawResult, job_result: JobResult) -> None:
-        """Write the recordings of a draw and its result."""
-        for number, (start, recording) in enumerate(zip(result.starts, job_result.recordings, strict=False)):
-            if start.recording is not None and recording is not None:
-                start.recording.file = self._write_recording(writer, number, recording)
-        self._journal.write(result.to_json() if any(job_result.recordings) else job_result.result)
 
     def _write_recording(self, writer: PartWriter, start: int, content: bytes) -> str:
         """Write the recording from an initial state of the next task, and return the path of its file."""

@@ -75,6 +75,7 @@ def test_a_file_that_may_not_grow_is_told_in_one_line(form: str, arms: Dataset, 
     """The system itself refuses: HDF5 would end the process."""
 
     def limited() -> tuple[int, str]:
+        sys.dont_write_bytecode = True  # Python would cut it, and believe it later
         resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
         done = run("export", form, str(arms.folder), "-o", str(tmp_path / OUT[form]))
         return done.returncode, done.stderr
