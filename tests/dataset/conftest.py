@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ from tests.sharing import logic_shared, small_pictures
 POOR = Budget(1, 1)
 """A budget with which some tasks are not found."""
 
-SHARES = {"train": "3/4", "test": "1/4"}
+SHARES, HALVES = {"train": "3/4", "test": "1/4"}, {"train": "0.5", "test": "0.5"}
 SMALL = {"tasks": 12, "seed": 5, "split": SHARES, "starts": 2, "budget": POOR, "shard": 4}
 """The request of the dataset `small`."""
 
@@ -72,9 +73,21 @@ def small(spaces: TaskSpace, tmp_path_factory: pytest.TempPathFactory) -> Datase
     return generate(spaces, folder, **SMALL)
 
 
+@pytest.fixture
+def copied(small: Dataset, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(small.folder, tmp_path / "copied"))
+
+
 @pytest.fixture(scope="package")
-def numbers(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def kitchen() -> TaskSpace:
+    space = TaskSpace(load_domain("kitchen"), range(1, 4))
+    assert space.count() == 14
+    return space
+
+
+@pytest.fixture(scope="package")
+def numbers(kitchen: TaskSpace, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the folder of a dataset without physics, of a domain that has weights."""
     folder = tmp_path_factory.mktemp("data") / "numbers"
-    generate(TaskSpace(load_domain("kitchen"), range(1, 4)), folder, tasks=6, seed=1, physics=False, shard=4)
+    generate(kitchen, folder, tasks=6, seed=1, physics=False, shard=4)
     return folder

@@ -13,11 +13,6 @@ from prag_asp.physics import Budget, Demonstration, Witness, check_witness
 
 
 @pytest.fixture(scope="module")
-def tabletop() -> Domain:
-    return load_domain("tabletop")
-
-
-@pytest.fixture(scope="module")
 def records(tabletop: Domain) -> list[Record]:
     return list(islice(feasible(TaskSpace(tabletop, 2), seed=3), 4))
 

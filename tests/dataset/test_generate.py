@@ -20,20 +20,11 @@ from prag_asp.dataset.store import instructions, shard_writer
 from prag_asp.dataset.validation_jobs import JobResult, ValidationJob, ValidationSetup, initial_state_key
 from prag_asp.errors import NotFound
 from prag_asp.physics import Budget, Staging, check_demonstration
-from tests.dataset.conftest import POOR, SHARES, SMALL
+from tests.dataset.conftest import HALVES, POOR, SHARES, SMALL
 from tests.output.faults import Disk, content, killed
 
 SAMPLES = 8
 """At how many moments a run is broken off, of all at which it asks something of the disk."""
-
-HALVES = {"train": "0.5", "test": "0.5"}
-
-
-@pytest.fixture(scope="module")
-def kitchen() -> TaskSpace:
-    spaces = TaskSpace(load_domain("kitchen"), range(1, 4))
-    assert spaces.count() == 14
-    return spaces
 
 
 @pytest.fixture(scope="module")

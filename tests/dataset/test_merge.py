@@ -9,23 +9,16 @@ from typing import Any
 
 import pytest
 
-from prag_asp import Dataset, OutputError, QueryError, TaskSpace, load_domain
+from prag_asp import Dataset, OutputError, QueryError, TaskSpace
 from prag_asp.dataset import generate, merge, verify
 from prag_asp.dataset.making.executors import LocalExecutor
 from prag_asp.dataset.validation_jobs import JobResult, ValidationJob, ValidationSetup
 from prag_asp.errors import NotFound
-from tests.dataset.conftest import SMALL, with_json
+from tests.dataset.conftest import HALVES, SMALL, with_json
 from tests.output.faults import Disk, content, killed
 
 SAMPLES = 2
 """At how many moments a merge is broken off, of all at which it asks something of the disk."""
-
-HALVES = {"train": "0.5", "test": "0.5"}
-
-
-@pytest.fixture(scope="module")
-def kitchen() -> TaskSpace:
-    return TaskSpace(load_domain("kitchen"), range(1, 4))
 
 
 Make = Callable[..., list[Path]]

@@ -230,7 +230,7 @@ class _SuiteReader:
         with report.errors_at(*keys, "split" if shares else "skeletons"):
             Division.parse(shares, skeletons=table.skeletons)
         if table.evenly and self._domain.settings.weights and not self._table.uniform:
-            text = "lengths come evenly where tasks are drawn uniformly; add uniform = true to the suite"
+            text = "evenly needs uniform sampling; add uniform = true to the suite"
             report.add((*keys, "evenly"), text)
         if table.starts > 1 and not checked:
             report.add((*keys, "starts"), f"starts = {table.starts} needs physics; leave it out, or add a scene")
@@ -255,7 +255,7 @@ class _SuiteReader:
         part = replace(source, name=name, tasks=table.tasks, of=source.name, about=table.about, shares=())
         part = self._with_phrasings(part, table, source.language, source.phrasings)
         if not part.apart(source):
-            text = f"{name} has the tasks of {source.name}, and phrasings that it has, too"
+            text = f"{name} has the tasks of {source.name}, but shares phrasings with it"
             raise QueryError(f"{text}; write phrasings = '1 of 2' for one and '2 of 2' for the other")
         yield part
 

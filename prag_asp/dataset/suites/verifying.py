@@ -73,14 +73,14 @@ def _wrong_suite(path: Path, trust: bool, physics: bool, workers: int, progress:
         suite = read_suite(Source(path / SPELLED, text), domain=first.domain, trust=trust)
         yield from _wrong_note(suite, note, progress)
     except PragError as error:
-        yield Finding(SPELLED, None, f"cannot be looked at: {error}")
+        yield Finding(SPELLED, None, f"cannot be checked: {error}")
         return
     if {part.name for part in note.parts} != {*suite.parts}:
         return  # already reported as a finding
     overlaps = _OverlapChecks(suite)
     for part in note.parts:
         if part.dataset is None:
-            yield Finding(NAME, None, f"parts, {part.name}: does not say which dataset it is")
+            yield Finding(NAME, None, f"parts, {part.name}: has no record of its dataset")
         try:
             data, own = Dataset.open(path / part.name, trust=trust), suite.parts[part.name]
             if data.manifest.request != request_of(space_of(suite, own), suite.dataset_spec(own)):

@@ -25,11 +25,6 @@ from prag_asp.physics import check_witness
 from tests.commands import run
 
 
-@pytest.fixture
-def copy(small: Dataset, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(small.folder, tmp_path / "copy"))
-
-
 def test_tasks_come_back_as_they_were_drawn(small: Dataset, spaces: TaskSpace) -> None:
     tasks = list(small.tasks())
     assert [small.task(number) for number in range(12)] == tasks == [small.task(number - 12) for number in range(12)]
@@ -139,8 +134,8 @@ def test_every_way_to_give_a_domain_is_kept(given: dict[str, object], tmp_path: 
         assert scene_of(kept).shapes == scene_of(domain).shapes
 
 
-def test_a_damaged_dataset_is_refused_in_one_line(copy: Path, tmp_path: Path) -> None:
-    def refused(match: str, folder: Path = copy) -> None:
+def test_a_damaged_dataset_is_refused_in_one_line(copied: Path, tmp_path: Path) -> None:
+    def refused(match: str, folder: Path = copied) -> None:
         with pytest.raises((QueryError, DomainError), match=match) as error:
             data = Dataset.open(folder)
             list(data.tasks())
@@ -149,8 +144,8 @@ def test_a_damaged_dataset_is_refused_in_one_line(copy: Path, tmp_path: Path) ->
 
     refused("has no dataset.json; make one with prag-asp generate", tmp_path)
     refused("has no dataset.json", tmp_path / "nowhere")
-    refused("cannot be read: Not a directory", copy / "dataset.json")
-    text = (copy / "dataset.json").read_text()
+    refused("cannot be read: Not a directory", copied / "dataset.json")
+    text = (copied / "dataset.json").read_text()
     for content, match in (
         ("", "it is not JSON"),
         (text[:500], "it is not JSON"),
@@ -166,21 +161,21 @@ def test_a_damaged_dataset_is_refused_in_one_line(copy: Path, tmp_path: Path) ->
         (text.replace("data/train-00000", "../../train-00000", 1), "leads out of the dataset"),
         (text.replace('"rows": 4', '"rows": 5', 1), "has 4 rows, but dataset.json says 5"),
     ):
-        (copy / "dataset.json").write_text(content)
+        (copied / "dataset.json").write_text(content)
         refused(match)
-    (copy / "dataset.json").write_text(text)
-    shard = copy / "data" / "train-00001.parquet"
+    (copied / "dataset.json").write_text(text)
+    shard = copied / "data" / "train-00001.parquet"
     content = shard.read_bytes()
     shard.write_bytes(content[:400] + b"?" * 300 + content[700:])
     refused("train-00001.parquet: cannot be read")
     shard.write_bytes(b"PAR1")
     refused("train-00001.parquet: cannot be read")
-    shutil.copy(copy / "witnesses" / "train-00001.parquet", shard)
+    shutil.copy(copied / "witnesses" / "train-00001.parquet", shard)
     refused("its columns are not those of tasks")
     shard.unlink()
     refused("train-00001.parquet: cannot be read: No such file")
     shard.write_bytes(content)
-    (copy / "domain" / "domain.lp").write_text("% mine")
+    (copied / "domain" / "domain.lp").write_text("% mine")
     refused("domain.lp: is not what dataset.json says")
 
 

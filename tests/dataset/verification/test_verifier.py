@@ -190,13 +190,6 @@ STARTS: dict[str, tuple[Change, str]] = {
 }  # fmt: skip
 
 
-@pytest.fixture
-def copied(small: Dataset, tmp_path: Path) -> Path:
-    folder = tmp_path / "copied"
-    shutil.copytree(small.folder, folder)
-    return folder
-
-
 @pytest.fixture(scope="module")
 def quick(small: Dataset, spaces: TaskSpace) -> Callable[[pytest.MonkeyPatch], None]:
     """Return a function that saves reading the domain once more for each corruption that is not in its files."""
