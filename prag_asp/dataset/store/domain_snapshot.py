@@ -85,8 +85,7 @@ def load_snapshot(folder: Path, snapshot: DomainSnapshot, *, trust: bool = False
     Raises:
         DomainError: a file is missing, differs from its record in dataset.json, or is read without a record there.
     """
-    from prag_asp.domain.identity import scene_files
-    from prag_asp.domain.load import load_domain
+    from prag_asp.domain.load import load_domain, scene_files
 
     for name in (DOMAIN, ENCODINGS):
         if not is_inside(folder / name, folder):
@@ -141,8 +140,7 @@ def _own_sources(domain: Domain) -> list[Source]:
 
 def _own_files(domain: Domain) -> Iterator[tuple[str, bytes]]:
     """Yield the files of a folder that defines the same domain; if the domain is a folder, they are its own."""
-    from prag_asp.domain.identity import scene_files
-    from prag_asp.domain.load import LEARNED
+    from prag_asp.domain.load import LEARNED, scene_files
 
     sources = _own_sources(domain)
     learned = [source for source in sources if source.path.name == LEARNED]
