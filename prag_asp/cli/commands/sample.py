@@ -143,7 +143,7 @@ def _feasible(
     """
     from prag_asp.cli.summary import tallied, tally_line
     from prag_asp.dataset.pass_rates import Tally
-    from prag_asp.dataset.physics_filter import validated_draws
+    from prag_asp.dataset.physics_filter import feasible
 
     tally, requested_count, limit = Tally(), drawing.requested_count, drawing.limit
 
@@ -152,16 +152,13 @@ def _feasible(
 
     with tallied(tally, summary), recordings_folder(validation.demonstrate) as folder, writer(output) as out:
         arguments = {**validation.arguments(), "demonstrate": folder}
-        validated = validated_draws(
-            drawing.space, seed=drawing.seed, draws=limit, tally=tally, **arguments, **drawing.how
-        )
-        with closing(validated):
-            for record in validated if tally.passed < requested_count else ():
-                if record is not None:
-                    out.write(line(record), flush=True)
-                tell(summary(), tally.passed, requested_count)
-                if tally.passed == requested_count:
-                    break
+        records = feasible(
+            drawing.space, seed=drawing.seed, draws=limit, tally=tally, **arguments, **drawing.how,
+            progress=lambda: tell(summary(), tally.passed, requested_count),
+        )  # fmt: skip
+        with closing(records):
+            for record in islice(records, requested_count):
+                out.write(line(record), flush=True)
     if tally.passed < requested_count:
         found = f"only {tally.passed} of {plural(requested_count, 'task')} found in {plural(tally.seen, 'draw')}"
         raise NotFound(f"{found}; raise --max-draws" if tally.seen == limit else found)
