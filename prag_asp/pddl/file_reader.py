@@ -112,7 +112,11 @@ class _DomainReader(_FileReader):
                 self.check_new("action", part.words[1], actions)
                 actions[action.name] = action
         self._check_layers(derived)
-        self._check_not_changed({each.predicate for each in derived}, actions)
+        derived_names = {each.predicate for each in derived}
+        for effect in chain.from_iterable(each.effects for each in actions.values()):
+            if effect.literal.predicate in derived_names:
+                text = f"{effect.literal.predicate} is a derived predicate, which no effect may set"
+                self.refuse(effect.literal.line, f"{text}; remove its rule, or the effect")
         return DomainFile(
             str(name), self._types, self._constants, self._predicates, self._functions, tuple(derived),
             tuple(actions.values()), self._type_lines, self._constant_lines,
@@ -129,22 +133,13 @@ class _DomainReader(_FileReader):
                 lines.setdefault(each, name.line)
         groups = components(lines, self._types.__getitem__)
         circular = {name for group in groups for name in group if len(group) > 1 or name in self._types[name]}
-        for kind_name in filter(circular.__contains__, lines):
-            around = " - ".join(self._circle(kind_name))
-            self.refuse(lines[kind_name], f"types form a cycle, {around}; remove one of them")
-
-    def _circle(self, name: str) -> list[str]:
-        """Return a cycle in the type hierarchy through a type, or an empty list."""
-        paths = [[name, above] for above in self._types[name]]
-        seen: set[str] = set()
-        while paths:
-            path = paths.pop()
-            if path[-1] == name:
-                return path
-            if path[-1] not in seen:
-                seen.add(path[-1])
-                paths += [[*path, above] for above in self._types[path[-1]]]
-        return []
+        for first in filter(circular.__contains__, lines):
+            paths, seen = [[first]], set[str]()
+            while len(path := paths.pop()) == 1 or path[-1] != first:
+                if path[-1] not in seen:
+                    seen.add(path[-1])
+                    paths += [[*path, above] for above in self._types[path[-1]]]
+            self.refuse(lines[first], f"types form a cycle, {' - '.join(path)}; remove one of them")
 
     def _scope(self) -> Scope:
         return Scope(self.refuse, self._types, self._constants, self._predicates)
@@ -254,14 +249,6 @@ class _DomainReader(_FileReader):
                     text = f"{name} depends on {literal.predicate} below a 'forall', which depends on {name}"
                     self.refuse(literal.line, f"{text}; remove the 'forall'")
 
-    def _check_not_changed(self, derived: set[str], actions: Mapping[str, Schema]) -> None:
-        """Refuse effects on predicates that rules derive."""
-        for action in actions.values():
-            for effect in action.effects:
-                if effect.literal.predicate in derived:
-                    text = f"{effect.literal.predicate} is a derived predicate, which no effect may set"
-                    self.refuse(effect.literal.line, f"{text}; remove its rule, or the effect")
-
 
 def _reached(predicate: str, rule_literals: Mapping[str, list[Literal]]) -> set[str]:
     """Return a predicate, and all predicates that its rules read directly or indirectly."""
@@ -298,7 +285,13 @@ class _ProblemReader(_FileReader):
         for each in parts["init"].nodes:
             self._initial(each, scope, initial, costs)
         name, goal = str(parts["problem_def"].words[-1]), scope.formula(parts["goal"].nodes[0])
-        return ProblemFile(name, self._objects, self._positive(initial), costs, goal, lines)
+        stated: dict[tuple[str, tuple[Variable | str, ...]], bool] = {}
+        for literal in initial:
+            if stated.setdefault((literal.predicate, literal.terms), literal.positive) != literal.positive:
+                text = " ".join([literal.predicate, *map(str, literal.terms)])
+                self.refuse(literal.line, f"({text}) is both true and false at the start; state one of them")
+        true = tuple(each for each in initial if each.positive)
+        return ProblemFile(name, self._objects, true, costs, goal, lines)
 
     def _initial(
         self, tree: Node, scope: Scope, initial: list[Literal], costs: dict[tuple[str, tuple[str, ...]], str]
@@ -325,12 +318,3 @@ class _ProblemReader(_FileReader):
         for term in terms:
             scope.known_object(term)
         initial.append(Literal(str(name), tuple(map(str, terms)), "not" not in first.words, name.line))
-
-    def _positive(self, initial: Iterable[Literal]) -> tuple[Literal, ...]:
-        """Return the positive literals of `:init`; an atom that is both true and false there is refused."""
-        stated: dict[tuple[str, tuple[Variable | str, ...]], bool] = {}
-        for each in initial:
-            if stated.setdefault((each.predicate, each.terms), each.positive) != each.positive:
-                text = " ".join([each.predicate, *map(str, each.terms)])
-                self.refuse(each.line, f"({text}) is both true and false at the start; state one of them")
-        return tuple(each for each in initial if each.positive)

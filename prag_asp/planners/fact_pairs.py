@@ -6,7 +6,7 @@ the other. Conditions that exclude unreachable pairs are redundant.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 
 import clingo
 
@@ -21,10 +21,13 @@ class FactPairs:
 
     def __init__(self, state: Values, actions: Iterable[tuple[Values, Values]]) -> None:
         self._number = {fluent: 2 * number for number, fluent in enumerate(state)}
-        start = self._mask(state)
+        start = sum(1 << bit for bit in self._bits(state))
         self._with = [start if start >> bit & 1 else 0 for bit in range(2 * len(state))]
         self._reached = start
-        masks = [(self._bits(before), self._bits(after), self._changed(after)) for before, after in actions]
+        masks = [
+            (self._bits(before), self._bits(after), sum(3 << self._number[fluent] for fluent in after))
+            for before, after in actions
+        ]
         while sum(self._apply(*mask) for mask in masks):
             pass
 
@@ -45,8 +48,10 @@ class FactPairs:
             if new:
                 is_new = True
                 self._with[bit] |= new
-                for other in _bits_of(new):
-                    self._with[other] |= 1 << bit
+                while new:
+                    lowest = new & -new
+                    self._with[lowest.bit_length() - 1] |= 1 << bit
+                    new ^= lowest
         self._reached |= added
         return is_new
 
@@ -62,16 +67,3 @@ class FactPairs:
 
     def _bits(self, values: Values) -> list[int]:
         return [self._bit(fluent, value) for fluent, value in values.items()]
-
-    def _mask(self, values: Values) -> int:
-        return sum(1 << bit for bit in self._bits(values))
-
-    def _changed(self, after: Values) -> int:
-        return sum(3 << self._number[fluent] for fluent in after)
-
-
-def _bits_of(mask: int) -> Iterator[int]:
-    while mask:
-        low = mask & -mask
-        yield low.bit_length() - 1
-        mask ^= low

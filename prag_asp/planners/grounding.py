@@ -50,17 +50,23 @@ def ground_plain(facts: Facts, state: Values, goal: Values, outcomes: Outcomes |
     if len(facts.fluents) <= MOST:
         whole = {fluent: state.get(fluent, False) for fluent in facts.fluents}
         pairs = FactPairs(whole, [(each.precondition, each.effects) for each in actions])
-    graph, clauses = invariant_graph(facts, impossible=True), _clauses(facts)
-    safe = (each for stated in actions if (each := _safe(stated, graph, clauses, pairs)) is not None)
+    graph = invariant_graph(facts, impossible=True)
+    clauses: dict[FluentValue, list[FluentValue]] = {}
+    binary = [((f, False), (g, False)) for f, g in (*facts.exclusive, *facts.impossible)]
+    binary += [((f, False), (g, True)) for f, g in facts.implies if f != g]
+    for one, other in binary:
+        clauses.setdefault(one, []).append(other)
+        clauses.setdefault(other, []).append(one)
+    ground = []
+    for action in actions:
+        before = _safe_precondition(action, graph, clauses, pairs)
+        if before is not None:
+            stated = {Proposition(fluent): value for fluent, value in before.items()}
+            effects = (ConditionalEffect((), (Proposition(fluent), value)) for fluent, value in action.effects.items())
+            ground.append(GroundAction(action.term, (Case(stated, (), tuple(effects)),)))
     initial = frozenset(Proposition(fluent) for fluent, value in state.items() if value)
     goal_values = {Proposition(fluent): value for fluent, value in goal.items()}
-    return PlanningTask(tuple(map(Proposition, facts.fluents)), initial, tuple(map(_action, safe)), goal_values)
-
-
-def _action(stated: _StripsAction) -> GroundAction:
-    before = {Proposition(fluent): value for fluent, value in stated.precondition.items()}
-    effects = tuple(ConditionalEffect((), (Proposition(fluent), value)) for fluent, value in stated.effects.items())
-    return GroundAction(stated.term, (Case(before, (), effects),))
+    return PlanningTask(tuple(map(Proposition, facts.fluents)), initial, tuple(ground), goal_values)
 
 
 def outcomes_of(task: Task, facts: Facts) -> Outcomes:
@@ -97,17 +103,6 @@ def rules_over_time(program: Program) -> Iterator[tuple[Path, int]]:
             yield from ((each.path, each.line) for each in statements if each.timed and each.is_rule)
 
 
-def _clauses(facts: Facts) -> Mapping[FluentValue, list[FluentValue]]:
-    """Return for each value the values that an invariant requires if it does not hold."""
-    others: dict[FluentValue, list[FluentValue]] = {}
-    pairs = [((f, False), (g, False)) for f, g in (*facts.exclusive, *facts.impossible)]
-    pairs += [((f, False), (g, True)) for f, g in facts.implies if f != g]
-    for one, other in pairs:
-        others.setdefault(one, []).append(other)
-        others.setdefault(other, []).append(one)
-    return others
-
-
 def _strips_action(action: clingo.Symbol, facts: Facts, outcomes: Outcomes | None) -> _StripsAction | None:
     """Return an action as the domain states it, or None if it contradicts itself.
 
@@ -132,13 +127,16 @@ def _strips_action(action: clingo.Symbol, facts: Facts, outcomes: Outcomes | Non
     return _StripsAction(action, before, after)
 
 
-def _safe(
+def _safe_precondition(
     action: _StripsAction,
     graph: Mapping[FluentValue, tuple[FluentValue, ...]],
     clauses: Mapping[FluentValue, list[FluentValue]],
     pairs: FactPairs | None,
-) -> _StripsAction | None:
-    """Return an action with preconditions that preserve the invariants, or None if it always breaks one."""
+) -> Values | None:
+    """Return the precondition under which an action preserves the invariants, or None if it always breaks one.
+
+    `clauses` has for each value the values that an invariant requires if it does not hold.
+    """
     before = dict(action.precondition)
     known = entailed(before.items(), graph)
     for fluent, value in action.effects.items():
@@ -151,7 +149,7 @@ def _safe(
                 continue
             if before.setdefault(other, needed) != needed:
                 return None
-    return _StripsAction(action.term, before, action.effects)
+    return before
 
 
 def known_values(values: Iterable[tuple[clingo.Symbol, str]]) -> dict[clingo.Symbol, bool]:
