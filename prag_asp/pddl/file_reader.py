@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from itertools import chain
 from pathlib import Path
-from typing import NoReturn
 
-from prag_asp.errors import DomainError
 from prag_asp.pddl.definitions import OBJECT, Cost, Declaration, Derived, DomainFile, ProblemFile, Schema, SchemaEffect
 from prag_asp.pddl.formulas import Formula, Literal, Variable, literals, universals
-from prag_asp.pddl.scopes import Scope
+from prag_asp.pddl.scopes import PddlSource, Scope, typed_words
 from prag_asp.pddl.syntax.nodes import LocatedWord, Node
 from prag_asp.pddl.syntax.parsing import parse
 from prag_asp.program.finite.components import components
-from prag_asp.wording import did_you_mean, plural
 
 TOTAL = "total-cost"
 
@@ -31,20 +28,8 @@ def read_files(domain: Path, problem: Path) -> tuple[DomainFile, ProblemFile]:
     return definition, _ProblemReader(problem, definition).problem(second)
 
 
-class _FileReader:
-    """The parts that both readers share: numbers, typed lists, and errors with lines."""
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-
-    def refuse(self, line: int, text: str) -> NoReturn:
-        """Raise a DomainError at a line."""
-        raise DomainError(f"{self._path}:{line}: {text}")
-
-    def check_new(self, kind: str, name: LocatedWord, declared: Mapping[str, object]) -> None:
-        """Refuse a second declaration of a name."""
-        if str(name) in declared:
-            self.refuse(name.line, f"the {kind} {name} is declared twice; remove one, or rename it")
+class _FileReader(PddlSource):
+    """The parts that both readers share: numbers, and typed lists of objects."""
 
     def number(self, text: LocatedWord) -> str:
         """Return a number as text; the grammar also accepts numbers with several points."""
@@ -52,29 +37,16 @@ class _FileReader:
             self.refuse(text.line, f"{text} is no number; write one such as 2 or 0.5")
         return str(text)
 
-    def typed_names(self, tree: Node) -> Iterator[tuple[LocatedWord, LocatedWord | None]]:
-        """Yield the names of a list, each with its type if it has one."""
-        waiting: list[LocatedWord] = []
-        words = iter(tree.words)
-        for each in words:
-            if each == "-":
-                kind = next(words)
-                yield from ((name, kind) for name in waiting)
-                waiting = []
-            else:
-                waiting.append(each)
-        yield from ((name, None) for name in waiting)
-
     def object_types(self, tree: Node, types: Mapping[str, object], objects: dict[str, str]) -> dict[str, int]:
         """Add the objects of a list, and return the lines of new ones; one may be declared again with the same type."""
         lines: dict[str, int] = {}
-        for name, kind in self.typed_names(tree):
-            if kind is not None and str(kind) not in types:
-                self.refuse(kind.line, f"unknown type {kind}; {did_you_mean(kind, types, 'declare it in :types')}")
-            type_name = str(kind or OBJECT)
-            if str(name) not in objects:
+        for name, kinds in typed_words(tree):
+            for kind in kinds:
+                self.check_known("type", kind, types, ":types")
+            if name not in objects:
                 lines[str(name)] = name.line
-            if objects.setdefault(str(name), type_name) != type_name:
+            kind_name = str(kinds[0]) if kinds else OBJECT
+            if objects.setdefault(str(name), kind_name) != kind_name:
                 self.refuse(name.line, f"the object {name} is a {objects[name]} already; give it one type")
         return lines
 
@@ -124,9 +96,9 @@ class _DomainReader(_FileReader):
 
     def _read_types(self, tree: Node) -> None:
         lines = self._type_lines
-        for name, kind in self.typed_names(tree):
+        for name, kinds in typed_words(tree):
             lines[str(name)] = name.line
-            above = (str(kind),) if kind is not None and kind != OBJECT else ()
+            above = tuple(str(kind) for kind in kinds if kind != OBJECT)
             self._types[str(name)] = tuple(dict.fromkeys((*self._types.get(str(name), ()), *above)))
             for each in above:
                 self._types.setdefault(each, ())
@@ -142,7 +114,7 @@ class _DomainReader(_FileReader):
             self.refuse(lines[first], f"types form a cycle, {' - '.join(path)}; remove one of them")
 
     def _scope(self) -> Scope:
-        return Scope(self.refuse, self._types, self._constants, self._predicates)
+        return Scope(self, self._types, self._constants, self._predicates)
 
     def _read_signatures(self, kind: str, tree: Node, signatures: dict[str, Declaration]) -> None:
         for each in tree.nodes:
@@ -225,12 +197,7 @@ class _DomainReader(_FileReader):
             costs.append(Cost(self.number(inner.words[0]), line))
             return
         function, terms = inner.words[0], tuple(map(scope.term, inner.children[1:]))
-        if str(function) not in self._functions:
-            hint = did_you_mean(function, self._functions, "declare it in :functions")
-            self.refuse(line, f"unknown function {function}; {hint}")
-        arity = len(self._functions[str(function)].types)
-        if len(terms) != arity:
-            self.refuse(line, f"{function} takes {plural(arity, 'argument')}, not {len(terms)}; fix them")
+        self.signature("function", function, len(terms), self._functions)
         costs.append(Cost((str(function), terms), line))
 
     def _check_layers(self, derived: Iterable[Derived]) -> None:
@@ -279,7 +246,7 @@ class _ProblemReader(_FileReader):
         lines: dict[str, int] = {}
         if "objects" in parts:
             lines = self.object_types(parts["objects"].nodes[0], self._domain.types, self._objects)
-        scope = Scope(self.refuse, self._domain.types, self._objects, self._domain.predicates)
+        scope = Scope(self, self._domain.types, self._objects, self._domain.predicates)
         initial: list[Literal] = []
         costs: dict[tuple[str, tuple[str, ...]], str] = {}
         for each in parts["init"].nodes:
@@ -299,9 +266,8 @@ class _ProblemReader(_FileReader):
         first = tree.nodes[0]
         if first.kind == "basic_function_term":
             function, *terms = first.words
-            if str(function) not in self._domain.functions and function != TOTAL:
-                hint = did_you_mean(function, self._domain.functions, "declare it in :functions")
-                self.refuse(function.line, f"unknown function {function}; {hint}")
+            if function != TOTAL:
+                self.check_known("function", function, self._domain.functions, ":functions")
             for term in terms:
                 scope.known_object(term)
             value = self.number(tree.nodes[1].words[0])

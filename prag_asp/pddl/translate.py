@@ -51,7 +51,12 @@ class Translation:
     def lines(self, title: str) -> list[str]:
         """Return the lines of the whole program, which begins with a comment; lines from PDDL carry their place."""
         start: list[str] = []
-        for section in (self._classes(), self._entities(), self._static(), self._fluents(), self._initially()):
+        initial = [
+            PlacedLine(f"initially({self.words.atom(literal)}, true).", FileLine("problem", literal.line))
+            for literal in dict.fromkeys(self._problem.initial)
+            if literal.predicate not in self.words.static
+        ]
+        for section in (self._classes(), self._entities(), self._static(), self._fluents(), initial):
             placed = [*self._rules.placed(section)]
             start += [*placed, ""] if placed else []
         shown: list[str] = []
@@ -165,12 +170,6 @@ class Translation:
             terms = [f"X{number}" if len(kinds) > 1 else "X" for number in range(1, len(kinds) + 1)]
             head = f"fluent({applied(self.words.predicates[name], terms)})"
             yield statement(head, map(self.words.is_a, terms, kinds))
-
-    def _initially(self) -> Iterator[str]:
-        for literal in dict.fromkeys(self._problem.initial):
-            if literal.predicate not in self.words.static:
-                self._rules.comes_from("problem", literal.line)
-                yield f"initially({self.words.atom(literal)}, true)."
 
 
 def _quantified(formula: Formula) -> Iterator[Variable]:
