@@ -29,6 +29,7 @@ COMPUTING = (
     "tests/domain/test_constants.py::test_every_engine_counts_what_the_edited_text_has",
     "tests/domain/test_constants.py::test_the_clauses_of_an_export_and_a_condition_see_the_value",
     "tests/domain/test_constants.py::test_what_is_kept_for_one_value_is_never_taken_for_another",
+    "tests/domain/test_everyday_names.py",
     "tests/space/test_limits.py::test_a_time_limit_gives_a_lower_bound_on_the_count",
     "tests/space/test_limits.py::test_a_long_count_says_how_far_it_is",
 )

@@ -10,6 +10,7 @@ from prag_asp.output.cache_files import read_cached, write_cached
 from prag_asp.pddl.syntax import lark_grammar as tables
 from prag_asp.pddl.syntax.nodes import Node
 from prag_asp.pddl.syntax.parsing import parse
+from tests.pddl.imports import written
 from tests.pddl.tasks import TASKS
 
 
@@ -22,13 +23,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def trees(tmp_path: Path) -> list[Node]:
     """Return the syntax trees of all tasks, read by a parser of their own."""
     tables.grammar.cache_clear()
-    found = []
-    for name, texts in TASKS.items():
-        for kind, text in zip(tables.KINDS, texts, strict=True):
-            path = tmp_path / f"{name}-{kind}.pddl"
-            path.write_text(text)
-            found.append(parse(path, kind))
-    return found
+    return [
+        parse(*each) for texts in TASKS.values() for each in zip(written(tmp_path, *texts), tables.KINDS, strict=True)
+    ]
 
 
 def test_kept_tables_read_the_same(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
