@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis.strategies import integers
 
-from prag_asp import TaskSpace, load_domain
+from prag_asp import load_domain
 from tests.chance import examples
+from tests.ganak import counting_by, one_process
 from tests.pddl.imports import check_plans, searched, with_goal, written
 from tests.pddl.random_tasks import random_task
 from tests.pddl.tasks import TASKS
@@ -34,11 +35,8 @@ def test_random_tasks_have_the_plans_of_a_forward_search(seed: int, folder: Path
 @settings(max_examples=examples(4))  # a fresh run takes forty
 @given(seed=integers(0, 10**6))
 def test_every_engine_counts_imported_tasks_as_a_forward_search_does(seed: int, folder: Path) -> None:
-    task = random_task(seed)
-    loaded = load_domain(*written(folder, *task))
-    for engine in ("automaton", "clingo", "sat", "sharp", "symbolic"):
-        found = [TaskSpace(loaded, n, engine=engine).count(by="plan") for n in range(4)]
-        assert found == searched(*task, 3), (seed, engine)
+    with one_process() as count_models, counting_by(count_models):
+        check_plans(folder, *random_task(seed), automaton=3, clingo=3, sat=3, sharp=3, symbolic=3)
 
 
 @pytest.mark.parametrize(

@@ -8,17 +8,10 @@ from prag_asp import Task, TaskSpace, load_domain
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.physics import Witness, open_validator
 from prag_asp.scene.scene import Scene
-from tests.sharing import logic_shared
+from tests.sharing import shared_logic  # noqa: F401 - a fixture
 
 Given = tuple[Task, Witness]
 DOMAINS = ("tabletop", "prag", "kitchen", "two_arms")
-
-
-@pytest.fixture(scope="package", autouse=True)
-def logic() -> Iterator[None]:
-    """Compute once what logic says of a domain."""
-    with logic_shared():
-        yield
 
 
 @pytest.fixture(scope="session")

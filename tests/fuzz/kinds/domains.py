@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -10,11 +9,7 @@ from typing import Any
 from prag_asp.program.paths import shipped_domains
 from tests.fuzz.kinds.texts import CHARACTERS, NUMBERS, SEEDS, broken, changed, exchanged
 from tests.fuzz.mutant import Command, Mutant
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from tests.toml import tomllib
 
 NAME = "own"
 """The folder of the domain in that of a mutant."""
