@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import chain
 from pathlib import Path
 
 from prag_asp.pddl.definitions import OBJECT, Cost, Declaration, Derived, DomainFile, ProblemFile, Schema, SchemaEffect
-from prag_asp.pddl.formulas import Formula, Literal, Variable, literals, universals
+from prag_asp.pddl.formulas import Formula, Literal, Quantified, Variable, literals, subformulas
 from prag_asp.pddl.scopes import PddlSource, Scope, typed_words
 from prag_asp.pddl.syntax.nodes import LocatedWord, Node
 from prag_asp.pddl.syntax.parsing import parse
@@ -138,42 +138,41 @@ class _DomainReader(_FileReader):
         scope = scope.narrowed(narrowed)
         return Derived(str(name), narrowed, scope.formula(condition), name.line)
 
-    def _action(self, tree: Node) -> Schema:
-        name, scope = tree.words[1], self._scope()
-        parameters = scope.declare(tree.nodes[0].nodes[0])
-        body = {each.kind: each for each in tree.nodes[1].nodes}
+    def _action(self, action: Node) -> Schema:
+        name, scope = action.words[1], self._scope()
+        parameters = scope.declare(action.nodes[0].nodes[0])
+        body = {each.kind: each for each in action.nodes[1].nodes}
         true = scope.truth(name.line)
         conditions = body["emptyor_pregd"].nodes if "emptyor_pregd" in body else ()
-        effects: list[SchemaEffect] = []
-        costs: list[Cost] = []
-        for each in body["emptyor_effect"].nodes if "emptyor_effect" in body else ():
-            self._effects(each, scope, (), true, effects, costs)
+        trees = body["emptyor_effect"].nodes if "emptyor_effect" in body else ()
+        found = [each for tree in trees for each in self._effects(tree, scope, (), true)]
+        effects = tuple(each for each in found if isinstance(each, SchemaEffect))
+        costs = tuple(each for each in found if isinstance(each, Cost))
         precondition = scope.formula(conditions[0]) if conditions else true
-        return Schema(str(name), parameters, precondition, tuple(effects), tuple(costs), name.line)
+        return Schema(str(name), parameters, precondition, effects, costs, name.line)
 
     def _effects(
-        self, tree: Node, scope: Scope, outer: tuple[Variable, ...], condition: Formula, effects: list[SchemaEffect],
-        costs: list[Cost],
-    ) -> None:  # fmt: skip
-        """Append the effects and costs of a syntax tree, below the quantified variables `outer` and a `condition`."""
+        self, tree: Node, scope: Scope, outer: tuple[Variable, ...], condition: Formula
+    ) -> Iterator[SchemaEffect | Cost]:
+        """Yield the effects and costs of a syntax tree, below the quantified variables `outer` and a `condition`."""
         first, parts = next(iter(tree.words), None), tree.nodes
         if tree.kind == "num_effect":
-            self._cost(tree, scope, bool(outer) or condition != scope.truth(condition.line), costs)
+            yield self._cost(tree, scope, bool(outer) or condition != scope.truth(condition.line))
         elif tree.kind == "atomic_formula_term":
-            effects.append(SchemaEffect(outer, condition, self._change(tree, scope, positive=True)))
+            yield SchemaEffect(outer, condition, self._change(tree, scope, positive=True))
         elif first == "not":
-            effects.append(SchemaEffect(outer, condition, self._change(parts[0], scope, positive=False)))
+            yield SchemaEffect(outer, condition, self._change(parts[0], scope, positive=False))
         elif first is not None and first == "oneof":
             self.refuse(first.line, "oneof: probabilistic effects cannot be imported; remove them")
         elif first == "forall":
             inner = scope.within()
             more = inner.declare(parts[0])
-            self._effects(parts[1], inner, (*outer, *more), condition, effects, costs)
+            yield from self._effects(parts[1], inner, (*outer, *more), condition)
         elif first == "when":
-            self._effects(parts[1], scope, outer, scope.formula(parts[0]), effects, costs)
+            yield from self._effects(parts[1], scope, outer, scope.formula(parts[0]))
         else:
             for part in parts:
-                self._effects(part, scope, outer, condition, effects, costs)
+                yield from self._effects(part, scope, outer, condition)
 
     def _change(self, tree: Node, scope: Scope, *, positive: bool) -> Literal:
         literal = scope.atom(tree, positive=positive)
@@ -181,7 +180,7 @@ class _DomainReader(_FileReader):
             self.refuse(literal.line, "an effect cannot make two terms equal; remove it")
         return literal
 
-    def _cost(self, tree: Node, scope: Scope, conditional: bool, costs: list[Cost]) -> None:
+    def _cost(self, tree: Node, scope: Scope, conditional: bool) -> Cost:
         operation, (head, value) = tree.words[0], tree.nodes
         line, name = operation.line, head.words[0]
         if operation != "increase" or name != TOTAL:
@@ -194,11 +193,10 @@ class _DomainReader(_FileReader):
         if len(value.nodes) > 1 or inner.kind == "f_exp":
             self.refuse(line, "a computed cost cannot be imported; write a number or one function")
         if inner.kind == "num_literal":
-            costs.append(Cost(self.number(inner.words[0]), line))
-            return
+            return Cost(self.number(inner.words[0]))
         function, terms = inner.words[0], tuple(map(scope.term, inner.children[1:]))
         self.signature("function", function, len(terms), self._functions)
-        costs.append(Cost((str(function), terms), line))
+        return Cost((str(function), terms))
 
     def _check_layers(self, derived: Iterable[Derived]) -> None:
         """Refuse derived predicates that are not stratified: their rules have no unique meaning."""
@@ -211,7 +209,8 @@ class _DomainReader(_FileReader):
                 if not literal.positive and name in _reached(literal.predicate, rule_literals):
                     text = f"{name} depends on the negation of {literal.predicate}, which depends on {name}"
                     self.refuse(literal.line, f"{text}; remove the negation")
-            for literal in chain.from_iterable(map(literals, universals(rule.formula))):
+            universal = (each for each in subformulas(rule.formula) if isinstance(each, Quantified) and each.every)
+            for literal in chain.from_iterable(map(literals, universal)):
                 if name in _reached(literal.predicate, rule_literals):
                     text = f"{name} depends on {literal.predicate} below a 'forall', which depends on {name}"
                     self.refuse(literal.line, f"{text}; remove the 'forall'")

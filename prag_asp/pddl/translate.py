@@ -9,9 +9,9 @@ from prag_asp.pddl.behaviour import Behaviour
 from prag_asp.pddl.clingo_names import TERMS, clingo_names
 from prag_asp.pddl.conditions import BASE, END, STEP, Rules, Vocabulary, applied
 from prag_asp.pddl.definitions import OBJECT, DomainFile, ProblemFile
-from prag_asp.pddl.formulas import Formula, Junction, Literal, Quantified, Variable, literals
+from prag_asp.pddl.formulas import Formula, Junction, Literal, Quantified, Variable, literals, subformulas
 from prag_asp.pddl.line_map import FileLine, PlacedLine
-from prag_asp.pddl.program_text import filled, heading, statement, wrapped
+from prag_asp.pddl.program_text import filled, heading, statement
 from prag_asp.program.sources import EVER_AT_START, EVER_BY_ACTIONS
 
 CLOSED = '#include "rules/closed_world.lp".'
@@ -108,17 +108,15 @@ class Translation:
         types, domain = self.words.types, self._domain.types
         used = {each for kinds in self.words.kinds.values() for each in (name for types in kinds for name in types)}
         used |= set(self._problem.objects.values())
-        used |= {name for formula in self._formulas() for each in _quantified(formula) for name in each.types}
+        for formula in chain.from_iterable(map(subformulas, self._formulas())):
+            if isinstance(formula, Quantified):
+                used |= {name for each in formula.variables for name in each.types}
         rooted = OBJECT in used
         for name, above in domain.items():
             self._rules.comes_from("domain", self._domain.type_lines.get(name, 1))
-            if name == OBJECT:
-                if rooted:
-                    yield f"class({types[OBJECT]})."
-                continue
-            parents = above or ((OBJECT,) if rooted else ())
+            parents = above or ((OBJECT,) if rooted and name != OBJECT else ())
             yield from (f"class({types[name]}, {types[parent]})." for parent in parents)
-            if not parents:
+            if not parents and (rooted or name != OBJECT):
                 yield f"class({types[name]})."
 
     def _formulas(self) -> Iterator[Formula]:
@@ -143,7 +141,7 @@ class Translation:
         for kind, names in kinds.items():
             self._rules.at = places[kind]
             pool = names[0] if len(names) == 1 else f"({'; '.join(names)})"
-            yield from wrapped(f"entity({pool}, {self.words.types[kind]}).")
+            yield from filled(f"entity({pool}, {self.words.types[kind]}).".split(" "), indent="   ")
 
     def _static(self) -> Iterator[str]:
         """Yield the facts of static predicates."""
@@ -170,12 +168,3 @@ class Translation:
             terms = [f"X{number}" if len(kinds) > 1 else "X" for number in range(1, len(kinds) + 1)]
             head = f"fluent({applied(self.words.predicates[name], terms)})"
             yield statement(head, map(self.words.is_a, terms, kinds))
-
-
-def _quantified(formula: Formula) -> Iterator[Variable]:
-    if isinstance(formula, Junction):
-        for part in formula.parts:
-            yield from _quantified(part)
-    elif isinstance(formula, Quantified):
-        yield from formula.variables
-        yield from _quantified(formula.part)
