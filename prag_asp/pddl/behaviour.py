@@ -121,7 +121,7 @@ class Behaviour:
                 continue
             always = [each for each in conflicting if _is_plain(each)]
             if any(each.literal.terms == literal.terms for each in always):
-                continue
+                continue  # the fluent is added whenever it is deleted
             if _is_plain(effect) and not conflicting:
                 plain[literal.positive].append(atom)
                 continue
