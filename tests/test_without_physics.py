@@ -78,7 +78,7 @@ def test_the_environment_lacks_what_it_is_to_lack(python: Path) -> None:
 def test_the_suite_of_logic_passes(python: Path) -> None:
     done = run(python, "-m", "pytest", "-q", "-x", *CHEAP, "-o", "addopts=", "-p", "no:cacheprovider", *LOGIC)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert int(done.stdout.split(" passed")[0].split()[-1]) > 600
+    assert int(done.stdout.split(" passed")[0].split()[-1]) > 400
 
 
 def test_check_reads_a_scene_and_learns_which_grips_fail(python: Path) -> None:
