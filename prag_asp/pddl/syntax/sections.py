@@ -7,6 +7,7 @@ from bisect import bisect
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from itertools import islice
+from operator import itemgetter
 from typing import NoReturn
 
 TOKEN = re.compile(r"[()]|[^\s()]+")
@@ -35,15 +36,13 @@ class Arranged:
     """A text composed of pieces of a source text, with the position of each piece in the source."""
 
     _source: str
-    _pieces: list[str] = field(default_factory=list)
-    _starts: list[int] = field(default_factory=list)
-    _origins: list[int] = field(default_factory=list)
-    _length: int = 0
+    _pieces: list[tuple[int, int, str]] = field(default_factory=list)
+    """The pieces: position in this text, position in the source, text."""
 
     @property
     def text(self) -> str:
         """The text."""
-        return "".join(self._pieces)
+        return "".join(text for _, _, text in self._pieces)
 
     def take(self, start: int, end: int) -> None:
         """Append a piece of the source."""
@@ -51,15 +50,13 @@ class Arranged:
 
     def insert(self, text: str, at: int) -> None:
         """Append text whose position in the source is `at`, also if the source lacks it."""
-        self._pieces.append(f"{text} ")
-        self._starts.append(self._length)
-        self._origins.append(at)
-        self._length += len(text) + 1
+        start = self._pieces[-1][0] + len(self._pieces[-1][2]) if self._pieces else 0
+        self._pieces.append((start, at, f"{text} "))
 
     def origin(self, position: int) -> int:
         """Return the position in the source of a character of this text."""
-        piece = max(bisect(self._starts, position) - 1, 0)
-        return self._origins[piece] + min(position - self._starts[piece], len(self._pieces[piece]))
+        start, at, text = self._pieces[max(bisect(self._pieces, position, key=itemgetter(0)) - 1, 0)]
+        return at + min(position - start, len(text))
 
 
 def arranged(text: str, kind: str, refuse: Refuse) -> Arranged:
