@@ -11,9 +11,8 @@ from math import perm, prod
 
 import clingo
 
-from prag_asp.checking import check
 from prag_asp.errors import DomainError
-from prag_asp.lint import Checked, with_entities
+from prag_asp.lint import Checked, check, with_entities
 from prag_asp.processes.progress_events import note
 from prag_asp.program.facts import Facts, ground_later
 from prag_asp.program.grounding import Grounder
