@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import os
 import sys
 from collections.abc import Sequence
@@ -52,9 +51,6 @@ GROUPS = {
 }
 """The commands in the order of the help."""
 
-GARBAGE = (100_000, 50, 100)
-"""Thresholds of Python's garbage collector, for few runs: a ground program is many small values without cycles."""
-
 
 class Commands(click.Group):
     """A group that imports a command when it is needed, and turns errors into one line and an exit code."""
@@ -93,7 +89,6 @@ class Commands(click.Group):
             return complete(self, name, COMPLETION)
         if hasattr(sys, "set_int_max_str_digits"):
             sys.set_int_max_str_digits(0)
-        gc.set_threshold(*GARBAGE)
         with exit_control.running():
             try:
                 with self.make_context(name, list(sys.argv[1:] if args is None else args)) as context:
