@@ -88,12 +88,7 @@ def progress() -> Iterator[Tell]:
         yield tell
 
 
-def _tell_note(words: str) -> None:
-    if isinstance(words, Note):
-        tell_line(_first_line(words))
-
-
-hear(_tell_note)
+hear(lambda words: tell_line(_first_line(words)) if isinstance(words, Note) else None)
 
 
 def _first_line(words: str) -> str:
