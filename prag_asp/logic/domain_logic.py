@@ -173,14 +173,9 @@ class DomainLogic:
         return self._stratified(program)
 
     @cached_property
-    def _plan_transition(self) -> Transition:
-        """The step function of plans, shared by all levels and engines."""
-        return _built(self.step)
-
-    @cached_property
-    def _task_transition(self) -> Transition:
-        """The step function of tasks."""
-        return _built(self._task_step)
+    def _transitions(self) -> dict[bool, Transition]:
+        """The step functions of plans (False) and of tasks (True), shared by all levels and engines."""
+        return {}
 
     def _stratified(self, program: Program) -> NormalStep:
         """Return one step of a program in normal form."""
@@ -223,19 +218,15 @@ class DomainLogic:
         """
         if self.obstacles:
             raise self.obstacles[0].error()
+        from prag_asp.logic.ground.program import weighing_program  # noqa: PLC0415 - as above
+        from prag_asp.logic.step.transition import build_transition  # noqa: PLC0415
+
         reduces = tasks and bool(self.symmetries(0))
         if not weighed and not labels:
-            return self._task_transition if reduces else self._plan_transition
+            if reduces not in self._transitions:
+                self._transitions[reduces] = build_transition(self._task_step if reduces else self.step)
+            return self._transitions[reduces]
         if not weighed:
-            return _built(self._task_step if reduces else self.step, labels)
+            return build_transition(self._task_step if reduces else self.step, labels)
         program = self.task_program(0) if reduces else self.program
-        from prag_asp.logic.ground.program import weighing_program  # noqa: PLC0415 - as above
-
-        return _built(self._stratified(weighing_program(self.domain, program, weighed)), labels)
-
-
-def _built(step: NormalStep, labels: Sequence[clingo.Symbol] = ()) -> Transition:
-    """Return the step function of a step in normal form."""
-    from prag_asp.logic.step.transition import build_transition  # noqa: PLC0415 - as above
-
-    return build_transition(step, labels)
+        return build_transition(self._stratified(weighing_program(self.domain, program, weighed)), labels)

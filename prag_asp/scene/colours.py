@@ -26,6 +26,7 @@ LIGHTNESS, CHROMA = (28.0, 88.0), (28.0, 90.0)
 blue as a screen can be."""
 
 
+@lru_cache(maxsize=256)
 def to_lab(color: str) -> NDArray[np.float64]:
     """Return lightness, a and b of a colour like ``#e4572e``."""
     lab: NDArray[np.float64] = _lab(np.array([[int(color[i : i + 2], 16) for i in (1, 3, 5)]]))[0]

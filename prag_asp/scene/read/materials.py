@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import islice
 
 from prag_asp.scene.colours import apart, more_colours
 from prag_asp.scene.read.scene_values import DomainNames, color
@@ -67,5 +68,6 @@ def read_colors(section: TableEntry, names: DomainNames, shapes: Mapping[str, Sh
 def _distinct_colors(taken: Sequence[str], count: int) -> list[str]:
     """Return `count` colours that look different from those that are taken, and from each other."""
     others = (*dict.fromkeys(taken), *AROUND)
-    chosen = [each for each in PALETTE if all(apart(each, other) >= DISTINCT for other in others)][:count]
+    distinct = (each for each in PALETTE if all(apart(each, other) >= DISTINCT for other in others))
+    chosen = list(islice(distinct, count))
     return [*chosen, *more_colours((*others, *chosen), count - len(chosen))] if len(chosen) < count else chosen
