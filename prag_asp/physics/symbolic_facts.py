@@ -141,8 +141,9 @@ def physical_task(task: Task, scene: Scene) -> PhysicalTask:
         effects.append(effect)
     named = {entity for facts_of in states for fact in facts_of for entity in fact.arguments}
     # Fixed bodies are obstacles even if the task does not name them.
-    objects = tuple(entity for entity in [*task.entities, *sorted(named), *scene.fixed] if _is_object(scene, entity))
-    return PhysicalTask(tuple(dict.fromkeys(objects)), states[0], start, tuple(effects))
+    entities = dict.fromkeys([*task.entities, *sorted(named), *scene.fixed])
+    objects = tuple(each for each in entities if each in scene.shapes and scene.shapes[each].traits.body)
+    return PhysicalTask(objects, states[0], start, tuple(effects))
 
 
 def _facts(scene: Scene, state: State, cache: dict[tuple[Atom, bool], Fact | None]) -> tuple[Fact, ...]:
@@ -166,7 +167,7 @@ def _fact(scene: Scene, atom: Atom, value: bool) -> Fact | None:
         names: Mapping[str, object] = scene.rotations if role == "rotation" else scene.shapes
         if entity not in names:
             table = "rotations" if role == "rotation" else "shapes"
-            raise SceneError(f"{atom} speaks about {entity}, which has no entry under [scene.{table}]")
+            raise SceneError(f"{atom} names {entity}, which has no entry under [scene.{table}]")
     if not value and len(set(atom.arguments)) < len(atom.arguments):
         return None  # nothing is in a relation to itself
     own = scene.own.get(name)
@@ -209,8 +210,13 @@ def _effect(scene: Scene, step: Step, all_held: Mapping[str, str]) -> ActionEffe
     releases = held if _known(subgoal, Gripper.HOLDS, held) is False else None
     visits = _only(subgoal, Gripper.AT)
     holds = held if grasps is None and releases is None else None
-    moved = [_moved(fact, held) for fact in subgoal if fact.value and _moves(fact)]
-    known_before = set(step.before)
+    known_before, moved = set(step.before), []
+    for fact in subgoal:
+        if fact.value and not (fact.predicate.of_gripper or fact.predicate.of_joint):
+            # A held object moves even if it is not the subject of the relation.
+            carried = held in fact.arguments and not fact.predicate.places
+            moved.append(str(held) if carried else fact.arguments[fact.predicate.subject])
+    turned = [f.arguments[0] for f in subgoal if f.predicate.of_joint and f not in known_before]
     return ActionEffect(
         action=step.action,
         number=step.number,
@@ -223,36 +229,14 @@ def _effect(scene: Scene, step: Step, all_held: Mapping[str, str]) -> ActionEffe
         and any(f.predicate.supports and not f.value and f.arguments[0] == grasps for f in subgoal),
         stays=releases is not None and _known(of_robot(step.after, robot), Gripper.AT, releases) is True,
         moved=tuple(dict.fromkeys(moved)),
-        turns=tuple(dict.fromkeys(fact.arguments[0] for fact in subgoal if _turns(fact, known_before))),
-        closes=_closes(subgoal),
+        turns=tuple(dict.fromkeys(turned)),
+        closes=any(fact.predicate.gripper is Gripper.OPEN and not fact.value for fact in subgoal),
         after=step.after,
         fresh=tuple(fact for fact in step.after if fact not in known_before),
         over=_only(subgoal, Gripper.OVER),
         robot=robot,
         giver=_giver(step.subgoal, robot, grasps, all_held),
     )
-
-
-def _moves(fact: Fact) -> bool:
-    """Return whether a fact is made true by moving an object, not a gripper or a part of furniture."""
-    return not (fact.predicate.of_gripper or fact.predicate.of_joint)
-
-
-def _moved(fact: Fact, held: str | None) -> str:
-    """Return the object that moves when a fact is made true: the held one if it is an argument, else the subject."""
-    if held in fact.arguments and not fact.predicate.places:
-        return str(held)
-    return fact.arguments[fact.predicate.subject]
-
-
-def _turns(fact: Fact, old_facts: set[Fact]) -> bool:
-    """Return whether a fact about the opening of furniture is new."""
-    return fact.predicate.of_joint and fact not in old_facts
-
-
-def _closes(subgoal: Iterable[Fact]) -> bool:
-    """Return whether an action closes the gripper."""
-    return any(fact.predicate.gripper is Gripper.OPEN and not fact.value for fact in subgoal)
 
 
 def _only(state: Iterable[Fact], does: Gripper) -> str | None:
@@ -264,8 +248,3 @@ def _known(state: Iterable[Fact], does: Gripper, entity: str | None) -> bool | N
     """Return the value of a fact about a gripper and an object, None if it is unknown."""
     matching = (f.value for f in state if f.predicate.gripper is does and f.arguments[1] == entity)
     return next(matching, None)
-
-
-def _is_object(scene: Scene, entity: str) -> bool:
-    """Return whether an entity is an object: it has a shape, and is no robot, table or zone."""
-    return entity in scene.shapes and scene.shapes[entity].traits.body

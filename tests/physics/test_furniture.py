@@ -219,7 +219,7 @@ def test_on_the_table_means_over_nothing_hollow(kitchen):
 @pytest.mark.parametrize(
     ("table", "message"),
     [
-        ({"fixed": {}}, "scene.fixed.it: missing; write where it stands, because a drawer"),
+        ({"fixed": {}}, "scene.fixed.it: missing; write the place of it, because a drawer"),
         ({"shapes": {"box": {"kind": "drawer", "size": [0.05, 0.2, 0.1]}}}, "scene.shapes.box.size: needs one size"),
         (
             {"shapes": {"box": {"kind": "drawer", "size": {"low": [0.2, 0.2, 0.1], "high": [0.3, 0.2, 0.1]}}}},

@@ -123,7 +123,10 @@ class Studio:
     def take(self, camera: Camera) -> Picture:
         """Return the present image of a camera."""
         pose = self.pose(camera)
-        behind = self._behind(camera, pose)
+        behind = None if camera.mount else self._fixed.get(camera)
+        if behind is None:
+            behind = backdrop(self._scene, camera, pose, self._zones, self._table, self._light, self._floors)
+            self._fixed[camera] = behind
         colors, buffer, bodies = self._drawn(camera, pose)
         near, far = camera.near, camera.far
         depth = far * near / (far - (far - near) * buffer)
@@ -149,14 +152,6 @@ class Studio:
             if link in self._parts.get(body, (link,)):
                 seen[self.legend[self._numbers[body + 1]]] += int(count)
         return seen
-
-    def _behind(self, camera: Camera, pose: NDArray[np.float64]) -> Backdrop:
-        """Return the backdrop of a camera; that of a fixed camera is cached."""
-        cached = None if camera.mount else self._fixed.get(camera)
-        if cached is None:
-            cached = backdrop(self._scene, camera, pose, self._zones, self._table, self._light, self._floors)
-            self._fixed[camera] = cached
-        return cached
 
     def _drawn(
         self, camera: Camera, pose: NDArray[np.float64], flags: int = 0

@@ -1,4 +1,4 @@
-"""Read ``[scene.robots]``: which robots there are, and where they stand."""
+"""Read ``[scene.robots]``: the kinds and the bases of the robots."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ import math
 from collections.abc import Mapping
 from itertools import combinations
 
-from prag_asp.scene.footprint import TOUCHING, Footprint, Place, apart
+from prag_asp.scene.footprint import TOUCHING, Footprint, apart
 from prag_asp.scene.robots import ROBOTS
 from prag_asp.scene.scene import Mount, Scene, Shape, only_robot
 from prag_asp.tables.report import TableEntry
 
 FARTHEST = 2.0
-"""How far from the origin the base of a robot may be along x and y, in metres: a table is no larger."""
+"""The largest distance of the base of a robot from the origin along x and y, in metres: a table is no larger."""
 
 CLOSEST = 0.4
 """The least distance between the bases of two robots, in metres."""
 
 
 def read_robots(section: TableEntry, shapes: Mapping[str, Shape], usual: str) -> dict[str, Mount]:
-    """Return where each robot stands, by entity; where the table says nothing the only one stands at the origin.
+    """Return the mount of each robot by its entity; a table without entries means one robot at the origin.
 
-    `usual` is the kind of those whose table does not say.
+    `usual` is the kind of a robot whose table names none.
     """
     entities = [entity for entity, shape in shapes.items() if shape.kind == "robot"]
     mounts = {}
@@ -29,11 +29,15 @@ def read_robots(section: TableEntry, shapes: Mapping[str, Shape], usual: str) ->
         if entity in section.report.doubtful:
             continue
         if entity not in entities:
-            entry.add(f"is no entity with the shape of a robot; they are {', '.join(entities) or 'none'}")
+            entry.add(f"is not an entity with the shape of a robot; the scene has {', '.join(entities) or 'none'}")
         elif entry.is_table("like { base = [0.0, 0.4, 0] }", ("kind", "base")):
-            mount = _mount(entry, usual)
+            kind = entry.at("kind", usual).choice(tuple(ROBOTS)) or usual
+            base = entry.at("base", [0.0, 0.0, 0.0])
+            x, y, yaw = base.numbers(3, "x and y in metres and a yaw in degrees") or (0.0, 0.0, 0.0)
+            if max(abs(x), abs(y)) > FARTHEST:
+                base.add(f"is more than {FARTHEST:g} m from the origin; move it nearer")
             if entry.is_sound:
-                mounts[entity] = mount
+                mounts[entity] = Mount(kind, x, y, math.radians(yaw))
     if (section.value or len(entities) > 1) and section.is_sound:
         for entity in entities:
             if entity not in section.value:
@@ -46,28 +50,15 @@ def read_robots(section: TableEntry, shapes: Mapping[str, Shape], usual: str) ->
     return mounts or only_robot(shapes, usual)
 
 
-def _mount(entry: TableEntry, usual: str) -> Mount:
-    """Return where one robot stands."""
-    kind = entry.at("kind", usual).choice(tuple(ROBOTS)) or usual
-    place = entry.at("base", [0.0, 0.0, 0.0])
-    x, y, yaw = place.numbers(3, "x and y in metres and a yaw in degrees") or (0.0, 0.0, 0.0)
-    if max(abs(x), abs(y)) > FARTHEST:
-        place.add(f"is more than {FARTHEST:g} m from the origin; move it nearer")
-    return Mount(kind, x, y, math.radians(yaw))
-
-
 def check_bases(section: TableEntry, scene: Scene) -> None:
-    """Report fixed bodies that stand on the base of a robot; the section is ``scene.fixed``."""
+    """Report fixed bodies of a scene that overlap the base of a robot; the section is ``scene.fixed``."""
     for entity, place in scene.fixed.items():
         shape = scene.shapes[entity]
         for robot, mount in scene.robots.items() if shape.traits.body else ():
-            pieces = (piece._replace(place=_in_scene(mount, piece.place)) for piece in ROBOTS[mount.kind].footprint)
-            if not all(apart(Footprint(shape, place), piece, TOUCHING) for piece in pieces):
-                section.at(entity).add(f"{entity} stands on the base of {robot}; move it")
-
-
-def _in_scene(mount: Mount, place: Place) -> Place:
-    """Return a place in the frame of a robot as one in the frame of the scene."""
-    x, y, yaw = place
-    cosine, sine = math.cos(mount.yaw), math.sin(mount.yaw)
-    return mount.x + cosine * x - sine * y, mount.y + sine * x + cosine * y, mount.yaw + yaw
+            cosine, sine = math.cos(mount.yaw), math.sin(mount.yaw)
+            for piece in ROBOTS[mount.kind].footprint:
+                x, y, yaw = piece.place
+                there = (mount.x + cosine * x - sine * y, mount.y + sine * x + cosine * y, mount.yaw + yaw)
+                if not apart(Footprint(shape, place), piece._replace(place=there), TOUCHING):
+                    section.at(entity).add(f"{entity} stands on the base of {robot}; move it")
+                    break

@@ -43,18 +43,18 @@ SCENE_KEYS = (
 )
 
 FACTORS = (0.05, 20.0)
-"""The least and the largest factor of friction and mass: they cover all materials that bodies are made of."""
+"""The smallest and the largest factor of friction and mass, which cover all materials."""
 
 LARGEST_RANGES: Mapping[str, tuple[float, str]] = {
     "light": (80.0, "degrees"),
     "camera": (0.4, "a share of how far the camera is from what it looks at"),
     "colour": (60.0, "Delta E in CIELAB"),
 }
-"""The largest value of each kind, and its unit."""
+"""The largest range of each kind, and its unit."""
 
 
 def read_scene(root: TableEntry, names: DomainNames) -> Scene:
-    """Return the scene of a ``[scene]`` table; the default stands in for a wrong value, which is reported."""
+    """Return the scene of a ``[scene]`` table; a wrong value is reported, and replaced by the default."""
     report = root.report
     root.require_known(SCENE_KEYS)
     if not isinstance(root.value.get("shapes", {}), Mapping) or (*root.keys, "shapes") in report.misspelt:
@@ -88,15 +88,15 @@ def read_scene(root: TableEntry, names: DomainNames) -> Scene:
 
 
 def _check_bodies(root: TableEntry, scene: Scene, names: DomainNames) -> None:
-    """Report bodies that cannot stand where they are, or anywhere.
+    """Report bodies with an impossible place.
 
-    These are objects larger than the table, fixed ones off it or in each other or a robot, bodies that fall over, and
-    furniture without a place.
+    These are bodies larger than the table, fixed bodies off the table or overlapping each other or a robot, bodies that
+    fall over, and furniture without a place.
     """
     report, shapes, places = root.report, root.section("shapes"), root.section("fixed")
     for entity, shape in scene.shapes.items():
         if shape.traits.furniture and entity not in scene.fixed:
-            places.at(entity).needs(f"where {entity} stands, because a {shape.kind} does not move")
+            places.at(entity).needs(f"the place of {entity}, because a {shape.kind} does not move")
     fallen: dict[str, str] = {}
     for entity, shape in scene.shapes.items():
         if not shape.traits.body:
@@ -110,15 +110,15 @@ def _check_bodies(root: TableEntry, scene: Scene, names: DomainNames) -> None:
             shapes.at(owner).add(f"{text}; make it smaller")
             report.doubtful.add(entity)
     for owner, entity in fallen.items():
-        text = f"{entity} falls over: the middle of its box, its centre of mass here, is not above what it stands on"
-        shapes.at(owner).at("path").add(f"{text}; turn it, widen its foot, or fix it to a place")
+        text = f"{entity} falls over: its centre of mass, the centre of its box, is not above its base"
+        shapes.at(owner).at("path").add(f"{text}; turn it, widen its base, or fix its place")
     fixed = {entity: place for entity, place in scene.fixed.items() if entity not in report.doubtful}
     check_places(places, scene.table, scene.shapes, fixed)
     check_bases(places, replace(scene, fixed=fixed))
 
 
 def _predicates(section: TableEntry, own: Mapping[str, Own]) -> dict[str, str]:
-    """Return which spatial predicate a fluent name means."""
+    """Return the spatial predicate of each fluent name."""
     names = [*PREDICATE_ROLES, *own, IGNORED]
     for _, entry in section.entries():
         if entry.value not in names and str(entry.value) not in section.report.doubtful:
@@ -127,7 +127,7 @@ def _predicates(section: TableEntry, own: Mapping[str, Own]) -> dict[str, str]:
 
 
 def _rotations(section: TableEntry) -> dict[str, float]:
-    """Return the yaw in radians that a name stands for."""
+    """Return the yaw of each rotation in radians."""
     rotations = {}
     for name, entry in section.entries():
         if is_number(entry.value):
@@ -138,7 +138,7 @@ def _rotations(section: TableEntry) -> dict[str, float]:
 
 
 def _ranges(section: TableEntry) -> Ranges:
-    """Return the ranges of ``[scene.vary]`` within which episodes vary, the usual ones where it names none."""
+    """Return the ranges of domain randomization; a missing one is the default."""
     usual, (low, high) = Ranges(), FACTORS
     section.require_known(Ranges._fields)
     ranges: dict[str, Any] = {}

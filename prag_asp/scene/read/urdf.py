@@ -1,8 +1,7 @@
-"""Read a URDF of one rigid link: what it collides with, the box around that, and its mass.
+"""Read a URDF of one rigid link: its collision solids, their bounding box, and its mass.
 
-Only what is needed to place and grasp a body: boxes, cylinders, balls and meshes (.obj and .stl, of which simulators
-take convex hulls). Sizes are those of the solids and of the meshes' own corners. Nothing here loads a simulator, so the
-linter can measure a body. Lengths are metres.
+The solids are boxes, cylinders, balls and meshes (.obj and .stl, of which simulators take convex hulls); other elements
+are ignored. No simulator is loaded, so that the linter can measure a body. Lengths are metres.
 """
 
 from __future__ import annotations
@@ -26,19 +25,19 @@ from prag_asp.wording import plural
 
 ZEROS = "0 0 0"
 LARGEST = 1_000_000
-"""Bytes of a URDF: one rigid link has no use for more."""
+"""The largest size of a URDF in bytes, ample for one rigid link."""
 
 MOST_SOLIDS = 1000
-"""Collisions that a body may have: each takes its time in every check of every pose."""
+"""The largest number of collision solids of a body: each takes time in every check of every pose."""
 
 
 def read_urdf(path: Path, folder: Path) -> Shape:
-    """Return the shape of the body that a URDF describes; it and its meshes lie inside a folder.
+    """Return the shape of the body that a URDF describes; the file and its meshes have to be inside a folder.
 
-    Its middle is the centre of the box around all that collides, and is taken for its centre of mass.
+    The centre of the bounding box of the solids becomes the origin, and counts as the centre of mass.
 
     Raises:
-        SceneError: a file is missing, outside or malformed, or describes something else than one rigid body.
+        SceneError: a file is missing, outside or malformed, or does not describe one rigid body.
     """
     _require_inside(path, folder)
     root, lines = _parsed(path, folder)
@@ -67,10 +66,10 @@ def read_urdf(path: Path, folder: Path) -> Shape:
 
 
 def _parsed(path: Path, folder: Path) -> tuple[ElementTree.Element, dict[ElementTree.Element, int]]:
-    """Return the outermost element of an XML file, and the line in which each element begins.
+    """Return the root of an XML file, and the line in which each element begins.
 
     Raises:
-        SceneError: the file cannot be read, is not XML, or has more collisions than a body may have.
+        SceneError: the file cannot be read, is not XML, or has too many collision solids.
     """
     try:
         content = read_bytes(path, within=folder, at_most=LARGEST)
@@ -98,10 +97,10 @@ def _parsed(path: Path, folder: Path) -> tuple[ElementTree.Element, dict[Element
 
 @contextmanager
 def _errors_at(path: Path, line: int, what: str) -> Iterator[None]:
-    """Prefix errors in the block with their line in a URDF and the element they belong to.
+    """Prefix errors that the block raises with the line of an element of a URDF and its name.
 
     Raises:
-        SceneError: what is read raises one.
+        SceneError: the block raises one.
     """
     try:
         yield
@@ -110,7 +109,7 @@ def _errors_at(path: Path, line: int, what: str) -> Iterator[None]:
 
 
 def _require_inside(path: Path, folder: Path) -> None:
-    """Check that a file is there, and inside a folder.
+    """Check that a file exists inside a folder.
 
     Raises:
         SceneError: it is not.
@@ -122,7 +121,7 @@ def _require_inside(path: Path, folder: Path) -> None:
 
 
 def _solid(element: ElementTree.Element, path: Path, folder: Path) -> Solid:
-    """Return the solid of one collision element.
+    """Return the solid of a collision element.
 
     Raises:
         SceneError: its geometry is missing, unknown, or not of positive size.
@@ -148,10 +147,10 @@ def _solid(element: ElementTree.Element, path: Path, folder: Path) -> Solid:
 
 
 def _thick(solid: Solid) -> Solid:
-    """Return a solid that is nowhere too thin to collide with.
+    """Return a solid after a check that it is thick enough to collide with.
 
     Raises:
-        SceneError: it is.
+        SceneError: it is not.
     """
     if min(solid.size) < SMALLEST:
         raise SceneError(f"a <{solid.kind}> is {_thin(min(solid.size))}")
@@ -159,12 +158,12 @@ def _thick(solid: Solid) -> Solid:
 
 
 def _thin(thickness: float) -> str:
-    """Return in words that a solid is too thin, and what to do."""
+    """Return the problem of a solid that is too thin, and the remedy, in words."""
     return f"{thickness:.3g} m thin; make it at least {SMALLEST:g} m thick"
 
 
 def _lengths(element: ElementTree.Element, name: str, count: int, default: str = "") -> Size:
-    """Return positive numbers of an attribute, zeros after the first `count`.
+    """Return the `count` positive numbers of an attribute, padded with zeros.
 
     Raises:
         SceneError: they are not.
@@ -176,10 +175,10 @@ def _lengths(element: ElementTree.Element, name: str, count: int, default: str =
 
 
 def _numbers(text: str, count: int, name: str) -> Size:
-    """Return finite numbers of an attribute, zeros after the first `count`.
+    """Return the `count` finite numbers of a text, padded with zeros.
 
     Raises:
-        SceneError: they are not, or not as many.
+        SceneError: they are not finite, or their number is another.
     """
     try:
         values = [float(word) for word in text.split()]
@@ -191,7 +190,7 @@ def _numbers(text: str, count: int, name: str) -> Size:
 
 
 def _ends(solid: Solid) -> Iterator[Size]:
-    """Yield points of a solid in the frame of the link that have the same bounding box as all of it.
+    """Yield points that have the bounding box of a solid in the frame of the link.
 
     Raises:
         SceneError: a mesh cannot be read, or is too thin.

@@ -81,7 +81,11 @@ class KukaSolver:
             yield AROUND
             yield COARSE
             return
-        angle = _elbow_angle(near)
+        upper = _z(near[0]) @ _y(near[1])
+        elbow = UPPER * upper[:, 2]
+        wrist = elbow + FOREARM * (upper @ _z(near[2]) @ _y(-near[3]))[:, 2]
+        _, up, side = _frame(wrist / np.linalg.norm(wrist))
+        angle = math.atan2(elbow @ side, elbow @ up)
         yield (angle,)
         yield tuple(angle + turn for turn in NARROW)
 
@@ -113,15 +117,6 @@ def _frame(along: Floats) -> tuple[Floats, Floats, Floats]:
     up = reference - (reference @ along) * along
     up /= np.linalg.norm(up)
     return along, up, np.cross(along, up)
-
-
-def _elbow_angle(joints: Joints) -> float:
-    """Return how far the elbow is turned about the line from shoulder to wrist, in radians."""
-    upper = _z(joints[0]) @ _y(joints[1])
-    elbow = UPPER * upper[:, 2]
-    wrist = elbow + FOREARM * (upper @ _z(joints[2]) @ _y(-joints[3]))[:, 2]
-    _, up, side = _frame(wrist / np.linalg.norm(wrist))
-    return math.atan2(elbow @ side, elbow @ up)
 
 
 def _z(angle: float | Floats) -> Floats:

@@ -353,7 +353,7 @@ def test_a_body_that_does_not_stand_by_itself_is_refused(tmp_path, turn, solid, 
     if stands:
         assert scene_in(tmp_path, "m.urdf").shapes["cube_1"].model.mass == 1.0
         return
-    with pytest.raises(SceneError, match=r"scene\.shapes\.cube\.path: cube_1 falls over: .*; turn it, widen its foot"):
+    with pytest.raises(SceneError, match=r"scene\.shapes\.cube\.path: cube_1 falls over: .*; turn it, widen its base"):
         scene_in(tmp_path, "m.urdf")
 
 

@@ -120,7 +120,7 @@ def test_degrees_become_radians_and_fluents_get_their_meaning():
         ({**FINE, "fixed": {"cube_9": [0.5, 0]}}, "scene.fixed.cube_9: unknown entity; did you mean cube_1?"),
         (
             {**FINE, "fixed": {"panda": [0.5, 0]}},
-            "scene.fixed.panda: is the place of a robot, which has none; fix an entity",
+            "scene.fixed.panda: names a robot, which cannot be fixed; fix an entity",
         ),
         (
             {**FINE, "predicates": {"on": "ontop"}},
