@@ -147,11 +147,7 @@ def animate(
 
 
 def _moments(task: Task, shown: Witness | Demonstration) -> Sequence[Moment]:
-    """Return the moments of the states of a task in a witness or a demonstration.
-
-    Raises:
-        QueryError: their number is not that of the task.
-    """
+    """Return the moments of the states of a task in a witness or a demonstration."""
     if isinstance(shown, Witness):
         unfit = count_mismatch(shown, len(task.actions))
         if unfit is not None:
@@ -172,12 +168,7 @@ def _actions(task: Task) -> str:
 def _simulator(
     task: Task, shown: Witness | Demonstration, moments: Sequence[Moment], scene: Scene
 ) -> Iterator[Simulator]:
-    """Open a simulator that can show all moments.
-
-    Raises:
-        QueryError: the scene does not allow the size of an object, or a moment lacks an object or an arm of the task,
-            has another, or has invalid numbers.
-    """
+    """Open a simulator that can show all moments."""
     try:
         sized = scene.with_sizes(shown.sizes) if isinstance(shown, Witness) else shown.sized_scene(scene)
     except SceneError as error:
@@ -192,11 +183,7 @@ def _simulator(
 
 
 def _check_headings(task: Task, headings: Sequence[str | None] | None) -> None:
-    """Check that there is a heading for each action.
-
-    Raises:
-        QueryError: there is not.
-    """
+    """Check that there is a heading for each action."""
     if headings is not None and len(headings) != len(task.actions):
         raise QueryError(f"{plural(len(headings), 'heading')} for {_actions(task)}; give one for each")
 

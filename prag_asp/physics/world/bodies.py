@@ -87,11 +87,7 @@ def _make(
     color: str | None,
     free: bool = False,
 ) -> int:
-    """Make one body of several solids; without a colour it is invisible.
-
-    Raises:
-        SceneError: PyBullet refuses a shape.
-    """
+    """Make one body of several solids; without a colour it is invisible."""
     solid, looks = make_shapes(made_of, client, color)
     body = pybullet.createMultiBody(mass, solid, looks, at, useMaximalCoordinates=free, physicsClientId=client)
     if body < 0:

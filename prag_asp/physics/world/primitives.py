@@ -111,11 +111,7 @@ def mesh_file(solid: Solid) -> tuple[str, bytes]:
 
 @lru_cache(maxsize=32)
 def _mesh_file(mesh: str, scale: tuple[float, float, float], _state: tuple[int, int]) -> tuple[str, bytes]:
-    """Return a name and an .obj; `_state` is that of the mesh's file, so that a changed file is read again.
-
-    Raises:
-        SceneError: the mesh cannot be read.
-    """
+    """Return a name and an .obj; `_state` is that of the mesh's file, so that a changed file is read again."""
     parts = mesh_parts(mesh, scale)
     points = dict.fromkeys(chain.from_iterable(chain.from_iterable(parts)))
     numbers = {point: i for i, point in enumerate(points, 1)}

@@ -161,11 +161,7 @@ class Simulator:
         pybullet.resetBasePositionAndOrientation(body, pose.position, pose.quaternion, physicsClientId=self.client)
 
     def _chosen(self) -> dict[str, int]:
-        """Return the body of each object in its present size.
-
-        Raises:
-            SceneError: there is none of that size.
-        """
+        """Return the body of each object in its present size."""
         shapes, objects = self.scene.shapes, dict.fromkeys(entity for entity, _ in self._pool)
         missing = [entity for entity in objects if (entity, shapes[entity]) not in self._pool]
         if missing:

@@ -78,11 +78,7 @@ def _scaled(point: Point, scale: Point) -> Point:
 
 
 def _parts(path: str) -> tuple[Part, ...]:
-    """Return the parts of a mesh in the unit of its file, which is read again only after a change.
-
-    Raises:
-        SceneError: as for `mesh_parts`.
-    """
+    """Return the parts of a mesh in the unit of its file, which is read again only after a change."""
     if Path(path).suffix.lower() not in (".obj", ".stl"):
         raise SceneError(f"{path}: a mesh of unknown format; give an .obj or an .stl")
     return _read(path, *state_of(path))
@@ -103,11 +99,7 @@ def state_of(path: str) -> tuple[int, int]:
 
 @lru_cache(maxsize=32)
 def _read(path: str, modified: int, size: int) -> tuple[Part, ...]:
-    """Return the parts of a mesh in the unit of its file; the state of the file is a key of the cache.
-
-    Raises:
-        SceneError: as for `mesh_parts`.
-    """
+    """Return the parts of a mesh in the unit of its file; the state of the file is a key of the cache."""
     try:
         content = read_bytes(path, at_most=LARGEST)
         parts = _obj(content) if Path(path).suffix.lower() == ".obj" else [_stl(content)]
@@ -124,11 +116,7 @@ def _read(path: str, modified: int, size: int) -> tuple[Part, ...]:
 
 
 def _obj(content: bytes) -> list[list[Triangle]]:
-    """Return the triangles of each object and group of an .obj; a face with more corners becomes a fan of triangles.
-
-    Raises:
-        ValueError: a face has fewer than three corners, or uses a point that no line before it defines.
-    """
+    """Return the triangles of each object and group of an .obj; a face with more corners becomes a fan of triangles."""
     points: list[Point] = []
     parts: list[list[Triangle]] = [[]]
     text = content.decode("utf-8", "replace").replace("\\\r\n", " ").replace("\\\n", " ")

@@ -46,11 +46,7 @@ def falls(solids: Sequence[Solid]) -> bool:
 
 
 def _own_points(solid: Solid) -> Iterator[Size]:
-    """Yield points of the surface of a solid in its own axes, in metres.
-
-    Raises:
-        SceneError: its mesh cannot be read.
-    """
+    """Yield points of the surface of a solid in its own axes, in metres."""
     x, y, z = (side / 2 for side in solid.size)
     circle = [(math.cos(turn), math.sin(turn)) for turn in TURNS]
     if solid.mesh:

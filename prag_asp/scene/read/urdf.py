@@ -66,11 +66,7 @@ def read_urdf(path: Path, folder: Path) -> Shape:
 
 
 def _parsed(path: Path, folder: Path) -> tuple[ElementTree.Element, dict[ElementTree.Element, int]]:
-    """Return the root of an XML file, and the line in which each element begins.
-
-    Raises:
-        SceneError: the file cannot be read, is not XML, or has too many collision solids.
-    """
+    """Return the root of an XML file, and the line in which each element begins."""
     try:
         content = read_bytes(path, within=folder, at_most=LARGEST)
     except OSError as error:
@@ -97,11 +93,7 @@ def _parsed(path: Path, folder: Path) -> tuple[ElementTree.Element, dict[Element
 
 @contextmanager
 def _errors_at(path: Path, line: int, what: str) -> Iterator[None]:
-    """Prefix errors that the block raises with the line of an element of a URDF and its name.
-
-    Raises:
-        SceneError: the block raises one.
-    """
+    """Prefix errors that the block raises with the line of an element of a URDF and its name."""
     try:
         yield
     except SceneError as error:
@@ -109,11 +101,7 @@ def _errors_at(path: Path, line: int, what: str) -> Iterator[None]:
 
 
 def _require_inside(path: Path, folder: Path) -> None:
-    """Check that a file exists inside a folder.
-
-    Raises:
-        SceneError: it is not.
-    """
+    """Check that a file exists inside a folder."""
     if not is_inside(path, folder):
         raise SceneError(f"{path}: lies outside the domain; copy it into {folder}")
     if not path.is_file():
@@ -121,11 +109,7 @@ def _require_inside(path: Path, folder: Path) -> None:
 
 
 def _solid(element: ElementTree.Element, path: Path, folder: Path) -> Solid:
-    """Return the solid of a collision element.
-
-    Raises:
-        SceneError: its geometry is missing, unknown, or not of positive size.
-    """
+    """Return the solid of a collision element."""
     origin = element.find("origin")
     at, turn = ((ZEROS if origin is None else origin.get(name, ZEROS)) for name in ("xyz", "rpy"))
     place = (_numbers(at, 3, "the xyz of <origin>"), _numbers(turn, 3, "the rpy of <origin>"))
@@ -147,11 +131,7 @@ def _solid(element: ElementTree.Element, path: Path, folder: Path) -> Solid:
 
 
 def _thick(solid: Solid) -> Solid:
-    """Return a solid after a check that it is thick enough to collide with.
-
-    Raises:
-        SceneError: it is not.
-    """
+    """Return a solid after a check that it is thick enough to collide with."""
     if min(solid.size) < SMALLEST:
         raise SceneError(f"a <{solid.kind}> is {_thin(min(solid.size))}")
     return solid
@@ -163,11 +143,7 @@ def _thin(thickness: float) -> str:
 
 
 def _lengths(element: ElementTree.Element, name: str, count: int, default: str = "") -> Size:
-    """Return the `count` positive numbers of an attribute, padded with zeros.
-
-    Raises:
-        SceneError: they are not.
-    """
+    """Return the `count` positive numbers of an attribute, padded with zeros."""
     values = _numbers(element.get(name, default), count, f"the {name} of <{element.tag}>")
     if min(values[:count]) <= 0.0:
         raise SceneError(f"<{element.tag}> has the {name} {element.get(name)!r}; give positive numbers")
@@ -175,11 +151,7 @@ def _lengths(element: ElementTree.Element, name: str, count: int, default: str =
 
 
 def _numbers(text: str, count: int, name: str) -> Size:
-    """Return the `count` finite numbers of a text, padded with zeros.
-
-    Raises:
-        SceneError: they are not finite, or their number is another.
-    """
+    """Return the `count` finite numbers of a text, padded with zeros."""
     try:
         values = [float(word) for word in text.split()]
     except ValueError:
@@ -190,11 +162,7 @@ def _numbers(text: str, count: int, name: str) -> Size:
 
 
 def _ends(solid: Solid) -> Iterator[Size]:
-    """Yield points that have the bounding box of a solid in the frame of the link.
-
-    Raises:
-        SceneError: a mesh cannot be read, or is too thin.
-    """
+    """Yield points that have the bounding box of a solid in the frame of the link."""
     rows = rotation(solid.turn)
     if solid.mesh:
         points = mesh_points(solid.mesh, solid.size)

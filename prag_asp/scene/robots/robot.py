@@ -21,8 +21,12 @@ from prag_asp.scene.scene import Solid
 
 Joints = tuple[float, ...]
 
-
 ORIGIN = Pose((0.0, 0.0, 0.0))
+FINGER_BOXES = (
+    Solid("box", (0.0176, 0.0142, 0.0176), (0.0, 0.0071, 0.045)),
+    Solid("box", (0.0208, 0.0166, 0.036), (0.0, 0.0172, 0.018)),
+)
+"""The left finger of the Panda's hand, in metres: the pad, then the shank, which stands back. The KUKA has the same."""
 
 
 class KinematicsSolver(Protocol):
