@@ -199,7 +199,8 @@ class Scene:
         if not self.robots:
             object.__setattr__(self, "robots", only_robot(self.shapes))
         if not self.cameras:
-            object.__setattr__(self, "cameras", usual_cameras(self.workspace, self.robots, self.fixed_corners()))
+            bases = [(mount.x, mount.y) for mount in self.robots.values()]
+            object.__setattr__(self, "cameras", usual_cameras(self.workspace, bases, self.fixed_corners()))
 
     def fixed_corners(self) -> tuple[Size, ...]:
         """Return the corners of boxes around the fixed bodies with any yaw, in metres."""

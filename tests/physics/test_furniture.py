@@ -142,8 +142,8 @@ def test_a_wrong_opening_or_a_leap_of_furniture_is_found(kitchen, validator):
         "ends open otherwise" in text for text in check_witness(made, replace(witness, motions=skipped), kitchen)
     )
     still = (*motion[:pull], replace(motion[pull], joints=motion[pull - 1].joints), *motion[pull + 1 :])
-    told = check_witness(made, replace(witness, motions=(still, *witness.motions[1:])), kitchen)
-    assert any("does not hold the handle of drawer_1" in text for text in told)
+    problems = check_witness(made, replace(witness, motions=(still, *witness.motions[1:])), kitchen)
+    assert any("does not hold the handle of drawer_1" in text for text in problems)
 
 
 def _opened(witness, k, furniture, opening):
@@ -175,7 +175,7 @@ def test_furniture_of_which_nothing_is_known_is_open_or_closed(kitchen, validato
 
 
 def test_tasks_of_the_kitchen_pass_every_tier_short_of_performing(domain, kitchen, validator, chance):
-    tasks = TaskSpace(domain, 8).sample(4, seed=chance.seed(3))
+    tasks = TaskSpace(domain, 8).sample(3, seed=chance.seed(3))
     for i, made in enumerate(tasks):
         verdict = validator.validate(made, seed=chance.seed(3), index=i, budget=Budget(tier="settling"))
         assert verdict.feasible
@@ -239,8 +239,8 @@ def test_only_furniture_can_be_open(domain):
     table = {**domain.settings.scene, "predicates": {"open": "is_open", "empty": "gripper_open"}}
     shapes = {**table["shapes"], "drawer": {"kind": "container", "size": [0.2, 0.2, 0.1]}}
     fluents = list(state("open(drawer_1)"))
-    told = scene_problems({**table, "shapes": shapes}, domain.facts.class_names, domain.facts.entity_names, fluents)
-    assert [problem.text for problem in told] == [
+    problems = scene_problems({**table, "shapes": shapes}, domain.facts.class_names, domain.facts.entity_names, fluents)
+    assert [problem.text for problem in problems] == [
         "open(drawer_1) needs drawer_1 to be of the kind drawer or cupboard where it means is_open; "
         "let it mean something else, or change scene.shapes.drawer"
     ]
@@ -267,16 +267,19 @@ def test_a_handle_is_taken_and_let_go_from_straight_above(kitchen, validator):
         assert check_witness(made, replace(witness, motions=(motion, closing)), kitchen) != []
 
 
-def test_a_gripper_that_reaches_into_a_deep_container_is_not_at_it(chance):
+def test_a_gripper_that_reaches_into_a_deep_container_is_not_at_it():
     scene = shipped_scene("tabletop")
     bin_1 = scene.shapes["bin_1"]._replace(size=(0.26, 0.12, 0.14))
     deep = replace(scene, shapes={**scene.shapes, "bin_1": bin_1})
-    space = TaskSpace(load_domain("tabletop"), 2).where("uses bin_1", "has insert")
-    tasks = space.sample(30, seed=chance.seed(9))
-    verdicts = list(validate_tasks(tasks, deep, seed=chance.seed(9)))
-    inside = 0
-    for each, verdict in zip(tasks, verdicts, strict=True):
-        if verdict.witness is not None:
-            assert check_witness(each, verdict.witness, deep) == []
-            inside += 1
-    assert inside >= 12
+    tasks = [
+        task(
+            state(f"on_top({item},table_1)", f"-holding(panda,{item})"),
+            (f"pick(panda,{item},table_1)", state(f"holding(panda,{item})", f"-on_top({item},table_1)")),
+            (f"insert(panda,{item},bin_1)", state(f"-holding(panda,{item})", f"inside({item},bin_1)")),
+        )
+        for item in ("cube_1", "brick_1", "can_1") * 3
+    ]
+    witnesses = [verdict.witness for verdict in validate_tasks(tasks, deep, seed=9)]
+    found = [(each, witness) for each, witness in zip(tasks, witnesses, strict=True) if witness is not None]
+    assert all(check_witness(each, witness, deep) == [] for each, witness in found)
+    assert len(found) >= 4

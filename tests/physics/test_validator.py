@@ -5,6 +5,7 @@ from collections import Counter
 from dataclasses import replace
 from itertools import islice
 
+import pybullet
 import pytest
 
 from prag_asp.errors import QueryError, SceneError
@@ -18,13 +19,17 @@ from tests.physics.random_tasks import random_tasks
 from tests.physics.scenarios import carrying, stacking, state, task
 
 
-def test_a_cube_can_be_stacked_on_a_brick(tabletop, tabletop_validator):
+def test_a_cube_can_be_stacked_on_a_brick_and_nothing_else_moves(tabletop, tabletop_validator):
     verdict = tabletop_validator.validate(stacking(), seed=1)
     assert verdict.feasible
     assert verdict.witness.moments[1].held == {"cube_1"}
     names = [[waypoint.name for waypoint in motion] for motion in verdict.witness.motions]
     assert names == [["approach", "at", "at", "lift"], ["approach", "at", "at", "retreat"]]
     assert check_witness(stacking(), verdict.witness, tabletop) == []
+    first, second, third = (moment.poses for moment in verdict.witness.moments)
+    assert first["brick_1"] == second["brick_1"] == third["brick_1"]
+    assert first["cube_1"] != second["cube_1"] != third["cube_1"]
+    assert {"tray_1", "bin_1"} <= first.keys() & second.keys() & third.keys()
 
 
 def test_an_apple_can_be_carried_turned_and_dropped(prag, prag_validator):
@@ -34,13 +39,6 @@ def test_an_apple_can_be_carried_turned_and_dropped(prag, prag_validator):
     heights = [moment.poses["apple_1"].position[2] for moment in verdict.witness.moments]
     assert heights[2] == pytest.approx(0.034) and heights[3] > 0.1
     assert heights[5] == heights[6] == pytest.approx(0.04)
-
-
-def test_only_what_an_action_changes_moves(tabletop_validator):
-    verdict = tabletop_validator.validate(stacking(), seed=2)
-    first, second, third = verdict.witness.moments
-    assert first.poses["brick_1"] == second.poses["brick_1"] == third.poses["brick_1"]
-    assert first.poses["cube_1"] != second.poses["cube_1"] != third.poses["cube_1"]
 
 
 def test_a_held_object_at_the_start_is_in_the_gripper(prag, prag_validator):
@@ -68,14 +66,10 @@ def test_an_object_that_stands_on_nothing_at_the_start_is_held_in_the_air(tablet
     assert check_witness(placing, verdict.witness, tabletop) == []
 
 
-def test_what_never_moves_is_there_whether_a_task_names_it_or_not(tabletop, tabletop_validator):
-    verdict = tabletop_validator.validate(stacking(), seed=1)
-    for moment in verdict.witness.moments:
-        assert {"tray_1", "bin_1"} <= moment.poses.keys()
+def test_what_never_moves_is_an_obstacle_even_if_a_task_does_not_name_it(tabletop):
     crowded = replace(tabletop, fixed={**tabletop.fixed, "brick_2": (0.47, 0.0, 0.0)})
     crowded = replace(crowded, shapes={**tabletop.shapes, "brick_2": Shape("box", (0.60, 0.90, 0.30))})
-    budget = Budget(2, 5)
-    assert not validate_task(stacking(), crowded, seed=1, budget=budget).feasible
+    assert not validate_task(stacking(), crowded, seed=1, budget=Budget(2, 5)).feasible
 
 
 def test_what_stands_on_a_carried_object_is_carried_along(tabletop, tabletop_validator):
@@ -217,7 +211,7 @@ def test_a_relation_that_does_not_hold_is_named_with_its_entities(tabletop, tabl
 
 def test_details_of_failed_attempts_name_bodies_and_robots_of_the_scene(tabletop, tabletop_validator, chance):
     seen: Counter[str] = Counter()
-    for index, made in enumerate(islice(random_tasks("tabletop", 5, chance.seed(12)), chance.examples(20))):
+    for index, made in enumerate(islice(random_tasks("tabletop", 5, chance.seed(12)), chance.examples(12))):
         verdict = tabletop_validator.validate(made, seed=chance.seed(4), index=index, budget=Budget(2, 2))
         attempts: Counter[str] = Counter()
         for detail in verdict.details:
@@ -236,7 +230,7 @@ def test_random_tasks_of_the_shipped_domains_have_witnesses_that_pass(request, n
     scene, validator = request.getfixturevalue(name), request.getfixturevalue(f"{name}_validator")
     outcomes: Counter[str] = Counter()
     for length in (3, 6):
-        for index, made in enumerate(islice(random_tasks(name, length, chance.seed(11)), chance.examples(15))):
+        for index, made in enumerate(islice(random_tasks(name, length, chance.seed(11)), chance.examples(10))):
             verdict = validator.validate(made, seed=chance.seed(4), index=index)
             outcomes[verdict.status] += 1
             assert verdict.status != "infeasible"
@@ -254,18 +248,12 @@ def test_a_verdict_depends_on_the_seed_and_the_index_alone(tabletop, tabletop_va
     assert tabletop_validator.validate(made, seed=5, index=4).witness != first.witness
 
 
-def test_a_verdict_comes_back_from_json_as_it_was(tabletop_validator):
+def test_a_verdict_with_and_without_details_comes_back_from_json(tabletop_validator):
     apart = task(state("on_top(cube_1,brick_1)", "-near(cube_1,brick_1)"))
-    for verdict in (
-        tabletop_validator.validate(stacking(), seed=1),
-        tabletop_validator.validate(apart, seed=0, budget=Budget(1, 2)),
-    ):
+    failed = tabletop_validator.validate(apart, seed=0, budget=Budget(1, 2))
+    for verdict in (tabletop_validator.validate(stacking(), seed=1), failed):
         assert Verdict.from_json(json.loads(json.dumps(verdict.to_json()))) == verdict
-
-
-def test_a_verdict_without_details_comes_back_from_json(tabletop_validator):
-    apart = task(state("on_top(cube_1,brick_1)", "-near(cube_1,brick_1)"))
-    data = tabletop_validator.validate(apart, seed=0, budget=Budget(1, 2)).to_json()
+    data = failed.to_json()
     assert [{*each} for each in data["details"]] == [{"cause", "text", "fact", "value", "entities", "attempts"}]
     before = {name: value for name, value in data.items() if name != "details"}
     read = Verdict.from_json(before)
@@ -337,9 +325,6 @@ def test_poses_that_are_not_finite_never_reach_the_simulator(simulator):
 
 
 def test_simulators_are_closed(tabletop):
-    import pybullet
-
     with open_simulator(tabletop) as opened:
-        client = opened.client
-        assert pybullet.isConnected(client)
-    assert not pybullet.isConnected(client)
+        assert pybullet.isConnected(opened.client)
+    assert not pybullet.isConnected(opened.client)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple, Protocol
@@ -18,28 +18,32 @@ from prag_asp.scene.scene import Scene
 Arguments = tuple[str, ...]
 
 
-class ViolationsFunction(Protocol):
-    """Yields how far a situation is from each condition of a predicate, the cheapest first; at most 0 if it holds."""
+ViolationsFunction = Callable[[Situation, Arguments], Iterator[float]]
+"""Yields how far a situation is from each condition of a predicate, the cheapest first; at most 0 if it holds."""
 
-    def __call__(self, situation: Situation, arguments: Arguments) -> Iterator[float]:
-        """Yield the violations."""
+WayFunction = Callable[[Situation, Arguments], float]
+"""Returns the length of a path to a situation that satisfies a predicate, around obstacles."""
 
+VolumeFunction = Callable[[Situation, Arguments, Quaternion], Volume]
+"""Returns a region for the subject of a predicate with a given rotation about z.
 
-class WayFunction(Protocol):
-    """Returns the length of a path to a situation that satisfies a predicate, around obstacles."""
+It does not depend on the pose of the subject in the situation. A sample of the region satisfies the predicate.
+"""
 
-    def __call__(self, situation: Situation, arguments: Arguments) -> float:
-        """Return the length."""
+DemandsFunction = Callable[[Scene, Arguments], Iterator[Demand]]
+"""Yields constraints on the positions of bodies, none of them furniture, which a predicate implies."""
 
+ImpossibleFunction = Callable[[Scene, Arguments], Iterator[str]]
+"""Yields the reasons, in words, why a predicate cannot hold for some entities of a scene in any pose."""
 
-class VolumeFunction(Protocol):
-    """Returns a region for the subject of a predicate with a given rotation about z.
+ExcludesFunction = Callable[[Scene, Arguments, "Predicate", Arguments], str | None]
+"""Returns the reason, in words, why a predicate cannot hold together with another, None if it can."""
 
-    It does not depend on the pose of the subject in the situation. A sample of the region satisfies the predicate.
-    """
+NowhereFunction = Callable[[Scene, Arguments, Point, Point], bool]
+"""Returns whether a predicate cannot hold while the centre of its subject is over a rectangle.
 
-    def __call__(self, situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-        """Return the volume."""
+The rectangle is given by its lowest and its highest corner, which may be at infinity.
+"""
 
 
 class SentenceFunction(Protocol):
@@ -47,34 +51,6 @@ class SentenceFunction(Protocol):
 
     def __call__(self, arguments: Arguments, value: bool = True) -> str:
         """Return the sentence."""
-
-
-class DemandsFunction(Protocol):
-    """Yields constraints on the positions of bodies, none of them furniture, which a predicate implies."""
-
-    def __call__(self, scene: Scene, arguments: Arguments) -> Iterator[Demand]:
-        """Yield the demands."""
-
-
-class ImpossibleFunction(Protocol):
-    """Yields the reasons, in words, why a predicate cannot hold for some entities of a scene in any pose."""
-
-    def __call__(self, scene: Scene, arguments: Arguments) -> Iterator[str]:
-        """Yield the reasons."""
-
-
-class ExcludesFunction(Protocol):
-    """Returns the reason, in words, why a predicate cannot hold together with another, None if it can."""
-
-    def __call__(self, scene: Scene, arguments: Arguments, other: Predicate, others: Arguments) -> str | None:
-        """Return the reason."""
-
-
-class NowhereFunction(Protocol):
-    """Returns whether a predicate cannot hold while the centre of its subject is over a rectangle."""
-
-    def __call__(self, scene: Scene, arguments: Arguments, low: Point, high: Point) -> bool:
-        """Return the answer; the corners of the rectangle may be at infinity."""
 
 
 class Gripper(Enum):

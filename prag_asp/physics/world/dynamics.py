@@ -16,7 +16,7 @@ from prag_asp.physics.witness import ROBOT_PARTS, Arm, Moment
 from prag_asp.physics.world.bodies import make_body, make_table, parking_place
 from prag_asp.physics.world.collisions import BASE_LINK
 from prag_asp.physics.world.furniture_bodies import JOINT, UPRIGHT, read_opening, set_opening
-from prag_asp.physics.world.simulated_arm import load_robot_files
+from prag_asp.physics.world.simulated_arm import load_robot_files, set_joints
 from prag_asp.physics.world.simulator import open_client, read_pose, start_world
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.robots import Joints, Robot, robot_of
@@ -137,9 +137,8 @@ class Dynamics:
         for entity, body in self._bodies.items():
             pybullet.resetBasePositionAndOrientation(body, *moment.poses[entity], physicsClientId=self.client)
         for name, arm in moment.arms.items():
-            values = [[angle] for angle in (*arm.joints, arm.width / 2, arm.width / 2)]
             loaded = self._arms[name]
-            pybullet.resetJointStatesMultiDof(loaded.body, loaded.driven, values, physicsClientId=self.client)
+            set_joints(self.client, loaded.body, loaded.robot, arm.joints, arm.width)
         self._quiet = dict.fromkeys(self._bodies, 0)
 
     def drive(self, robot: str, command: ArmCommand, speeds: Sequence[float] = STILL) -> None:
@@ -254,7 +253,7 @@ class Dynamics:
         )
         for link in robot.finger_links:
             pybullet.changeDynamics(body, link, lateralFriction=FINGER_FRICTION, physicsClientId=client)
-        return LoadedArm(robot, body, [*robot.arm_links, *robot.finger_joints], read_pose(client, body))
+        return LoadedArm(robot, body, robot.driven, read_pose(client, body))
 
 
 @contextmanager

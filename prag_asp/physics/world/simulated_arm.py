@@ -41,7 +41,6 @@ class SimulatedArm:
         self._trunk, self._wrist = (sorted(set(links)) for links in zip(*robot.self_pairs, strict=True))
         self._at: tuple[Joints, float] | None = None
         self._known: dict[Joints, _Posture] = {}
-        self._joints = [*robot.arm_links, *robot.finger_joints]
         sides = zip(robot.finger_links, robot.finger_names, strict=True)
         self._fingers = [(robot.links.index(link), side) for link, (_, side) in sides]
 
@@ -55,8 +54,7 @@ class SimulatedArm:
             return
         if len(joints) != len(self.robot.lower) or not all(map(math.isfinite, (*joints, width))):
             raise SceneError(f"the arm cannot take the joint angles {joints} with the opening {width}")
-        values = [[angle] for angle in (*joints, width / 2, width / 2)]
-        pybullet.resetJointStatesMultiDof(self.body, self._joints, values, physicsClientId=self.client)
+        set_joints(self.client, self.body, self.robot, joints, width)
         self._at = joints, width
 
     def contacts(self, body: int, links: Iterable[int], within: float = 0.0) -> list[tuple[int, float]]:
@@ -142,6 +140,12 @@ def load_robot_files(
     """
     with temporary_folder(files) as folder:
         return load_robot(client, folder / next(iter(files)), base, visual=visual, solid=solid)
+
+
+def set_joints(client: int, body: int, robot: Robot, joints: Joints, width: float) -> None:
+    """Set seven joint angles of an arm in radians, and the opening of its gripper in metres."""
+    values = [[angle] for angle in (*joints, width / 2, width / 2)]
+    pybullet.resetJointStatesMultiDof(body, robot.driven, values, physicsClientId=client)
 
 
 def read_flange(client: int, arm: int, robot: Robot) -> Pose:

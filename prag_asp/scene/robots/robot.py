@@ -113,6 +113,11 @@ class Robot:
     hand: Hand | None = None
     base: Pose = ORIGIN
 
+    @property
+    def driven(self) -> list[int]:
+        """The joints that motors drive: seven of the arm, two of the fingers."""
+        return [*self.arm_links, *self.finger_joints]
+
     def within_limits(self, joints: Sequence[float], tolerance: float = 0.0) -> bool:
         """Return whether every joint is within its limits, widened by `tolerance` radians."""
         lower, upper = self.lower, self.upper

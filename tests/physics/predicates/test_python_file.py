@@ -75,7 +75,9 @@ def test_a_python_file_is_run_only_where_it_is_trusted(tmp_path: Path) -> None:
         ),
     ],
 )
-def test_a_python_file_that_fails_is_told_in_one_line_with_its_place(text: str, message: str, tmp_path: Path) -> None:
+def test_a_python_file_that_fails_is_reported_in_one_line_with_its_place(
+    text: str, message: str, tmp_path: Path
+) -> None:
     with pytest.raises(SceneError, match=message) as caught:
         predicate_of(written(tmp_path, text), "odd")
     assert "\n" not in str(caught.value)
@@ -106,7 +108,7 @@ PREDICATES = {{"odd": Predicate("odd", violations, volume, states("{{0}} {{is}} 
         ("0.0", "situation.pose(arguments[7])", r"own\.py:8: odd: IndexError: tuple index out of range"),
     ],
 )
-def test_what_goes_wrong_in_a_function_of_a_file_is_told_with_its_line(
+def test_what_goes_wrong_in_a_function_of_a_file_is_reported_with_its_line(
     violation: str, volume: str, message: str, tmp_path: Path
 ) -> None:
     predicate = predicate_of(written(tmp_path, ODD.format(violation=violation, volume=volume)), "odd")
@@ -141,7 +143,7 @@ PREDICATES = {"odd": Predicate("odd", partial(given, 1), volume, Words())}
 """
 
 
-def test_a_wrong_result_is_told_with_the_line_of_what_gave_it_however_it_is_wrapped(tmp_path: Path) -> None:
+def test_a_wrong_result_is_reported_with_the_line_of_what_gave_it_however_it_is_wrapped(tmp_path: Path) -> None:
     predicate = predicate_of(written(tmp_path, OTHERS), "odd")
     nowhere = Situation(Scene(shapes=SHAPES), {})
     with pytest.raises(SceneError, match=r"own\.py:11: the violations of odd have .* at least one; got \[\]"):
@@ -193,7 +195,7 @@ PREDICATES = {{"odd": Predicate("odd", violations, volume, states("{{0}} {{is}} 
         ),
     ],
 )
-def test_what_goes_wrong_in_a_function_for_proofs_is_told_with_its_line(
+def test_what_goes_wrong_in_a_function_for_proofs_is_reported_with_its_line(
     part: str, result: str, message: str, tmp_path: Path
 ) -> None:
     predicate = predicate_of(written(tmp_path, FUNCTIONS.format(part=part, result=result)), "odd")
@@ -201,7 +203,7 @@ def test_what_goes_wrong_in_a_function_for_proofs_is_told_with_its_line(
         getattr(predicate, part)(None, ("cup_1", "cup_2"))
 
 
-def test_a_function_for_proofs_that_is_none_is_told(tmp_path: Path) -> None:
+def test_a_function_for_proofs_that_is_none_is_reported(tmp_path: Path) -> None:
     text = FUNCTIONS.format(part="demands", result="()").replace("demands=own", "demands=3")
     with pytest.raises(SceneError, match=r"own\.py:1: odd: its demands has to be a function; got 3"):
         predicate_of(written(tmp_path, text), "odd")

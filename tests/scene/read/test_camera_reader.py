@@ -90,6 +90,6 @@ def test_one_mistake_gives_one_line(table, message):
     assert message in str(fault)
 
 
-def test_a_table_that_is_none_is_told():
+def test_a_table_that_is_none_is_reported():
     with pytest.raises(SceneError, match=r"scene\.cameras: needs a table"):
         parse_scene({**FINE, "cameras": [1]}, CLASSES, ENTITIES)

@@ -168,11 +168,16 @@ def test_the_shipped_scenes_have_everything_that_their_fluents_speak_about(name)
     assert scene_problems(scene_table(name), rules.classes, rules.entities, rules.fluents) == []
 
 
-def test_reading_a_scene_loads_no_simulator():
-    code = "import sys, prag_asp.scene.scene_loader; assert not {'pybullet', 'frankik'} & set(sys.modules)"
-    subprocess.run([sys.executable, "-c", code], check=True)
-
-
-def test_physics_loads_no_logic_programming():
-    code = "import sys, prag_asp.physics; assert 'clingo' not in sys.modules and 'PIL' not in sys.modules"
+def test_reading_a_scene_loads_no_simulator_and_physics_no_logic_programming(tmp_path):
+    (tmp_path / "ball.urdf").write_text(
+        '<robot name="x"><link name="a"><inertial><mass value="1"/></inertial>'
+        '<collision><geometry><sphere radius="0.03"/></geometry></collision></link></robot>'
+    )
+    code = (
+        "import sys; from pathlib import Path; from prag_asp.scene.read.urdf import read_urdf; "
+        f"folder = Path({str(tmp_path)!r}); read_urdf(folder / 'ball.urdf', folder); "
+        "assert not {'pybullet', 'numpy'} & set(sys.modules); "
+        "import prag_asp.scene.scene_loader; assert not {'pybullet', 'frankik'} & set(sys.modules); "
+        "import prag_asp.physics; assert not {'clingo', 'PIL'} & set(sys.modules)"
+    )
     subprocess.run([sys.executable, "-c", code], check=True)
