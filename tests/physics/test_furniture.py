@@ -216,23 +216,11 @@ def test_on_the_table_means_over_nothing_hollow(kitchen):
     assert PREDICATES["located"].holds(over, ("cup_1", "bowl_1"))
 
 
-@pytest.mark.parametrize(
-    ("table", "message"),
-    [
-        ({"fixed": {}}, "scene.fixed.it: missing; write the place of it, because a drawer"),
-        ({"shapes": {"box": {"kind": "drawer", "size": [0.05, 0.2, 0.1]}}}, "scene.shapes.box.size: needs one size"),
-        (
-            {"shapes": {"box": {"kind": "drawer", "size": {"low": [0.2, 0.2, 0.1], "high": [0.3, 0.2, 0.1]}}}},
-            "scene.shapes.box.size: needs one size of at least 0.12 x 0.12 x 0.06 m for a drawer",
-        ),
-    ],
-)
-def test_furniture_that_cannot_be_built_is_refused_with_its_key(table, message):
-    fine = {"shapes": {"box": {"kind": "drawer", "size": [0.26, 0.24, 0.1]}}, "fixed": {"it": [0.5, 0.0]}}
-    assert parse_scene(fine, {}, {"it": "box"}).shapes["it"].kind == "drawer"
-    with pytest.raises(SceneError) as caught:
-        parse_scene({**fine, **table}, {}, {"it": "box"})
-    assert message in str(caught.value)
+def test_furniture_without_a_place_is_refused():
+    table = {"shapes": {"box": {"kind": "drawer", "size": [0.26, 0.24, 0.1]}}, "fixed": {"it": [0.5, 0.0]}}
+    assert parse_scene(table, {}, {"it": "box"}).shapes["it"].kind == "drawer"
+    with pytest.raises(SceneError, match=r"scene\.fixed\.it: missing; write the place of it, because a drawer"):
+        parse_scene({**table, "fixed": {}}, {}, {"it": "box"})
 
 
 def test_only_furniture_can_be_open(domain):

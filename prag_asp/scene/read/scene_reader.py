@@ -54,19 +54,18 @@ LARGEST_RANGES: Mapping[str, tuple[float, str]] = {
 }
 """The largest range of each kind, and its unit."""
 
-FARTHEST = 2.0
+FARTHEST_BASE = 2.0
 """The largest distance of the base of a robot from the origin along x and y, in metres: a table is no larger."""
 
-CLOSEST = 0.4
-"""The least distance between the bases of two robots, in metres."""
+CLOSEST_BASES = 0.4
+"""The smallest distance between the bases of two robots, in metres."""
 
-
-LIMITS: Mapping[str, tuple[float, float, str]] = {
+MATERIAL_LIMITS: Mapping[str, tuple[float, float, str]] = {
     "density": (1.0, 25000.0, "kilograms a cubic metre"),
     "friction": (0.0, 10.0, "a coefficient"),
     "rolling": (0.0, 0.1, "metres"),
 }
-
+"""The smallest and the largest value of each property of a material, and its unit."""
 
 PALETTE = ("#e4572e", "#2e86ab", "#f2b134", "#3a9d5d", "#8e5bb5", "#d64577", "#4bb3b8", "#a0714f")
 CONTAINER_COLOR, FURNITURE_COLOR, ROBOT_COLOR = "#b9c4cc", "#b08457", "#edf0f2"
@@ -185,8 +184,10 @@ def _materials(section: TableEntry, names: DomainNames) -> dict[str, Material]:
     for name, entry in section.entries():
         if names.has_class(entry, name):
             usual = by_class[name] = Material()
-            if entry.is_table("like { density = 700, friction = 0.5 }", tuple(LIMITS)):
-                numbers = {key: entry.at(key, getattr(usual, key)).number(*limits) for key, limits in LIMITS.items()}
+            if entry.is_table("like { density = 700, friction = 0.5 }", tuple(MATERIAL_LIMITS)):
+                numbers = {
+                    key: entry.at(key, getattr(usual, key)).number(*limits) for key, limits in MATERIAL_LIMITS.items()
+                }
                 by_class[name] = usual._replace(**{key: each for key, each in numbers.items() if each is not None})
     materials = {entity: names.inherited(entity, by_class) for entity in names.entities}
     return {entity: material for entity, material in materials.items() if material is not None}
@@ -233,8 +234,8 @@ def _robots(section: TableEntry, shapes: Mapping[str, Shape], usual: str) -> dic
             kind = entry.at("kind", usual).choice(tuple(ROBOTS)) or usual
             base = entry.at("base", [0.0, 0.0, 0.0])
             x, y, yaw = base.numbers(3, "x and y in metres and a yaw in degrees") or (0.0, 0.0, 0.0)
-            if max(abs(x), abs(y)) > FARTHEST:
-                base.add(f"is more than {FARTHEST:g} m from the origin; move it nearer")
+            if max(abs(x), abs(y)) > FARTHEST_BASE:
+                base.add(f"is more than {FARTHEST_BASE:g} m from the origin; move it nearer")
             if entry.is_sound:
                 mounts[entity] = Mount(kind, x, y, math.radians(yaw))
     if (section.value or len(entities) > 1) and section.is_sound:
@@ -243,8 +244,8 @@ def _robots(section: TableEntry, shapes: Mapping[str, Shape], usual: str) -> dic
                 section.at(entity).needs("{ base = [x, y, yaw] }, in metres and degrees")
     for one, two in combinations(mounts, 2):
         distance = math.hypot(mounts[one].x - mounts[two].x, mounts[one].y - mounts[two].y)
-        if distance < CLOSEST:
-            text = f"is {distance:g} m from that of {one}; move it to a distance of at least {CLOSEST:g} m"
+        if distance < CLOSEST_BASES:
+            text = f"is {distance:g} m from that of {one}; move it to a distance of at least {CLOSEST_BASES:g} m"
             section.at(two).at("base").add(text)
     return mounts or only_robot(shapes, usual)
 

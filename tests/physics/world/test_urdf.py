@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import math
 import struct
-from functools import cache
 from itertools import combinations
 from pathlib import Path
 
@@ -17,8 +16,7 @@ from prag_asp.scene.geometry import Pose
 from prag_asp.scene.read.mesh import mesh_parts
 from prag_asp.scene.read.urdf import read_urdf
 from prag_asp.scene.scene import Scene
-from prag_asp.scene.scene_loader import parse_scene
-from tests.physics.random_tasks import Rules, scene_table
+from tests.physics.random_tasks import scene_table, scene_with
 from tests.physics.scenarios import stacking, state, task
 
 ANGLE, WALL = 0.3, 0.006
@@ -39,17 +37,9 @@ ONE_LINK = '<robot name="x"><link name="a"><inertial><mass value="1"/></inertial
 CORNERS = [(x, y, z) for x in (0.0, 40.0) for y in (0.0, 50.0) for z in (-20.0, 20.0)]
 
 
-@cache
-def rules() -> Rules:
-    """Return the rules of tabletop."""
-    return Rules("tabletop")
-
-
 def scene_in(folder: Path, path: str = "models/block.urdf") -> Scene:
     """Return the scene of tabletop with cubes from a URDF of a folder."""
-    table = scene_table("tabletop")
-    shapes = {**table["shapes"], "cube": {"kind": "urdf", "path": path}}
-    return parse_scene({**table, "shapes": shapes}, rules().classes, rules().entities, folder=folder)
+    return scene_with("tabletop", {"cube": {"kind": "urdf", "path": path}}, folder=folder)
 
 
 @pytest.fixture
@@ -148,13 +138,8 @@ def test_a_mesh_of_60_mm_fits_into_a_cavity_exactly_where_that_is_wider(tmp_path
     text = _obj().decode().replace("40.0", "60.0").replace("50.0", "60.0").replace("-20.0", "-30.0")
     (tmp_path / "box.obj").write_text(text.replace("20.0", "30.0"))
     wide = millimetres / 1000 + 2 * WALL
-    table = scene_table("tabletop")
-    shapes = {
-        "cube": {"kind": "urdf", "path": "m.urdf"},
-        "bin": {"kind": "container", "size": [wide, wide, 0.03], "wall": WALL},
-    }
-    table = {**table, "shapes": {**table["shapes"], **shapes}}
-    scene = parse_scene(table, rules().classes, rules().entities, folder=tmp_path)
+    bin_1 = {"kind": "container", "size": [wide, wide, 0.03], "wall": WALL}
+    scene = scene_with("tabletop", {"cube": {"kind": "urdf", "path": "m.urdf"}, "bin": bin_1}, folder=tmp_path)
     assert scene.shapes["cube_1"].size == pytest.approx((0.06, 0.06, 0.06), abs=1e-12)
     held = state("holding(panda,cube_1)", "-inside(cube_1,bin_1)")
     insertion = task(held, ("insert(panda,cube_1,bin_1)", state("-holding(panda,cube_1)", "inside(cube_1,bin_1)")))
@@ -325,13 +310,11 @@ def test_a_cone_on_its_tip_is_refused_and_one_on_its_base_stands(tmp_path):
 
 def test_a_leaning_body_that_never_moves_is_fine(tmp_path):
     (tmp_path / "m.urdf").write_text(ALONE.format("0 0.4 0", CUBE))
-    table = scene_table("tabletop")
-    shapes = {**table["shapes"], "can": {"kind": "urdf", "path": "m.urdf"}}
-    table = {**table, "shapes": shapes}
+    shapes = {"can": {"kind": "urdf", "path": "m.urdf"}}
     with pytest.raises(SceneError, match="can_1 falls over"):
-        parse_scene(table, rules().classes, rules().entities, folder=tmp_path)
-    fixed = {**table["fixed"], "can_1": [0.47, 0.0]}
-    assert parse_scene({**table, "fixed": fixed}, rules().classes, rules().entities, folder=tmp_path).fixed["can_1"]
+        scene_with("tabletop", shapes, folder=tmp_path)
+    fixed = {**scene_table("tabletop")["fixed"], "can_1": [0.47, 0.0]}
+    assert scene_with("tabletop", shapes, folder=tmp_path, fixed=fixed).fixed["can_1"]
 
 
 def test_a_body_of_far_too_many_parts_is_refused_before_they_are_read(tmp_path: Path) -> None:
