@@ -18,7 +18,7 @@ from prag_asp.physics import open_validator
 from tests.physics.random_tasks import random_tasks, shipped_scene
 
 name = sys.argv[1]
-tasks = [*islice(random_tasks(name, 3, 1), 15), *islice(random_tasks(name, 5, 2), 15)]
+tasks = [*islice(random_tasks(name, 3, 1), 20), *islice(random_tasks(name, 5, 2), 20)]
 with open_validator(shipped_scene(name)) as validator:
     for seed in range(12):
         for index, task in enumerate(tasks):
@@ -34,4 +34,4 @@ def test_the_memory_of_a_validator_is_flat_once_it_is_warm(name: str) -> None:
     command = [sys.executable, "-c", VALIDATED_IN_ROUNDS, name]
     output = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     sizes = [int(line) / 2**20 for line in output.split()]
-    assert len(sizes) == 12 and sizes[-1] - sizes[3] < 2.5
+    assert len(sizes) == 12 and sizes[-1] - sizes[8] < 1.0
