@@ -73,12 +73,18 @@ class Validator:
     def _search(
         self, physical: PhysicalTask, search: Search, budget: Budget, seeds: tuple[int, int], staging: Staging
     ) -> Verdict:
-        """Search for a witness that passes the tiers of a budget."""
+        """Search for a witness that passes the tiers of a budget; sizes with a range are sampled at each restart."""
+        ranges = {entity: self._scene.ranges[entity] for entity in physical.objects if entity in self._scene.ranges}
         faults = Counter[PhysicsFault]()
         status: Status = "not_found"
         restarts, witness, demonstration = budget.restarts, None, None
         for restart in range(budget.restarts):
-            search, sizes = self._sized(physical, search)
+            drawn = {entity: shapes[int(search.rng.integers(len(shapes)))] for entity, shapes in ranges.items()}
+            if drawn:
+                scene = self._scene.with_shapes(drawn)
+                self._simulator.use(scene)
+                search = replace(search, foresight=foresee(physical, scene))
+            sizes = {entity: shape.size for entity, shape in drawn.items()}
             candidate = _attempt(physical, search, sizes, budget.samples, faults)
             if candidate is None:
                 continue
@@ -102,17 +108,6 @@ class Validator:
             demonstration=demonstration,
             details=_details(faults, self._scene),
         )
-
-    def _sized(self, physical: PhysicalTask, search: Search) -> tuple[Search, Mapping[str, Size]]:
-        """Return the search with random sizes of the objects that have a range of them, and these sizes in metres."""
-        ranges = {entity: self._scene.ranges[entity] for entity in physical.objects if entity in self._scene.ranges}
-        if not ranges:
-            return search, {}
-        drawn = {entity: shapes[int(search.rng.integers(len(shapes)))] for entity, shapes in ranges.items()}
-        scene = self._scene.with_shapes(drawn)
-        self._simulator.use(scene)
-        sizes = {entity: shape.size for entity, shape in drawn.items()}
-        return replace(search, foresight=foresee(physical, scene)), sizes
 
 
 @contextmanager

@@ -73,6 +73,11 @@ def test_a_python_file_is_run_only_where_it_is_trusted(tmp_path: Path) -> None:
             "PREDICATES = {'odd': replace(PREDICATES['near'], name='odd', violations=3)}\n",
             r"own\.py:1: odd: its violations has to be a function; got 3",
         ),
+        (
+            "from dataclasses import replace\nfrom prag_asp.physics import PREDICATES\n"
+            "PREDICATES = {'odd': replace(PREDICATES['near'], name='odd', demands=3)}\n",
+            r"own\.py:1: odd: its demands has to be a function; got 3",
+        ),
     ],
 )
 def test_a_python_file_that_fails_is_reported_in_one_line_with_its_place(
@@ -201,9 +206,3 @@ def test_what_goes_wrong_in_a_function_for_proofs_is_reported_with_its_line(
     predicate = predicate_of(written(tmp_path, FUNCTIONS.format(part=part, result=result)), "odd")
     with pytest.raises(SceneError, match=message):
         getattr(predicate, part)(None, ("cup_1", "cup_2"))
-
-
-def test_a_function_for_proofs_that_is_none_is_reported(tmp_path: Path) -> None:
-    text = FUNCTIONS.format(part="demands", result="()").replace("demands=own", "demands=3")
-    with pytest.raises(SceneError, match=r"own\.py:1: odd: its demands has to be a function; got 3"):
-        predicate_of(written(tmp_path, text), "odd")
