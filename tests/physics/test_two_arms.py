@@ -14,7 +14,16 @@ from hypothesis import strategies as st
 
 from prag_asp.domain.load import load_domain
 from prag_asp.errors import SceneError
-from prag_asp.physics import Budget, Validator, Verdict, Witness, check_witness, open_validator, settle
+from prag_asp.physics import (
+    Budget,
+    Validator,
+    Verdict,
+    Witness,
+    check_witness,
+    open_validator,
+    settle,
+    validate_task,
+)
 from prag_asp.physics.bullet import pybullet, pybullet_data
 from prag_asp.physics.checks.states import tool_in
 from prag_asp.physics.predicates import PREDICATES
@@ -90,26 +99,31 @@ def test_the_simulator_has_each_robot_where_the_scene_says(scene):
             arm.pose(arm.robot.home, 0.02)
             simulator.turn_to(name)
             assert _near(tool_in(simulator), tool_pose(arm.robot, arm.robot.home))
-            _, x, y, _ = scene.robots[name]
-            assert arm.robot.base.position == (x, y, 0.0)
+            assert arm.robot.base.position == (*scene.robots[name][1:3], 0.0)
 
 
-def test_an_object_changes_hands_in_the_air_and_the_witness_passes(scene, handover, witness):
-    before, after = witness.moments[GIVE], witness.moments[GIVE + 1]
-    assert before.arms["left"].held == "bar_1" and before.arms["right"].held is None
-    assert after.arms["left"].held is None and after.arms["right"].held == "bar_1"
-    assert before.poses["bar_1"] == after.poses["bar_1"]
-    assert before.poses["bar_1"].position[2] > 0.1
-    both = [waypoint for waypoint in witness.motions[GIVE] if waypoint.held == "bar_1"]
-    assert [waypoint.robot for waypoint in both] == ["right"]
-    giving = tool_pose(robot_of(scene, "left"), before.arms["left"].joints)
-    taking = tool_pose(robot_of(scene, "right"), both[0].joints)
-    length = scene.shapes["bar_1"].size[0]
-    assert 0.12 < math.dist(giving.position[:2], taking.position[:2]) < length
-    opened = [waypoint for waypoint in witness.motions[GIVE] if waypoint.robot == "left"]
-    assert all(waypoint.width == robot_of(scene, "left").opening for waypoint in opened)
+def test_an_object_changes_hands_in_the_air(scene, handover, witness):
+    before, after = witness.moments[GIVE : GIVE + 2]
+    assert [before.arms[name].held for name in ("left", "right")] == ["bar_1", None]
+    assert [after.arms[name].held for name in ("left", "right")] == [None, "bar_1"]
+    assert before.poses["bar_1"] == after.poses["bar_1"] and before.poses["bar_1"].position[2] > 0.1
+    [taking] = [waypoint for waypoint in witness.motions[GIVE] if waypoint.held == "bar_1"]
+    assert taking.robot == "right"
+    giver, taker = (
+        tool_pose(robot_of(scene, robot), joints).position[:2]
+        for robot, joints in (("left", before.arms["left"].joints), ("right", taking.joints))
+    )
+    assert 0.12 < math.dist(giver, taker) < scene.shapes["bar_1"].size[0]
+    opened = [waypoint.width for waypoint in witness.motions[GIVE] if waypoint.robot == "left"]
+    assert set(opened) == {robot_of(scene, "left").opening}
+
+
+def test_a_witness_of_two_arms_passes_the_check_settles_and_comes_back_from_json(scene, validator, handover, witness):
     assert check_witness(handover, witness, scene) == []
     assert settle(handover, witness, scene) is None
+    verdict = validator.validate(handover, seed=1)
+    assert Verdict.from_json(verdict.to_json()) == verdict and verdict.witness == witness
+    assert Witness.from_json(witness.to_json()) == witness
 
 
 def _two_pandas(scene: Scene, client: int) -> dict[str, Callable[[Arm], int]]:
@@ -143,9 +157,9 @@ def test_the_arms_keep_a_centimetre_apart_in_every_state_and_at_every_waypoint(s
                     arms[waypoint.robot] = Arm(waypoint.joints, waypoint.width)
                     one, two = (place[name](arm) for name, arm in arms.items())
                     assert not pybullet.getClosestPoints(one, two, 0.0099, physicsClientId=client)
-                assert {name: (arm.joints, arm.width) for name, arm in arms.items()} == {
-                    name: (arm.joints, arm.width) for name, arm in moment.arms.items()
-                }
+                assert all(
+                    (arms[name].joints, arms[name].width) == (a.joints, a.width) for name, a in moment.arms.items()
+                )
 
 
 def test_random_tasks_of_two_arms_are_feasible(scene, validator, chance):
@@ -157,44 +171,30 @@ def test_random_tasks_of_two_arms_are_feasible(scene, validator, chance):
             assert check_witness(task, verdict.witness, scene) == []
 
 
-def test_arms_that_stand_in_each_other_are_reported(scene, handover, witness):
-    moment = witness.moments[2]
+def test_arms_that_meet_move_unseen_or_are_missing_are_reported(scene, handover, witness):
+    def found(k: int, **arms: Arm) -> str:
+        moments = list(witness.moments)
+        moments[k] = replace(moments[k], arms=arms)
+        return "\n".join(check_witness(handover, replace(witness, moments=tuple(moments)), scene))
+
     # The right arm reaches for the tool of the left one.
-    tool = tool_pose(robot_of(scene, "left"), moment.arms["left"].joints)
-    there = next(inverse(robot_of(scene, "right"), tool))
-    broken = replace(moment, arms={**moment.arms, "right": Arm(there, 0.08)})
-    moments = (*witness.moments[:2], broken, *witness.moments[3:])
-    found = check_witness(handover, replace(witness, moments=moments), scene)
-    assert any("state 2: the arm collides with" in text for text in found)
-    assert any("its last waypoint is not the arm of the next state" in text for text in found)
-
-
-def test_an_arm_that_moves_unseen_or_is_missing_is_reported(scene, handover, witness):
-    first = witness.moments[0]
-    joints = first.arms["right"].joints
-    turned = replace(first.arms["right"], joints=(joints[0] + 0.1, *joints[1:]))
-    moved = replace(first, arms={**first.arms, "right": turned})
-    assert check_witness(handover, replace(witness, moments=(moved, *witness.moments[1:])), scene)
-    alone = replace(first, arms={"left": first.arms["left"]})
-    found = check_witness(handover, replace(witness, moments=(alone, *witness.moments[1:])), scene)
-    assert "state 0: it has the arms of left; the scene has those of left, right" in found
+    left = witness.moments[2].arms["left"]
+    there = next(inverse(robot_of(scene, "right"), tool_pose(robot_of(scene, "left"), left.joints)))
+    meeting = found(2, left=left, right=Arm(there, 0.08))
+    assert "state 2: the arm collides with" in meeting
+    assert "its last waypoint is not the arm of the next state" in meeting
+    left, right = witness.moments[0].arms.values()
+    assert found(0, left=left, right=replace(right, joints=(right.joints[0] + 0.1, *right.joints[1:])))
+    assert "state 0: it has the arms of left; the scene has those of left, right" in found(0, left=left)
     stranger = tuple(replace(waypoint, robot="middle_arm") for waypoint in witness.motions[0])
-    found = check_witness(handover, replace(witness, motions=(stranger, *witness.motions[1:])), scene)
-    assert any("there is no robot middle_arm" in text for text in found)
-
-
-def test_witnesses_of_two_arms_come_back_from_json(validator, handover, witness):
-    assert Witness.from_json(witness.to_json()) == witness
-    verdict = validator.validate(handover, seed=1)
-    assert Verdict.from_json(verdict.to_json()) == verdict
-    assert verdict.witness == witness
+    motions = (stranger, *witness.motions[1:])
+    problems = check_witness(handover, replace(witness, motions=motions), scene)
+    assert any("there is no robot middle_arm" in text for text in problems)
 
 
 def test_a_cube_is_too_short_for_two_hands(scene, handover):
     shapes = {**scene.shapes, "bar_1": Shape("box", (0.05, 0.05, 0.05))}
-    with open_validator(replace(scene, shapes=shapes)) as validator:
-        verdict = validator.validate(handover, seed=1, budget=Budget(2, 6))
-    assert verdict.status == "not_found"
+    assert validate_task(handover, replace(scene, shapes=shapes), seed=1, budget=Budget(2, 6)).status == "not_found"
 
 
 def test_which_arm_an_action_moves_is_read_off_its_facts(scene, handover):

@@ -42,9 +42,10 @@ def approach_problems(
 ) -> Iterator[str]:
     """Yield grasps and releases of objects that are elsewhere, and motions that are not straight above an object.
 
-    `tools` are the poses of the tool at the waypoints.
+    `tools` are the poses of the tool at the waypoints. Grips of handles are left to `handling_problems`.
     """
     for robot, arm in before.moment.arms.items():
+        arms = (arm, after.moment.arms[robot])
         own = [each for each in zip(motion, tools, strict=True) if each[0].robot == robot]
         if own and own[-1][0].name == TRANSIT:
             yield "it ends on its way"
@@ -52,13 +53,19 @@ def approach_problems(
         stops = [_end(before, robot, simulator)]
         held, joints = arm.held, arm.joints
         for waypoint, tool in own:
-            changes = waypoint.held != held
+            changes, taking = waypoint.held != held, waypoint.held is not None
+            entity = waypoint.held if taking else held
             if changes and (waypoint.joints != joints or waypoint.name == TRANSIT):
-                yield f"{waypoint.name}: it takes or lets go of {waypoint.held or held} on its way"
+                yield f"{waypoint.name}: it takes or lets go of {entity} on its way"
                 return
-            if changes:
-                yield from _misplaced(waypoint, tool, held, before.moment, after.moment)
-            if _loose(waypoint, before.moment, after.moment):
+            owner = arms[1] if taking else arms[0]
+            if changes and waypoint.opening is None and entity is not None and owner.held == entity and owner.grasp:
+                poses = before.moment.poses if taking else after.moment.poses
+                if not near(compose(tool, owner.grasp), poses[entity]):
+                    does = "takes it" if taking else "lets it go"
+                    yield f"{waypoint.name}: {entity} is not where the gripper {does}"
+            widths = [each.width for each in arms if each.held is not None and each.held == waypoint.held]
+            if widths and min(abs(waypoint.width - width) for width in widths) > POSITION_TOLERANCE:
                 yield f"{waypoint.name}: the gripper does not close around {waypoint.held}"
             if waypoint.name != TRANSIT:
                 stops.append(Stop(waypoint.joints, tool, changes, waypoint.opening is not None))
@@ -75,23 +82,6 @@ def _end(end: End, robot: str, simulator: Simulator) -> Stop:
     else:
         down = any(fact.value and fact.predicate.gripper is Gripper.AT for fact in of_robot(end.facts, robot))
     return Stop(arm.joints, situation.tool(robot), down)
-
-
-def _misplaced(waypoint: Waypoint, tool: Pose, held: str | None, before: Moment, after: Moment) -> Iterator[str]:
-    """Yield that an object is not where it is grasped, or does not end where it is released; handles are left out."""
-    taking = waypoint.held is not None
-    entity, arm = (waypoint.held, after.arms[waypoint.robot]) if taking else (held, before.arms[waypoint.robot])
-    if waypoint.opening is not None or entity is None or arm.held != entity or arm.grasp is None:
-        return
-    if not near(compose(tool, arm.grasp), (before if taking else after).poses[entity]):
-        yield f"{waypoint.name}: {entity} is not where the gripper {'takes it' if taking else 'lets it go'}"
-
-
-def _loose(waypoint: Waypoint, before: Moment, after: Moment) -> bool:
-    """Return whether the opening of the gripper differs from that in the states in which it holds the same object."""
-    arms = [moment.arms[waypoint.robot] for moment in (before, after)]
-    widths = [arm.width for arm in arms if arm.held is not None and arm.held == waypoint.held]
-    return bool(widths) and min(abs(waypoint.width - width) for width in widths) > POSITION_TOLERANCE
 
 
 def _not_above(passed: Sequence[Stop]) -> Iterator[str]:

@@ -31,15 +31,6 @@ def opening_problems(moment: Moment, physical: PhysicalTask, scene: Scene) -> It
     yield from (f"{entity} is nothing that opens" for entity in moment.openings if entity not in furniture)
 
 
-def openings_at(motion: Sequence[Waypoint], i: int, before: Moment) -> dict[str, float]:
-    """Return how far furniture is open at a waypoint of a motion."""
-    openings = dict(before.openings)
-    for waypoint in motion[: i + 1]:
-        if waypoint.opening is not None and waypoint.held is not None:
-            openings[waypoint.held] = waypoint.opening
-    return openings
-
-
 def carried_along(poses: Mapping[str, Pose], before: Openings, after: Openings, scene: Scene) -> dict[str, Pose]:
     """Return all poses after drawers have moved together with their contents."""
     all_poses = dict(poses)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from prag_asp.physics.checks.approaches import End, approach_problems
-from prag_asp.physics.checks.furniture_motion import carried_along, handling_problems, openings_at
+from prag_asp.physics.checks.furniture_motion import carried_along, handling_problems
 from prag_asp.physics.checks.numbers import broken_arm
 from prag_asp.physics.checks.states import near, object_at_gripper, situation_of, tool_in
 from prag_asp.physics.situation import Situation
@@ -16,7 +16,6 @@ from prag_asp.physics.world.collisions import arm_collision, colliding
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.physics.world.support import riders
 from prag_asp.scene.geometry import Pose, compose, invert
-from prag_asp.scene.scene import Scene
 
 
 def motion_problems(motion: tuple[Waypoint, ...], start: End, end: End, simulator: Simulator) -> Iterator[str]:
@@ -38,14 +37,16 @@ def motion_problems(motion: tuple[Waypoint, ...], start: End, end: End, simulato
         tools.append(tool_in(simulator))
     wrong = list(handling_problems(motion, tools, before, after, simulator.scene))
     yield from wrong or approach_problems(motion, tools, start, end, simulator)
-    arms = dict(before.arms)
+    arms, openings = dict(before.arms), dict(before.openings)
     for i, waypoint in enumerate(() if wrong else motion):
         grasp = arms[waypoint.robot].grasp if waypoint.held == arms[waypoint.robot].held else None
         if waypoint.held is not None and grasp is None:
             grasp = after.arms[waypoint.robot].grasp
         arms[waypoint.robot] = Arm(waypoint.joints, waypoint.width, waypoint.held, grasp)
+        if waypoint.opening is not None and waypoint.held is not None:
+            openings[waypoint.held] = waypoint.opening
         if i < len(motion) - 1:
-            openings, moving = openings_at(motion, i, before), waypoint.name == TRANSIT
+            moving = waypoint.name == TRANSIT
             hit = _waypoint_collision(arms, waypoint.robot, (before, after), openings, simulator, moving)
             if hit is not None:
                 yield f"{waypoint.name}: {hit}"
@@ -71,7 +72,10 @@ def _waypoint_collision(
     situation = situation_of(simulator, poses, openings, arms)
     arm = arms[robot]
     if arm.held is not None and arm.grasp is not None:
-        poses = _carried(poses, arm.held, compose(situation.tool(robot), arm.grasp), simulator.scene)
+        pose = compose(situation.tool(robot), arm.grasp)
+        delta = compose(pose, invert(poses[arm.held]))
+        moved = riders(Situation(simulator.scene, poses), arm.held, set(poses) - {arm.held})
+        poses = {**poses, **{rider: compose(delta, poses[rider]) for rider in moved}, arm.held: pose}
     elif before.arms[robot].held is not None:
         poses = dict(after.poses)
     situation = situation.with_poses(poses)
@@ -82,14 +86,6 @@ def _waypoint_collision(
         return f"the arm collides with {hit.other}"
     pair = colliding(simulator, situation, [*openings, *carried], list(poses))
     return None if pair is None else f"{pair[0]} collides with {pair[1]}"
-
-
-def _carried(poses: Mapping[str, Pose], entity: str, pose: Pose, scene: Scene) -> dict[str, Pose]:
-    """Return all poses after one object and all that rests on it have moved."""
-    situation = Situation(scene, poses)
-    delta = compose(pose, invert(poses[entity]))
-    new_poses = {rider: compose(delta, poses[rider]) for rider in riders(situation, entity, set(poses) - {entity})}
-    return {**poses, **new_poses, entity: pose}
 
 
 def stray_objects(effect: ActionEffect, before: Moment, after: Moment, simulator: Simulator) -> Iterator[str]:

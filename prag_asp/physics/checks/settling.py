@@ -7,7 +7,7 @@ results depend on the history of a world, down to the order of its bodies.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
 from prag_asp.physics.bullet import pybullet
@@ -43,11 +43,6 @@ class Settling:
         self._scene = scene
         self._client = client
 
-    def failure(self, physical: PhysicalTask, witness: Witness) -> str | None:
-        """Return the cause of `fault`, one of `CAUSES`; None if all states are stable."""
-        fault = self.fault(physical, witness)
-        return None if fault is None else fault.cause
-
     def fault(self, physical: PhysicalTask, witness: Witness) -> PhysicsFault | None:
         """Return why a state of a witness is not stable, None if all are.
 
@@ -55,10 +50,18 @@ class Settling:
         then every fact of the state has to pass its predicate's own check.
         """
         scene = self._scene.with_sizes(witness.sizes)
-        bodies = self._build(scene, physical.objects)
+        start_world(self._client)
+        pybullet.setTimeStep(TIME_STEP, physicsClientId=self._client)
+        make_table(self._client, scene)
+        bodies = {
+            entity: make_body(self._client, scene, entity, parking_place(i), free=True)
+            for i, entity in enumerate(physical.objects)
+        }
         previous: Moment | None = None
         for facts, moment in zip(physical.states, witness.moments, strict=True):
-            if previous is None or not _as_stable(previous, moment):
+            # Where nothing has moved or been released, the state is as stable as the one before.
+            still = previous is not None and (previous.poses, previous.openings) == (moment.poses, moment.openings)
+            if previous is None or not (still and previous.held <= moment.held):
                 poses, openings, displaced = self._settle(scene, bodies, moment)
                 if displaced:
                     return PhysicsFault(UNSTABLE, displaced)
@@ -68,16 +71,6 @@ class Settling:
                         return PhysicsFault(UNSETTLED, fact.arguments, fact)
             previous = moment
         return None
-
-    def _build(self, scene: Scene, objects: Sequence[str]) -> Mapping[str, int]:
-        """Return new bodies in a new world."""
-        start_world(self._client)
-        pybullet.setTimeStep(TIME_STEP, physicsClientId=self._client)
-        make_table(self._client, scene)
-        return {
-            entity: make_body(self._client, scene, entity, parking_place(i), free=True)
-            for i, entity in enumerate(objects)
-        }
 
     def _settle(self, scene: Scene, bodies: Mapping[str, int], moment: Moment) -> Rest:
         """Return the state after settling."""
@@ -99,7 +92,8 @@ class Settling:
             entity
             for entity, pose in settled.items()
             if math.hypot(*speeds[entity]) > LARGEST_SPEED
-            or not _stayed(moment.poses[entity], pose)
+            or not math.dist(moment.poses[entity].position, pose.position) <= LARGEST_MOVE  # also if it is not a number
+            or not turn_between(moment.poses[entity].quaternion, pose.quaternion) <= LARGEST_TURN
             or abs(openings.get(entity, 0.0) - moment.openings.get(entity, 0.0)) > LARGEST_MOVE
         ]
         return settled, openings, tuple(displaced)
@@ -119,16 +113,5 @@ def settle(task: Task, witness: Witness, scene: Scene) -> str | None:
         SceneError: the task names an entity that has no shape.
     """
     with open_settling(scene) as settling:
-        return settling.failure(physical_task(task, scene), witness)
-
-
-def _as_stable(before: Moment, after: Moment) -> bool:
-    """Return whether stability at a moment implies that at the next: nothing has moved or been released."""
-    same = before.poses == after.poses and before.openings == after.openings
-    return same and before.held <= after.held
-
-
-def _stayed(before: Pose, after: Pose) -> bool:
-    """Return whether two poses of an object are equal within the tolerances."""
-    near = math.dist(before.position, after.position) <= LARGEST_MOVE
-    return near and turn_between(before.quaternion, after.quaternion) <= LARGEST_TURN
+        fault = settling.fault(physical_task(task, scene), witness)
+        return None if fault is None else fault.cause

@@ -10,7 +10,7 @@ from prag_asp.physics.checks.approaches import End
 from prag_asp.physics.checks.motions import motion_problems, stray_objects
 from prag_asp.physics.checks.numbers import broken_numbers, count_mismatch
 from prag_asp.physics.checks.states import state_problems
-from prag_asp.physics.symbolic_facts import PhysicalTask, physical_task
+from prag_asp.physics.symbolic_facts import physical_task
 from prag_asp.physics.witness import Witness
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.scene.scene import Scene
@@ -54,22 +54,16 @@ def witness_problems(task: Task, witness: Witness, simulator: Simulator, scene: 
         simulator.use(scene.with_sizes(witness.sizes))
     except SceneError as error:
         return [str(error)]
-    return list(_problems(physical, witness, simulator))
-
-
-def _problems(physical: PhysicalTask, witness: Witness, simulator: Simulator) -> Iterator[str]:
-    """Yield what is wrong with a witness, state by state."""
+    broken = [list(broken_numbers(moment, physical, simulator)) for moment in witness.moments]
+    problems = list[str]()
     for k, moment in enumerate(witness.moments):
-        where = f"state {k}"
-        broken = list(broken_numbers(moment, physical, simulator))
-        yield from (f"{where}: {text}" for text in broken)
-        if not broken:
-            yield from (f"{where}: {text}" for text in state_problems(moment, physical, k, simulator))
-    for k, motion in enumerate(witness.motions):
-        before, after = witness.moments[k], witness.moments[k + 1]
-        where = f"action {k + 1}, {physical.effects[k].action}"
-        broken = [text for moment in (before, after) for text in broken_numbers(moment, physical, simulator)]
-        if not broken:
-            ends = (End(before, physical.states[k]), End(after, physical.states[k + 1]))
-            yield from (f"{where}: {text}" for text in motion_problems(motion, *ends, simulator))
-            yield from (f"{where}: {text}" for text in stray_objects(physical.effects[k], before, after, simulator))
+        texts = broken[k] or state_problems(moment, physical, k, simulator)
+        problems += [f"state {k}: {text}" for text in texts]
+    ends = list(map(End, witness.moments, physical.states))
+    for k, (motion, effect) in enumerate(zip(witness.motions, physical.effects, strict=True)):
+        if not broken[k] and not broken[k + 1]:
+            before, after = ends[k : k + 2]
+            texts = [*motion_problems(motion, before, after, simulator)]
+            texts += stray_objects(effect, before.moment, after.moment, simulator)
+            problems += [f"action {k + 1}, {effect.action}: {text}" for text in texts]
+    return problems

@@ -1,22 +1,31 @@
-"""Execute the actions of a witness in a dynamic simulation: move the arms, open and close their grippers."""
+"""Execute the actions of a witness in a dynamic simulation, step by step, and record every frame."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import replace
 
-from prag_asp.physics.demonstration.driving import Driver
+import numpy as np
+
 from prag_asp.physics.demonstration.planning import Action, Angles, Leg, action_legs, plan_path, plan_pull
-from prag_asp.physics.demonstration.recording import Recorder
+from prag_asp.physics.demonstration.recording import FRAME_STEPS, Recorder
 from prag_asp.physics.motion.trajectory import blend_paths, joint_limits
 from prag_asp.physics.search.attempt import NO_PATH
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm, Moment, Waypoint
-from prag_asp.physics.world.dynamics import TIME_STEP, ArmCommand, Dynamics
+from prag_asp.physics.world.dynamics import STILL, TIME_STEP, ArmCommand, Dynamics
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.scene.robots import robot_of
 
 SQUEEZE = 0.008
 """By how much the target opening of a gripper is below the width of the object that it holds, in metres."""
+
+LONGEST_REST = 0.5
+"""The longest time to wait for objects to come to rest, in seconds: a ball may roll on."""
+
+FINGER_SPEED = 0.16
+"""The speed of opening or closing a gripper, in metres a second."""
 
 
 class PerformanceFailed(Exception):
@@ -24,16 +33,29 @@ class PerformanceFailed(Exception):
 
 
 class Actor:
-    """Moves the arms of a simulation from waypoint to waypoint, and keeps track of their intended states."""
+    """Moves the arms of a simulation from waypoint to waypoint, and keeps track of their intended states.
+
+    Arms without a new target hold their position.
+    """
 
     def __init__(self, world: Dynamics, planner: Simulator, recorder: Recorder, first: Moment):
-        self._world, self._planner = world, planner
-        self._driver = Driver(world, recorder, {name: holding_command(arm) for name, arm in first.arms.items()})
+        self._world, self._planner, self._recorder = world, planner, recorder
         self._arms = dict(first.arms)
+        self._commands: dict[str, ArmCommand] = {}
+        self._steps, self._still = 0, False
+        for robot, arm in first.arms.items():
+            squeeze = SQUEEZE if arm.held is not None else 0.0
+            self._command(robot, ArmCommand(arm.joints, arm.width - squeeze))
+        recorder.frame(self._commands)
 
     def rest(self) -> None:
-        """Simulate until nothing moves."""
-        self._driver.rest()
+        """Simulate until nothing moves, at most `LONGEST_REST`; a frame ends then."""
+        for _ in range(round(LONGEST_REST / TIME_STEP / FRAME_STEPS)):
+            self._step()
+            while self._steps % FRAME_STEPS:
+                self._step()
+            if self._still:
+                return
 
     def act(self, action: Action) -> None:
         """Execute an action.
@@ -49,31 +71,32 @@ class Actor:
                 self._drive(robot, ways)
             robot, arm = waypoint.robot, self._arms[waypoint.robot]
             if arm.held is None and waypoint.held is None and self._fingers_move(waypoint):
-                self._driver.move_fingers(robot, waypoint.width)
+                self._move_fingers(robot, waypoint.width)
             if waypoint.joints != leg.start:
                 ways.append(self._way(arm, leg, action))
                 arm = self._arms[robot] = replace(arm, joints=tuple(ways[-1][-1].tolist()))
             if waypoint.held != arm.held:
                 self._drive(robot, ways)
-                self._grip(waypoint)
+                self._arms[robot] = replace(arm, held=waypoint.held)
+                squeeze = SQUEEZE if waypoint.held is not None else 0.0
+                self._move_fingers(robot, waypoint.width - squeeze)
+                self.rest()
         self._drive(robot, ways)
 
     def _fingers_move(self, waypoint: Waypoint) -> bool:
         """Return whether an empty gripper has another opening than at a waypoint."""
-        return self._arms[waypoint.robot].held is None and waypoint.width != self._driver.opening(waypoint.robot)
-
-    def _grip(self, waypoint: Waypoint) -> None:
-        """Close the gripper on what it holds at a waypoint, or open it, and wait until nothing moves."""
-        squeeze = SQUEEZE if waypoint.held is not None else 0.0
-        self._arms[waypoint.robot] = replace(self._arms[waypoint.robot], held=waypoint.held)
-        self._driver.move_fingers(waypoint.robot, waypoint.width - squeeze)
-        self._driver.rest()
+        return self._arms[waypoint.robot].held is None and waypoint.width != self._commands[waypoint.robot].opening
 
     def _drive(self, robot: str, ways: list[Angles]) -> None:
         """Move an arm along paths without a stop between them, and clear the list."""
         if ways:
-            limits = joint_limits(robot_of(self._world.scene, robot))
-            self._driver.move(robot, blend_paths(ways, self._driver.joints(robot), TIME_STEP, limits))
+            start, opening = self._commands[robot]
+            angles = blend_paths(ways, start, TIME_STEP, joint_limits(robot_of(self._world.scene, robot)))
+            speeds = np.diff(angles, axis=0, prepend=np.array([start])) / TIME_STEP
+            for row, speed in zip(angles.tolist(), speeds.tolist(), strict=True):
+                self._command(robot, ArmCommand(tuple(row), opening), speed)
+                self._step()
+            self._command(robot, self._commands[robot])
             ways.clear()
 
     def _way(self, arm: Arm, leg: Leg, action: Action) -> Angles:
@@ -82,9 +105,10 @@ class Actor:
         Raises:
             PerformanceFailed: there is no collision-free path.
         """
-        waypoint = leg.waypoint
+        waypoint, world = leg.waypoint, self._world
         self._planner.turn_to(waypoint.robot)
-        situation = self._situation()
+        arms = {name: replace(actual, held=self._arms[name].held) for name, actual in world.arms().items()}
+        situation = Situation(world.scene, world.poses(), arms, world.openings())
         if waypoint.held is not None and waypoint.opening is not None:
             return plan_pull(self._planner, situation, arm, waypoint.held, waypoint.opening)
         path = plan_path(self._planner, situation, arm, leg, action)
@@ -92,13 +116,24 @@ class Actor:
             raise PerformanceFailed(NO_PATH, f"{action.effect.action}: {NO_PATH} to the waypoint {waypoint.name}")
         return path
 
-    def _situation(self) -> Situation:
-        """Return the present situation."""
-        world = self._world
-        arms = {name: replace(arm, held=self._arms[name].held) for name, arm in world.arms().items()}
-        return Situation(world.scene, world.poses(), arms, world.openings())
+    def _move_fingers(self, robot: str, opening: float) -> None:
+        """Move the fingers of an arm to an opening in metres, at `FINGER_SPEED`."""
+        joints, start = self._commands[robot]
+        steps = math.ceil(abs(opening - start) / FINGER_SPEED / TIME_STEP)
+        for i in range(1, steps + 1):
+            self._command(robot, ArmCommand(joints, start + i / steps * (opening - start)))
+            self._step()
 
+    def _command(self, robot: str, command: ArmCommand, speeds: Sequence[float] = STILL) -> None:
+        """Set the targets of an arm's motors, with target speeds of the joints in rad/s."""
+        self._commands[robot] = command
+        self._world.drive(robot, command, speeds)
 
-def holding_command(arm: Arm) -> ArmCommand:
-    """Return the motor targets that hold an arm in its state, squeezing what it holds."""
-    return ArmCommand(arm.joints, arm.width - (SQUEEZE if arm.held is not None else 0.0))
+    def _step(self) -> None:
+        """Simulate one time step, and record a frame if one ends."""
+        self._world.step()
+        self._recorder.step()
+        self._steps += 1
+        if self._steps % FRAME_STEPS == 0:
+            self._still = self._world.at_rest()
+            self._recorder.frame(self._commands)

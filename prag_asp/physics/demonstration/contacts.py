@@ -13,13 +13,14 @@ Any other contact is a fault if its force exceeds `GENTLE`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import chain
 from typing import NamedTuple
 
 from prag_asp.physics.predicates import Gripper
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.symbolic_facts import Fact, PhysicalTask
+from prag_asp.physics.symbolic_facts import PhysicalTask
 from prag_asp.physics.witness import ROBOT_PARTS
 from prag_asp.physics.world.support import TABLE, contacts
 
@@ -65,76 +66,59 @@ def intended_contacts(physical: PhysicalTask, number: int, *around: Situation) -
     effect = physical.effects[number - 1] if number else None
     handled = {}
     for robot in around[0].scene.robots:
-        bodies: set[str | None] = {fact.arguments[1] for facts in states for fact in facts if _at_hand(fact, robot)}
+        at_hand = (
+            fact
+            for fact in chain.from_iterable(states)
+            if fact.value and fact.predicate.gripper in (Gripper.HOLDS, Gripper.AT) and fact.arguments[0] == robot
+        )
+        bodies: set[str | None] = {fact.arguments[1] for fact in at_hand}
         if effect is not None and effect.robot in (None, robot):
             bodies |= {effect.grasps, effect.releases, effect.holds, effect.visits, *effect.turns}
         handled[robot] = frozenset(body for body in bodies if body is not None)
-    return IntendedContacts(handled, frozenset(pair for situation in around for pair in _resting(situation)))
+    resting = {
+        (entity, BOARD if contact.support == TABLE else contact.support)
+        for situation in around
+        for entity in situation.poses
+        for contact in contacts(situation, entity, situation.poses)
+    }
+    return IntendedContacts(handled, frozenset(resting))
 
 
 def unintended_contacts(touches: Iterable[Touch], intended: IntendedContacts) -> list[Touch]:
     """Return the unintended contacts of an action, for each pair of bodies the strongest one."""
+    frames: dict[int, list[Touch]] = {}
+    for touch in touches:
+        frames.setdefault(touch.frame, []).append(touch)
     strongest: dict[Pair, Touch] = {}
-    for together in _frames(touches):
-        movable = _moved(together, intended)
+    for together in frames.values():
+        pairs = [pair for touch in together for pair in ((touch.one, touch.two), (touch.two, touch.one))]
+        touched = {two for one, two in pairs if _part(one)[0] in FINGERS and not _part(two)[0]} - {BOARD}
+        moved = set(touched)
+        while more := {upper for upper, lower in intended.resting if lower in moved} - moved:
+            moved |= more
         for touch in together:
             pair = (touch.one, touch.two)
-            if touch.force > GENTLE and not _is_intended(touch, movable, intended):
+            if touch.force > GENTLE and not _is_intended(pair, touched, moved, intended):
                 worst = strongest.get(pair)
                 strongest[pair] = touch if worst is None or touch.force > worst.force else worst
     return sorted(strongest.values(), key=lambda touch: touch.frame)
 
 
-class _Moved(NamedTuple):
-    """What robots move: the bodies that their fingers touch, and those that rest on these."""
+def _is_intended(pair: Pair, touched: set[str], moved: set[str], intended: IntendedContacts) -> bool:
+    """Return whether a contact is intended, or concerns no robot.
 
-    touched: frozenset[str]
-    riding: frozenset[str]
-
-
-def _moved(touches: Iterable[Touch], intended: IntendedContacts) -> _Moved:
-    """Return what the robots move in a frame."""
-    pairs = [pair for touch in touches for pair in ((touch.one, touch.two), (touch.two, touch.one))]
-    touched = {two for one, two in pairs if _part(one)[0] in FINGERS and not _part(two)[0]} - {BOARD}
-    riding = set(touched)
-    while more := {upper for upper, lower in intended.resting if lower in riding} - riding:
-        riding |= more
-    return _Moved(frozenset(touched), frozenset(riding - touched))
-
-
-def _is_intended(touch: Touch, movable: _Moved, intended: IntendedContacts) -> bool:
-    """Return whether a contact is intended, or concerns no robot."""
-    (part, robot), (other_part, other_robot) = _part(touch.one), _part(touch.two)
+    `moved` are the bodies that robots move: those `touched` by fingers, and what rests on these.
+    """
+    (part, robot), (other_part, other_robot) = map(_part, pair)
     if part and other_part:
         return False
     if part:
-        return part in FINGERS and touch.two in intended.handled[robot]
+        return part in FINGERS and pair[1] in intended.handled[robot]
     if other_part:
-        return other_part in FINGERS and touch.one in intended.handled[other_robot]
-    pair = {touch.one, touch.two}
-    if pair.isdisjoint(movable.touched | movable.riding) or pair <= movable.riding:
+        return other_part in FINGERS and pair[0] in intended.handled[other_robot]
+    if moved.isdisjoint(pair) or moved - touched >= set(pair):
         return True
-    return (touch.one, touch.two) in intended.resting or (touch.two, touch.one) in intended.resting
-
-
-def _frames(touches: Iterable[Touch]) -> Iterator[Sequence[Touch]]:
-    """Yield the contacts of each frame."""
-    frames: dict[int, list[Touch]] = {}
-    for touch in touches:
-        frames.setdefault(touch.frame, []).append(touch)
-    yield from frames.values()
-
-
-def _at_hand(fact: Fact, robot: str) -> bool:
-    """Return whether a fact says that the gripper of a robot holds something or is at it."""
-    return fact.value and fact.predicate.gripper in (Gripper.HOLDS, Gripper.AT) and fact.arguments[0] == robot
-
-
-def _resting(situation: Situation) -> Iterator[Pair]:
-    """Yield each body with what it rests on."""
-    for entity in situation.poses:
-        for contact in contacts(situation, entity, situation.poses):
-            yield entity, BOARD if contact.support == TABLE else contact.support
+    return pair in intended.resting or pair[::-1] in intended.resting
 
 
 def _part(body: str) -> tuple[str, str]:

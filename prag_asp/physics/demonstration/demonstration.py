@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from contextlib import contextmanager
+from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -15,7 +16,7 @@ from prag_asp.array_archive import BadArchive, read_arrays
 from prag_asp.errors import OutputError, QueryError
 from prag_asp.output import replace_file
 from prag_asp.physics.demonstration.contacts import Touch
-from prag_asp.physics.demonstration.footage import Footage, read_footage
+from prag_asp.physics.demonstration.footage import Footage, are_equal, read_footage, require_arrays
 from prag_asp.physics.demonstration.packing import with_packed
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import VERSION, Arm
@@ -27,8 +28,15 @@ from prag_asp.tables.report import shown
 
 Floats = NDArray[np.float32]
 Integers = NDArray[np.int32]
-ARRAYS = ("times", "joints", "widths", "commands", "sizes", "poses", "openings", "contacts", "forces", "ends")
-TEXTS = ("robots", "bodies", "objects", "furniture", "cause", "detail")
+ARRAYS: Mapping[str, type[np.number[Any]]] = {
+    **dict.fromkeys(("times", "joints", "widths", "commands", "sizes", "poses", "openings"), np.float32),
+    "contacts": np.int32,
+    "forces": np.float32,
+    "ends": np.int32,
+}
+"""The arrays of an episode with their types, in the order of the file."""
+
+LISTS, TEXTS = ("robots", "bodies", "objects", "furniture"), ("cause", "detail")
 
 VARIED = "varied"
 """The name of the variation, as text, which most episodes do not have."""
@@ -80,11 +88,7 @@ class Demonstration:
 
     def __eq__(self, other: object) -> bool:
         """Return whether two episodes are equal, bit by bit."""
-        if not isinstance(other, Demonstration):
-            return NotImplemented
-        names = [each.name for each in fields(self) if each.name not in ("footage", "variation")]
-        same = all(np.array_equal(getattr(self, name), getattr(other, name)) for name in names)
-        return same and self.footage == other.footage and self.variation == other.variation
+        return are_equal(self, other) if isinstance(other, Demonstration) else NotImplemented
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -143,7 +147,7 @@ class Demonstration:
         """
         content: dict[str, Any] = {"version": np.array(VERSION)}
         content |= {name: getattr(self, name) for name in ARRAYS}
-        content |= {name: np.array(getattr(self, name)) for name in TEXTS}
+        content |= {name: np.array(getattr(self, name)) for name in (*LISTS, *TEXTS)}
         content |= {} if self.variation is None else {VARIED: np.array(self.variation.to_text())}
         content |= {} if self.footage is None else self.footage.arrays()
         buffer = BytesIO()
@@ -160,35 +164,37 @@ class Demonstration:
         Raises:
             QueryError: the file cannot be read, holds something else, or too much, or lies elsewhere.
         """
-        try:
-            with open_binary(path, within=within, at_most=LARGEST_FILE) as file:
-                return _read(file, Path(path))
-        except OSError as error:
-            raise QueryError(f"{path}: cannot be read: {error.strerror or error}") from None
-        except (BadArchive, ValueError) as error:
-            raise QueryError(f"{path}: this is not a demonstration: {error}") from None
+        names = ("version", *ARRAYS, *LISTS, *TEXTS)
+        with _open_episode(path, within) as file:
+            content = read_arrays(file, (*names, VARIED), LARGEST)
+            if "version" in content and (content["version"].shape != () or content["version"] != VERSION):
+                version = shown(content["version"].tolist())
+                raise QueryError(f"{path}: an episode of the version {version}; this program reads {VERSION}")
+            for name in names:
+                if name not in content:
+                    raise BadArchive(f"it has no {name}")
+            _require_fitting(content)
+            arrays: dict[str, Any] = {name: content[name].astype(kind) for name, kind in ARRAYS.items()}
+            arrays |= {name: tuple(map(str, content[name].tolist())) for name in LISTS}
+            arrays |= {name: str(content[name]) for name in TEXTS}
+            footage = read_footage(file, len(arrays["times"]), len(arrays["robots"]), LARGEST)
+            return cls(**arrays, footage=footage, variation=_variation(content.get(VARIED)))
 
 
-def _read(file: BinaryIO, path: Path) -> Demonstration:
-    """Return the episode in a file.
+@contextmanager
+def _open_episode(path: str | Path, within: str | Path | None) -> Iterator[BinaryIO]:
+    """Open the file of an episode.
 
     Raises:
-        OSError: the file cannot be read.
-        BadArchive, ValueError: it is another file, was cut off, is too large, or holds something else.
-        QueryError: it is of another version.
+        QueryError: the file cannot be read, or what is done with it finds that it holds something else.
     """
-    content = read_arrays(file, ("version", *ARRAYS, *TEXTS, VARIED), LARGEST)
-    if "version" not in content:
-        raise BadArchive("it has no version")
-    if content["version"].shape != () or content["version"] != VERSION:
-        version = shown(content["version"].tolist())
-        raise QueryError(f"{path}: an episode of the version {version}; this program reads {VERSION}")
-    missing = [name for name in (*ARRAYS, *TEXTS) if name not in content]
-    if missing:
-        raise BadArchive(f"it has no {missing[0]}")
-    episode = _from_arrays(content)
-    footage = read_footage(file, len(episode.times), len(episode.robots), LARGEST)
-    return replace(episode, footage=footage, variation=_variation(content.get(VARIED)))
+    try:
+        with open_binary(path, within=within, at_most=LARGEST_FILE) as file:
+            yield file
+    except OSError as error:
+        raise QueryError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except (BadArchive, ValueError) as error:
+        raise QueryError(f"{path}: this is not a demonstration: {error}") from None
 
 
 def read_variation(path: str | Path, *, within: str | Path | None = None) -> Variation | None:
@@ -197,13 +203,8 @@ def read_variation(path: str | Path, *, within: str | Path | None = None) -> Var
     Raises:
         QueryError: the file cannot be read, or holds something else.
     """
-    try:
-        with open_binary(path, within=within, at_most=LARGEST_FILE) as file:
-            return _variation(read_arrays(file, (VARIED,), LARGEST).get(VARIED))
-    except OSError as error:
-        raise QueryError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except (BadArchive, ValueError) as error:
-        raise QueryError(f"{path}: this is not a demonstration: {error}") from None
+    with _open_episode(path, within) as file:
+        return _variation(read_arrays(file, (VARIED,), LARGEST).get(VARIED))
 
 
 def _variation(text: NDArray[Any] | None) -> Variation | None:
@@ -239,44 +240,17 @@ def pose_of(row: list[float]) -> Pose:
     return Pose((x, y, z), (qx, qy, qz, qw))
 
 
-def _from_arrays(content: Mapping[str, NDArray[Any]]) -> Demonstration:
-    """Return an episode from the arrays of a file.
-
-    Raises:
-        ValueError: their shapes do not match, or they have other contents.
-    """
-    _require_fitting(content)
-    return Demonstration(
-        robots=tuple(map(str, content["robots"].tolist())),
-        objects=tuple(map(str, content["objects"].tolist())),
-        bodies=tuple(map(str, content["bodies"].tolist())),
-        times=content["times"].astype(np.float32),
-        joints=content["joints"].astype(np.float32),
-        widths=content["widths"].astype(np.float32),
-        commands=content["commands"].astype(np.float32),
-        sizes=content["sizes"].astype(np.float32),
-        poses=content["poses"].astype(np.float32),
-        openings=content["openings"].astype(np.float32),
-        furniture=tuple(map(str, content["furniture"].tolist())),
-        contacts=content["contacts"].astype(np.int32),
-        forces=content["forces"].astype(np.float32),
-        ends=content["ends"].astype(np.int32),
-        cause=str(content["cause"]),
-        detail=str(content["detail"]),
-    )
-
-
 def _require_fitting(content: Mapping[str, NDArray[Any]]) -> None:
     """Check that the shapes and types of an episode's arrays match.
 
     Raises:
         ValueError: they do not.
     """
-    for name in ("times", "forces", "ends", "robots", "bodies", "objects", "furniture"):
+    for name in ("times", "forces", "ends", *LISTS):
         if content[name].ndim != 1:
             raise ValueError(f"{name} has the shape {content[name].shape}; it has to be a list")
     frames, touches, robots = len(content["times"]), len(content["forces"]), len(content["robots"])
-    shapes = {
+    shapes: dict[str, tuple[int, ...]] = {
         "times": (frames,),
         "joints": (frames, robots, 7),
         "widths": (frames, robots),
@@ -288,17 +262,14 @@ def _require_fitting(content: Mapping[str, NDArray[Any]]) -> None:
         "forces": (touches,),
         "ends": (len(content["ends"]),),
     }
-    for name, shape in shapes.items():
-        if content[name].shape != shape:
-            raise ValueError(f"{name} has the shape {content[name].shape} in place of {shape}")
-        kinds = "iu" if name in ("contacts", "ends") else "iuf"
-        if content[name].dtype.kind not in kinds or not np.isfinite(content[name]).all():
-            raise ValueError(f"{name} has to hold {'whole' if kinds == 'iu' else 'finite'} numbers")
+    require_arrays(
+        content, {name: (shape, "iu" if ARRAYS[name] is np.int32 else "iuf") for name, shape in shapes.items()}
+    )
     if frames == 0 or (len(content["ends"]) and not 0 <= content["ends"].min() <= content["ends"].max() < frames):
         raise ValueError(f"ends has to hold numbers of frames; it has {frames} frames")
     limits = (frames, len(content["bodies"]), len(content["bodies"]))
     if ((content["contacts"] < 0) | (content["contacts"] >= limits)).any():
         raise ValueError("contacts has to hold a frame and the positions of two bodies")
-    for name in ("cause", "detail"):
+    for name in TEXTS:
         if content[name].shape != () or content[name].dtype.kind != "U":
             raise ValueError(f"{name} has to hold a text")

@@ -36,12 +36,8 @@ def check_demonstration(task: Task, demonstration: Demonstration, scene: Scene) 
         except SceneError as error:
             return [f"state {k}: {error}"]
         touches = demonstration.touches(ends[k - 1] + 1 if k else 0, frame)
-        faults += [f"{_during(task, k)}: {touch.sentence()}" for touch in unintended_contacts(touches, intended)]
+        during = f"action {k}, {task.actions[k - 1]}" if k else "before the first action"
+        faults += [f"{during}: {touch.sentence()}" for touch in unintended_contacts(touches, intended)]
         faults += [f"state {k}: it does not hold that {fact.sentence()}" for fact in broken]
         previous = situation
     return faults
-
-
-def _during(task: Task, number: int) -> str:
-    """Return the name of a part of an episode for a message: an action, counted from 1, or the time before."""
-    return f"action {number}, {task.actions[number - 1]}" if number else "before the first action"

@@ -30,6 +30,12 @@ def segmentation_type(legend: Sequence[str]) -> str:
     return "u1" if len(legend) <= BYTES else "<u2"
 
 
+def are_equal(one: Any, other: Any) -> bool:
+    """Return whether two instances of a dataclass have equal fields, arrays bit by bit."""
+    pairs = ((getattr(one, each.name), getattr(other, each.name)) for each in fields(one))
+    return all(np.array_equal(a, b) if isinstance(a, np.ndarray) else bool(a == b) for a, b in pairs)
+
+
 class Picture(NamedTuple):
     """A camera image: `rgb` (H, W, 3), `depth` (H, W) in metres, `segmentation` (H, W).
 
@@ -82,10 +88,7 @@ class Film:
 
     def __eq__(self, other: object) -> bool:
         """Return whether two films are equal, bit by bit."""
-        if not isinstance(other, Film):
-            return NotImplemented
-        same = all(np.array_equal(getattr(self, name), getattr(other, name)) for name in OF_CAMERA)
-        return same and self.packed == other.packed
+        return are_equal(self, other) if isinstance(other, Film) else NotImplemented
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -110,11 +113,7 @@ class Footage:
 
     def __eq__(self, other: object) -> bool:
         """Return whether two footages are equal, bit by bit."""
-        if not isinstance(other, Footage):
-            return NotImplemented
-        names = [each.name for each in fields(self) if each.name != "films"]
-        same = all(np.array_equal(getattr(self, name), getattr(other, name)) for name in names)
-        return same and self.films == other.films
+        return are_equal(self, other) if isinstance(other, Footage) else NotImplemented
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -163,18 +162,14 @@ def read_footage(file: BinaryIO, frames: int, robots: int, at_most: int) -> Foot
         "grippers": ((count, robots), "f"),
         "subgoals": ((count,), "iu"),
     }
-    _require(lists, required)
+    require_arrays(lists, required)
     if count < 1 or not 0 <= lists["frames"].min() <= lists["frames"].max() < frames:
         raise ValueError(f"frames has to hold numbers of frames; it has {frames} frames")
-    return Footage(
-        frames=lists["frames"].astype(np.int32),
-        tools=lists["tools"].astype(np.float32),
-        deltas=lists["deltas"].astype(np.float32),
-        grippers=lists["grippers"].astype(np.float32),
-        subgoals=lists["subgoals"].astype(np.int32),
-        legend=legend,
-        films={name: _film(file, name, count, segmentation_type(legend), at_most) for name in cameras},
-    )
+    films = {name: _film(file, name, count, segmentation_type(legend), at_most) for name in cameras}
+    arrays: dict[str, Any] = {
+        name: lists[name].astype(np.int32 if kinds == "iu" else np.float32) for name, (_, kinds) in required.items()
+    }
+    return Footage(**arrays, legend=legend, films=films)
 
 
 def _film(file: BinaryIO, camera: str, count: int, segmented: str, at_most: int) -> Film:
@@ -187,7 +182,7 @@ def _film(file: BinaryIO, camera: str, count: int, segmented: str, at_most: int)
     names = [f"{camera}/{name}" for name in OF_CAMERA]
     content = read_arrays(file, names, at_most)
     shapes = [(3, 3), (count, 4, 4), (2,)]
-    _require(content, {name: (shape, "f") for name, shape in zip(names, shapes, strict=True)})
+    require_arrays(content, {name: (shape, "f") for name, shape in zip(names, shapes, strict=True)})
     intrinsics, extrinsics, limits = (content[name].astype(np.float32) for name in names)
     # The principal point is the centre of the image.
     width, height = (round(2 * float(intrinsics[i, 2])) for i in (0, 1))
@@ -200,8 +195,8 @@ def _film(file: BinaryIO, camera: str, count: int, segmented: str, at_most: int)
     return Film(intrinsics, extrinsics, limits, (rgb, depth, segmentation))
 
 
-def _require(content: Mapping[str, NDArray[Any]], required: Mapping[str, tuple[tuple[int, ...], str]]) -> None:
-    """Check the shapes and types of arrays.
+def require_arrays(content: Mapping[str, NDArray[Any]], required: Mapping[str, tuple[tuple[int, ...], str]]) -> None:
+    """Check the shapes and types of arrays; a type is one of some kinds of NumPy.
 
     Raises:
         BadArchive: one is missing.

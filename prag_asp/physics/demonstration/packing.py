@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from io import BytesIO
 from itertools import repeat
 from typing import Any, BinaryIO
-from zipfile import BadZipFile, ZipFile, ZipInfo
+from zipfile import BadZipFile, ZipFile
 
 import numpy as np
 from numpy.lib import format as npy
@@ -134,38 +134,27 @@ def read_packed(file: BinaryIO, names: Mapping[str, tuple[tuple[int, ...], str]]
     try:
         with ZipFile(file) as archive:
             members = {info.filename: info for info in archive.infolist()}
-            return {
-                name: _packed(archive, members.get(f"{name}{SUFFIX}"), file, name, shape, dtype)
-                for name, (shape, dtype) in names.items()
-            }
+            result = {}
+            for name, (shape, dtype) in names.items():
+                member, kind = members.get(f"{name}{SUFFIX}"), np.dtype(dtype)
+                if member is None:
+                    raise BadArchive(f"it has no {name}")
+                head = _head(shape, kind)
+                size = len(head) + int(np.prod(shape, dtype=np.int64)) * kind.itemsize
+                with archive.open(member) as content:
+                    begin = content.read(len(head))
+                if begin != head or member.file_size != size or member.compress_type != DEFLATED:
+                    raise BadArchive(f"{name} is not an array of {kind.name} of the shape {shape}")
+                file.seek(member.header_offset)
+                local = LOCAL.unpack(file.read(LOCAL.size))
+                file.seek(local[-2] + local[-1], 1)
+                stream = file.read(member.compress_size)
+                if len(stream) != member.compress_size:
+                    raise BadArchive(f"{name} was cut off")
+                result[name] = Packed(shape[0], shape[1:], kind.str, stream, member.CRC, size)
+            return result
     except (BadZipFile, struct.error, zlib.error, NotImplementedError, RuntimeError) as error:
         raise BadArchive("it is another file than a .npz, or was cut off") from error
-
-
-def _packed(
-    archive: ZipFile, member: ZipInfo | None, file: BinaryIO, name: str, shape: tuple[int, ...], dtype: str
-) -> Packed:
-    """Return one array.
-
-    Raises:
-        BadArchive: it is missing, of another shape or type, or was cut off.
-    """
-    if member is None:
-        raise BadArchive(f"it has no {name}")
-    kind = np.dtype(dtype)
-    head = _head(shape, kind)
-    size = len(head) + int(np.prod(shape, dtype=np.int64)) * kind.itemsize
-    with archive.open(member) as content:
-        begin = content.read(len(head))
-    if begin != head or member.file_size != size or member.compress_type != DEFLATED:
-        raise BadArchive(f"{name} is not an array of {kind.name} of the shape {shape}")
-    file.seek(member.header_offset)
-    local = LOCAL.unpack(file.read(LOCAL.size))
-    file.seek(local[-2] + local[-1], 1)
-    stream = file.read(member.compress_size)
-    if len(stream) != member.compress_size:
-        raise BadArchive(f"{name} was cut off")
-    return Packed(shape[0], shape[1:], kind.str, stream, member.CRC, size)
 
 
 def _head(shape: tuple[int, ...], kind: np.dtype[Any]) -> bytes:

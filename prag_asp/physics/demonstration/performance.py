@@ -7,14 +7,14 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 from prag_asp.physics.demonstration.acting import Actor, PerformanceFailed
-from prag_asp.physics.demonstration.contacts import IntendedContacts, intended_contacts, unintended_contacts
+from prag_asp.physics.demonstration.contacts import intended_contacts, unintended_contacts
 from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.demonstration.planning import Action
 from prag_asp.physics.demonstration.recording import Recorder
 from prag_asp.physics.predicates import Gripper
 from prag_asp.physics.search.attempt import LOST, NOT_REACHED, PRESSED
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.symbolic_facts import Fact, PhysicalTask, physical_task
+from prag_asp.physics.symbolic_facts import PhysicalTask, physical_task
 from prag_asp.physics.witness import Witness
 from prag_asp.physics.world.dynamics import Dynamics, open_dynamics
 from prag_asp.physics.world.simulator import Simulator, open_simulator
@@ -42,47 +42,29 @@ class Performer:
         self._world.begin(physical.objects, first, scene if variation is None else variation.applied(scene))
         recorder = Recorder(self._world, physical.objects)
         actor = Actor(self._world, self._planner, recorder, first)
+        previous: Situation | None = None
+        cause = detail = ""
         try:
-            actor.rest()
-            situation = recorder.end_state()
-            _judge_contacts(intended_contacts(physical, 0, situation), recorder, "the start")
-            _judge(physical.initial, situation, "the start")
-            for k, effect in enumerate(physical.effects):
-                before, after = witness.moments[k : k + 2]
-                actor.act(Action(effect, before, after, witness.motions[k]))
+            for k, facts in enumerate(physical.states):
+                part = "the start"
+                if k:
+                    effect, before, after = physical.effects[k - 1], *witness.moments[k - 1 : k + 1]
+                    part = str(effect.action)
+                    actor.act(Action(effect, before, after, witness.motions[k - 1]))
                 actor.rest()
-                previous, situation = situation, recorder.end_state()
-                _judge_contacts(intended_contacts(physical, k + 1, previous, situation), recorder, str(effect.action))
-                _judge(effect.after, situation, str(effect.action))
-        except PerformanceFailed as stopped:
-            cause, detail = stopped.args
-            return replace(recorder.finish(cause, detail), variation=variation)
-        return replace(recorder.finish(), variation=variation)
-
-
-def _judge(facts: tuple[Fact, ...], situation: Situation, after: str) -> None:
-    """Check the facts of a state.
-
-    Raises:
-        PerformanceFailed: a fact does not hold.
-    """
-    broken = [fact for fact in facts if not fact.is_satisfied(situation)]
-    lost = [fact for fact in broken if fact.predicate.gripper is Gripper.HOLDS and fact.value]
-    if broken:
-        worst = (lost or broken)[0]
-        raise PerformanceFailed(
-            LOST if lost else NOT_REACHED, f"after {after} it does not hold that {worst.sentence()}"
-        )
-
-
-def _judge_contacts(intended: IntendedContacts, recorder: Recorder, during: str) -> None:
-    """Check the contacts of the last action.
-
-    Raises:
-        PerformanceFailed: a contact was not intended.
-    """
-    for touch in unintended_contacts(recorder.touches(), intended)[:1]:
-        raise PerformanceFailed(PRESSED, f"during {during} {touch.sentence()}")
+                situation = recorder.end_state()
+                intended = intended_contacts(physical, k, previous or situation, situation)
+                for touch in unintended_contacts(recorder.touches(), intended)[:1]:
+                    raise PerformanceFailed(PRESSED, f"during {part} {touch.sentence()}")
+                broken = [fact for fact in facts if not fact.is_satisfied(situation)]
+                lost = [fact for fact in broken if fact.predicate.gripper is Gripper.HOLDS and fact.value]
+                for fact in (lost or broken)[:1]:
+                    reason = f"after {part} it does not hold that {fact.sentence()}"
+                    raise PerformanceFailed(LOST if lost else NOT_REACHED, reason)
+                previous = situation
+        except PerformanceFailed as failed:
+            cause, detail = failed.args
+        return replace(recorder.finish(cause, detail), variation=variation)
 
 
 @contextmanager

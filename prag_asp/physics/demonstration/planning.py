@@ -79,7 +79,12 @@ def plan_path(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, acti
     tool = _corrected(leg, tool_pose(robot, waypoint.joints), situation, action)
     goal = adjust_joints(robot, tool, waypoint.joints) or waypoint.joints
     if leg.way:
-        return time_path(_along(arm, leg, goal), TIME_STEP, joint_limits(robot, loaded=arm.held is not None))
+        # The path of the witness, with the differences of its ends from the actual ones interpolated.
+        first, last = np.subtract(arm.joints, leg.start), np.subtract(goal, waypoint.joints)
+        shares = np.linspace(0.0, 1.0, len(leg.way) + 2)[1:-1, None]
+        between = np.array(leg.way) + (1 - shares) * first + shares * last
+        path = [arm.joints, *map(tuple, between.tolist()), goal]
+        return time_path(path, TIME_STEP, joint_limits(robot, loaded=arm.held is not None))
     grasp = _measured_grasp(situation, waypoint.robot, arm.held)
     loaded = carry_object(arm, situation.arm(waypoint.robot).width, arm.held, grasp)
     return free_path(planner, situation, loaded, goal, TIME_STEP)
@@ -98,14 +103,6 @@ def plan_pull(planner: Simulator, situation: Situation, arm: Arm, furniture: str
 def _measured_grasp(situation: Situation, robot: str, held: str | None) -> Pose | None:
     """Return the grasp of the object that a gripper holds as it is in a situation, None if it holds none."""
     return None if held is None else compose(invert(situation.tool(robot)), situation.poses[held])
-
-
-def _along(arm: Arm, leg: Leg, goal: Joints) -> list[Joints]:
-    """Return the path of the witness from the actual state of the arm to a goal, with the differences interpolated."""
-    first, last = np.subtract(arm.joints, leg.start), np.subtract(goal, leg.waypoint.joints)
-    shares = np.linspace(0.0, 1.0, len(leg.way) + 2)[1:-1, None]
-    between = np.array(leg.way) + (1 - shares) * first + shares * last
-    return [arm.joints, *map(tuple, between.tolist()), goal]
 
 
 def _corrected(leg: Leg, planned: Pose, situation: Situation, action: Action) -> Pose:

@@ -18,7 +18,7 @@ CLEARANCE = 0.01
 SLACK = 0.0005
 """By how much a body may come closer to something than at an end of the path, in metres."""
 
-TABLE = "the table"
+ARM, TABLE = "the arm", "the table"
 Gaps = Mapping[tuple[str, str], float]
 """The distances in metres of pairs of bodies that are closer than `CLEARANCE`, by their names."""
 
@@ -66,39 +66,30 @@ def _near(simulator: Simulator, passage: ArmPassage) -> Iterator[tuple[str, str,
     """Yield pairs of bodies whose bounding boxes are close, and their distances in metres."""
     situation, arm, carried = passage
     simulator.place(situation.poses, situation.openings)
-    acting = simulator.arm
+    acting, table = simulator.arm, simulator.table
     whole = dict(zip(acting.robot.links, acting.link_boxes(arm.joints, arm.width), strict=True))
     boxes = {link: corners for link, corners in whole.items() if link > BASE_LINK}
     acting.pose(arm.joints, arm.width)
     low = [link for link, ((_, _, z), _) in boxes.items() if z < CLEARANCE]
-    yield from (("the arm", TABLE, gap) for gap in _distances(simulator, acting.body, simulator.table, low))
+    yield from _distances(simulator, (ARM, TABLE), acting.body, table, low)
     for entity, body in situation.bodies:
         links = _beside((body.low, body.high), boxes)
         if entity in (arm.held, *carried):
             links = [link for link in links if link not in acting.robot.finger_links]
-        yield from (
-            ("the arm", entity, gap) for gap in _distances(simulator, acting.body, simulator.body(entity), links)
-        )
+        yield from _distances(simulator, (ARM, entity), acting.body, simulator.body(entity), links)
     for one, two in acting.robot.self_pairs:
         if _wide(whole[one], whole[two]):
-            yield from (
-                ("the arm", "itself", gap) for gap in _distances(simulator, acting.body, acting.body, [one], two)
-            )
+            yield from _distances(simulator, (ARM, "itself"), acting.body, acting.body, [one], two)
     for name, other in situation.arms.items():
         if name != simulator.acting:
             yield from _near_arm(simulator, passage, name, other, boxes)
     for entity in carried:
-        yield from _near_load(simulator, passage, entity)
-
-
-def _near_load(simulator: Simulator, passage: ArmPassage, entity: str) -> Iterator[tuple[str, str, float]]:
-    """Yield the distances of a carried object to the table, and to what is not carried with it."""
-    body, own = simulator.body(entity), passage.situation.body(entity)
-    if own.low[2] < CLEARANCE:
-        yield from ((entity, TABLE, gap) for gap in _distances(simulator, body, simulator.table))
-    for other, near in passage.situation.bodies:
-        if other not in passage.carried and _wide((own.low, own.high), (near.low, near.high)):
-            yield from ((entity, other, gap) for gap in _distances(simulator, body, simulator.body(other)))
+        load, own = simulator.body(entity), situation.body(entity)
+        if own.low[2] < CLEARANCE:
+            yield from _distances(simulator, (entity, TABLE), load, table)
+        for other_entity, near in situation.bodies:
+            if other_entity not in carried and _wide((own.low, own.high), (near.low, near.high)):
+                yield from _distances(simulator, (entity, other_entity), load, simulator.body(other_entity))
 
 
 def _near_arm(
@@ -108,26 +99,30 @@ def _near_arm(
     there = simulator.arms[name]
     whole = dict(zip(there.robot.links, there.link_boxes(other.joints, other.width), strict=True))
     there.pose(other.joints, other.width)
-    reach = around(whole.values())
-    links = [link for link in _beside(reach, boxes) if _beside(boxes[link], whole)]
-    yield from (("the arm", name, gap) for gap in _distances(simulator, simulator.arm.body, there.body, links))
+    links = [link for link in _beside(around(whole.values()), boxes) if _beside(boxes[link], whole)]
+    yield from _distances(simulator, (ARM, name), simulator.arm.body, there.body, links)
     for entity in passage.carried:
         body = passage.situation.body(entity)
         links = _beside((body.low, body.high), whole)
         if entity == other.held:
             links = [link for link in links if link not in there.robot.finger_links]
-        yield from ((entity, name, gap) for gap in _distances(simulator, there.body, simulator.body(entity), links))
+        yield from _distances(simulator, (entity, name), there.body, simulator.body(entity), links)
 
 
 def _distances(
-    simulator: Simulator, one: int, two: int, links: Iterable[int] | None = None, other_link: int | None = None
-) -> Iterator[float]:
-    """Yield the distances below `CLEARANCE`, in metres, from some or all links of one body to another."""
+    simulator: Simulator,
+    names: tuple[str, str],
+    one: int,
+    two: int,
+    links: Iterable[int] | None = None,
+    other_link: int | None = None,
+) -> Iterator[tuple[str, str, float]]:
+    """Yield names with the distances below `CLEARANCE`, in metres, from some or all links of one body to another."""
     ends = {} if other_link is None else {"linkIndexB": other_link}
     chosen = [ends] if links is None else [{"linkIndexA": link, **ends} for link in links]
     for each in chosen:
         points = pybullet.getClosestPoints(one, two, CLEARANCE, physicsClientId=simulator.client, **each)
-        yield from (point[8] for point in points)
+        yield from ((*names, point[8]) for point in points)
 
 
 def _beside(corners: Corners, boxes: Mapping[int, Corners]) -> list[int]:

@@ -121,7 +121,14 @@ def checked_path(
         return tuple(path[1:-1]) if path is not None and _is_free(simulator, situation, arm, np.array(path)) else None
     for around in _candidate_paths(simulator, start, goal):
         angles = time_path(around, time_step, joint_limits(simulator.robot, loaded=arm.held is not None))
-        way = tuple(_strides(start, angles))
+        before, strides = np.array(start), list[Joints]()
+        for row in angles:
+            if np.abs(row - before).max() >= STRIDE:
+                if np.abs(row - angles[-1]).max() < STRIDE / 2:
+                    break
+                before = row
+                strides.append(tuple(row.tolist()))
+        way = tuple(strides)
         if _is_free(simulator, situation, arm, np.array([start, *way, goal])):
             return way
     return None
@@ -149,49 +156,25 @@ def _above(simulator: Simulator, joints: Joints, height: float) -> Joints | None
 
 def _is_free(simulator: Simulator, situation: Situation, arm: Arm, path: NDArray[np.float64]) -> bool:
     """Return whether the arm and what it holds keep clear on a path, shape (points, 7), apart from its ends."""
-    carried = _carried(situation, arm)
-    start, *between, goal = _check_points(path)
-    first, last = (gaps(simulator, _passage(simulator, situation, arm, carried, end)) for end in (start, goal))
+    held, grasp, poses = arm.held, arm.grasp, situation.poses
+    carried = [] if held is None else [held, *riders(situation, held, [each for each in poses if each != held])]
+
+    def gaps_at(joints: Joints) -> Gaps:
+        there = situation
+        if held is not None and grasp is not None:
+            delta = compose(compose(tool_pose(simulator.robot, joints), grasp), invert(poses[held]))
+            there = situation.with_poses({**poses, **{entity: compose(delta, poses[entity]) for entity in carried}})
+        return gaps(simulator, ArmPassage(there, Arm(joints, arm.width, held), carried))
+
+    # Between two of the checked points, the joint motions sum up to at most `LOOK`.
+    reached = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(path, axis=0)).sum(axis=1))])
+    places = np.linspace(0.0, reached[-1], math.ceil(reached[-1] / LOOK) + 1)
+    rows = np.column_stack([np.interp(places, reached, column) for column in path.T]).tolist()
+    first, last = gaps_at(tuple(path[0].tolist())), gaps_at(tuple(path[-1].tolist()))
     gaps_so_far: list[Gaps] = []
-    for joints in between:
-        here = gaps(simulator, _passage(simulator, situation, arm, carried, joints))
+    for row in rows[1:-1]:
+        here = gaps_at(tuple(row))
         if here.keys() - first.keys() - last.keys():
             return False
         gaps_so_far.append(here)
     return keeps_clear(first, gaps_so_far, last)
-
-
-def _check_points(path: NDArray[np.float64]) -> list[Joints]:
-    """Return at least two points on a path, shape (points, 7), between which the joint motions sum up to `LOOK`."""
-    reached = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(path, axis=0)).sum(axis=1))])
-    places = np.linspace(0.0, reached[-1], math.ceil(reached[-1] / LOOK) + 1) if reached[-1] > 0.0 else np.zeros(2)
-    rows = np.column_stack([np.interp(places, reached, column) for column in path.T]).tolist()
-    return [tuple(path[0].tolist()), *map(tuple, rows[1:-1]), tuple(path[-1].tolist())]
-
-
-def _strides(start: Joints, angles: NDArray[np.float64]) -> Iterator[Joints]:
-    """Yield joint angles of a path, a stride apart, without its ends."""
-    before, last = np.array(start), angles[-1]
-    for row in angles:
-        if np.abs(row - before).max() >= STRIDE:
-            if np.abs(row - last).max() < STRIDE / 2:
-                return
-            before = row
-            yield tuple(row.tolist())
-
-
-def _carried(situation: Situation, arm: Arm) -> list[str]:
-    """Return what moves with the gripper: what it holds, and what rests on that."""
-    held = arm.held
-    return [] if held is None else [held, *riders(situation, held, [each for each in situation.poses if each != held])]
-
-
-def _passage(
-    simulator: Simulator, situation: Situation, arm: Arm, carried: Sequence[str], joints: Joints
-) -> ArmPassage:
-    """Return where everything is with the arm at joint angles."""
-    if arm.held is not None and arm.grasp is not None:
-        delta = compose(compose(tool_pose(simulator.robot, joints), arm.grasp), invert(situation.poses[arm.held]))
-        carried_poses = {entity: compose(delta, situation.poses[entity]) for entity in carried}
-        situation = situation.with_poses({**situation.poses, **carried_poses})
-    return ArmPassage(situation, Arm(joints, arm.width, arm.held), carried)

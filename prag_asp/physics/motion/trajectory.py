@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import count
 from typing import NamedTuple
 
 import numpy as np
@@ -39,7 +40,10 @@ STILL = 1e-12
 """Radians below which a piece of a path counts as no motion, because of rounding."""
 
 SLOWDOWNS = 30
+"""How often parts of a path are slowed down before the whole path is."""
+
 TOLERANCE = 1e-6
+"""The share by which a joint may exceed its limits, because of rounding."""
 
 
 class JointLimits(NamedTuple):
@@ -51,7 +55,7 @@ class JointLimits(NamedTuple):
     def excess(self, angles: Angles, start: Angles, time_step: float) -> Angles:
         """Return the largest ratio of a joint's speed or acceleration to its limit at each step, shape (steps + 1,).
 
-        The motion goes from rest at joint angles `begun` through `angles`, shape (steps, 7), to rest.
+        The motion goes from rest at joint angles `start` through `angles`, shape (steps, 7), to rest.
         """
         still = np.zeros((1, angles.shape[1]))
         speeds = np.diff(np.concatenate([start[None], angles]), axis=0) / time_step
@@ -77,21 +81,27 @@ def time_path(path: Sequence[Joints], time_step: float, limits: JointLimits) -> 
     """
     points = np.array(path)
     cells = _cells(points, limits)
-    if cells is None:
-        return np.repeat(points[-1:], round(ROUNDING / time_step), axis=0)
     window = round(ROUNDING / time_step)
-    for _ in range(SLOWDOWNS):
+    if cells is None:
+        return np.repeat(points[-1:], window, axis=0)
+    for slowdown in count(1):
         reached, places = _passed(cells, time_step)
-        angles = _rounded(_at(points, cells, places), points, window)
+        angles = np.column_stack([np.interp(places, cells.corners, column) for column in points.T])
+        # The average over the window, by which the motion becomes longer.
+        padded = np.concatenate([np.repeat(points[:1], window, axis=0), angles, np.repeat(points[-1:], window, axis=0)])
+        sums = np.concatenate([np.zeros((1, padded.shape[1])), np.cumsum(padded, axis=0)])
+        angles = ((sums[window:] - sums[:-window]) / window)[1:]
+        angles[-1] = points[-1]
         excess = limits.excess(angles, points[0], time_step)
         if excess.max() <= 1.0 + TOLERANCE:
-            return angles
-        cells = _slower(cells, reached, excess, window)
-    while excess.max() > 1.0 + TOLERANCE:
-        cells = cells._replace(caps=cells.caps / excess.max())
-        _, places = _passed(cells, time_step)
-        angles = _rounded(_at(points, cells, places), points, window)
-        excess = limits.excess(angles, points[0], time_step)
+            break
+        caps = cells.caps.copy()
+        # Slow down in the averaging windows in which a joint exceeds its limits, at last on the whole path.
+        for step in np.flatnonzero(excess > 1.0).tolist() if slowdown <= SLOWDOWNS else ():
+            first, last = np.searchsorted(reached, (step - window - 1, step + 1))
+            part = slice(max(0, int(first) - 1), int(last) + 1)
+            caps[part] = np.minimum(caps[part], cells.caps[part] / excess[step])
+        cells = cells._replace(caps=caps if slowdown < SLOWDOWNS else caps / excess.max())
     return angles
 
 
@@ -150,21 +160,6 @@ def _passed(cells: _Cells, time_step: float) -> tuple[Angles, Angles]:
     return reached * slower / time_step, places
 
 
-def _slower(cells: _Cells, reached: Angles, excess: Angles, window: int) -> _Cells:
-    """Return cells with lower speeds in the averaging windows in which a joint exceeds its limits."""
-    caps = cells.caps.copy()
-    for step in np.flatnonzero(excess > 1.0).tolist():
-        first, last = np.searchsorted(reached, (step - window - 1, step + 1))
-        part = slice(max(0, int(first) - 1), int(last) + 1)
-        caps[part] = np.minimum(caps[part], cells.caps[part] / excess[step])
-    return cells._replace(caps=caps)
-
-
-def _at(points: Angles, cells: _Cells, places: Angles) -> Angles:
-    """Return the joint angles at path lengths, shape (steps, 7)."""
-    return np.column_stack([np.interp(places, cells.corners, column) for column in points.T])
-
-
 def blend_paths(ways: Sequence[Angles], start: Joints, time_step: float, limits: JointLimits) -> Angles:
     """Return the joint angles of every time step along consecutive paths, shape (steps, 7).
 
@@ -181,13 +176,3 @@ def blend_paths(ways: Sequence[Angles], start: Joints, time_step: float, limits:
                 break
         whole = joined
     return whole
-
-
-def _rounded(angles: Angles, points: Angles, window: int) -> Angles:
-    """Return joint angles averaged over a window of steps, by which the motion becomes longer."""
-    before, after = np.repeat(points[:1], window, axis=0), np.repeat(points[-1:], window, axis=0)
-    padded = np.concatenate([before, angles, after])
-    sums = np.concatenate([np.zeros((1, padded.shape[1])), np.cumsum(padded, axis=0)])
-    averaged: Angles = (sums[window:] - sums[:-window]) / window
-    averaged[-1] = points[-1]
-    return averaged[1:]

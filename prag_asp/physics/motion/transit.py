@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import replace
 
 from prag_asp.physics.motion.route import carry_object, checked_path, grasp_of
@@ -14,12 +14,10 @@ from prag_asp.physics.symbolic_facts import ActionEffect, PhysicalTask, physical
 from prag_asp.physics.witness import TRANSIT, Arm, Moment, Waypoint, Witness
 from prag_asp.physics.world.dynamics import TIME_STEP
 from prag_asp.physics.world.simulator import Simulator, open_simulator
-from prag_asp.scene.geometry import Pose, compose
+from prag_asp.scene.geometry import compose
 from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
-
-Motion = tuple[Waypoint, ...]
 
 
 def with_transit(simulator: Simulator, physical: PhysicalTask, witness: Witness) -> Witness | None:
@@ -29,7 +27,7 @@ def with_transit(simulator: Simulator, physical: PhysicalTask, witness: Witness)
     """
     motions = []
     for k, effect in enumerate(physical.effects):
-        own = tuple(waypoint for waypoint in witness.motions[k] if waypoint.name != TRANSIT)
+        own = [waypoint for waypoint in witness.motions[k] if waypoint.name != TRANSIT]
         motion = _motion(simulator, effect, own, witness.moments[k], witness.moments[k + 1])
         if motion is None:
             return None
@@ -47,10 +45,14 @@ def travel(task: Task, witness: Witness, scene: Scene) -> Witness | None:
         return with_transit(simulator, physical_task(task, scene), witness)
 
 
-def _motion(simulator: Simulator, effect: ActionEffect, own: Motion, before: Moment, after: Moment) -> Motion | None:
+def _motion(
+    simulator: Simulator, effect: ActionEffect, own: Sequence[Waypoint], before: Moment, after: Moment
+) -> tuple[Waypoint, ...] | None:
     """Return the waypoints of an action with transit waypoints in between, None if a path is not found."""
     waypoints_so_far: list[Waypoint] = []
-    arms, poses, openings = dict(before.arms), _relocated(effect, before, after), before.openings
+    arms, poses, openings = dict(before.arms), before.poses, before.openings
+    if (effect.grasps, effect.releases, effect.holds) == (None, None, None):
+        poses = after.poses  # what no gripper moves has moved before the arm does
     for waypoint in own:
         robot = waypoint.robot
         grasp = grasp_of(waypoint.held, arms[robot], after.arms[robot])
@@ -71,10 +73,3 @@ def _motion(simulator: Simulator, effect: ActionEffect, own: Motion, before: Mom
         waypoints_so_far.append(waypoint)
         arms[robot] = Arm(waypoint.joints, waypoint.width, waypoint.held, grasp)
     return tuple(waypoints_so_far)
-
-
-def _relocated(effect: ActionEffect, before: Moment, after: Moment) -> Mapping[str, Pose]:
-    """Return the poses of the objects when the arm begins to move: if no gripper moves any, they have moved by then."""
-    if (effect.grasps, effect.releases, effect.holds) == (None, None, None):
-        return after.poses
-    return before.poses

@@ -10,7 +10,7 @@ from prag_asp.physics.predicates import PREDICATES, Gripper
 from prag_asp.physics.predicates.gripper import CLEARANCE, bearable, lowest_grip
 from prag_asp.program.problem import Problem
 from prag_asp.scene.read.scene_values import ancestors
-from prag_asp.scene.robots import Robot, robot_of
+from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.solids import weight
 
@@ -46,24 +46,13 @@ def _faults(scene: Scene, name: str, entity: str) -> Iterator[tuple[str, str, st
         yield "too-wide", "shapes", f"{width * 1000:.3g} mm wide and {opens}, so make it narrower"
     height, lowest = max(shape.size[2] for shape in shapes), lowest_grip(robot)
     if height < lowest:
-        text = (
-            f"{height * 1000:.3g} mm high and the gripper takes nothing that is less than {lowest * 1000:.3g} mm high"
-        )
-        yield "too-low", "shapes", f"{text}, for its fingers reach below the grip; make it higher"
-    yield from _heavy(scene, name, robot, entity)
-
-
-def _heavy(scene: Scene, name: str, robot: Robot, entity: str) -> Iterator[tuple[str, str, str]]:
-    """Yield that a robot cannot lift a body of any size, because of its payload or of friction."""
-    shapes = scene.ranges.get(entity, (scene.shapes[entity],))
+        text = f"{height * 1000:.3g} mm high and the gripper takes nothing that is less than {lowest * 1000:.3g} mm"
+        yield "too-low", "shapes", f"{text} high, for its fingers reach below the grip; make it higher"
     mass = min(weight(scene.with_shapes({entity: shape}), entity) for shape in shapes)
     bears = bearable(scene, entity, name)
     if mass > robot.payload:
-        yield (
-            "too-heavy",
-            "materials",
-            f"{mass:.3g} kg heavy and the robot carries {robot.payload:.3g} kg; make it lighter",
-        )
+        text = f"{mass:.3g} kg heavy and the robot carries {robot.payload:.3g} kg"
+        yield "too-heavy", "materials", f"{text}; make it lighter"
     elif mass > LIFTED * bears:
         friction = scene.material(entity).friction
         text = f"{mass:.3g} kg heavy and with a friction of {friction:.3g} the gripper bears {bears:.3g} kg at rest"

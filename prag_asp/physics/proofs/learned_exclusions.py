@@ -8,7 +8,7 @@ cannot be propagated exactly.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from itertools import combinations
 
 import clingo
@@ -16,7 +16,7 @@ import clingo
 from prag_asp.atom import Atom, atom_of
 from prag_asp.domain.load import Domain
 from prag_asp.physics.proofs.prover import Prover
-from prag_asp.physics.symbolic_facts import Fact, facts
+from prag_asp.physics.symbolic_facts import facts
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.facts import Facts
 from prag_asp.program.invariants import Graph, conflict, entailed, invariant_graph
@@ -40,17 +40,18 @@ def prove_exclusions(domain_facts: Facts, scene: Scene, tell: Callable[[str], No
     """
     stage("proving")
     prover, graph = Prover(scene), invariant_graph(domain_facts)
-    spatial = list(_spatial(domain_facts.fluents, scene))
     proofs: dict[Fluents, str | None] = {}
     possible = []
-    for symbol, fluent, fact in spatial:
-        reason = prover.refutation([fact])
-        if _excluded(graph, symbol):
-            proofs[(fluent,)] = None
-        elif reason is not None:
-            proofs[(fluent,)] = reason
-        else:
-            possible.append((symbol, fluent, fact))
+    for symbol in domain_facts.fluents:
+        fluent = atom_of(symbol)
+        for fact in facts(scene, {fluent: True}):
+            reason = prover.refutation([fact])
+            if _excluded(graph, symbol):
+                proofs[(fluent,)] = None
+            elif reason is not None:
+                proofs[(fluent,)] = reason
+            else:
+                possible.append((symbol, fluent, fact))
     for number, ((one, first, fact), (two, second, other)) in enumerate(combinations(possible, 2)):
         if number % 10_000 == 0:
             tell(f"{number} pairs of fluents tried, {len(proofs)} proofs")
@@ -76,14 +77,6 @@ def unproved_exclusions(domain: Domain, scene: Scene) -> Iterator[Fluents]:
         fluents = tuple(dict.fromkeys(atom_of(fluent) for fluent in pair))
         if not _excluded(graph, *pair) and prover.refutation(facts(scene, dict.fromkeys(fluents, True))) is None:
             yield fluents
-
-
-def _spatial(fluents: Iterable[clingo.Symbol], scene: Scene) -> Iterator[tuple[clingo.Symbol, Atom, Fact]]:
-    """Yield the spatial fluents, each with its fact."""
-    for symbol in fluents:
-        fluent = atom_of(symbol)
-        for fact in facts(scene, {fluent: True}):
-            yield symbol, fluent, fact
 
 
 def _excluded(graph: Graph, *fluents: clingo.Symbol) -> bool:

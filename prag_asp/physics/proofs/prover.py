@@ -13,7 +13,8 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import chain, product
+from typing import NamedTuple
 
 from prag_asp.atom import Atom
 from prag_asp.physics.predicates import PREDICATES
@@ -54,14 +55,20 @@ class Impossibility:
         return f"{where}: {self.reason}"
 
 
+class Constraints(NamedTuple):
+    """The constraints of a fact for all sizes of its bodies, and the movable bodies and grippers in them."""
+
+    demands: tuple[Demand, ...]
+    names: frozenset[str]
+
+
 class Prover:
-    """Proves states of one scene impossible; it caches the constraints of each fact."""
+    """Proves states of one scene impossible; it caches what it finds about facts."""
 
     def __init__(self, scene: Scene):
         self._scene = scene
-        self._demands: dict[Fact, tuple[Demand, ...]] = {}
+        self._constraints: dict[Fact, Constraints] = {}
         self._alone: dict[Fact, str | None] = {}
-        self._links: dict[Fact, frozenset[str]] = {}
         self._known: dict[frozenset[Fact], str | None] = {}
 
     def impossibility(self, physical: PhysicalTask) -> Impossibility | None:
@@ -74,8 +81,13 @@ class Prover:
                 least = self.fewest(facts)
                 reason = next(self._reasons(least, least))
                 return Impossibility(reason, least, k, physical.effects[k - 1].action if k else None)
-        for k, reason, entities in slip_reasons(physical, self._scene):
-            return Impossibility(reason, entities, k, physical.effects[k - 1].action)
+        for number, effect in enumerate(physical.effects, 1):
+            lift = _lift(effect, physical.states[number - 1])
+            if lift is not None:
+                robot, entity = lift[1].arguments
+                by_size = [slips(sized, entity, robot) for sized in self._sized(lift[1])]
+                if by_size[0] is not None and None not in by_size:
+                    return Impossibility(by_size[0], lift, number, effect.action)
         return None
 
     def refutation(self, facts: Sequence[Fact]) -> str | None:
@@ -94,9 +106,12 @@ class Prover:
     def _reasons(self, facts: Sequence[Fact], fresh: Collection[Fact]) -> Iterator[str]:
         """Yield why facts cannot hold together; only reasons that involve some of the `fresh` ones are needed."""
         for fact in fresh:
-            reason = self._never(fact)
-            if reason is not None:
-                yield reason
+            if fact not in self._alone:
+                by_size = [next(own_reasons(fact, sized), None) for sized in self._sized(fact)]
+                self._alone[fact] = None if None in by_size else by_size[0]
+            never = self._alone[fact]
+            if never is not None:
+                yield never
         yield from surface_reasons(facts, fresh, self._scene)
         new = [fact for fact in fresh if fact.value]
         if not new:
@@ -117,7 +132,7 @@ class Prover:
         """
         groups: list[tuple[set[str], list[Fact]]] = []
         for fact in true:
-            names, members = set(self._linked(fact)), [fact]
+            names, members = set(self._constrain(fact).names), [fact]
             if not names:
                 continue
             apart = []
@@ -130,51 +145,34 @@ class Prover:
             groups = [*apart, (names, members)]
         return [frozenset(members) for _, members in groups]
 
-    def _linked(self, fact: Fact) -> frozenset[str]:
-        """Return the movable bodies and grippers whose positions a fact constrains; cached."""
-        links = self._links.get(fact)
-        if links is None:
-            names = (name for _, gap in self._demanded(fact) for name, _ in gap[:2])
-            links = self._links[fact] = frozenset(name for name in names if name and name not in self._scene.fixed)
-        return links
-
     def _together(self, group: frozenset[Fact]) -> str | None:
-        """Return why the facts of a group cannot hold together, None if nothing is proved; cached."""
+        """Return why there are no positions for the bodies of some facts, None if nothing is proved; cached."""
         if group not in self._known:
+            true = sorted(group, key=lambda fact: (fact.predicate.name, fact.arguments))
+            gaps: tuple[dict[Gap, None], ...] = ({}, {}, {})
+            for fact in true:
+                for axis, gap in self._constrain(fact).demands:
+                    gaps[axis][gap] = None
+            rows = chain.from_iterable(room_reasons(true, axis, list(gaps[axis])) for axis in range(len(AXES)))
             if len(self._known) >= REMEMBERED:
                 self._known.clear()
-            self._known[group] = next(self._room(group), None)
+            self._known[group] = next(chain(rows, reach_reasons(true, self._scene, gaps)), None)
         return self._known[group]
 
-    def _room(self, group: frozenset[Fact]) -> Iterator[str]:
-        """Yield why there are no positions for the bodies of some facts."""
-        true = sorted(group, key=lambda fact: (fact.predicate.name, fact.arguments))
-        gaps: tuple[dict[Gap, None], ...] = ({}, {}, {})
-        for fact in true:
-            for axis, gap in self._demanded(fact):
-                gaps[axis][gap] = None
-        for axis in range(len(AXES)):
-            yield from room_reasons(true, axis, list(gaps[axis]))
-        yield from reach_reasons(true, self._scene, gaps)
-
-    def _demanded(self, fact: Fact) -> tuple[Demand, ...]:
-        """Return the constraints of a fact that hold for all sizes of its bodies; cached."""
-        demands = self._demands.get(fact)
-        if demands is None:
-            first, *others = (_lengths(all_demands(fact, sized)) for sized in self._sized(fact))
-            common = [demanded for demanded in first if all(demanded in other for other in others)]
-            demands = self._demands[fact] = tuple(
-                (axis, Gap(low, high, min(found[axis, low, high] for found in (first, *others))))
-                for axis, low, high in common
-            )
-        return demands
-
-    def _never(self, fact: Fact) -> str | None:
-        """Return why a fact can never hold, for any sizes of its bodies, None if it may; cached."""
-        if fact not in self._alone:
-            reasons = [next(own_reasons(fact, sized), None) for sized in self._sized(fact)]
-            self._alone[fact] = None if None in reasons else reasons[0]
-        return self._alone[fact]
+    def _constrain(self, fact: Fact) -> Constraints:
+        """Return the constraints of a fact, each with the weakest bound of all sizes of its bodies; cached."""
+        if fact not in self._constraints:
+            bounds = []
+            for sized in self._sized(fact):
+                strongest: dict[tuple[int, Node, Node], float] = {}
+                for axis, (low, high, least) in all_demands(fact, sized):
+                    strongest[axis, low, high] = max(least, strongest.get((axis, low, high), -math.inf))
+                bounds.append(strongest)
+            common = [where for where in bounds[0] if all(where in other for other in bounds)]
+            demands = [(where[0], Gap(*where[1:], min(each[where] for each in bounds))) for where in common]
+            names = {name for _, *ends in common for name, _ in ends if name and name not in self._scene.fixed}
+            self._constraints[fact] = Constraints(tuple(demands), frozenset(names))
+        return self._constraints[fact]
 
     def _sized(self, fact: Fact) -> Iterator[Scene]:
         """Yield the scene for each combination of sizes of the bodies of a fact."""
@@ -183,38 +181,11 @@ class Prover:
             yield self._scene.with_shapes(dict(zip(drawn, shapes, strict=True)))
 
 
-def impossibility(physical: PhysicalTask, scene: Scene) -> Impossibility | None:
-    """Return a proof that a task is infeasible, None if nothing is proved."""
-    return Prover(scene).impossibility(physical)
-
-
-def _lengths(demands: Iterable[Demand]) -> dict[tuple[int, Node, Node], float]:
-    """Return the strongest lower bound on the difference of two coordinates along an axis."""
-    lengths: dict[tuple[int, Node, Node], float] = {}
-    for axis, (low, high, least) in demands:
-        lengths[axis, low, high] = max(least, lengths.get((axis, low, high), -math.inf))
-    return lengths
-
-
-def slip_reasons(physical: PhysicalTask, scene: Scene) -> Iterator[tuple[int, str, tuple[Fact, ...]]]:
-    """Yield lifts of objects that slip in every size: the number of the next state, the reason, and the facts.
+def _lift(effect: ActionEffect, before: tuple[Fact, ...]) -> tuple[Fact, Fact, Fact] | None:
+    """Return the facts that an object is at a place, that it is held, and that it is no longer there; None if it stays.
 
     A gripper may close around anything that it spans, but only lifting loads it. A witness lifts what it moves: the arm
     retreats straight up from where it grasps an object, and comes straight down to where it releases it.
-    """
-    for number, effect in enumerate(physical.effects, 1):
-        lift = _lift(effect, physical.states[number - 1])
-        if lift is not None:
-            _, held, _ = lift
-            robot, entity = held.arguments
-            sizes = scene.ranges.get(entity, (scene.shapes[entity],))
-            reasons = [slips(scene.with_shapes({entity: shape}), entity, robot) for shape in sizes]
-            if reasons[0] is not None and None not in reasons:
-                yield number, reasons[0], lift
-
-
-def _lift(effect: ActionEffect, before: tuple[Fact, ...]) -> tuple[Fact, Fact, Fact] | None:
-    """Return the facts that an object is at a place, that it is held, and that it is no longer there; None if it stays.
 
     Only actions that move nothing but the object, and open nothing, leave the place itself still. An object in a
     handover may stay where it is.

@@ -11,7 +11,7 @@ from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.proofs.surfaces import outline_of
 from prag_asp.physics.situation import fixed_pose
 from prag_asp.program.problem import Problem
-from prag_asp.scene.forms import Outline, Point, rectangle
+from prag_asp.scene.forms import Outline, rectangle
 from prag_asp.scene.furniture import cavity, cavity_pose, mechanism
 from prag_asp.scene.geometry import cut, inside_by, yaw_of
 from prag_asp.scene.robots import Robot, robot_of
@@ -82,18 +82,14 @@ def _top(scene: Scene, place: str) -> tuple[Outline, float]:
 
 def _distances(outline: Outline, robot: Robot) -> tuple[float, float]:
     """Return the least and the greatest distance of a convex outline from a robot's base, in metres."""
-    base = robot.base.position[:2]
-    far = max(math.dist(base, corner) for corner in outline)
-    if inside_by(outline, base) >= 0.0:
+    x, y, _ = robot.base.position
+    near, far = math.inf, max(math.dist((x, y), corner) for corner in outline)
+    if inside_by(outline, (x, y)) >= 0.0:
         return 0.0, far
-    sides = zip(outline, outline[1:] + outline[:1], strict=True)
-    return min(_from_segment(base, one, two) for one, two in sides), far
-
-
-def _from_segment(point: Point, one: Point, two: Point) -> float:
-    """Return the distance of a point from a segment, in metres."""
-    dx, dy = two[0] - one[0], two[1] - one[1]
-    length = dx * dx + dy * dy
-    share = 0.0 if length == 0.0 else ((point[0] - one[0]) * dx + (point[1] - one[1]) * dy) / length
-    share = min(1.0, max(0.0, share))
-    return math.dist(point, (one[0] + share * dx, one[1] + share * dy))
+    for (ax, ay), (bx, by) in zip(outline, outline[1:] + outline[:1], strict=True):
+        dx, dy = bx - ax, by - ay
+        length = dx * dx + dy * dy
+        share = 0.0 if length == 0.0 else ((x - ax) * dx + (y - ay) * dy) / length
+        share = min(1.0, max(0.0, share))
+        near = min(near, math.dist((x, y), (ax + share * dx, ay + share * dy)))
+    return near, far

@@ -1,13 +1,16 @@
-"""The reasons, in words, why facts cannot hold: impossible facts, exclusions, and lack of room."""
+"""The reasons, in words, why facts cannot hold: impossible facts, exclusions, and lack of room.
+
+Room is a system of difference constraints, lower bounds on differences of coordinates. It is unsatisfiable if and only
+if its graph has a cycle of positive length, which the Bellman-Ford algorithm finds.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from prag_asp.physics.predicates.gaps import ORIGIN, Gap, centre
+from prag_asp.physics.predicates.gaps import ORIGIN, ROUNDING, Gap, Node, centre
 from prag_asp.physics.predicates.predicate import words
-from prag_asp.physics.proofs.differences import impossible_row, lowest
 from prag_asp.physics.proofs.placement_demands import bodies
 from prag_asp.physics.situation import Situation, fixed_pose
 from prag_asp.physics.symbolic_facts import Fact
@@ -25,8 +28,10 @@ def own_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
     if fact.value and predicate.impossible is not None:
         yield from predicate.impossible(scene, fact.arguments)
     entities = () if predicate.of_gripper or predicate.looks_around else bodies(fact, scene)
-    still = _still(scene)
-    if entities and all(entity in still.poses for entity in entities) and not fact.is_satisfied(still):
+    traits = {entity: scene.shapes[entity].traits for entity in scene.fixed}
+    still = [entity for entity, kind in traits.items() if kind.body and not kind.furniture]
+    situation = Situation(scene, {entity: fixed_pose(scene, entity) for entity in still})
+    if entities and all(entity in still for entity in entities) and not fact.is_satisfied(situation):
         yield f"{fact.sentence()} cannot hold, for nothing of it can move"
 
 
@@ -37,15 +42,11 @@ def gap_reasons(true: Sequence[Fact]) -> Iterator[str]:
         least = fact.predicate.apart[0]
         for other in close:
             if other.predicate.apart[1] < least and {*other.arguments[:2]} == {*fact.arguments[:2]}:
-                yield _not_both(other, fact)
-
-
-def _not_both(close: Fact, wide: Fact) -> str:
-    """Return the sentence that two objects cannot be as close as one fact requires and as far apart as another."""
-    if any(fact.predicate.inverse != fact.predicate.name for fact in (close, wide)):
-        return _never_together((close, wide))
-    ways = f"{words(close.predicate.name)} and {words(wide.predicate.name)}"
-    return f"{' and '.join(map(words, wide.arguments))} cannot be {ways} at once"
+                if all(each.predicate.inverse == each.predicate.name for each in (other, fact)):
+                    ways = f"{words(other.predicate.name)} and {words(fact.predicate.name)}"
+                    yield f"{' and '.join(map(words, fact.arguments))} cannot be {ways} at once"
+                else:
+                    yield _never_together((other, fact))
 
 
 def exclusions(true: Sequence[Fact], scene: Scene) -> Iterator[str]:
@@ -94,11 +95,51 @@ def _never_together(facts: Iterable[Fact]) -> str:
     return f"{', '.join(others)} and {last} exclude each other" if others else f"{last} is never so"
 
 
-def _still(scene: Scene) -> Situation:
-    """Return the situation of the bodies that never move, without furniture."""
-    poses = {
-        entity: fixed_pose(scene, entity)
-        for entity in scene.fixed
-        if scene.shapes[entity].traits.body and not scene.shapes[entity].traits.furniture
-    }
-    return Situation(scene, poses)
+def impossible_row(gaps: Sequence[Gap]) -> tuple[Node, ...]:
+    """Return a cycle of positive length: nodes, each of which has to be above the one before; () if there is none.
+
+    The cycle begins at the origin if it passes it.
+    """
+    heights = dict.fromkeys((node for gap in gaps for node in gap[:2]), 0.0)
+    last: dict[Node, Gap] = {}
+    node = ORIGIN
+    for _ in range(len(heights) + 1):
+        changed = False
+        for gap in gaps:
+            low, high, least = gap
+            if heights[low] + least > heights[high] + ROUNDING:
+                heights[high], last[high], node, changed = heights[low] + least, gap, high, True
+        if not changed:
+            return ()
+    # The last gaps lead back from the node that was raised last into a cycle.
+    for _ in heights:
+        if node not in last:
+            return ()
+        node = last[node].low
+    row, length, current = [node], last[node].least, last[node].low
+    while current != node:
+        row.append(current)
+        length += last[current].least
+        current = last[current].low
+    if length <= ROUNDING:
+        return ()
+    row.reverse()
+    turn = row.index(ORIGIN) if ORIGIN in row else 0
+    return (*row[turn:], *row[:turn])
+
+
+def lowest(gaps: Iterable[Gap], start: Node) -> Mapping[Node, float]:
+    """Return lower bounds on the differences of coordinates from that of `start`, as far as gaps imply any.
+
+    The gaps have to be satisfiable.
+    """
+    gaps = list(gaps)
+    bounds = {start: 0.0}
+    changed = True
+    while changed:
+        changed = False
+        for low, high, least in gaps:
+            if low in bounds and bounds[low] + least > bounds.get(high, float("-inf")) + ROUNDING:
+                bounds[high] = bounds[low] + least
+                changed = True
+    return bounds

@@ -7,10 +7,12 @@ anyway does no harm.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations, product
+from itertools import chain, combinations, product
+from operator import contains
+from typing import NamedTuple
 
 from prag_asp.atom import Atom, atom_of
 from prag_asp.physics.predicates.predicate import words
@@ -56,18 +58,24 @@ class ExclusionRule:
         return rule if len(rule) <= LINE else rule.replace(" :- ", " :-\n    ")
 
 
-@dataclass(frozen=True)
-class _InstanceTable:
+class _InstanceTable(NamedTuple):
     """All instances of a shape over the fluents of a domain: their entities, proofs and reasons."""
 
-    proofs: Mapping[Entities, Fluents]
-    reasons: Mapping[Entities, str | None]
-    possible: frozenset[Entities]
+    proofs: dict[Entities, Fluents]
+    reasons: dict[Entities, str | None]
+    possible: set[Entities]
 
 
 def rules(proofs: Proofs, stated: Facts) -> list[ExclusionRule]:
-    """Return rules that cover all proofs and nothing else, each proof once."""
-    return _Folding(proofs, stated).rules()
+    """Return rules that cover all proofs and nothing else, each proof once, in the order of the first of each."""
+    folding = _Folding(proofs, stated)
+    result: list[ExclusionRule] = []
+    covered = set[Fluents]()
+    for fluents, reason in proofs.items():
+        if reason is not None and fluents not in covered:
+            result.append(folding.rule(fluents, reason))
+            covered.update(result[-1].proofs)
+    return result
 
 
 def text_of(rules: Iterable[ExclusionRule], name: str) -> str:
@@ -86,54 +94,36 @@ class _Folding:
 
     def __init__(self, proofs: Proofs, stated: Facts):
         self._proofs = proofs
-        self._entities = {str(entity) for entity in stated.entities}
-        self._members: dict[str, set[str]] = {ANYTHING: self._entities}
+        self._entities = frozenset(map(str, stated.entities))
+        self._members: dict[str, set[str]] = {ANYTHING: set(self._entities)}
         for entity, kind in sorted(stated.memberships):
             self._members.setdefault(str(kind), set()).add(str(entity))
         self._fluents = list(map(atom_of, stated.fluents))
 
-    def rules(self) -> list[ExclusionRule]:
-        """Return the rules, in the order of the first proof of each."""
-        result: list[ExclusionRule] = []
-        covered = set[Fluents]()
-        for fluents, reason in self._proofs.items():
-            if reason is not None and fluents not in covered:
-                rule = self._rule(fluents, reason)
-                covered.update(rule.proofs)
-                result.append(rule)
-        return result
-
-    def _rule(self, fluents: Fluents, reason: str) -> ExclusionRule:
+    def rule(self, fluents: Fluents, reason: str) -> ExclusionRule:
         """Return the most general rule for a proof whose instances are all proved for the same reason."""
         shape, entities = self._abstract(fluents)
         table = self._tables[shape]
         reason_pattern = _in_variables(reason, entities)
-        options = [self._kinds(entity) for entity in entities]
+        masked = _kind(reason_pattern)
+        proved = {
+            instance
+            for instance, why in table.reasons.items()
+            if why is None or _kind(_in_variables(why, instance)) == masked
+        }
+        options = []  # the kinds that each variable could have, the most general first, the entity itself last
+        for entity in entities:
+            classes = [kind for kind, members in self._members.items() if kind != ANYTHING and entity in members]
+            options.append([ANYTHING, *sorted(classes, key=lambda kind: -len(self._members[kind])), entity])
         best: tuple[int, tuple[str, ...], list[Entities]] = (-1, (), [])
         for kinds in product(*options):
-            instances = [e for e in table.possible if all(map(self._belongs, e, kinds))]
-            if len(instances) > best[0] and all(self._same(table, each, reason_pattern) for each in instances):
+            ranges = [{*self._members.get(kind, ()), kind} for kind in kinds]
+            instances = [each for each in table.possible if all(map(contains, ranges, each))]
+            if len(instances) > best[0] and proved.issuperset(instances):
                 best = (len(instances), kinds, instances)
         _, kinds, instances = best
-        stated = [table.proofs[each] for each in sorted(instances) if table.reasons[each] is not None]
-        return ExclusionRule(
-            shape, kinds, frozenset(self._entities), self._different(shape, kinds), reason_pattern, tuple(stated)
-        )
-
-    def _same(self, table: _InstanceTable, entities: Entities, reason_pattern: str) -> bool:
-        """Return whether an instance is excluded for the same reason, or by the domain itself."""
-        if entities not in table.reasons:
-            return False
-        reason = table.reasons[entities]
-        return reason is None or _kind(_in_variables(reason, entities)) == _kind(reason_pattern)
-
-    def _kinds(self, entity: str) -> list[str]:
-        """Return the possible kinds of a variable for an entity, the most general first, the entity itself last."""
-        classes = [kind for kind, members in self._members.items() if kind != ANYTHING and entity in members]
-        return [ANYTHING, *sorted(classes, key=lambda kind: -len(self._members[kind])), entity]
-
-    def _belongs(self, entity: str, kind: str) -> bool:
-        return entity == kind or entity in self._members.get(kind, ())
+        covered = tuple(table.proofs[each] for each in sorted(instances) if table.reasons[each] is not None)
+        return ExclusionRule(shape, kinds, self._entities, self._different(shape, kinds), reason_pattern, covered)
 
     def _abstract(self, fluents: Sequence[Atom]) -> tuple[Shape, Entities]:
         """Return the shape of fluents, and the entities in it."""
@@ -149,57 +139,36 @@ class _Folding:
         return tuple(shape), tuple(entities)
 
     @cached_property
-    def _arguments(self) -> Mapping[tuple[str, int], set[str]]:
-        """The i-th arguments of the fluents of each name."""
-        arguments: dict[tuple[str, int], set[str]] = {}
-        for fluent in self._fluents:
-            for i, argument in enumerate(fluent.arguments):
-                arguments.setdefault((fluent.name, i), set()).add(argument)
-        return arguments
-
-    @cached_property
     def _tables(self) -> Mapping[Shape, _InstanceTable]:
         """The instances of the shapes of all proofs, in both orders of a pair."""
         shapes = {self._abstract(fluents)[0] for fluents, reason in self._proofs.items() if reason is not None}
-        possible: dict[Shape, set[Entities]] = {shape: set() for shape in shapes}
-        reasons: dict[Shape, dict[Entities, str | None]] = {shape: {} for shape in shapes}
-        stated: dict[Shape, dict[Entities, Fluents]] = {shape: {} for shape in shapes}
-        for fluents in self._candidates({len(shape) for shape in shapes}):
+        tables = {shape: _InstanceTable({}, {}, set()) for shape in shapes}
+        sizes = {len(shape) for shape in shapes}  # one fluent, two, or both
+        for fluents in chain.from_iterable(combinations(self._fluents, size) for size in sorted(sizes)):
             for ordered in (fluents, fluents[::-1]) if len(fluents) > 1 else (fluents,):
                 shape, entities = self._abstract(ordered)
-                if shape in shapes:
-                    possible[shape].add(entities)
+                table = tables.get(shape)
+                if table is not None:
+                    table.possible.add(entities)
                     if fluents in self._proofs:
-                        reasons[shape][entities] = self._proofs[fluents]
-                        stated[shape][entities] = fluents
+                        table.reasons[entities], table.proofs[entities] = self._proofs[fluents], fluents
                     elif any((fluent,) in self._proofs for fluent in fluents):
-                        reasons[shape][entities] = None
-        return {shape: _InstanceTable(stated[shape], reasons[shape], frozenset(possible[shape])) for shape in shapes}
-
-    def _candidates(self, sizes: set[int]) -> Iterator[Fluents]:
-        """Yield all single fluents and pairs of fluents, according to the sizes of the shapes."""
-        if 1 in sizes:
-            yield from ((fluent,) for fluent in self._fluents)
-        if 2 in sizes:
-            yield from combinations(self._fluents, 2)
+                        table.reasons[entities] = None
+        return tables
 
     def _different(self, shape: Shape, kinds: Sequence[str]) -> tuple[tuple[str, str], ...]:
         """Return the pairs of variables that need an inequality, because fluents could have one entity for both."""
-        ranges = {VARIABLES[i]: self._range(shape, VARIABLES[i], kind) for i, kind in enumerate(kinds)}
+        ranges = {VARIABLES[i]: self._members.get(kind, {kind}) for i, kind in enumerate(kinds)}
+        for name, arguments in shape:
+            for i, argument in enumerate(arguments):
+                if argument in ranges:
+                    occurring = {fluent.arguments[i] for fluent in self._fluents if fluent.name == name}
+                    ranges[argument] = ranges[argument] & occurring
         return tuple(
             (one, two)
             for one, two in combinations(ranges, 2)
             if any(self._could_be(shape, one, two, entity) for entity in ranges[one] & ranges[two])
         )
-
-    def _range(self, shape: Shape, variable: str, kind: str) -> set[str]:
-        """Return the range of a variable."""
-        entities = self._members.get(kind, {kind})
-        for name, arguments in shape:
-            for i, argument in enumerate(arguments):
-                if argument == variable:
-                    entities = entities & self._arguments[name, i]
-        return entities
 
     def _could_be(self, shape: Shape, one: str, two: str, entity: str) -> bool:
         """Return whether fluents of a shape can have an entity for two variables at once."""

@@ -6,7 +6,7 @@ region. So a body that is known to stand on several of them has its centre over 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.predicates.gaps import ROUNDING
@@ -27,23 +27,19 @@ def surface_reasons(facts: Iterable[Fact], fresh: Iterable[Fact], scene: Scene) 
     for entity in bodies:
         own = [fact for fact in about if fact.arguments[0] == entity]
         on, off = ([fact.arguments[1] for fact in own if fact.value is value] for value in (True, False))
-        if on:
-            yield from _contradictions(entity, on, off, scene)
-
-
-def _contradictions(entity: str, on: Sequence[str], off: Sequence[str], scene: Scene) -> Iterator[str]:
-    """Yield why a body cannot stand on some surfaces and not on others."""
-    name, places = words(entity), " and ".join(map(words, on))
-    common = outline_of(on[0], scene)
-    for surface in on[1:]:
-        common = within(common, outline_of(surface, scene))
-    if not common:
-        yield f"{name} cannot be on {places} at once, because they have no part in common"
-        return
-    for surface in off:
-        outline = outline_of(surface, scene)
-        if all(inside_by(outline, corner) >= -FLUSH for corner in common):
-            yield f"{name} cannot be on {places} and not on {words(surface)}, which covers all of {places}"
+        if not on:
+            continue
+        name, places = words(entity), " and ".join(map(words, on))
+        common = outline_of(on[0], scene)
+        for surface in on[1:]:
+            common = within(common, outline_of(surface, scene))
+        if not common:
+            yield f"{name} cannot be on {places} at once, because they have no part in common"
+            continue
+        for surface in off:
+            outline = outline_of(surface, scene)
+            if all(inside_by(outline, corner) >= -FLUSH for corner in common):
+                yield f"{name} cannot be on {places} and not on {words(surface)}, which covers all of {places}"
 
 
 def outline_of(surface: str, scene: Scene) -> Outline:

@@ -8,8 +8,8 @@ nothing.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from functools import cache, lru_cache
+from collections.abc import Iterator
+from functools import lru_cache
 from operator import mul
 
 import numpy as np
@@ -19,8 +19,8 @@ from prag_asp.scene.geometry import Pose, Quaternion, compose, invert, matrix, r
 from prag_asp.scene.robots import Joints, Robot
 from prag_asp.scene.robots.robot import ORIGIN
 
-ACCURACY = 1e-5
-APART = 0.4
+ACCURACY = 1e-5  # metres, and radians: a hundredth of a millimetre
+APART = 0.4  # radians, the distance of joint configurations that count as different
 ADJUSTMENTS, DIFFERENCE, DAMPING = 12, 1e-5, 1e-6
 DIFFERENCES = DIFFERENCE * np.eye(7)
 BELOW, ABOVE = np.array((7, 2, 3)), np.array((5, 6, 1))
@@ -31,7 +31,7 @@ CAUTION, POSTURE_GAIN = 1e-3, 0.02
 DAMPED = CAUTION * np.eye(6)
 
 MAX_SOLUTIONS = 4
-EVEN = (1.0,) * 7
+EVEN: tuple[float, ...] = (1.0,) * 7
 
 Rows = tuple[tuple[float, ...], ...]
 
@@ -56,31 +56,34 @@ def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> Iterator[Jo
     The best are those nearest to `near`, by default to the robot's posture turned towards the target. Each is within
     the joint limits, and forward kinematics puts it within 0.01 mm of the target. Nothing is yielded if there is none.
     """
-    tool = _from_base(robot, tool)
-    goal, flange = rows(tool), matrix(compose(tool, _from_tool(robot)))
-    start = _facing(robot, tool) if near is None else near
-    weights = robot.solver.weights if near is None else EVEN
-    solutions: list[Joints] = []
-    for angles in robot.solver.sweeps(tool, near):
-        yield from _fresh(robot, _ranked(robot, flange, start, angles, weights), goal, solutions)
-        if len(solutions) == MAX_SOLUTIONS:
-            return
-    if not solutions:
-        yield from _fresh(robot, _ranked(robot, flange, start, robot.solver.last_resort, weights), goal, solutions)
+    tool, solver = _from_base(robot, tool), robot.solver
+    from_tool = Pose((0.0, 0.0, -robot.tool_offset), yaw_quaternion(-robot.tool_turn))
+    goal, flange = rows(tool), matrix(compose(tool, from_tool))
+    start, weights = near, EVEN
+    if start is None:
+        heading = math.atan2(tool.position[1], tool.position[0])
+        start, weights = (heading, *robot.posture[1:]), solver.weights
+    solutions, origin = list[Joints](), tuple(map(mul, start, weights))
 
+    def sweeps() -> Iterator[tuple[float, ...]]:
+        yield from solver.sweeps(tool, near)
+        if not solutions:
+            yield solver.last_resort
 
-def _fresh(
-    robot: Robot, candidates: Sequence[Joints], goal: list[list[float]], solutions: list[Joints]
-) -> Iterator[Joints]:
-    """Yield the joint configurations that reach the goal and differ from those in `solutions`, and add them to it."""
-    for joints in candidates:
-        if any(math.dist(joints, other) < APART for other in solutions):
-            continue
-        if _error(tool_matrix(robot, joints), goal) < ACCURACY:
-            solutions.append(joints)
-            yield joints
-            if len(solutions) == MAX_SOLUTIONS:
-                return
+    for angles in sweeps():
+        ranked = []
+        for row in solver.solutions(flange, start, angles):
+            # A branch without a solution is NaN, for which no comparison holds.
+            if robot.within_limits(row):
+                ranked.append((math.dist(tuple(map(mul, row, weights)), origin), tuple(row)))
+        for _, joints in sorted(ranked):
+            if any(math.dist(joints, other) < APART for other in solutions):
+                continue
+            if max(map(math.dist, tool_matrix(robot, joints)[:3], goal)) < ACCURACY:
+                solutions.append(joints)
+                yield joints
+                if len(solutions) == MAX_SOLUTIONS:
+                    return
 
 
 def adjust_joints(robot: Robot, tool: Pose, near: Joints) -> Joints | None:
@@ -95,7 +98,7 @@ def adjust_joints(robot: Robot, tool: Pose, near: Joints) -> Joints | None:
         if np.abs(error).max() < ACCURACY:
             solution = tuple(joints.tolist())
             return solution if robot.within_limits(solution) else None
-        columns = [_twist(here, forward(joints + row)) / DIFFERENCE for row in DIFFERENCE * np.eye(len(joints))]
+        columns = [_twist(here, forward(joints + row)) / DIFFERENCE for row in DIFFERENCES]
         jacobian = np.array(columns).T
         joints = joints + jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + DAMPING * np.eye(6), error)
     return None
@@ -111,33 +114,21 @@ def nudge_joints(
     "Manipulator inverse kinematic solutions based on vector formulations and damped least-squares methods", 1986), so
     the arm does not jump near singularities. The null space is used to move the arm towards the robot's posture.
     """
-    jacobian = _jacobian(robot, joints, here)
+    # The Jacobian by finite differences, for all joints at once.
+    near = np.array(list(map(robot.solver.forward, joints + DIFFERENCES)))
+    turns = (near[:, :3, :3] @ here[:3, :3].T).reshape(-1, 9)
+    jacobian = np.empty((6, len(joints)))
+    jacobian[:3] = (near[:, :3, 3] - here[:3, 3]).T
+    jacobian[3:] = (turns.take(BELOW, 1) - turns.take(ABOVE, 1)).T / 2
+    jacobian /= DIFFERENCE
     if robot.base is not ORIGIN:
         turn = matrix(robot.base)[:3, :3].T
         twist = np.concatenate([turn @ twist[:3], turn @ twist[3:]])
     inverse = jacobian.T @ np.linalg.inv(jacobian @ jacobian.T + DAMPED)
-    posture_step = POSTURE_GAIN * (_posture(robot) - joints)
+    posture_step = POSTURE_GAIN * (np.array(robot.posture) - joints)
     posture_step[0] = 0.0
     result: NDArray[np.float64] = joints + posture_step + inverse @ (twist - jacobian @ posture_step)
     return result
-
-
-@cache
-def _posture(robot: Robot) -> NDArray[np.float64]:
-    """Return the joint angles of a robot's posture, shape (7,)."""
-    return np.array(robot.posture)
-
-
-def _jacobian(robot: Robot, joints: NDArray[np.float64], here: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the Jacobian of the tool pose at `here` in the base frame, shape (6, 7), by finite differences."""
-    forward = robot.solver.forward
-    near = np.array(list(map(forward, joints + DIFFERENCES)))
-    turns = (near[:, :3, :3] @ here[:3, :3].T).reshape(-1, 9)
-    columns = np.empty((6, len(joints)))
-    columns[:3] = (near[:, :3, 3] - here[:3, 3]).T
-    columns[3:] = (turns.take(BELOW, 1) - turns.take(ABOVE, 1)).T / 2
-    columns /= DIFFERENCE
-    return columns
 
 
 def _twist(one: NDArray[np.float64], two: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -147,42 +138,9 @@ def _twist(one: NDArray[np.float64], two: NDArray[np.float64]) -> NDArray[np.flo
     return np.concatenate([two[:3, 3] - one[:3, 3], np.array(vector) / 2])
 
 
-def _ranked(
-    robot: Robot,
-    flange: NDArray[np.float64],
-    start: Joints,
-    angles: tuple[float, ...],
-    weights: tuple[float, ...],
-) -> list[Joints]:
-    """Return the solutions within the joint limits for some values of the redundant angle, nearest to `start` first."""
-    solutions, origin = [], tuple(map(mul, start, weights))
-    for row in robot.solver.solutions(flange, start, angles):
-        # A branch without a solution is NaN, for which no comparison holds.
-        if robot.within_limits(row):
-            solutions.append((math.dist(tuple(map(mul, row, weights)), origin), tuple(row)))
-    return [joints for _, joints in sorted(solutions)]
-
-
-def _error(actual: Rows, goal: list[list[float]]) -> float:
-    """Return the largest distance between corresponding rows of two homogeneous matrices."""
-    return max(map(math.dist, actual[:3], goal))
-
-
-def _facing(robot: Robot, tool: Pose) -> Joints:
-    """Return the robot's posture turned towards a target."""
-    heading = math.atan2(tool.position[1], tool.position[0])
-    return (heading, *robot.posture[1:])
-
-
 def _from_base(robot: Robot, tool: Pose) -> Pose:
     """Return a pose of the world in the frame of a robot's base."""
     return tool if robot.base is ORIGIN else compose(invert(robot.base), tool)
-
-
-@cache
-def _from_tool(robot: Robot) -> Pose:
-    """Return the pose of the flange in the frame of the tool."""
-    return Pose((0.0, 0.0, -robot.tool_offset), yaw_quaternion(-robot.tool_turn))
 
 
 def _quaternion(r: Rows) -> Quaternion:

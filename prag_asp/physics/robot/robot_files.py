@@ -16,7 +16,6 @@ from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet_data
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.robots.robot import Hand, Robot
-from prag_asp.scene.scene import Solid
 
 PALM_MASS, FINGER_MASS, INERTIA = 0.8, 0.1, 0.01
 STIFFNESS, DAMPING = 30000.0, 1000.0
@@ -51,7 +50,9 @@ def robot_file(robot: Robot) -> bytes:
         finger = root.find(f"link[@name='{name}']")
         if finger is None:
             raise SceneError(f"{source}: the robot has no link {name}")
-        _give_boxes(finger, robot.finger_boxes, side)
+        for collision in finger.findall("collision"):
+            finger.remove(collision)
+        _add_finger_boxes(finger, "collision", robot, side)
     return ElementTree.tostring(root)
 
 
@@ -67,8 +68,7 @@ def _mount(root: ElementTree.Element, hand: Hand, robot: Robot) -> None:
         contact = ElementTree.SubElement(finger, "contact")
         ElementTree.SubElement(contact, "stiffness", value=str(STIFFNESS))
         ElementTree.SubElement(contact, "damping", value=str(DAMPING))
-        for solid in robot.finger_boxes:
-            _add_box(finger, "visual", _mirrored(solid.at, side), solid.size)
+        _add_finger_boxes(finger, "visual", robot, side)
         joint = _joint(root, f"{name}_joint", "prismatic", ("hand", name), hand.palm[2], 0.0)
         ElementTree.SubElement(joint, "axis", xyz=f"0 {side} 0")
         limits = {"lower": "0", "upper": str(robot.opening / 2), "effort": str(FORCE), "velocity": str(SPEED)}
@@ -97,18 +97,11 @@ def _joint(
     return joint
 
 
-def _give_boxes(finger: ElementTree.Element, boxes: tuple[Solid, ...], side: float) -> None:
-    """Replace the collision geometry of a finger by boxes, mirrored if `side` is -1."""
-    for collision in finger.findall("collision"):
-        finger.remove(collision)
-    for solid in boxes:
-        _add_box(finger, "collision", _mirrored(solid.at, side), solid.size)
-
-
-def _mirrored(at: Vector, side: float) -> Vector:
-    """Return a point of the left finger for the finger on a side."""
-    x, y, z = at
-    return (x, side * y, z)
+def _add_finger_boxes(finger: ElementTree.Element, kind: str, robot: Robot, side: float) -> None:
+    """Add the boxes of a finger to its collision or visual geometry, mirrored if `side` is -1."""
+    for solid in robot.finger_boxes:
+        x, y, z = solid.at
+        _add_box(finger, kind, (x, side * y, z), solid.size)
 
 
 def _add_box(link: ElementTree.Element, kind: str, at: Vector, size: Vector) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 
 from prag_asp.physics.predicates import PREDICATES
@@ -12,16 +11,16 @@ from prag_asp.physics.search.carrying import carry, release, relocate
 from prag_asp.physics.search.furniture_handling import turn
 from prag_asp.physics.search.grasping import CollisionQuery, descend, grasps
 from prag_asp.physics.search.meeting import move_over, take_over
-from prag_asp.physics.search.moving import arm_waypoint, raise_arm, require_free, turn_to
-from prag_asp.physics.symbolic_facts import ActionEffect, Fact
+from prag_asp.physics.search.moving import raise_arm, require_free, turn_to
+from prag_asp.physics.symbolic_facts import ActionEffect
 from prag_asp.physics.witness import Arm, Waypoint
 from prag_asp.scene.geometry import compose, invert
 from prag_asp.scene.solids import weight
 
-Outcome = tuple[Snapshot, tuple[Waypoint, ...]]
 
-
-def advance(search: Search, snapshot: Snapshot, effect: ActionEffect, attempt: int) -> Outcome:
+def advance(
+    search: Search, snapshot: Snapshot, effect: ActionEffect, attempt: int
+) -> tuple[Snapshot, tuple[Waypoint, ...]]:
     """Return a snapshot after an action, and the waypoints of the arm; `attempt` counts from 0.
 
     Raises:
@@ -30,40 +29,47 @@ def advance(search: Search, snapshot: Snapshot, effect: ActionEffect, attempt: i
     """
     if attempt > 0 and not (effect.moved or effect.turns or effect.grasps or effect.visits or effect.over):
         raise Exhausted
-    snapshot = start = turn_to(search, snapshot, effect.robot)
+    snapshot = turn_to(search, replace(snapshot, waypoints=()), effect.robot)
+    before = snapshot.situation
     for entity in effect.moved:
         if entity not in (effect.holds, effect.grasps, effect.releases):
             snapshot = relocate(search, snapshot, effect, entity)
-    waypoints: list[Waypoint] = []
     if snapshot.above is not None and not _stays_down(snapshot, effect):
-        snapshot = raise_arm(search, snapshot, waypoints)
-    snapshot = _act(search, snapshot, effect, attempt, waypoints)
-    if not waypoints:
-        waypoints.append(arm_waypoint("stay", snapshot))
-    _verify(search, start, snapshot, effect.fresh, effect.after)
-    return snapshot, tuple(waypoints)
+        snapshot = raise_arm(search, snapshot)
+    snapshot = _act(search, snapshot, effect, attempt)
+    if not snapshot.waypoints:
+        snapshot = snapshot.with_waypoint("stay")
+    after, fresh = snapshot.situation, set(effect.fresh)
+    changed = {entity for entity, pose in after.poses.items() if before.poses[entity] != pose}
+    changed |= {entity for entity, opening in after.openings.items() if before.openings[entity] != opening}
+    for fact in effect.after:
+        predicate = fact.predicate
+        concerned = predicate.of_gripper or predicate.looks_around or not changed.isdisjoint(fact.arguments)
+        if (concerned or fact in fresh) and not fact.is_satisfied(after):
+            raise Failure(RELATION, fact=fact)
+    return snapshot, snapshot.waypoints
 
 
-def _act(search: Search, snapshot: Snapshot, effect: ActionEffect, attempt: int, waypoints: list[Waypoint]) -> Snapshot:
-    """Return a snapshot after the gripper's part of an action, and add its waypoints.
+def _act(search: Search, snapshot: Snapshot, effect: ActionEffect, attempt: int) -> Snapshot:
+    """Return a snapshot after the gripper's part of an action.
 
     Raises:
         Failure: this attempt failed.
     """
     for furniture in effect.turns:
-        snapshot = turn(search, snapshot, furniture, effect.after, attempt, waypoints)
-    if effect.giver is not None:
-        snapshot = take_over(search, _grasp(search, snapshot, effect, attempt, waypoints), effect.giver, waypoints)
-    elif effect.grasps is not None:
-        snapshot = _grasp(search, snapshot, effect, attempt, waypoints)
+        snapshot = turn(search, snapshot, furniture, effect.after, attempt)
+    if effect.grasps is not None:
+        snapshot = _grasp(search, snapshot, effect, effect.grasps, attempt)
+        if effect.giver is not None:
+            snapshot = take_over(search, snapshot, effect.giver)
     elif effect.releases is not None:
-        snapshot = release(search, snapshot, effect, waypoints)
+        snapshot = release(search, snapshot, effect)
     elif effect.holds is not None and effect.holds in effect.moved:
-        snapshot = carry(search, snapshot, effect.holds, effect, waypoints)
+        snapshot = carry(search, snapshot, effect.holds, effect)
     elif effect.over is not None:
-        snapshot = move_over(search, snapshot, effect.over, attempt, waypoints)
+        snapshot = move_over(search, snapshot, effect.over, attempt)
     elif effect.visits is not None and snapshot.arm.held is None:
-        snapshot = _visit(search, snapshot, effect.visits, attempt, waypoints)
+        snapshot = _visit(search, snapshot, effect.visits, attempt)
     elif effect.closes and snapshot.arm.held is None:
         snapshot = snapshot.with_arm(replace(snapshot.arm, width=0.0), snapshot.above)
     return snapshot
@@ -77,24 +83,8 @@ def take_place(search: Search, snapshot: Snapshot, entity: str, closed: bool) ->
     """
     options = grasps(search, snapshot.situation, entity)
     choice = 0 if search.rng.random() < 0.5 else int(search.rng.integers(len(options)))
-    down = _visit(search, snapshot, entity, choice, [])
+    down = _visit(search, snapshot, entity, choice)
     return _close(search, down, entity) if closed else down
-
-
-def _verify(search: Search, before: Snapshot, after: Snapshot, fresh: Iterable[Fact], facts: Iterable[Fact]) -> None:
-    """Check the facts that an action may have changed, and those that are new in the state."""
-    known_again, openings = set(fresh), after.situation.openings
-    changed = {
-        entity
-        for entity, pose in after.situation.poses.items()
-        if before.situation.poses[entity] is not pose and before.situation.poses[entity] != pose
-    }
-    changed |= {entity for entity, opening in openings.items() if before.situation.openings[entity] != opening}
-    for fact in facts:
-        predicate = fact.predicate
-        concerned = predicate.of_gripper or predicate.looks_around or not changed.isdisjoint(fact.arguments)
-        if (concerned or fact in known_again) and not fact.is_satisfied(after.situation):
-            raise Failure(RELATION, fact=fact)
 
 
 def _stays_down(snapshot: Snapshot, effect: ActionEffect) -> bool:
@@ -107,7 +97,7 @@ def _stays_down(snapshot: Snapshot, effect: ActionEffect) -> bool:
     return not effect.leaves and effect.over is None and not (effect.holds is not None and effect.holds in effect.moved)
 
 
-def _visit(search: Search, snapshot: Snapshot, entity: str, attempt: int, waypoints: list[Waypoint]) -> Snapshot:
+def _visit(search: Search, snapshot: Snapshot, entity: str, attempt: int) -> Snapshot:
     """Lower the open gripper to an object."""
     options = grasps(search, snapshot.situation, entity)
     if attempt >= len(options):
@@ -116,9 +106,8 @@ def _visit(search: Search, snapshot: Snapshot, entity: str, attempt: int, waypoi
     opening = search.robot.opening
     query = CollisionQuery(snapshot.situation, opening, entity)
     at, above = descend(search, tool, query, query)
-    acting = snapshot.acting
-    waypoints += [Waypoint("approach", acting, above, opening), Waypoint("at", acting, at, opening)]
-    return snapshot.with_arm(Arm(at, opening), above)
+    approach = snapshot.with_arm(Arm(above, opening)).with_waypoint("approach")
+    return approach.with_arm(Arm(at, opening), above).with_waypoint("at")
 
 
 def _close(search: Search, snapshot: Snapshot, entity: str) -> Snapshot:
@@ -133,20 +122,13 @@ def _close(search: Search, snapshot: Snapshot, entity: str) -> Snapshot:
     return closed
 
 
-def _grasp(
-    search: Search, snapshot: Snapshot, effect: ActionEffect, attempt: int, waypoints: list[Waypoint]
-) -> Snapshot:
+def _grasp(search: Search, snapshot: Snapshot, effect: ActionEffect, entity: str, attempt: int) -> Snapshot:
     """Grasp an object, and lift it if it leaves its support."""
-    entity = effect.grasps
-    assert entity is not None
     if snapshot.arm.held not in (None, entity):
         raise Failure(NO_GRASP, entity)
     if snapshot.above is None:
-        snapshot = _visit(search, snapshot, entity, attempt, waypoints)
-    snapshot = _close(search, snapshot, entity)
-    waypoints.append(arm_waypoint("at", snapshot))
-    if effect.lifts:
-        return raise_arm(search, snapshot, waypoints)
-    if entity in effect.moved:
-        return carry(search, raise_arm(search, snapshot, waypoints), entity, effect, waypoints)
-    return snapshot
+        snapshot = _visit(search, snapshot, entity, attempt)
+    snapshot = _close(search, snapshot, entity).with_waypoint("at")
+    if effect.lifts or entity in effect.moved:
+        snapshot = raise_arm(search, snapshot)
+    return snapshot if effect.lifts or entity not in effect.moved else carry(search, snapshot, entity, effect)

@@ -8,7 +8,7 @@ from prag_asp.physics.predicates import Volume, Yaws, predicate_of
 from prag_asp.physics.search.attempt import EMPTY_VOLUME, Failure, Search
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import Fact
-from prag_asp.scene.geometry import IDENTITY, Pose, Quaternion
+from prag_asp.scene.geometry import IDENTITY, Quaternion
 
 AIM = 0.6
 """The share of a yaw range that is sampled: an object may rotate a little when it is put down."""
@@ -16,12 +16,13 @@ AIM = 0.6
 
 def relevant_facts(facts: Iterable[Fact], entity: str, situation: Situation) -> list[Fact]:
     """Return the facts about an object whose other bodies are placed already, without those about grippers."""
+    shapes, placed = situation.scene.shapes, {*situation.poses, entity}
     return [
         fact
         for fact in facts
         if entity in fact.arguments
         and not fact.predicate.of_gripper
-        and all(_has_place(situation, other) for other in fact.arguments if other != entity)
+        and not any(name in shapes and shapes[name].traits.body and name not in placed for name in fact.arguments)
     ]
 
 
@@ -60,18 +61,3 @@ def sample_yaws(search: Search, ranges: tuple[Yaws, ...]) -> Iterator[float]:
     first = 0 if len(ranges) == 1 else int(search.rng.integers(len(ranges)))
     for chosen in (*ranges[first:], *ranges[:first]):
         yield chosen.centre + search.uniform(-AIM * chosen.half, AIM * chosen.half)
-
-
-def first_unsatisfied(facts: Iterable[Fact], situation: Situation, entity: str, pose: Pose) -> Fact | None:
-    """Return the first fact that would not hold with an object at a pose, None if all would."""
-    facts = list(facts)
-    if not facts:
-        return None
-    trial = situation.with_pose(entity, pose)
-    return next((fact for fact in facts if not fact.is_satisfied(trial)), None)
-
-
-def _has_place(situation: Situation, entity: str) -> bool:
-    """Return whether an argument of a fact is placed already, or needs no place."""
-    shape = situation.scene.shapes.get(entity)
-    return shape is None or not shape.traits.body or entity in situation.poses

@@ -12,7 +12,7 @@ from prag_asp.physics.search.foresight import Foresight
 from prag_asp.physics.search.spans import Spans
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import Fact
-from prag_asp.physics.witness import Arm, Moment
+from prag_asp.physics.witness import Arm, Moment, Waypoint
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.robots import Joints, Robot
@@ -105,12 +105,14 @@ class Search:
 class Snapshot:
     """One state of the search: the situation, the acting robot, and the grippers that are lowered to an object.
 
-    `lowered` has the joint configuration straight above the object for each of these.
+    `lowered` has the joint configuration straight above the object for each of these. `waypoints` are those of the
+    present action.
     """
 
     situation: Situation
     acting: str
     lowered: Mapping[str, Joints] = field(default_factory=dict)
+    waypoints: tuple[Waypoint, ...] = ()
 
     @property
     def arm(self) -> Arm:
@@ -141,8 +143,14 @@ class Snapshot:
         lowered = {robot: joints for robot, joints in self.lowered.items() if robot != self.acting}
         if above is not None:
             lowered[self.acting] = above
-        return Snapshot(self.situation.with_arm(self.acting, arm), self.acting, lowered)
+        return replace(self, situation=self.situation.with_arm(self.acting, arm), lowered=lowered)
 
     def with_poses(self, poses: Mapping[str, Pose]) -> Snapshot:
         """Return the snapshot with other poses of the objects."""
         return replace(self, situation=self.situation.with_poses(poses))
+
+    def with_waypoint(self, name: str) -> Snapshot:
+        """Return the snapshot with a waypoint added, at the configuration of the acting arm."""
+        arm = self.arm
+        waypoint = Waypoint(name, self.acting, arm.joints, arm.width, arm.held)
+        return replace(self, waypoints=(*self.waypoints, waypoint))

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from prag_asp.physics.predicates import Direction, Volume
 from prag_asp.physics.predicates.beside import GAP, MARGIN
-from prag_asp.physics.symbolic_facts import ActionEffect, Fact, PhysicalTask
+from prag_asp.physics.symbolic_facts import Fact, PhysicalTask
 from prag_asp.scene.scene import Scene
 
 Foresight = Mapping[tuple[int, str], tuple[Volume, ...]]
@@ -53,15 +53,23 @@ def _rooms(physical: PhysicalTask, scene: Scene, k: int, entity: str, wide: bool
 
 
 def _later(physical: PhysicalTask, scene: Scene, k: int, entity: str) -> Iterator[tuple[int, str, Direction]]:
-    """Yield what is placed beside an object that rests since state `k`: the state, the object and the direction."""
+    """Yield what is placed beside an object that rests since state `k`: the state, the object and the direction.
+
+    After the initial state, what an action moves onto or into another object takes no room beside it.
+    """
     if k == 0:
         yield from ((0, *beside) for beside in _beside(physical.initial, entity))
     for j in range(k, len(physical.effects)):
         effect = physical.effects[j]
         if entity in (*effect.moved, effect.grasps, effect.releases):
             return
+        lifted = {
+            fact.arguments[0]
+            for fact in effect.after
+            if fact.value and fact.predicate.supports and not scene.shapes[fact.arguments[-1]].traits.surface
+        }
         for comer, direction in _beside(effect.fresh, entity):
-            if _comes_to_table(scene, effect, comer):
+            if comer in effect.moved and comer not in lifted:
                 yield j + 1, comer, direction
 
 
@@ -72,16 +80,6 @@ def _beside(facts: Iterable[Fact], entity: str) -> Iterator[tuple[str, Direction
         if fact.value and direction is not None and entity in fact.arguments:
             subject, other = fact.arguments
             yield (subject, direction) if other == entity else (other, direction.opposite)
-
-
-def _comes_to_table(scene: Scene, effect: ActionEffect, comer: str) -> bool:
-    """Return whether an action moves an object to the table, not onto or into another object."""
-    supports = [
-        fact.arguments[-1]
-        for fact in effect.after
-        if fact.value and fact.predicate.supports and fact.arguments[0] == comer
-    ]
-    return comer in effect.moved and all(scene.shapes[support].traits.surface for support in supports)
 
 
 def _volume(scene: Scene, rooms: Rooms) -> Volume:

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 from prag_asp.physics.predicates import Volume
 from prag_asp.physics.predicates.opening import IS_CLOSED, IS_OPEN
 from prag_asp.physics.robot.kinematics import adjust_joints, inverse, tool_pose
 from prag_asp.physics.search.attempt import (
-    ARM_COLLIDES,
     EMPTY_VOLUME,
     NO_GRASP,
     NO_KINEMATICS_ABOVE,
@@ -22,16 +20,15 @@ from prag_asp.physics.search.attempt import (
     Search,
     Snapshot,
 )
-from prag_asp.physics.search.grasping import DOWN, LARGEST_STEP, LIFT, CollisionQuery, collide
-from prag_asp.physics.search.moving import arm_waypoint
+from prag_asp.physics.search.grasping import DOWN, CollisionQuery, raise_joints, require_clear
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import Fact
 from prag_asp.physics.witness import Arm, Waypoint
 from prag_asp.physics.world.collisions import colliding
 from prag_asp.physics.world.support import riders, unsupported
 from prag_asp.scene.furniture import POST, mechanism, part_pose
-from prag_asp.scene.geometry import IDENTITY, Pose, compose, invert, multiply, raised, wrap, yaw_of, yaw_quaternion
-from prag_asp.scene.robots import Joints, Robot
+from prag_asp.scene.geometry import IDENTITY, Pose, compose, invert, multiply, wrap, yaw_of, yaw_quaternion
+from prag_asp.scene.robots import Joints
 
 SLIDE_STRIDE, TURN_STRIDE = 0.05, 0.2
 """The motion of furniture between two checks, in metres or radians."""
@@ -39,14 +36,6 @@ SLIDE_STRIDE, TURN_STRIDE = 0.05, 0.2
 POST_WIDTH = 2 * POST
 ENDS = (IS_OPEN, IS_CLOSED)
 """The states of furniture of which nothing is known."""
-
-
-class Pull(NamedTuple):
-    """A motion of furniture: its openings in metres or radians, and the tool pose in the frame of the moving part."""
-
-    furniture: str
-    openings: tuple[float, ...]
-    grip: Pose
 
 
 def sample_openings(search: Search, situation: Situation, facts: Iterable[Fact]) -> dict[str, float]:
@@ -76,9 +65,7 @@ def sample_opening(search: Search, situation: Situation, furniture: str, facts: 
     return search.uniform(*allowed.opening)
 
 
-def turn(
-    search: Search, snapshot: Snapshot, furniture: str, facts: Iterable[Fact], attempt: int, waypoints: list[Waypoint]
-) -> Snapshot:
+def turn(search: Search, snapshot: Snapshot, furniture: str, facts: Iterable[Fact], attempt: int) -> Snapshot:
     """Open or close furniture as facts require, release it, and retreat straight up.
 
     Raises:
@@ -88,18 +75,24 @@ def turn(
         raise Failure(NO_GRASP, snapshot.arm.held)
     situation = snapshot.situation
     goal = sample_opening(search, situation, furniture, facts)
-    grips = _grips(search.robot, situation, furniture, (situation.opening(furniture) + goal) / 2)
-    pull = Pull(furniture, _between(situation, furniture, goal), grips[attempt % len(grips)])
+    begun, shape = situation.opening(furniture), situation.shape(furniture)
+    handle, slides = mechanism(shape).handle, mechanism(shape).slides
+    # The grip is in the frame of the moving part; the easiest one faces the robot when the part is halfway.
+    halfway = part_pose(shape, situation.pose(furniture), (begun + goal) / 2)
+    x, y, _ = compose(halfway, Pose(handle)).position
+    base_x, base_y, _ = search.robot.base.position
+    heading = math.atan2(y - base_y, x - base_x) - yaw_of(halfway.quaternion)
+    turns = (0.0, math.pi) if slides else (0.0, math.pi / 2, math.pi, -math.pi / 2)
+    yaw = sorted(turns, key=lambda angle: abs(wrap(angle - heading)))[attempt % len(turns)]
+    grip = Pose(handle, multiply(yaw_quaternion(yaw), DOWN))
+    steps = max(1, math.ceil(abs(goal - begun) / (SLIDE_STRIDE if slides else TURN_STRIDE)))
+    openings = [begun + (goal - begun) * i / steps for i in range(steps + 1)]
     failed = Failure(NO_KINEMATICS_AT, furniture)
-    start = compose(situation.part(furniture), pull.grip)
-    for low in inverse(search.robot, start):
+    for low in inverse(search.robot, compose(situation.part(furniture), grip)):
         try:
-            after, motion = _pull(search, snapshot, pull, low)
+            return _pull(search, snapshot, furniture, openings, grip, low)
         except Failure as failure:
             failed = failure
-            continue
-        waypoints += motion
-        return after
     raise failed
 
 
@@ -114,94 +107,54 @@ def open_furniture(situation: Situation, furniture: str, opening: float, objects
     return after.with_poses({**situation.poses, **rider_poses})
 
 
-def _grips(robot: Robot, situation: Situation, furniture: str, halfway: float) -> list[Pose]:
-    """Return tool poses that grasp the handle, in the frame of the moving part, the easiest first."""
-    parts = mechanism(situation.shape(furniture))
-    turns = (0.0, math.pi) if parts.slides else (0.0, math.pi / 2, math.pi, -math.pi / 2)
-    part = part_pose(situation.shape(furniture), situation.pose(furniture), halfway)
-    x, y, _ = compose(part, Pose(parts.handle)).position
-    base_x, base_y, _ = robot.base.position
-    heading = math.atan2(y - base_y, x - base_x) - yaw_of(part.quaternion)
-    nearest = sorted(turns, key=lambda angle: abs(wrap(angle - heading)))
-    return [Pose(parts.handle, multiply(yaw_quaternion(angle), DOWN)) for angle in nearest]
+def _pull(
+    search: Search, snapshot: Snapshot, furniture: str, openings: Sequence[float], grip: Pose, low: Joints
+) -> Snapshot:
+    """Return a snapshot after furniture was moved through openings, in metres or radians.
 
-
-def _between(situation: Situation, furniture: str, goal: float) -> tuple[float, ...]:
-    """Return the openings from the present one to a goal, in metres or radians."""
-    start = situation.opening(furniture)
-    stride = SLIDE_STRIDE if mechanism(situation.shape(furniture)).slides else TURN_STRIDE
-    steps = max(1, math.ceil(abs(goal - start) / stride))
-    return tuple(start + (goal - start) * i / steps for i in range(steps + 1))
-
-
-def _pull(search: Search, snapshot: Snapshot, pull: Pull, low: Joints) -> tuple[Snapshot, list[Waypoint]]:
-    """Return a snapshot after furniture was moved, and the waypoints; `low` is the configuration at the handle.
+    `grip` is the tool pose in the frame of the moving part, `low` the joint configuration at the handle.
 
     Raises:
         Failure: the arm cannot reach the handle, follow it, or retreat.
     """
-    situation, opening, furniture = snapshot.situation, search.robot.opening, pull.furniture
-    acting = snapshot.acting
-    _require_free(search, situation, low, opening, furniture)
+    situation, acting, opening = snapshot.situation, snapshot.acting, search.robot.opening
+    shape, pose = situation.shape(furniture), situation.pose(furniture)
     waypoints = [
         Waypoint("approach", acting, _above(search, situation, low, furniture), opening),
         Waypoint("at", acting, low, opening),
-        Waypoint("at", acting, low, POST_WIDTH, furniture, pull.openings[0]),
+        Waypoint("at", acting, low, POST_WIDTH, furniture, openings[0]),
     ]
-    joints = low
-    for joints, at in _along(search, situation, pull, low):
+    within = riders(situation, furniture, [other for other in search.objects if other != furniture])
+    joints, opened = low, situation
+    for at in openings[1:]:
+        near = adjust_joints(search.robot, compose(part_pose(shape, pose, at), grip), joints)
+        if near is None:
+            raise Failure(NO_KINEMATICS_AT, furniture)
+        opened = open_furniture(situation, furniture, at, search.objects)
+        pair = colliding(search.simulator, opened, [furniture, *within], search.objects)
+        if pair is not None:
+            raise Failure(OBJECTS_COLLIDE, *pair)
+        require_clear(search, near, CollisionQuery(opened, POST_WIDTH, furniture))
+        joints = near
         waypoints.append(Waypoint("pull", acting, joints, POST_WIDTH, furniture, at))
-    opened = open_furniture(situation, furniture, pull.openings[-1], search.objects)
     falling = unsupported(opened, search.objects)
     if falling is not None:
         raise Failure(UNSUPPORTED, falling)
-    _require_free(search, opened, joints, opening, furniture)
     above = _above(search, opened, joints, furniture)
-    after = replace(snapshot, situation=opened).with_arm(Arm(above, opening))
-    return after, [*waypoints, Waypoint("at", acting, joints, opening), arm_waypoint("retreat", after)]
-
-
-def _along(search: Search, situation: Situation, pull: Pull, joints: Joints) -> Iterator[tuple[Joints, float]]:
-    """Yield joint angles and openings along the motion of a handle.
-
-    Raises:
-        Failure: the arm cannot follow it, or there is a collision.
-    """
-    shape, pose = situation.shape(pull.furniture), situation.pose(pull.furniture)
-    within = riders(situation, pull.furniture, [other for other in search.objects if other != pull.furniture])
-    for at in pull.openings[1:]:
-        near = adjust_joints(search.robot, compose(part_pose(shape, pose, at), pull.grip), joints)
-        if near is None:
-            raise Failure(NO_KINEMATICS_AT, pull.furniture)
-        opened = open_furniture(situation, pull.furniture, at, search.objects)
-        pair = colliding(search.simulator, opened, [pull.furniture, *within], search.objects)
-        if pair is not None:
-            raise Failure(OBJECTS_COLLIDE, *pair)
-        _require_free(search, opened, near, POST_WIDTH, pull.furniture)
-        yield near, at
-        joints = near
+    waypoints.append(Waypoint("at", acting, joints, opening))
+    after = replace(snapshot, situation=opened, waypoints=(*snapshot.waypoints, *waypoints))
+    return after.with_arm(Arm(above, opening)).with_waypoint("retreat")
 
 
 def _above(search: Search, situation: Situation, low: Joints, furniture: str) -> Joints:
-    """Return a collision-free joint configuration straight above another.
+    """Return a collision-free joint configuration straight above one at a handle, with the gripper open.
 
     Raises:
-        Failure: there are none.
+        Failure: there are none, or the one at the handle collides.
     """
-    for high in inverse(search.robot, raised(tool_pose(search.robot, low), LIFT), near=low):
-        if max(abs(a - b) for a, b in zip(low, high, strict=True)) > LARGEST_STEP:
-            continue
-        if collide(search, high, CollisionQuery(situation, search.robot.opening, furniture)) is None:
-            return high
-    raise Failure(NO_KINEMATICS_ABOVE, furniture)
-
-
-def _require_free(search: Search, situation: Situation, joints: Joints, width: float, furniture: str) -> None:
-    """Check that the arm is free of collisions while its fingers are at a handle.
-
-    Raises:
-        Failure: it is not.
-    """
-    hit = collide(search, joints, CollisionQuery(situation, width, furniture))
-    if hit is not None:
-        raise Failure(ARM_COLLIDES, hit.other)
+    query = CollisionQuery(situation, search.robot.opening, furniture)
+    require_clear(search, low, query)
+    high = raise_joints(search, low, tool_pose(search.robot, low), query)
+    if high is None:
+        raise Failure(NO_KINEMATICS_ABOVE, furniture)
+    return high

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from itertools import islice
 from typing import NamedTuple
 
@@ -22,7 +21,6 @@ from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.collisions import ArmCollision, arm_collision
 from prag_asp.scene.geometry import Pose, multiply, raised, rotate, width_along, yaw_of, yaw_quaternion
 from prag_asp.scene.robots import Joints
-from prag_asp.scene.scene import Shape
 
 LIFT = 0.10
 """The height above an object at which the gripper begins its approach, in metres."""
@@ -37,6 +35,8 @@ LONG, FROM_END = 0.08, 0.03
 """With several robots, a box of at least twice `LONG` is grasped at the distance `FROM_END` from its end, in metres."""
 
 LARGEST_STEP = 1.2
+"""The largest turn of a joint between a grasp and `LIFT` above it, in radians: no other branch of the kinematics."""
+
 DOWN = (1.0, 0.0, 0.0, 0.0)
 
 
@@ -80,22 +80,19 @@ def grasps(search: Search, situation: Situation, entity: str) -> list[tuple[Pose
     if not candidates:
         raise Failure(NO_GRASP, entity)
     if search.scene.shared and shape.traits.even and max(shape.half[:2]) >= LONG:
-        candidates = [at_end for grasp in candidates for at_end in _at_ends(shape, pose, grasp)]
+        # A grasp near either end leaves the other end free for another robot.
+        reach, along_x = max(shape.half[:2]) - FROM_END, shape.half[0] > shape.half[1]
+        ends = [(side, 0.0, 0.0) if along_x else (0.0, side, 0.0) for side in (reach, -reach)]
+        shifts = [rotate(pose.quaternion, end) for end in ends]
+        candidates = [
+            (Pose((x + dx, y + dy, height + dz), tool.quaternion), width)
+            for tool, width in candidates
+            for dx, dy, dz in shifts
+        ]
     rise = z + half - TOP_GRIP - height
     if rise > 0.0 and shape.traits.flat:
         candidates += [(raised(tool, rise), width) for tool, width in candidates]
     return candidates
-
-
-def _at_ends(shape: Shape, pose: Pose, grasp: tuple[Pose, float]) -> Iterator[tuple[Pose, float]]:
-    """Yield a grasp of a long box shifted to either end, so that the other end is free for another robot."""
-    tool, width = grasp
-    along = 0 if shape.half[0] > shape.half[1] else 1
-    shift = shape.half[along] - FROM_END
-    for side in (shift, -shift):
-        x, y, z = rotate(pose.quaternion, (side, 0.0, 0.0) if along == 0 else (0.0, side, 0.0))
-        cx, cy, cz = tool.position
-        yield Pose((cx + x, cy + y, cz + z), tool.quaternion), width
 
 
 def configure(search: Search, tool: Pose, query: CollisionQuery, near: Joints | None = None) -> Joints:
@@ -129,13 +126,25 @@ def descend(search: Search, tool: Pose, at: CollisionQuery, above: CollisionQuer
             if collision.by_hand:
                 break
             continue
-        for high in islice(inverse(search.robot, raised(tool, LIFT), near=low), 2):
-            if max(abs(a - b) for a, b in zip(low, high, strict=True)) > LARGEST_STEP:
-                continue
-            if collide(search, high, above) is None:
-                return low, high
+        high = raise_joints(search, low, tool, above, 2)
+        if high is not None:
+            return low, high
         failed = Failure(NO_KINEMATICS_ABOVE, *_touched(at))
     raise failed or Failure(NO_KINEMATICS_AT, *_touched(at))
+
+
+def raise_joints(
+    search: Search, low: Joints, tool: Pose, query: CollisionQuery, tries: int | None = None
+) -> Joints | None:
+    """Return a collision-free joint configuration close to one at a tool pose, with the tool straight above.
+
+    None if none of the first configurations, `tries` or all, is both.
+    """
+    for high in islice(inverse(search.robot, raised(tool, LIFT), near=low), tries):
+        turn = max(abs(a - b) for a, b in zip(low, high, strict=True))
+        if turn <= LARGEST_STEP and collide(search, high, query) is None:
+            return high
+    return None
 
 
 def _touched(query: CollisionQuery) -> tuple[str, ...]:
@@ -146,3 +155,14 @@ def _touched(query: CollisionQuery) -> tuple[str, ...]:
 def collide(search: Search, joints: Joints, query: CollisionQuery) -> ArmCollision | None:
     """Return the collision of the acting arm, None if it is free."""
     return arm_collision(search.simulator, query.situation, joints, query.width, query.touched)
+
+
+def require_clear(search: Search, joints: Joints, query: CollisionQuery) -> None:
+    """Check that the acting arm is free of collisions.
+
+    Raises:
+        Failure: it is not.
+    """
+    hit = collide(search, joints, query)
+    if hit is not None:
+        raise Failure(ARM_COLLIDES, hit.other)

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 
 from prag_asp.physics.predicates import Gripper
 from prag_asp.physics.predicates.on_top import ON_TOP
 from prag_asp.physics.search.action_effects import take_place
-from prag_asp.physics.search.attempt import ARM_COLLIDES, RELATION, Failure, Search, Snapshot
+from prag_asp.physics.search.attempt import RELATION, Failure, Search, Snapshot
 from prag_asp.physics.search.furniture_handling import sample_openings
-from prag_asp.physics.search.grasping import CollisionQuery, collide
 from prag_asp.physics.search.meeting import move_over
-from prag_asp.physics.search.moving import raise_arm, turn_to, verify_objects
-from prag_asp.physics.search.placement import any_support, known_support, sample_pose
+from prag_asp.physics.search.moving import raise_arm, require_free, turn_to, verify_objects
+from prag_asp.physics.search.placement import sample_resting_pose
 from prag_asp.physics.situation import Situation, fixed_pose
 from prag_asp.physics.symbolic_facts import Fact, PhysicalTask, of_robot
 from prag_asp.physics.witness import Arm
-from prag_asp.scene.geometry import Pose
 from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene
 
@@ -32,26 +30,21 @@ def sample_initial_state(search: Search, physical: PhysicalTask) -> Snapshot:
     Raises:
         Failure: this attempt failed.
     """
-    snapshot = _at_home(search, fixed_poses(search, physical))
-    still = snapshot.situation
+    scene = search.scene
+    poses = {entity: fixed_pose(scene, entity) for entity in scene.fixed if entity in physical.objects}
+    robots = {name: robot_of(scene, name) for name in scene.robots}
+    still = Situation(scene, poses, {name: Arm(robot.home, robot.opening) for name, robot in robots.items()})
     for furniture, opening in sample_openings(search, still, physical.initial).items():
         still = still.with_opening(furniture, opening)
     situation = _arrange(search, physical, still)
     verify_objects(search, situation, physical.objects)
-    snapshot = replace(snapshot, situation=situation)
-    for robot in search.scene.robots:
+    snapshot = Snapshot(situation, next(iter(robots)))
+    for robot in robots:
         snapshot = _bring(search, turn_to(search, snapshot, robot), physical)
     for fact in physical.initial:
         if not fact.is_satisfied(snapshot.situation):
             raise Failure(RELATION, fact=fact)
     return snapshot
-
-
-def _at_home(search: Search, poses: Mapping[str, Pose]) -> Snapshot:
-    """Return a snapshot with every arm at its home configuration, the gripper open; the first robot acts."""
-    robots = {name: robot_of(search.scene, name) for name in search.scene.robots}
-    arms = {name: Arm(robot.home, robot.opening) for name, robot in robots.items()}
-    return turn_to(search, Snapshot(Situation(search.scene, poses, arms), next(iter(arms))), None)
 
 
 def _about(physical: PhysicalTask, entity: str, situation: Situation) -> tuple[Fact, ...]:
@@ -80,27 +73,20 @@ def _bring(search: Search, snapshot: Snapshot, physical: PhysicalTask) -> Snapsh
     Raises:
         Failure: it cannot get there.
     """
-    arm, own = snapshot.arm, of_robot(physical.initial, snapshot.acting)
+    own = of_robot(physical.initial, snapshot.acting)
     held, over = physical.held.get(snapshot.acting), _place(own, Gripper.OVER)
     place = held or _place(own, Gripper.AT)
     if place is not None:
         snapshot = take_place(search, snapshot, place, closed=held is not None)
         lifted = held is not None and (search.scene.shared or _in_the_air(physical, held))
-        return raise_arm(search, snapshot, []) if lifted else snapshot
+        return raise_arm(search, snapshot) if lifted else snapshot
     if over is not None:
-        snapshot = move_over(search, snapshot, over, 0, [])
+        snapshot = move_over(search, snapshot, over, 0)
     else:
-        hit = collide(search, arm.joints, CollisionQuery(snapshot.situation, arm.width, None))
-        if hit is not None:
-            raise Failure(ARM_COLLIDES, hit.other)
+        require_free(search, snapshot)
     if any(fact.predicate.gripper is Gripper.OPEN and not fact.value for fact in own):
         return snapshot.with_arm(replace(snapshot.arm, width=0.0), snapshot.above)
     return snapshot
-
-
-def fixed_poses(search: Search, physical: PhysicalTask) -> Mapping[str, Pose]:
-    """Return the poses of the fixed objects of a task."""
-    return {entity: fixed_pose(search.scene, entity) for entity in search.scene.fixed if entity in physical.objects}
 
 
 def _arrange(search: Search, physical: PhysicalTask, still: Situation) -> Situation:
@@ -113,16 +99,16 @@ def _arrange(search: Search, physical: PhysicalTask, still: Situation) -> Situat
         Failure: there is no such object, or `BACKTRACKS` steps have been made.
     """
     order = [entity for entity in order_of(physical, search.scene) if entity not in still.poses]
-    partners = _partners(physical.initial)
+    partners: dict[str, set[str]] = {}
+    for fact in physical.initial:
+        for entity in fact.arguments if fact.value else ():
+            partners.setdefault(entity, set()).update(fact.arguments)
     situations, failures = [still], Counter[str]()
     while len(situations) <= len(order):
         entity, situation = order[len(situations) - 1], situations[-1]
         try:
             about = _about(physical, entity, situation)
-            support = known_support(situation, entity, about)
-            if support is None:
-                support = any_support(search, situation, entity, about)
-            pose = sample_pose(search, situation, entity, support, about, 0)
+            pose = sample_resting_pose(search, situation, entity, about, 0)
         except Failure:
             earlier = [i for i, other in enumerate(order[: len(situations) - 1]) if other in partners.get(entity, ())]
             if not earlier or failures.total() >= BACKTRACKS:
@@ -132,16 +118,6 @@ def _arrange(search: Search, physical: PhysicalTask, still: Situation) -> Situat
         else:
             situations.append(situation.with_pose(entity, pose))
     return situations[-1]
-
-
-def _partners(facts: Iterable[Fact]) -> Mapping[str, set[str]]:
-    """Return for each object those to which it has a relation."""
-    partners: dict[str, set[str]] = {}
-    for fact in facts:
-        if fact.value:
-            for entity in fact.arguments:
-                partners.setdefault(entity, set()).update(fact.arguments)
-    return partners
 
 
 def order_of(physical: PhysicalTask, scene: Scene) -> list[str]:

@@ -7,16 +7,8 @@ import math
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.search.attempt import EMPTY_VOLUME, Failure, Search, Snapshot
 from prag_asp.physics.search.grasping import DOWN, LIFT, CollisionQuery, configure
-from prag_asp.physics.search.moving import (
-    arm_waypoint,
-    changed_objects,
-    moved_arm,
-    require_free,
-    turn_to,
-    verify_objects,
-    with_riders,
-)
-from prag_asp.physics.witness import Arm, Waypoint
+from prag_asp.physics.search.moving import move_object, moved_arm, require_free, turn_to
+from prag_asp.physics.witness import Arm
 from prag_asp.scene.geometry import IDENTITY, Pose, compose, multiply, raised, yaw_quaternion
 from prag_asp.scene.robots import robot_of
 
@@ -30,7 +22,7 @@ HANDY_ATTEMPTS = 6
 OFF_CENTRE = 0.02
 
 
-def move_over(search: Search, snapshot: Snapshot, place: str, attempt: int, waypoints: list[Waypoint]) -> Snapshot:
+def move_over(search: Search, snapshot: Snapshot, place: str, attempt: int) -> Snapshot:
     """Move the gripper over a zone or an object, with what it holds.
 
     Raises:
@@ -41,15 +33,13 @@ def move_over(search: Search, snapshot: Snapshot, place: str, attempt: int, wayp
     poses = situation.poses
     if arm.held is not None:
         assert arm.grasp is not None
-        poses = with_riders(situation, arm.held, compose(tool, arm.grasp), search.objects)
-        verify_objects(search, situation.with_poses(poses), changed_objects(snapshot, poses))
+        poses = move_object(search, snapshot, arm.held, compose(tool, arm.grasp))
     query = CollisionQuery(situation.with_poses(poses), arm.width, arm.held)
     after = moved_arm(snapshot, configure(search, tool, query), poses)
-    waypoints.append(arm_waypoint("move" if arm.held is None else "carry", after))
-    return after
+    return after.with_waypoint("move" if arm.held is None else "carry")
 
 
-def take_over(search: Search, snapshot: Snapshot, giver: str, waypoints: list[Waypoint]) -> Snapshot:
+def take_over(search: Search, snapshot: Snapshot, giver: str) -> Snapshot:
     """Let the giver in a handover open its gripper and retreat upwards, when the receiver has grasped the object.
 
     Raises:
@@ -57,14 +47,11 @@ def take_over(search: Search, snapshot: Snapshot, giver: str, waypoints: list[Wa
     """
     snapshot = turn_to(search, snapshot, giver)
     before, opening, tool = snapshot.arm, search.robot.opening, snapshot.tool
-    opened = snapshot.with_arm(Arm(before.joints, opening))
+    opened = snapshot.with_arm(Arm(before.joints, opening)).with_waypoint("at")
     require_free(search, opened, before.held)
-    waypoints.append(arm_waypoint("at", opened))
     query = CollisionQuery(opened.situation, opening, None)
     joints = configure(search, raised(tool, LIFT), query, near=before.joints)
-    gone = moved_arm(opened, joints, opened.situation.poses)
-    waypoints.append(arm_waypoint("retreat", gone))
-    return gone
+    return moved_arm(opened, joints, opened.situation.poses).with_waypoint("retreat")
 
 
 def _tool_over(search: Search, snapshot: Snapshot, place: str, attempt: int) -> Pose:
@@ -84,20 +71,14 @@ def _tool_over(search: Search, snapshot: Snapshot, place: str, attempt: int) -> 
         raise Failure(EMPTY_VOLUME, place)
     points = [point for _ in range(2) if (point := volume.sample(floor, search.uniform)) is not None]
     at = min(points, key=lambda point: math.dist(point[:2], base[:2]))
-    if attempt < HANDY_ATTEMPTS:
-        yaw = _handy_yaw(search, snapshot, at) + search.uniform(-SPREAD, SPREAD)
-    else:
-        yaw = search.uniform(-math.pi, math.pi)
-    return Pose(at, multiply(yaw_quaternion(yaw), DOWN))
-
-
-def _handy_yaw(search: Search, snapshot: Snapshot, at: tuple[float, float, float]) -> float:
-    """Return the best yaw of the tool: along the arm, or with a held object's free end towards the other robots."""
-    x, y, _ = search.robot.base.position
-    grasp = snapshot.arm.grasp
+    if attempt >= HANDY_ATTEMPTS:
+        return Pose(at, multiply(yaw_quaternion(search.uniform(-math.pi, math.pi)), DOWN))
+    # The best yaw is along the arm, or turns a held object's free end towards the nearest other robot.
+    grasp, towards, turn = snapshot.arm.grasp, at, 0.0
     bases = [robot_of(search.scene, name).base.position for name in search.scene.robots if name != snapshot.acting]
-    if grasp is None or not bases or math.hypot(*grasp.position[:2]) < OFF_CENTRE:
-        return math.atan2(at[1] - y, at[0] - x)
-    other = min(bases, key=lambda base: math.dist(base, at))
-    # The tool points down, so its y axis is mirrored.
-    return math.atan2(other[1] - y, other[0] - x) - math.atan2(-grasp.position[1], grasp.position[0])
+    if grasp is not None and bases and math.hypot(*grasp.position[:2]) >= OFF_CENTRE:
+        towards = min(bases, key=lambda other: math.dist(other, at))
+        # The tool points down, so its y axis is mirrored.
+        turn = math.atan2(-grasp.position[1], grasp.position[0])
+    yaw = math.atan2(towards[1] - base[1], towards[0] - base[0]) - turn
+    return Pose(at, multiply(yaw_quaternion(yaw + search.uniform(-SPREAD, SPREAD)), DOWN))

@@ -6,10 +6,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from prag_asp.physics.predicates.gripper import slips
-from prag_asp.physics.search.attempt import ARM_COLLIDES, LOST, OBJECTS_COLLIDE, UNSUPPORTED, Failure, Search, Snapshot
-from prag_asp.physics.search.grasping import LIFT, CollisionQuery, collide
+from prag_asp.physics.search.attempt import LOST, OBJECTS_COLLIDE, UNSUPPORTED, Failure, Search, Snapshot
+from prag_asp.physics.search.grasping import LIFT, CollisionQuery, require_clear
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.witness import Waypoint
 from prag_asp.physics.world.collisions import colliding
 from prag_asp.physics.world.support import STEADY, riders, unsupported
 from prag_asp.scene.geometry import Pose, compose, invert, raised
@@ -23,7 +22,7 @@ def turn_to(search: Search, snapshot: Snapshot, robot: str | None) -> Snapshot:
     return turned
 
 
-def raise_arm(search: Search, snapshot: Snapshot, waypoints: list[Waypoint]) -> Snapshot:
+def raise_arm(search: Search, snapshot: Snapshot) -> Snapshot:
     """Move a lowered gripper straight up, with what it holds.
 
     Raises:
@@ -34,13 +33,10 @@ def raise_arm(search: Search, snapshot: Snapshot, waypoints: list[Waypoint]) -> 
     if held is not None:
         if slips(search.scene, held, snapshot.acting) is not None:
             raise Failure(LOST, held)
-        poses = with_riders(snapshot.situation, held, raised(poses[held], LIFT), search.objects)
+        poses = move_object(search, snapshot, held, raised(poses[held], LIFT))
     after = moved_arm(snapshot, snapshot.above, poses)
-    if held is not None:
-        verify_objects(search, after.situation, changed_objects(snapshot, poses))
     require_free(search, after)
-    waypoints.append(arm_waypoint("lift" if held else "retreat", after))
-    return after
+    return after.with_waypoint("lift" if held else "retreat")
 
 
 def with_riders(situation: Situation, entity: str, pose: Pose, objects: Iterable[str]) -> Mapping[str, Pose]:
@@ -52,9 +48,17 @@ def with_riders(situation: Situation, entity: str, pose: Pose, objects: Iterable
     return poses
 
 
-def changed_objects(snapshot: Snapshot, poses: Mapping[str, Pose]) -> list[str]:
-    """Return the objects whose poses differ from those in a snapshot."""
-    return [entity for entity, pose in poses.items() if snapshot.situation.poses[entity] != pose]
+def move_object(search: Search, snapshot: Snapshot, entity: str, pose: Pose) -> Mapping[str, Pose]:
+    """Return all poses after an object and everything that rests on it have moved.
+
+    Raises:
+        Failure: one of them collides with something, or an object would fall.
+    """
+    old = snapshot.situation
+    poses = with_riders(old, entity, pose, search.objects)
+    changed = [other for other, moved in poses.items() if old.poses[other] != moved]
+    verify_objects(search, old.with_poses(poses), changed)
+    return poses
 
 
 def moved_arm(snapshot: Snapshot, joints: Joints, poses: Mapping[str, Pose]) -> Snapshot:
@@ -63,18 +67,13 @@ def moved_arm(snapshot: Snapshot, joints: Joints, poses: Mapping[str, Pose]) -> 
 
 
 def require_free(search: Search, snapshot: Snapshot, touched: str | None = None) -> None:
-    """Check that the arm of a snapshot is free of collisions."""
-    arm = snapshot.arm
-    query = CollisionQuery(snapshot.situation, arm.width, touched or arm.held)
-    hit = collide(search, arm.joints, query)
-    if hit is not None:
-        raise Failure(ARM_COLLIDES, hit.other)
+    """Check that the arm of a snapshot is free of collisions; it may touch an object, by default the held one.
 
-
-def arm_waypoint(name: str, snapshot: Snapshot) -> Waypoint:
-    """Return a waypoint at the configuration of the acting arm."""
+    Raises:
+        Failure: it is not.
+    """
     arm = snapshot.arm
-    return Waypoint(name, snapshot.acting, arm.joints, arm.width, arm.held)
+    require_clear(search, arm.joints, CollisionQuery(snapshot.situation, arm.width, touched or arm.held))
 
 
 def verify_objects(search: Search, situation: Situation, changed: Iterable[str]) -> None:

@@ -14,7 +14,6 @@ from prag_asp.physics.predicates.reachable import REACHABLE
 from prag_asp.physics.predicates.volume import Floor
 from prag_asp.physics.search.allowed_region import (
     allowed_volume,
-    first_unsatisfied,
     relevant_facts,
     sample_yaws,
     shapes_volume,
@@ -22,22 +21,22 @@ from prag_asp.physics.search.allowed_region import (
 )
 from prag_asp.physics.search.attempt import EMPTY_VOLUME, OBJECTS_COLLIDE, RELATION, Failure, Search
 from prag_asp.physics.search.spacing_chains import SpacingChain, spacing_chains, spacing_volume
+from prag_asp.physics.search.spans import FINGER_ROOM
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import Fact
 from prag_asp.physics.world.collisions import box
 from prag_asp.physics.world.simulator import COLLISION
 from prag_asp.physics.world.support import TABLE
-from prag_asp.scene.boxes import Box, Vector, box_of
+from prag_asp.scene.boxes import Vector, box_of
 from prag_asp.scene.furniture import swept
 from prag_asp.scene.geometry import Pose, Quaternion, extents, yaw_of, yaw_quaternion
 
-TRIES = 8
-SPACING = 0.01
-FINGER_ROOM = 0.035
-TABLE_ROOM = 0.1
-NEAR = 0.15
-JITTER = 0.05
-EDGE = 0.02
+TRIES = 8  # samples with each spacing
+SPACING = 0.01  # metres between objects on the table, which do not touch then
+TABLE_ROOM = 0.1  # metres to the border of the volume on the table, for hands and later objects
+NEAR = 0.15  # metres within which people say that an object is beside another
+JITTER = 0.05  # radians by which an object on a support is turned against it, as nothing stands exactly straight
+EDGE = 0.02  # metres to the edge of the table
 
 Neighbour = tuple[float, float, float, float]
 """The centre of a body seen from above, and the distances along x and y at which another touches it; metres."""
@@ -66,36 +65,32 @@ def known_support(situation: Situation, entity: str, facts: Iterable[Fact]) -> s
     return None
 
 
-def any_support(search: Search, situation: Situation, entity: str, facts: Iterable[Fact]) -> str:
-    """Return a support for an object whose support is unknown: the table, unless it is known not to be on it.
+def sample_resting_pose(search: Search, situation: Situation, entity: str, facts: Iterable[Fact], state: int) -> Pose:
+    """Return a random pose of an object on a support, which the facts of a state allow.
 
-    If a user-defined relation lets it stand on or in another object, that is an equally likely choice.
+    A support that they do not name is the table, unless the object is known not to be on it. If a user-defined
+    relation lets it stand on or in another object, that is an equally likely choice.
 
     Raises:
-        Failure: every support is ruled out.
+        Failure: every support is ruled out, or there is no pose on it.
     """
     facts = list(facts)
-    ruled_out = {
-        fact.arguments[-1]
-        for fact in facts
-        if not fact.value and fact.predicate.supports and fact.arguments[0] == entity
-    }
-    possible = [other for other in situation.poses if other not in ruled_out and situation.shape(other).traits.flat]
-    if any(situation.is_table(support) for support in ruled_out):
-        options = possible
-    else:
-        options = [TABLE, *(other for other in possible if _may_bear(facts, entity, other))]
-    if not options:
-        raise Failure(EMPTY_VOLUME, entity)
-    return options[0] if options == [TABLE] else options[int(search.rng.integers(len(options)))]
-
-
-def _may_bear(facts: Iterable[Fact], entity: str, other: str) -> bool:
-    """Return whether a fact allows an object to rest on or in another."""
-    return any(
-        fact.value and fact.predicate.rests_on_other and fact.arguments[0] == entity and fact.arguments[-1] == other
-        for fact in facts
-    )
+    support = known_support(situation, entity, facts)
+    if support is None:
+        own = [(fact, fact.arguments[-1]) for fact in facts if fact.arguments[0] == entity]
+        ruled_out = {other for fact, other in own if fact.predicate.supports and not fact.value}
+        bearing = {other for fact, other in own if fact.predicate.rests_on_other and fact.value}
+        possible = [
+            other
+            for other in situation.poses
+            if other != entity and other not in ruled_out and situation.shape(other).traits.flat
+        ]
+        if not any(map(situation.is_table, ruled_out)):
+            possible = [TABLE, *(other for other in possible if other in bearing)]
+        if not possible:
+            raise Failure(EMPTY_VOLUME, entity)
+        support = TABLE if possible == [TABLE] else possible[int(search.rng.integers(len(possible)))]
+    return sample_pose(search, situation, entity, support, facts, state)
 
 
 def sample_pose(
@@ -114,6 +109,7 @@ def sample_pose(
         Failure: the volume is empty, or no sample of it satisfies the facts and is free.
     """
     facts = list(facts)
+    situation = situation.with_poses({other: pose for other, pose in situation.poses.items() if other != entity})
     about = relevant_facts(facts, entity, situation)
     ahead = _ahead(search, situation, entity, support, state)
     request = PlacementRequest(entity, support, about, height, ahead, spacing_chains(situation, entity, facts))
@@ -123,21 +119,31 @@ def sample_pose(
     room = TABLE_ROOM if support == TABLE else FINGER_ROOM
     favourite = preferred.floor(room) or preferred.floor() or everything
     checked = [fact for fact in about if not shapes_volume(fact, entity)]
-    others = _others(situation, about)
+    # It is kept apart from all others except those that the facts require to be closer.
+    touched = {
+        name for fact in about if fact.value and fact.predicate.apart[1] < SPACING for name in fact.arguments[:2]
+    }
+    others = [other for other in situation.poses if other not in touched]
     below = _neighbours(situation, others, support, half, volume.low[2] - height)
     beside = _neighbours(situation, others, support, half, volume.low[2]) if height > 0.0 else below
     failed = Failure(RELATION, entity)
-    for floor, spacing in _tries(favourite, everything, support):
+    # A held object should be free to come down; if that is impossible it may be held above something.
+    for floor, spacing, neighbours in (
+        *repeat((favourite, FINGER_ROOM, below), TRIES),
+        *repeat((favourite, FINGER_ROOM / 2, below), TRIES),
+        *repeat((everything, SPACING if support == TABLE else 0.0, beside), TRIES),
+    ):
         at = volume.sample(floor, search.uniform)
         if at is None:
             continue
-        # A held object should be free to come down; if that is impossible it may be held above something.
-        if not _clear(at[0], at[1], below if spacing >= FINGER_ROOM / 2 else beside, spacing):
+        if any(abs(at[0] - x) < dx + spacing and abs(at[1] - y) < dy + spacing for x, y, dx, dy in neighbours):
             failed = Failure(OBJECTS_COLLIDE, entity)
             continue
-        broken = first_unsatisfied(checked, situation, entity, Pose(at, quaternion))
+        pose = Pose(at, quaternion)
+        trial = situation.with_pose(entity, pose)
+        broken = next((fact for fact in checked if not fact.is_satisfied(trial)), None)
         if broken is None:
-            return Pose(at, quaternion)
+            return pose
         failed = Failure(RELATION, fact=broken)
     raise failed
 
@@ -154,11 +160,20 @@ def _place(search: Search, situation: Situation, request: PlacementRequest) -> t
     first: tuple[Quaternion, Volume, Floor] | None = None
     for yaw in _yaws(search, situation, request):
         quaternion = yaw_quaternion(yaw)
-        volume, floor = _roomy(situation, request, quaternion)
+        whole = _volume(situation, request, quaternion)
+        # Room for what comes between is ample if possible, else just enough.
+        parts = (
+            whole.meet(spacing_volume(situation, request.entity, quaternion, chained)) if chained else whole
+            for chained in request.between or ([],)
+        )
+        volume, floor = next(((part, floor) for part in parts if (floor := part.floor()) is not None), (whole, None))
         if floor is None:
             continue
-        half = extents(situation.shape(request.entity), quaternion)
-        for preferred_volume in (volume.meet(_shrunk(room, half)) for room in request.ahead):
+        dx, dy, _ = extents(situation.shape(request.entity), quaternion)
+        for room in request.ahead:
+            (ax, ay, az), (bx, by, bz) = room.low, room.high
+            inner = room._replace(low=(ax + dx, ay + dy, az), high=(bx - dx, by - dy, bz))
+            preferred_volume = volume.meet(inner)
             preferred_floor = preferred_volume.floor()
             if preferred_floor and (
                 preferred_volume.rings == volume.rings or Volume.sample(preferred_floor, search.uniform)
@@ -170,23 +185,6 @@ def _place(search: Search, situation: Situation, request: PlacementRequest) -> t
     if first is None:
         raise Failure(EMPTY_VOLUME, request.entity)
     return first
-
-
-def _roomy(situation: Situation, request: PlacementRequest, quaternion: Quaternion) -> tuple[Volume, Floor | None]:
-    """Return the volume of an object that leaves room for what comes between, ample if possible, and its floor."""
-    volume = _volume(situation, request, quaternion)
-    for chained in request.between or ([],):
-        part = volume.meet(spacing_volume(situation, request.entity, quaternion, chained)) if chained else volume
-        floor = part.floor()
-        if floor is not None:
-            return part, floor
-    return volume, None
-
-
-def _shrunk(volume: Volume, half: Vector) -> Volume:
-    """Return the volume for the centre of an object that has to be entirely in a box, seen from above."""
-    (ax, ay, az), (bx, by, bz) = volume.low, volume.high
-    return volume._replace(low=(ax + half[0], ay + half[1], az), high=(bx - half[0], by - half[1], bz))
 
 
 def _ahead(search: Search, situation: Situation, entity: str, support: str, state: int) -> tuple[Volume, ...]:
@@ -208,11 +206,22 @@ def _ahead(search: Search, situation: Situation, entity: str, support: str, stat
 def _volume(situation: Situation, request: PlacementRequest, quaternion: Quaternion) -> Volume:
     """Return the volume of an object with its orientation on or above a support, as the facts require.
 
-    An object on the table has to be within reach, unless it is known not to be or several robots share the table.
+    An object on the table has to be in the workspace and within reach. It may be anywhere on the table if it is known
+    to be out of reach, and anywhere in the workspace if several robots share the table.
     """
     entity, support, about, height, *_ = request
     out_of_reach = any(fact.predicate.gripper is Gripper.REACHES and not fact.value for fact in about)
-    volume = _surface(situation, entity, support, quaternion, out_of_reach)
+    if support != TABLE:
+        rests = INSIDE if situation.shape(support).traits.hollow else ON_TOP
+        volume = rests.volume(situation, (entity, support), quaternion)
+    else:
+        half_x, half_y, z = extents(situation.shape(entity), quaternion)
+        low_x, high_x, low_y, high_y = situation.scene.workspace
+        if out_of_reach:
+            (x, y), (size_x, size_y) = situation.scene.table.centre, situation.scene.table.size
+            low_x, high_x = x - size_x / 2 + half_x + EDGE, x + size_x / 2 - half_x - EDGE
+            low_y, high_y = y - size_y / 2 + half_y + EDGE, y + size_y / 2 - half_y - EDGE
+        volume = Volume((low_x, low_y, z), (high_x, high_y, z))
     if height > 0.0:
         (ax, ay, az), (bx, by, bz) = volume.low, volume.high
         volume = volume._replace(low=(ax, ay, az + height), high=(bx, by, bz + height))
@@ -238,62 +247,22 @@ def _close(situation: Situation, entity: str, volume: Volume, about: Iterable[Fa
     return volume
 
 
-def _surface(situation: Situation, entity: str, support: str, quaternion: Quaternion, out_of_reach: bool) -> Volume:
-    """Return the volume of an object on a support: all of a top or floor, or the workspace of the table."""
-    if support != TABLE:
-        rests = INSIDE if situation.shape(support).traits.hollow else ON_TOP
-        return rests.volume(situation, (entity, support), quaternion)
-    half_x, half_y, z = extents(situation.shape(entity), quaternion)
-    low_x, high_x, low_y, high_y = situation.scene.workspace
-    if out_of_reach:
-        (x, y), (size_x, size_y) = situation.scene.table.centre, situation.scene.table.size
-        low_x, high_x = x - size_x / 2 + half_x + EDGE, x + size_x / 2 - half_x - EDGE
-        low_y, high_y = y - size_y / 2 + half_y + EDGE, y + size_y / 2 - half_y - EDGE
-    return Volume((low_x, low_y, z), (high_x, high_y, z))
-
-
-def _others(situation: Situation, about: Iterable[Fact]) -> list[str]:
-    """Return the objects from which one is kept `SPACING` apart: not those that the facts require to be closer."""
-    close = (fact for fact in about if fact.value and fact.predicate.apart[1] < SPACING)
-    touched = {entity for fact in close for entity in fact.arguments[:2]}
-    return [entity for entity in situation.poses if entity not in touched]
-
-
 def _neighbours(situation: Situation, others: Iterable[str], support: str, half: Vector, z: float) -> list[Neighbour]:
-    """Return the others that the bounding box of an object at a height can meet, without containers it is put into."""
-    neighbours, shapes = [], situation.scene.shapes
+    """Return the others that the bounding box of an object at a height can meet, without containers it is put into.
+
+    Furniture has the bounding boxes of its body and of the swept moving part.
+    """
+    neighbours = []
     for other in others:
-        traits = shapes[other].traits
-        if traits.hollow and support != TABLE:
+        shape = situation.scene.shapes[other]
+        if shape.traits.hollow and support != TABLE:
             continue
-        boxes = _boxes(situation, other)
+        furniture = shape.traits.furniture
+        boxes = map(box_of, swept(shape, situation.pose(other))) if furniture else (box(situation, other),)
         for (x, y, other_z), (half_x, half_y, half_z) in boxes:
             if abs(z - other_z) < half[2] + half_z + COLLISION:
                 neighbours.append((x, y, half_x + half[0], half_y + half[1]))
     return neighbours
-
-
-def _boxes(situation: Situation, entity: str) -> tuple[Box, ...]:
-    """Return the bounding box of a body; for furniture, those of its body and of the swept moving part."""
-    shape = situation.shape(entity)
-    if not shape.traits.furniture:
-        return (box(situation, entity),)
-    return tuple(map(box_of, swept(shape, situation.pose(entity))))
-
-
-def _clear(x: float, y: float, neighbours: Iterable[Neighbour], spacing: float) -> bool:
-    """Return whether an object is `spacing` metres away from its neighbours along x or y."""
-    for other_x, other_y, near_x, near_y in neighbours:
-        if abs(x - other_x) < near_x + spacing and abs(y - other_y) < near_y + spacing:
-            return False
-    return True
-
-
-def _tries(favourite: Floor, everything: Floor, support: str) -> Iterator[tuple[Floor, float]]:
-    """Yield the floor to sample and the spacing in metres: first wide, then closer, on the table at least `SPACING`."""
-    yield from repeat((favourite, FINGER_ROOM), TRIES)
-    yield from repeat((favourite, FINGER_ROOM / 2), TRIES)
-    yield from repeat((everything, SPACING if support == TABLE else 0.0), TRIES)
 
 
 def _yaws(search: Search, situation: Situation, request: PlacementRequest) -> Iterator[float]:

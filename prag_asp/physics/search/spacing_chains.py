@@ -6,7 +6,7 @@ three is placed last.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from prag_asp.physics.predicates import Direction, Volume
@@ -24,10 +24,6 @@ class SpacingChain(NamedTuple):
     between: float
 
 
-Links = tuple[tuple[str, str], ...]
-"""Pairs of objects of which the first lies in a given direction from the second."""
-
-
 def spacing_chains(situation: Situation, entity: str, facts: Iterable[Fact]) -> tuple[list[SpacingChain], ...]:
     """Return the chains of relations from an object through unplaced ones to placed ones.
 
@@ -37,8 +33,20 @@ def spacing_chains(situation: Situation, entity: str, facts: Iterable[Fact]) -> 
     beside = [fact for fact in facts if fact.value and fact.predicate.direction is not None]
     if all(other in situation.poses or other == entity for fact in beside for other in fact.arguments):
         return ()
-    links = {side.in_frame(situation.scene.frame): tuple(_links(beside, side)) for side in SIDES.values()}
-    return tuple(_longest(situation, entity, links, wide) for wide in (True, False))
+    longest: tuple[dict[tuple[str, Direction], float], ...] = ({}, {})
+    for side in SIDES.values():
+        links = []
+        for fact in beside:
+            one, two = fact.arguments
+            if fact.predicate.direction == side:
+                links.append((one, two))
+            elif fact.predicate.direction == side.opposite:
+                links.append((two, one))
+        for chains, wide in zip(longest, (True, False), strict=True):
+            for end, between in _follow(situation, entity, links, wide, ()):
+                key = (end, side.in_frame(situation.scene.frame))
+                chains[key] = max(between, chains.get(key, 0.0))
+    return tuple([SpacingChain(*key, between) for key, between in chains.items()] for chains in longest)
 
 
 def spacing_volume(situation: Situation, entity: str, quaternion: Quaternion, chains: Iterable[SpacingChain]) -> Volume:
@@ -50,29 +58,13 @@ def spacing_volume(situation: Situation, entity: str, quaternion: Quaternion, ch
     return volume
 
 
-def _longest(situation: Situation, entity: str, links: Mapping[Direction, Links], wide: bool) -> list[SpacingChain]:
-    """Return the longest chain to each end in each direction."""
-    longest: dict[tuple[str, Direction], float] = {}
-    for side, pairs in links.items():
-        for end, between in _follow(situation, entity, pairs, wide, ()):
-            longest[end, side] = max(between, longest.get((end, side), 0.0))
-    return [SpacingChain(end, side, between) for (end, side), between in longest.items()]
-
-
-def _links(beside: Iterable[Fact], side: Direction) -> Iterator[tuple[str, str]]:
-    """Yield pairs of which the first lies in a direction from the second."""
-    for fact in beside:
-        one, two = fact.arguments
-        if fact.predicate.direction == side:
-            yield one, two
-        elif fact.predicate.direction == side.opposite:
-            yield two, one
-
-
 def _follow(
-    situation: Situation, entity: str, links: Links, wide: bool, passed: tuple[str, ...]
+    situation: Situation, entity: str, links: Iterable[tuple[str, str]], wide: bool, passed: tuple[str, ...]
 ) -> Iterator[tuple[str, float]]:
-    """Yield the ends of the chains from an object, and the room for what is between in metres."""
+    """Yield the ends of the chains from an object, and the room for what is between in metres.
+
+    `links` are pairs of objects of which the first lies in the direction of the chains from the second.
+    """
     for one, other in links:
         if one != entity or other in passed:
             continue

@@ -13,6 +13,8 @@ from prag_asp.physics.symbolic_facts import Fact, PhysicalTask
 from prag_asp.scene.scene import Scene
 
 FINGER_ROOM = 0.035
+"""The distance between two objects that leaves room for a finger, in metres."""
+
 DEPTH = 4
 """The number of nested objects in between that are considered."""
 
@@ -38,11 +40,7 @@ def foresee_spans(physical: PhysicalTask, scene: Scene) -> Spans:
     for k in range(len(physical.states)):
         for entity in physical.objects if k == 0 else physical.effects[k - 1].moved:
             spans = tuple(
-                Span(
-                    other,
-                    _span(physical, scene, k, (entity, other), True),
-                    _span(physical, scene, k, (entity, other), False),
-                )
+                Span(other, *(_span(physical, scene, k, (entity, other), wide) for wide in (True, False)))
                 for other in physical.objects
                 if other != entity and any(_between(physical, k, (entity, other)))
             )

@@ -1,4 +1,4 @@
-"""Episodes of every domain keep to the limits of the robots' joints, and press on nothing that is not asked for.
+"""Episodes of every domain succeed, keep to the limits of the robots' joints, and have no unintended contacts.
 
 `python benchmarks/episodes.py --count 500` does the same with more.
 """
@@ -11,12 +11,21 @@ import numpy as np
 import pytest
 
 from prag_asp import TaskSpace, load_domain, load_scene
-from prag_asp.physics import Budget, check_demonstration, open_validator
+from prag_asp.physics import check_demonstration, open_validator
 from prag_asp.physics.bullet import pybullet
+from prag_asp.physics.demonstration.performance import open_performer
+from prag_asp.physics.symbolic_facts import physical_task
 from prag_asp.physics.world.dynamics import TIME_STEP, Dynamics
+from prag_asp.physics.world.simulator import open_simulator
 from tests.independent.recordings import LIMITS, above_limits, unwanted
 
-KINDS = (("tabletop", "panda"), ("prag", "kuka"), ("kitchen", "panda"), ("two_arms", "panda"))
+CASES = (
+    ("tabletop", "panda", (3, 5)),
+    ("prag", "panda", (3, 5)),
+    ("prag", "kuka", (3,)),
+    ("kitchen", "panda", (3,)),
+    ("two_arms", "panda", (3, 5)),
+)
 
 
 @pytest.fixture
@@ -35,28 +44,36 @@ def felt(monkeypatch: pytest.MonkeyPatch) -> list[np.ndarray]:
     return found
 
 
-@pytest.mark.parametrize(("name", "kind"), KINDS)
-def test_joints_keep_their_limits_and_nothing_is_pressed_in_episodes_of_random_tasks(name, kind, felt, chance):
-    domain = load_domain(name)
+@pytest.mark.parametrize(("name", "kind", "lengths"), CASES)
+def test_most_witnesses_of_random_tasks_are_performed_within_the_limits_of_joints_and_contacts(
+    name, kind, lengths, felt, chance
+):
+    domain, done = load_domain(name), 0
     scene = load_scene(domain)
     scene = replace(scene, robots={each: mount._replace(kind=kind) for each, mount in scene.robots.items()})
-    tasks = TaskSpace(domain, 3).sample(2, seed=chance.seed(6), weights={})
-    kinds = [kind] * len(scene.robots)
-    with open_validator(scene) as validator:
+    kinds, count = [kind] * len(scene.robots), chance.examples(2)
+    tasks = [task for n in lengths for task in TaskSpace(domain, n).sample(count, seed=chance.seed(6), weights={})]
+    with (
+        open_validator(scene) as validator,
+        open_simulator(scene) as planner,
+        open_performer(scene, planner) as performer,
+    ):
         for index, task in enumerate(tasks):
+            verdict = validator.validate(task, seed=chance.seed(1), index=index)
+            assert verdict.witness is not None, verdict.causes
             felt.clear()
-            verdict = validator.validate(task, seed=chance.seed(1), index=index, budget=Budget(tier="demonstration"))
-            shown = verdict.demonstration
-            assert shown is not None, verdict.causes
+            shown = performer.perform(physical_task(task, scene), verdict.witness)
             assert list(above_limits(shown.joints, kinds)) == []
             assert list(above_limits(shown.commands[..., :7], kinds)) == []
-            known = [str(fluent) for fluent, value in task.initial.items() if value]
-            assert list(unwanted(shown, list(map(str, task.actions)), known)) == []
-            assert check_demonstration(task, shown, scene) == []
-            if verdict.restarts == 1:
-                speeds = np.array(felt)
-                accelerations = np.diff(speeds, axis=0) / TIME_STEP
-                assert (np.abs(speeds) <= LIMITS[kind][0]).all() and (np.abs(accelerations) <= LIMITS[kind][1]).all()
+            speeds = np.array(felt)
+            accelerations = np.diff(speeds, axis=0) / TIME_STEP
+            assert (np.abs(speeds) <= LIMITS[kind][0]).all() and (np.abs(accelerations) <= LIMITS[kind][1]).all()
+            assert shown.success == (check_demonstration(task, shown, scene) == [])
+            if shown.success:
+                known = [str(fluent) for fluent, value in task.initial.items() if value]
+                assert list(unwanted(shown, list(map(str, task.actions)), known)) == []
+                done += 1
+    assert done >= 0.9 * len(tasks) - 1
 
 
 def test_a_joint_that_is_too_fast_or_gathers_speed_too_fast_is_seen():

@@ -41,7 +41,7 @@ def test_what_is_packed_is_read_by_numpy_and_by_us_whole_and_row_by_row(chance, 
     assert all((one == two).all() for one, two in zip(read.rows(), array, strict=True))
 
 
-def test_an_archive_of_another_form_is_told(chance):
+def test_an_archive_of_another_form_is_refused(chance):
     array, one = packed(chance, "u1", (4, 5, 3))
     file = BytesIO(with_packed(archive(small=np.arange(3)), {"film": one}))
     for name, shape, kind in (
@@ -56,7 +56,7 @@ def test_an_archive_of_another_form_is_told(chance):
         read_packed(BytesIO(file.getvalue()[:-30]), {"film": (array.shape, "u1")})
 
 
-def test_a_stream_that_was_changed_is_told(chance):
+def test_a_changed_stream_is_refused(chance):
     _, one = packed(chance, "u1", (4, 5, 3))
     stream = bytearray(one.stream)
     stream[len(stream) // 2] ^= 1

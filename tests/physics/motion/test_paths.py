@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from prag_asp.physics.bullet import pybullet
@@ -18,16 +18,15 @@ from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.scene.geometry import Pose
-from prag_asp.scene.robots import KUKA, PANDA, Joints
+from prag_asp.scene.robots import KUKA, PANDA, Joints, Robot
 from prag_asp.scene.scene import Scene, Shape
+from tests.chance import examples
 
 DOWN = (1.0, 0.0, 0.0, 0.0)
 TIME_STEP = 1 / 120
 
 angles = st.floats(-2.5, 2.5)
 paths = st.lists(st.tuples(*[angles] * 7), min_size=2, max_size=5)
-
-
 robots = st.sampled_from([PANDA, KUKA])
 
 
@@ -48,12 +47,18 @@ def test_the_limits_of_every_joint_are_the_makers(robot):
         assert robot.accelerations == (15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0)
 
 
-@given(path=paths, robot=robots)
-def test_no_joint_exceeds_its_own_limits_on_a_timed_path(path, robot):
-    rows = time_path(path, TIME_STEP, joint_limits(robot))
-    assert rows[-1] == pytest.approx(path[-1], abs=1e-9)
+def _assert_within_limits(robot: Robot, path: Sequence[Joints], rows: np.ndarray) -> None:
     speeds, accelerations = _motion(path, rows)
+    assert rows[-1] == pytest.approx(path[-1], abs=1e-9)
     assert (speeds <= robot.speeds).all() and (accelerations <= robot.accelerations).all()
+
+
+@settings(max_examples=examples(60))
+@given(path=paths, robot=robots)
+def test_a_timed_path_keeps_to_the_limits_of_each_joint_and_to_the_box_of_its_points(path, robot):
+    rows, points = time_path(path, TIME_STEP, joint_limits(robot)), np.array(path)
+    _assert_within_limits(robot, path, rows)
+    assert (rows >= points.min(axis=0) - 1e-9).all() and (rows <= points.max(axis=0) + 1e-9).all()
 
 
 @pytest.mark.parametrize("joint", range(7))
@@ -70,16 +75,8 @@ def test_a_path_of_many_pieces_that_hardly_turn_is_not_slower_than_one_that_is_s
     bent = np.sin(turn) * [1.2, 0.5, 0, 0, 0, 0, 0] + (1 - np.cos(turn)) * [0, 0.3, 0.5, 0, 0, 0, 0]
     path = [tuple(row) for row in bent.tolist()]
     rows, direct = (time_path(each, TIME_STEP, joint_limits(PANDA)) for each in (path, [path[0], path[-1]]))
-    speeds, accelerations = _motion(path, rows)
-    assert (speeds <= PANDA.speeds).all() and (accelerations <= PANDA.accelerations).all()
+    _assert_within_limits(PANDA, path, rows)
     assert len(rows) < 1.2 * len(direct)
-
-
-@given(path=paths)
-def test_a_timed_path_stays_within_the_box_of_its_points(path):
-    rows = time_path(path, TIME_STEP, joint_limits(PANDA))
-    points = np.array(path)
-    assert (rows >= points.min(axis=0) - 1e-9).all() and (rows <= points.max(axis=0) + 1e-9).all()
 
 
 @pytest.mark.parametrize("tiny", [5e-324, 2e-308, 1e-300, 1e-160, 1e-30, 1e-13, 1e-11])
@@ -88,20 +85,18 @@ def test_a_turn_too_small_for_numbers_is_none(tiny):
     limits = joint_limits(PANDA)
     for path in ([start, near], [start, near, far], [start, far], [far, start, near]):
         rows = time_path(path, TIME_STEP, limits)
-        assert np.isfinite(rows).all() and rows[-1] == pytest.approx(path[-1], abs=1e-9)
-        speeds, accelerations = _motion(path, rows)
-        assert (speeds <= PANDA.speeds).all() and (accelerations <= PANDA.accelerations).all()
+        assert np.isfinite(rows).all()
+        _assert_within_limits(PANDA, path, rows)
 
 
+@settings(max_examples=examples(60))
 @given(points=st.lists(st.tuples(*[angles] * 7), min_size=3, max_size=4), loaded=st.booleans(), robot=robots)
 def test_blended_ways_keep_to_the_limits_and_pass_the_corners_nearby(points, loaded, robot):
     limits = joint_limits(robot, loaded)
     ways = [time_path(pair, TIME_STEP, limits) for pair in pairwise(points)]
     whole = blend_paths(ways, points[0], TIME_STEP, limits)
-    assert whole[-1] == pytest.approx(points[-1], abs=1e-9)
+    _assert_within_limits(robot, points, whole)
     assert len(whole) <= sum(map(len, ways))
-    speeds, accelerations = _motion(points, whole)
-    assert (speeds <= robot.speeds).all() and (accelerations <= robot.accelerations).all()
     # What is left of the one way and what is done of the other is little.
     for corner in points[1:-1]:
         nearest = np.abs(whole - np.array(corner)).max(axis=1).min()
@@ -130,10 +125,8 @@ def test_a_straight_path_is_straight():
 
 def _walled(scene: Scene, height: float) -> Scene:
     """Return a scene with a wall across the reach of the arm; a viewer sees it from its narrow side."""
-    return replace(
-        scene,
-        shapes={**scene.shapes, "brick_1": Shape("box", (0.8, 0.03, height)), "cube_1": Shape("box", (0.05,) * 3)},
-    )
+    bodies = {"brick_1": Shape("box", (0.8, 0.03, height)), "cube_1": Shape("box", (0.05,) * 3)}
+    return replace(scene, shapes={**scene.shapes, **bodies})
 
 
 def _gap(simulator: Simulator, rows: np.ndarray, held: bool) -> float:

@@ -26,6 +26,7 @@ from tests.domains import domain_of
 from tests.strategies import toys
 
 WAREHOUSE = Path(__file__).parents[3] / "examples" / "warehouse"
+ITEMS = ("cube_1", "cube_2", "crate_1", "crate_2", "rod_1")
 LEARNED = """\
 % Y is 100 mm wide, the gripper opens 80 mm
 impossible(holding(X,Y), holding(X,Y)) :- fluent(holding(X,Y)), is_a(Y,crate).
@@ -50,7 +51,7 @@ def learned(domain: Domain) -> Domain:
 
 
 def satisfies(task: Task, fluents: frozenset[Atom]) -> bool:
-    """Tell whether a state of a task is known to satisfy some fluents."""
+    """Return whether a state of a task is known to satisfy some fluents."""
     return any(all(state.get(fluent) is True for fluent in fluents) for state in (task.initial, *task.states))
 
 
@@ -64,63 +65,64 @@ def after(before: Domain) -> Domain:
     return learned(before)
 
 
+@pytest.fixture(scope="module")
+def proved(before: Domain) -> list[frozenset[Atom]]:
+    """The fluents that physics proves impossible together."""
+    proofs = prove_exclusions(before.facts, scene_of(before))
+    return [frozenset(fluents) for fluents, reason in proofs.items() if reason is not None]
+
+
 def test_proofs_become_readable_rules_with_their_reasons(before: Domain) -> None:
     header, _, body = learned_text(before).partition("\n\n")
     assert header.startswith("% ") and header.count("\n") == 1
     assert body == LEARNED
 
 
-def test_rules_state_the_proofs_and_nothing_else(before: Domain, after: Domain) -> None:
+def test_rules_state_the_proofs_and_nothing_else(after: Domain, proved: list[frozenset[Atom]]) -> None:
     expected = {(f"holding(panda,crate_{i})",) for i in (1, 2)}
     expected |= {(f"inside({item},tray_1)",) for item in ("crate_1", "crate_2", "rod_1")}
-    items = ("cube_1", "cube_2", "crate_1", "crate_2", "rod_1")
-    expected |= {(f"on_top({item},shelf_2)", f"reachable(panda,{item})") for item in items}
-    found = prove_exclusions(before.facts, scene_of(before))
-    assert {tuple(map(str, fluents)) for fluents, reason in found.items() if reason is not None} == expected
+    expected |= {(f"on_top({item},shelf_2)", f"reachable(panda,{item})") for item in ITEMS}
+    assert {tuple(sorted(map(str, fluents))) for fluents in proved} == expected
     # A crate that is never in the tray may be in a rule, but each pair is stated once.
     assert {tuple(sorted({*map(str, pair)})) for pair in after.learned} == expected
     assert len(after.learned) == len(expected)
 
 
-@pytest.mark.parametrize("engine", ["automaton", "clingo", "sat"])
-def test_exactly_the_plans_leave_of_which_a_state_satisfies_a_proof(before: Domain, after: Domain, engine: str) -> None:
-    found = [
-        frozenset(fluents) for fluents, reason in prove_exclusions(before.facts, scene_of(before)).items() if reason
-    ]
-    for length in range(4):
-        plans = TaskSpace(before, length).enumerate("plan")
-        tasks = list(TaskSpace(before, length).tasks_of_plans(plans))
-        kept = [task for task in tasks if not any(satisfies(task, fluents) for fluents in found)]
-        space = TaskSpace(after, length, engine=engine)
-        assert space.count("plan") == len(kept) < (len(tasks) if length else 2)
-        if engine == "automaton":
-            assert (
-                list(space.tasks_of_plans(space.enumerate("plan"))) == kept
-            )  # what is known of their states is as before
+@pytest.mark.parametrize("length", range(4))
+def test_exactly_the_plans_leave_of_which_a_state_satisfies_a_proof(
+    before: Domain, after: Domain, proved: list[frozenset[Atom]], length: int
+) -> None:
+    plain, space = TaskSpace(before, length), TaskSpace(after, length, engine="automaton")
+    tasks = list(plain.tasks_of_plans(plain.enumerate("plan")))
+    kept = [task for task in tasks if not any(satisfies(task, fluents) for fluents in proved)]
+    assert len(kept) < (len(tasks) if length else 2)
+    assert list(space.tasks_of_plans(space.enumerate("plan"))) == kept  # what is known of their states is as before
+    for engine in ("automaton", "clingo", "sat"):
+        assert TaskSpace(after, length, engine=engine).count("plan") == len(kept)
 
 
 def test_no_task_with_a_witness_leaves_and_the_pass_rate_rises(before: Domain, after: Domain, chance: Chance) -> None:
     scene, spaces = scene_of(before), (TaskSpace(before, 3), TaskSpace(after, 3))
     passed = []
     for space in spaces:
-        tasks = space.sample(60, seed=chance.seed(3), weights={})
+        tasks = space.sample(30, seed=chance.seed(3), weights={})
         verdicts = list(validate_tasks(tasks, scene, seed=chance.seed(3)))
         passed.append(sum(verdict.feasible for verdict in verdicts))
         for task, verdict in zip(tasks, verdicts, strict=True):
             assert (task not in spaces[1]) == (verdict.status == "infeasible")
             if verdict.feasible:
                 assert verdict.witness is not None
-                [told] = spaces[1].tasks_of_plans(iter([tuple(map(str, task.actions))]))
-                assert replace(task, log_probability=None) == told
-    assert passed[0] < 30 and passed[1] >= 57
+                [same] = spaces[1].tasks_of_plans(iter([tuple(map(str, task.actions))]))
+                assert replace(task, log_probability=None) == same
+    assert passed[0] < 15 and passed[1] >= 28
 
 
 def test_witnesses_of_tabletop_stand_with_everything_that_can_be_learned(chance: Chance) -> None:
     domain = load_domain("tabletop")
     scene, space = scene_of(domain), TaskSpace(learned(domain), 4)
-    tasks = TaskSpace(domain, 4).sample(25, seed=chance.seed(5), weights={})
+    tasks = TaskSpace(domain, 4).sample(12, seed=chance.seed(5), weights={})
     verdicts = list(validate_tasks(tasks, scene, seed=chance.seed(5)))
-    assert sum(verdict.feasible for verdict in verdicts) >= 23
+    assert sum(verdict.feasible for verdict in verdicts) >= 11
     for task, verdict in zip(tasks, verdicts, strict=True):
         if verdict.feasible:
             assert verdict.witness is not None and task in space
@@ -141,14 +143,12 @@ def test_what_is_impossible_excludes_what_is_known_and_tells_nothing(toy: Toy) -
     }
 
 
-def test_what_was_learned_for_another_scene_is_told(before: Domain, after: Domain) -> None:
-    assert list(unproved_exclusions(after, scene_of(before))) == []
+def test_exclusions_learned_for_another_scene_are_reported(before: Domain, after: Domain) -> None:
     scene = scene_of(before)
+    assert list(unproved_exclusions(after, scene)) == []
     nearer = replace(scene, fixed={**scene.fixed, "shelf_2": (0.6, 0.0, 0.0)})
-    assert {tuple(map(str, fluents)) for fluents in unproved_exclusions(after, nearer)} == {
-        (f"on_top({item},shelf_2)", f"reachable(panda,{item})")
-        for item in ("cube_1", "cube_2", "crate_1", "crate_2", "rod_1")
-    }
+    expected = {(f"on_top({item},shelf_2)", f"reachable(panda,{item})") for item in ITEMS}
+    assert {tuple(map(str, fluents)) for fluents in unproved_exclusions(after, nearer)} == expected
 
 
 def test_the_command_proposes_measures_and_writes(tmp_path: Path, after: Domain) -> None:
@@ -179,9 +179,12 @@ def test_the_command_proposes_measures_and_writes(tmp_path: Path, after: Domain)
 def test_an_action_that_is_ruled_out_is_explained(tmp_path: Path) -> None:
     folder = copytree(WAREHOUSE, tmp_path / "warehouse")
     (folder / "learned.lp").write_text(LEARNED)
-    told = run("explain", str(folder), "pick(panda,crate_1,table_1)")
-    assert told.returncode == 1
-    assert "holding(panda,crate_1) would have to be true, which is impossible together with what else is" in told.stdout
+    explained = run("explain", str(folder), "pick(panda,crate_1,table_1)")
+    assert explained.returncode == 1
+    assert (
+        "holding(panda,crate_1) would have to be true, which is impossible together with what else is"
+        in explained.stdout
+    )
 
 
 @pytest.mark.parametrize(
@@ -195,7 +198,7 @@ def test_an_action_that_is_ruled_out_is_explained(tmp_path: Path) -> None:
         ("impossible(F,F :- fluent(F).", 1, "unexpected"),
     ],
 )
-def test_a_malformed_file_is_told_in_one_line(tmp_path: Path, text: str, line: int, problem: str) -> None:
+def test_a_malformed_file_is_refused_in_one_line(tmp_path: Path, text: str, line: int, problem: str) -> None:
     folder = copytree(WAREHOUSE, tmp_path / "warehouse")
     (folder / "learned.lp").write_text(text)
     with pytest.raises(DomainError) as caught:

@@ -35,11 +35,7 @@ def known(scene: Scene, *fluents: str) -> tuple[Fact, ...]:
         ("holding(left_arm,cube_1)", "cube 1 is held by the gripper", "cube 1 is held by the left arm gripper"),
         ("at(left_arm,cube_1)", "the gripper is at cube 1", "the left arm gripper is at cube 1"),
         ("gripper_open(right_arm)", "the gripper is open", "the right arm gripper is open"),
-        (
-            "reachable(right_arm,cube_1)",
-            "cube 1 is within reach",
-            "cube 1 is within reach of the right arm gripper",
-        ),
+        ("reachable(right_arm,cube_1)", "cube 1 is within reach", "cube 1 is within reach of the right arm gripper"),
     ],
 )
 def test_a_sentence_says_which_gripper_it_means_where_there_are_several(fluent: str, one: str, several: str) -> None:
@@ -58,10 +54,7 @@ def test_a_sentence_says_which_gripper_it_means_where_there_are_several(fluent: 
             ("holding(left_arm,cube_1)", "holding(left_arm,cube_2)"),
             "the {}gripper cannot hold cube 1 and cube 2 at once",
         ),
-        (
-            ("holding(left_arm,cube_1)", "gripper_open(left_arm)"),
-            "the {}gripper cannot be open while it holds cube 1",
-        ),
+        (("holding(left_arm,cube_1)", "gripper_open(left_arm)"), "the {}gripper cannot be open while it holds cube 1"),
         (("inside(cube_1,cube_2)",), "cube 2 is not a container, so cube 1 cannot be in it"),
         (("inside(big_box,my_tray)",), "big box is larger than the cavity of my tray"),
         (("on_top(cube_1,red_ball)",), "nothing rests on red ball, which is a ball"),
@@ -88,6 +81,6 @@ def test_variables_replace_whole_names_in_a_reason() -> None:
     assert _in_variables(reason, ()) == reason
 
 
-def test_one_of_something_is_told_in_the_singular() -> None:
+def test_one_of_something_is_singular() -> None:
     assert [plural(number, "task") for number in (0, 1, 2)] == ["0 tasks", "1 task", "2 tasks"]
     assert [plural(number, "entity", "entities") for number in (1, 3)] == ["1 entity", "3 entities"]

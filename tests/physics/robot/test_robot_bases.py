@@ -31,12 +31,9 @@ def test_a_fixed_body_stands_on_a_base_where_the_simulator_says_that_the_two_col
     scene = Scene({"arm": Shape("robot"), "cube": CUBE}, robots={"arm": mount})
     touching = deep = 0
     with open_simulator(scene) as simulator:
-        for _ in range(chance.examples(500)):
-            x, y, yaw = (
-                mount.x + rng.uniform(-0.3, 0.3),
-                mount.y + rng.uniform(-0.3, 0.3),
-                rng.uniform(-math.pi, math.pi),
-            )
+        for _ in range(chance.examples(150)):
+            dx, dy, yaw = rng.uniform(-0.2, 0.2), rng.uniform(-0.2, 0.2), rng.uniform(-math.pi, math.pi)
+            x, y = mount.x + dx, mount.y + dy
             simulator.place({"cube": Pose((x, y, 0.025), yaw_quaternion(yaw))})
             points = pybullet.getClosestPoints(
                 simulator.arms["arm"].body, simulator.body("cube"), 0.0, BASE, physicsClientId=simulator.client
@@ -48,7 +45,7 @@ def test_a_fixed_body_stands_on_a_base_where_the_simulator_says_that_the_two_col
             assert not refused or depth > 0.0015
             assert refused or depth < 0.015
             touching, deep = touching + bool(refused), deep + (depth > 0.015)
-    assert touching > 50 and deep > 30
+    assert touching > 40 and deep > 25
 
 
 def test_a_zone_may_lie_where_a_robot_stands() -> None:

@@ -1,3 +1,5 @@
+"""Room for objects that are placed later, beside others or between them."""
+
 from __future__ import annotations
 
 import random
@@ -6,6 +8,7 @@ from itertools import permutations
 import numpy as np
 import pytest
 
+from prag_asp.physics import Budget
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.predicates.beside import GAP, MARGIN, SIDES
 from prag_asp.physics.search.attempt import Failure, Search
@@ -29,6 +32,22 @@ SHAPES = {
     "brick_2": Shape("box", (0.06, 0.12, 0.04)),
     "can_1": Shape("cylinder", (0.066, 0.066, 0.10)),
 }
+
+
+ROW = task(
+    state("inside(can_1,tray_1)", "inside(cube_2,tray_1)"),
+    ("pick(panda,can_1,tray_1)", state("holding(panda,can_1)", "-inside(can_1,tray_1)")),
+    (
+        "place(panda,can_1,behind,tray_1)",
+        state("-holding(panda,can_1)", "on_top(can_1,table_1)", "behind(can_1,tray_1)"),
+    ),
+    ("pick(panda,cube_2,tray_1)", state("holding(panda,cube_2)", "-inside(cube_2,tray_1)")),
+    (
+        "place(panda,cube_2,behind,can_1)",
+        state("-holding(panda,cube_2)", "on_top(cube_2,table_1)", "behind(cube_2,can_1)"),
+    ),
+    forget=("on_top(can_1,table_1)",),
+)
 
 
 def _situation(rng: random.Random, frame: str) -> Situation:
@@ -115,3 +134,17 @@ def test_an_object_between_two_large_ones_always_finds_room(chance):
                     spawned += 1
                     break
             assert spawned == 60
+
+
+def test_an_object_leaves_room_for_what_is_put_beside_it_later(tabletop):
+    ample, enough = foresee(physical_task(ROW, tabletop), tabletop)[2, "can_1"]
+    low = tabletop.workspace[0]
+    assert ample.low[0] > enough.low[0] > low + 0.025  # behind is nearer to the robot for a viewer
+    assert enough.high == (float("inf"),) * 3
+    # What nothing is put beside is free.
+    assert (4, "cube_2") not in foresee(physical_task(ROW, tabletop), tabletop)
+
+
+def test_a_row_that_just_fits_is_found_at_once(tabletop_validator):
+    verdicts = [tabletop_validator.validate(ROW, seed=seed, budget=Budget(3, 10)) for seed in range(10)]
+    assert sum(verdict.feasible for verdict in verdicts) >= 9
