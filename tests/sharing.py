@@ -12,10 +12,9 @@ from functools import lru_cache
 
 import pytest
 
-from prag_asp.checking import check
 from prag_asp.dataset.pages import strips
 from prag_asp.domain import load
-from prag_asp.lint import Checked
+from prag_asp.lint import Checked, check
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.program.paths import data_folder
 from prag_asp.program.sources import Program, Source

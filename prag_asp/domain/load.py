@@ -1,24 +1,28 @@
-"""Load a domain: find, read and check its files."""
+"""Load a domain: find, read and check its files.
+
+It is given as a shipped name, a folder, files, standard input, or a text from a program.
+"""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import clingo
 
-from prag_asp.checking import check
-from prag_asp.domain.domain_source import find_domain
-from prag_asp.domain.rules import rule_sources
+from prag_asp.atom import parse_atom
 from prag_asp.errors import DomainError, SceneError
-from prag_asp.lint import check_learned
+from prag_asp.lint import check, check_learned
+from prag_asp.lint.allowed_warnings import allowed_names, not_allowed
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.constants import Constant, parse_constants, set_constants
 from prag_asp.program.facts import Facts, flattened
-from prag_asp.program.paths import data_folder
+from prag_asp.program.parse import parse_sources
+from prag_asp.program.paths import PDDL, data_folder, domain_folder, is_file_name, rule_names
 from prag_asp.program.problem import Problem, first_of_each, raise_problems
 from prag_asp.program.settings import Settings
 from prag_asp.program.sources import (
@@ -30,8 +34,12 @@ from prag_asp.program.sources import (
     each_once,
     read_sources,
     read_text,
+    standard_input,
+    text_source,
 )
 from prag_asp.reduction.reduction import Reduction, find_reduction
+from prag_asp.safe_reading import STANDARD_INPUT, is_inside, read_bytes
+from prag_asp.wording import did_you_mean
 
 if TYPE_CHECKING:
     from prag_asp.scene.scene import Scene
@@ -41,6 +49,11 @@ LEARNED = "learned.lp"
 
 NO_SETTINGS = Path("<no domain.toml>")
 """The pseudo-path of the settings of a domain without a folder."""
+
+MESH = re.compile(rb"""filename\s*=\s*["']([^"']+)["']""")
+"""The file names of the meshes in a URDF."""
+
+BOTH = "give a domain, then its problem: DOMAIN.pddl PROBLEM.pddl"
 
 
 @dataclass(frozen=True)
@@ -104,21 +117,29 @@ def load_domain(
         DomainError: something is wrong with the files; the message has one line for each problem.
     """
     stage("reading the domain")
-    name, folder, entries = find_domain(given, text)
+    name, folder, entries = _find_domain(given, text)
     values = parse_constants(constants or {})
     encodings = Path(encodings) if encodings is not None else data_folder("encodings")
     core = core_sources(encodings)
     own = each_once(each for entry in entries for each in read_sources(entry, encodings, own=folder))
     own = set_constants(own, values, name) if values else own
-    selected = tuple(each for rule in rules for each in rule_sources(rule, encodings))
+    selected = tuple(each for rule in rules for each in _rule_sources(rule, encodings))
     core_paths = {each.path.resolve() for each in core}
     added = (*asked_sources(own, encodings), *own, *selected)
     extra = tuple(each for each in added if each.path.resolve() not in core_paths)
     program = Program((*core, *each_once(extra)))
-    path = folder / LEARNED if learned and folder and settings is None else None
-    path = path if path is not None and os.path.lexists(path) else None
-    table_file = _settings(settings, folder)
-    outcome = None if path else find_reduction(program, table_file)
+    table_file = Source(NO_SETTINGS, "")
+    if settings is not None:
+        if not os.path.lexists(settings):
+            raise DomainError(f"{settings}: no such file of settings; give one written like a domain.toml")
+        table_file = Source(Path(settings), read_text(Path(settings)))
+    elif folder is not None:
+        path = folder / "domain.toml"
+        table_file = Source(path, read_text(path, folder) if os.path.lexists(path) else "")
+    learned_path = folder / LEARNED if learned and folder and settings is None else None
+    if learned_path and not os.path.lexists(learned_path):
+        learned_path = None
+    outcome = None if learned_path else find_reduction(program, table_file)
     reduction, irreducible = (outcome, "") if isinstance(outcome, Reduction) else (None, outcome or "")
     checked = reduction.checked if reduction else check(program, table_file)
     if strict:
@@ -132,23 +153,76 @@ def load_domain(
         name, folder, encodings, program, facts, checked.settings, trust,
         constants=values, warnings=checked.warnings, reduction=reduction, irreducible=irreducible,
     )  # fmt: skip
-    return with_learned(domain, read_sources(path, encodings, own=folder)) if path else domain
+    return with_learned(domain, read_sources(learned_path, encodings, own=folder)) if learned_path else domain
 
 
-def _settings(settings: str | Path | None, folder: Path | None) -> Source:
-    """Return the file of settings, empty if the domain has none.
+def _find_domain(
+    names: Sequence[str | Path | Source], text: str | None
+) -> tuple[str, Path | None, list[Path | Source]]:
+    """Return the name of a domain, its folder if it has one, and its files and texts in order.
+
+    The arguments are one name or folder, or any number of files and at most one text.
 
     Raises:
-        DomainError: the user named a file that does not exist, or the file cannot be read.
+        DomainError: there is no such domain, the arguments are of several kinds, or files of PDDL cannot be imported.
     """
-    if settings is not None:
-        if not os.path.lexists(settings):
-            raise DomainError(f"{settings}: no such file of settings; give one written like a domain.toml")
-        return Source(Path(settings), read_text(Path(settings)))
-    if folder is None:
-        return Source(NO_SETTINGS, "")
-    path = folder / "domain.toml"
-    return Source(path, read_text(path, folder) if os.path.lexists(path) else "")
+    files = list(dict.fromkeys([*names, *([] if text is None else [text_source("text", text)])]))
+    if not files:
+        raise DomainError("no domain; give a shipped name, a folder, files that end in .lp, two of PDDL, or a text")
+    named = [str(each) for each in names if not isinstance(each, Source) and not is_file_name(each)]
+    if named and len(files) > 1:
+        listing = " ".join(str(each.path if isinstance(each, Source) else each) for each in files)
+        if any(Path(each).suffix == PDDL for each in names if not isinstance(each, Source)):
+            raise DomainError(f"{listing}: {named[0]} is no file that ends in .pddl; {BOTH}")
+        raise DomainError(f"{listing}: {named[0]} is no file that ends in .lp; give one name or folder, or files alone")
+    if named:
+        folder = domain_folder(named[0])
+        return folder.resolve().name, folder, [folder / "domain.lp"]
+    planning = [each for each in files if not isinstance(each, Source) and Path(each).suffix == PDDL]
+    entries = [
+        each if isinstance(each, Source) else standard_input() if str(each) == STANDARD_INPUT else Path(each)
+        for each in files
+        if each not in planning
+    ]
+    if planning:
+        if len(planning) != 2:
+            problem = "one file" if len(planning) == 1 else f"{len(planning)} files"
+            raise DomainError(f"{' '.join(map(str, planning))}: {problem} of PDDL; {BOTH}")
+        from prag_asp.pddl import read
+
+        imported = read(*map(str, planning))
+        return imported.name, None, [*imported.sources, *entries]
+    first = entries[0].path if isinstance(entries[0], Source) else entries[0]
+    return first.stem.strip("<>"), None, entries
+
+
+def _rule_sources(rule: str, encodings: Path) -> tuple[Source, ...]:
+    """Return the files of a rule; a rule with arguments is also stated as a fact, in an additional source.
+
+    Raises:
+        DomainError: there is no such rule, or it takes another number of arguments.
+    """
+    atom = parse_atom(rule)
+    folder = encodings / "rules"
+    names = rule_names(encodings)
+    if atom.name not in names:
+        otherwise = f"there are {', '.join(names) or 'none'} in {folder}"
+        raise DomainError(f"{rule}: no such rule; {did_you_mean(atom.name, names, otherwise)}")
+    sources = read_sources(folder / f"{atom.name}.lp", encodings)
+    if not atom.arguments:
+        return sources
+    statements, _ = parse_sources((source, False) for source in sources)
+    read = (each for statement in statements for each in statement.body if each.name == atom.name)
+    counts_taken = {len(each.arguments) for each in read}
+    if len(atom.arguments) not in counts_taken:
+        if not counts_taken:
+            raise DomainError(f"{rule}: the rule {atom.name} takes no arguments; write {atom.name}")
+        counts = " or ".join(map(str, sorted(counts_taken)))
+        raise DomainError(
+            f"{rule}: the rule {atom.name} takes {counts} arguments, not {len(atom.arguments)}; "
+            f"see the head of {folder / atom.name}.lp"
+        )
+    return (*sources, Source(Path(f"rule {atom}"), f"{atom}."))
 
 
 def load_scene(domain: Domain) -> Scene:
@@ -160,14 +234,36 @@ def load_scene(domain: Domain) -> Scene:
     if not domain.settings.scene:
         if domain.settings.path == NO_SETTINGS:
             problem = f"{domain.name}: files have no [scene] of their own; give settings"
-            raise SceneError(f"{problem} (--settings FILE), or draw with --no-physics")
-        raise SceneError(f"{domain.settings.path}:1: {domain.name} has no [scene]; add one, or draw with --no-physics")
+            raise SceneError(f"{problem} (--settings FILE), or use --no-physics")
+        raise SceneError(f"{domain.settings.path}:1: {domain.name} has no [scene]; add one, or use --no-physics")
     facts = domain.facts
     from prag_asp.scene.scene_loader import parse_scene
 
     stage("reading the scene")
     folder, trust = domain.settings.path.parent, domain.trusted
     return parse_scene(domain.settings.scene, facts.class_names, facts.entity_names, folder=folder, trust=trust)
+
+
+def scene_files(table: object, folder: Path) -> Iterator[Path]:
+    """Yield the files that the table of a scene names, and the meshes of the URDF files among them."""
+    for text in sorted(set(_texts(table))):
+        path = folder / text
+        if len(text) < 256 and "\0" not in text and is_inside(path, folder) and path.is_file():
+            yield path
+            if path.suffix.lower() == ".urdf":
+                meshes = (path.parent / name.decode(errors="replace") for name in MESH.findall(read_bytes(path)))
+                yield from (mesh for mesh in meshes if is_inside(mesh, folder) and mesh.is_file())
+
+
+def _texts(value: Any) -> Iterator[str]:
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, Mapping):
+        for each in value.values():
+            yield from _texts(each)
+    elif isinstance(value, Sequence):
+        for each in value:
+            yield from _texts(each)
 
 
 def with_learned(domain: Domain, sources: tuple[Source, ...]) -> Domain:
@@ -187,3 +283,8 @@ def with_learned(domain: Domain, sources: tuple[Source, ...]) -> Domain:
         reduction=None,
         learned=tuple(added.values()),
     )
+
+
+def shown_warnings(warnings: Iterable[Problem], settings: Settings) -> Iterator[Problem]:
+    """Yield the warnings that no comment of a domain.toml allows."""
+    return not_allowed(warnings, allowed_names((), settings))

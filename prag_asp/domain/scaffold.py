@@ -18,7 +18,7 @@ LOGIC = """\
 %       prag-asp count {name} --length 4
 %       prag-asp sample {name} --length 4 --count 5 --seed 1
 
-% What there is: classes with their parents, and entities with their class ---------------------------------
+% Classes and entities -------------------------------------------------------------------------------------
 
 class(robot).
 class(table).
@@ -30,24 +30,30 @@ entity(table_1, table).
 entity((cube_1; cube_2), cube).
 entity(tray_1, tray).
 
-% What can change: fluents. Physics knows these four by their names ----------------------------------------
+% Fluents --------------------------------------------------------------------------------------------------
 
+% Physics gives these four a meaning by their names.
 fluent(holding(R,O))   :- is_a(R,robot), is_a(O,cube).
 fluent(reachable(R,O)) :- is_a(R,robot), is_a(O,cube).
 fluent(on_top(O,T))    :- is_a(O,cube), is_a(T,table).
 fluent(inside(O,T))    :- is_a(O,cube), is_a(T,tray).
 
-% What is so in every state: a cube is at one place, and a hand holds one cube.
+% Invariants: a cube is at one place, and a hand holds one cube.
 place(on_top(O,T), O, T) :- fluent(on_top(O,T)).
 place(inside(O,T), O, T) :- fluent(inside(O,T)).
 exclusive(F, G)                       :- place(F,O,_), place(G,O,_), F < G.
 exclusive(F, holding(R,O))            :- place(F,O,_), fluent(holding(R,O)).
 exclusive(holding(R,O), holding(R,P)) :- fluent(holding(R,O)), fluent(holding(R,P)), O < P.
 
-% How it begins. What is left out is unknown: it becomes whatever the first actions need.
-initially(holding(R,O), false)        :- fluent(holding(R,O)).
+% Initial state and goal -----------------------------------------------------------------------------------
 
-% What can be done: actions, with what each one needs and what it brings about -----------------------------
+% Fluents without an initial value are open: they take the values that the first actions need.
+initially(holding(R,O), false) :- fluent(holding(R,O)).
+
+% A goal is optional: plans that do not reach it are not counted.
+% goal(inside(cube_1,tray_1), true).
+
+% Actions --------------------------------------------------------------------------------------------------
 
 % pick(R,O,T): robot R takes cube O from T.
 action(pick(R,O,T))                             :- is_a(R,robot), place(_,O,T).
@@ -64,8 +70,9 @@ postcondition(put(R,O,T), holding(R,O), false)  :- action(put(R,O,T)).
 postcondition(put(R,O,T), F, true)              :- action(put(R,O,T)), place(F,O,T).
 postcondition(put(R,O,T), reachable(R,O), true) :- action(put(R,O,T)).
 
-% Rules over time, if you need them: t is the step, t-1 the one before. This one forbids to pick a cube up
-% right after it was put down.
+% Rules of a step --------------------------------------------------------------------------------------------
+
+% The step is t, and the step before it is t-1. This rule forbids to pick a cube up right after it was put down.
 #program step(t).
 :- occurs(put(R,O,T),t-1), occurs(pick(R,O,T),t).
 """
@@ -74,16 +81,16 @@ SETTINGS = """\
 title = "{name}"
 description = "A panda puts two cubes onto a table and into a tray."
 
-[weights]               # how much more often than 1 something is drawn: actions, pairs, classes, entities
+[weights]               # for sampling: of actions, pairs of actions, classes and entities; the default is 1
 put = 1
 "put>pick" = 1
 cube_1 = 1
 
-[language]              # sentences; {{0}}, {{1}}, ... are the arguments
+[language]              # sentences of actions; {{0}}, {{1}}, ... are the arguments
 pick = "pick {{1}} from {{2}}"
 put = "put {{1}} to {{2}}"
 
-[scene]                 # without this table, physics is left out
+[scene]                 # for physics; without this table, tasks are not simulated
 robot = "panda"
 workspace = {{ x = [0.30, 0.70], y = [-0.45, 0.45] }}
 

@@ -81,8 +81,7 @@ def _check_texts(words: TableEntry, table: Mapping[str, Any]) -> None:
             if not _is_like(value, like) or (key == "exact" and len(value) != 2):
                 entry.add("has to be of the same kind as in the table of English; fix it")
                 continue
-            texts = value if isinstance(value, list) else [value]
-            for number, text in enumerate(texts):
+            for number, text in enumerate(value if isinstance(value, list) else [value]):
                 needed = (*names, "facts") if key == "exact" and number else names
                 if _braces(text) != needed:
                     braces = ", ".join(f"{{{name}}}" for name in needed) or "no braces"
@@ -108,16 +107,12 @@ def _check_agreement(entry: TableEntry, words: Words) -> None:
         english = shipped_table("en")[kind]
         needed = {forms[gender][case] for gender in words.genders for case in words.cases} if inflected else set()
         for name, form in names.items():
+            forms_of_name = [form.get(each) for each in needed] if isinstance(form, Mapping) else [form]
             place = entry.at(kind).at(name)
             if name not in english:
                 place.add(f"no {kind} have that name; {did_you_mean(name, english)}")
-            whole = isinstance(form, str) or (isinstance(form, Mapping) and all(_has(form, each) for each in needed))
-            if not whole or not form:
+            if not form or not all(isinstance(each, str) and each for each in forms_of_name):
                 place.add(f"lacks a form; write a text, or one for each of {listed(needed) or 'the forms'}")
-
-
-def _has(forms: Mapping[str, Any], name: str) -> bool:
-    return isinstance(forms.get(name), str) and bool(forms[name])
 
 
 def _braces(text: str) -> tuple[str, ...] | None:

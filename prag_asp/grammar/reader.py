@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import Any
 
 from prag_asp.errors import QueryError
@@ -91,32 +90,17 @@ class GrammarReader:
             self.words, self.actions(), self.plain(), self.facts(), self.spare(), self.nouns(), self.values()
         )
 
-    @cached_property
-    def action_arguments(self) -> Mapping[Signature, list[set[str]]]:
-        """The arguments at each place of the actions with a signature."""
-        return _arguments(self.states.declared_actions)
-
-    @cached_property
-    def fluent_arguments(self) -> Mapping[Signature, list[set[str]]]:
-        """The arguments at each place of the fluents with a signature."""
-        return _arguments(self.states.fluents)
-
     def actions(self) -> dict[Signature, tuple[Template, ...]]:
         """Return the sentences of each action, from the language's table or (in English) directly under [language]."""
         table, sentences = self._table("actions"), {}
-        for name, arity in self.action_arguments:
-            texts = listed(table.get(name)) or (self._short(name) if self.code == FIRST else ())
+        articles = self.words.articles | {"a", "an"}
+        for name, arity in self.states.action_arguments:
+            texts = listed(table.get(name))
+            if not texts and self.code == FIRST:  # a noun phrase brings its own article
+                short = listed(self.settings.grammar.get(name))
+                texts = tuple(text for text in short if not any(f"{article} {{" in text for article in articles))
             sentences[name, arity] = tuple(self.templates(texts, arity))
         return sentences
-
-    def _short(self, name: str) -> tuple[str, ...]:
-        """Return the sentences directly under [language] without an article before a slot."""
-        texts = listed(self.settings.grammar.get(name))
-        return tuple(text for text in texts if not any(f"{article} {{" in text for article in self._articles))
-
-    @cached_property
-    def _articles(self) -> frozenset[str]:
-        return self.words.articles | {"a", "an"}
 
     def plain(self) -> dict[Signature, Template]:
         """Return default sentences of actions from their name and arguments, without constant arguments."""
@@ -124,7 +108,7 @@ class GrammarReader:
         if "action" not in defaults:
             return {}
         sentences, ways = {}, self._ways() if "from" in defaults and "to" in defaults else {}
-        for (name, arity), places in self.action_arguments.items():
+        for (name, arity), places in self.states.action_arguments.items():
             named = [index for index, arguments in enumerate(places) if len(arguments) > 1]
             led = {index: way for index, way in ways.get((name, arity), {}).items() if index in named[1:]}
             every = _joined([f"{{{index}}}" for index in named if index not in led], defaults["all"])
@@ -139,8 +123,10 @@ class GrammarReader:
         Each action of the signature makes a binary fluent false, or true, whose second argument this is and whose first
         argument is an earlier argument of the action and no robot.
         """
+        shapes = _below(self.settings.scene, "shapes")
+        kinds = {name for name, shape in shapes.items() if isinstance(shape, Mapping) and shape.get("kind") == "robot"}
+        robots = kinds | {str(entity) for entity, name in self.states.memberships if str(name) in kinds}
         directions: dict[Signature, dict[int, str]] = {}
-        robots = self._robots()
         for action in self.states.declared_actions:
             signature = action.name, len(action.arguments)
             arguments = list(map(str, action.arguments))
@@ -155,37 +141,31 @@ class GrammarReader:
             directions[signature] = {index: way for index, way in both.items() if here.get(index) == way}
         return directions
 
-    def _robots(self) -> frozenset[str]:
-        """Return the entities and classes that are robots in the scene."""
-        shapes = _below(self.settings.scene, "shapes")
-        kinds = {name for name, shape in shapes.items() if isinstance(shape, Mapping) and shape.get("kind") == "robot"}
-        members = {str(entity) for entity, name in self.states.memberships if str(name) in kinds}
-        return frozenset(members | kinds)
-
     def facts(self) -> dict[Signature, FactForms]:
         """Return the sentences of each fluent: from the language's table, its spatial predicate, or its name."""
-        table = self._table("facts")
-        return {
-            (name, arity): self.forms(table.get(name) or self._meant(name, arity), arity)
-            for name, arity in self.fluent_arguments
-        }
-
-    def _meant(self, name: str, arity: int) -> Mapping[str, Any]:
-        """Return the forms of a fluent that is not in the domain's table."""
         from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - counting needs no instructions
 
-        scene = self.settings.scene
-        own = _below(_below(scene, "own"), name)
-        if "sentence" in own and self.code == FIRST:
-            return {"is": own["sentence"]}
-        meaning = _below(scene, "predicates").get(name, name)
-        if meaning in PREDICATE_ROLES and len(PREDICATE_ROLES[meaning]) == arity:
-            return dict(_below(_below(self.words.table, "facts"), meaning))
-        return self._default(name, arity)
+        table, scene = self._table("facts"), self.settings.scene
+        forms = {}
+        for name, arity in self.states.fluent_arguments:
+            own = _below(_below(scene, "own"), name)
+            meaning = _below(scene, "predicates").get(name, name)
+            if table.get(name):
+                entry = table[name]
+            elif "sentence" in own and self.code == FIRST:
+                entry = own["sentence"]
+            elif meaning in PREDICATE_ROLES and len(PREDICATE_ROLES[meaning]) == arity:
+                entry = _below(_below(self.words.table, "facts"), meaning)
+            else:
+                entry = self._default(name, arity)
+            forms[name, arity] = self.forms(entry, arity)
+        return forms
 
     def spare(self) -> dict[Signature, FactForms]:
         """Return the default sentences of each fluent, from its name."""
-        return {(name, arity): self.forms(self._default(name, arity), arity) for name, arity in self.fluent_arguments}
+        return {
+            (name, arity): self.forms(self._default(name, arity), arity) for name, arity in self.states.fluent_arguments
+        }
 
     def _default(self, name: str, arity: int) -> Mapping[str, Any]:
         """Return the default forms of a fluent: its name and its arguments.
@@ -202,41 +182,32 @@ class GrammarReader:
         table = entry if isinstance(entry, Mapping) else {"is": entry}
         true = listed(table.get("is"))
         false = listed(table.get("not"))
+        modifiers = []
+        for template in self.templates(listed(table.get("where")), arity):
+            missing = [index for index in range(arity) if index not in template.arguments]
+            if table.get("of") in missing:
+                modifiers.append(Where(template, int(str(table["of"]))))
+            elif len(missing) == 1:
+                modifiers.append(Where(template, missing[0]))
         return FactForms(
             tuple(self.templates(true, arity)),
             tuple(self.templates(false, arity) if false else self.templates(filter(agrees, true), arity, "is_not")),
-            tuple(self._where(listed(table.get("where")), arity, table.get("of"))),
+            tuple(modifiers),
             table.get("silent") is True,
         )
-
-    def _where(self, texts: Sequence[str], arity: int, subject: object) -> Iterator[Where]:
-        for template in self.templates(texts, arity):
-            missing = [index for index in range(arity) if index not in template.arguments]
-            if subject in missing:
-                yield Where(template, int(str(subject)))
-            elif len(missing) == 1:
-                yield Where(template, missing[0])
 
     def templates(self, texts: Sequence[str] | Iterator[str], arity: int, verb: str = "is") -> Iterator[Template]:
         """Yield the templates of texts; a text with a word that agrees yields one for each form."""
         for phrasing, text in enumerate(map(self.words.expanded, texts)):
-            for genders, form in self._verbs(text, verb):
+            forms: dict[str, set[str]] = {}
+            for gender in self.words.genders if agrees(text) else ():
+                forms.setdefault(self.words.agreeing(verb, gender), set()).add(gender)
+            for form, genders in forms.items() or [("", set[str]())]:
                 try:
-                    template = parse_template(text, self.words.cases, arity, {"is": form}, genders)
+                    template = parse_template(text, self.words.cases, arity, {"is": form}, frozenset(genders))
                 except QueryError:
                     continue
                 yield replace(template, phrasing=phrasing)
-
-    def _verbs(self, text: str, verb: str) -> Iterator[tuple[frozenset[str], str]]:
-        """Yield the forms of a verb with their genders."""
-        if not agrees(text):
-            yield frozenset(), ""
-            return
-        forms: dict[str, set[str]] = {}
-        for gender in self.words.genders:
-            forms.setdefault(self.words.agreeing(verb, gender), set()).add(gender)
-        for form, genders in forms.items():
-            yield frozenset(genders), form
 
     def nouns(self) -> dict[str, Noun]:
         """Return the noun of each class, and of entities with a separate noun."""
@@ -267,7 +238,9 @@ class GrammarReader:
         table = self._table("actions")
         if "action" not in _below(self.words.table, "defaults"):
             yield from (
-                ("actions", name) for name in dict.fromkeys(n for n, _ in self.action_arguments) if name not in table
+                ("actions", name)
+                for name in dict.fromkeys(n for n, _ in self.states.action_arguments)
+                if name not in table
             )
         nouns = self.nouns()
         for entity, name in self.states.entity_names.items():
@@ -310,13 +283,3 @@ def _below(table: object, key: str) -> Mapping[str, Any]:
     """Return the subtable with a key, empty if there is none."""
     value = table.get(key) if isinstance(table, Mapping) else None
     return value if isinstance(value, Mapping) else {}
-
-
-def _arguments(terms: Any) -> dict[Signature, list[set[str]]]:
-    by_signature: dict[Signature, list[set[str]]] = {}
-    for term in terms:
-        arguments = term.arguments
-        places = by_signature.setdefault((term.name, len(arguments)), [set() for _ in arguments])
-        for place, argument in zip(places, arguments, strict=True):
-            place.add(str(argument))
-    return by_signature

@@ -82,8 +82,15 @@ def parse_template(
     Raises:
         QueryError: its braces are wrong; the message has the problem and the remedy.
     """
+    unmatched = QueryError("has braces that do not match; write each as {0} or {0:case}")
+    try:
+        fields = list(Formatter().parse(text))
+    except ValueError:
+        raise unmatched from None
     texts, slots = [""], list[Slot]()
-    for literal, name, case in _fields(text):
+    for literal, name, case, conversion in fields:
+        if conversion is not None or "{" in (case or ""):
+            raise unmatched
         texts[-1] += literal
         if name is None:
             continue
@@ -95,29 +102,13 @@ def parse_template(
             raise QueryError(f"has braces that name no argument; use {places}")
         if case and case not in cases:
             raise QueryError(f"has {{{name}:{case}}}, which is no case; cases are {', '.join(cases)}")
-        slots.append(Slot(int(name), case))
+        slots.append(Slot(int(name), case or ""))
         texts.append("")
     if any(not text_between for text_between in texts[1:-1]):
         raise QueryError("has two places side by side; write a word or a blank between them")
     if not slots and not texts[0].strip():
         raise QueryError("is empty; write a sentence")
     return Template(tuple(texts), tuple(slots), genders)
-
-
-def _fields(text: str) -> Iterator[tuple[str, str | None, str]]:
-    """Yield each text of a template with the name and the case in the braces after it.
-
-    Raises:
-        QueryError: the braces do not match.
-    """
-    try:
-        parsed = list(Formatter().parse(text))
-    except ValueError:
-        raise QueryError("has braces that do not match; write each as {0} or {0:case}") from None
-    for literal, name, case, conversion in parsed:
-        if conversion is not None or "{" in (case or ""):
-            raise QueryError("has braces that do not match; write each as {0} or {0:case}")
-        yield literal, name, case or ""
 
 
 def agrees(text: str) -> bool:

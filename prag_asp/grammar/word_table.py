@@ -158,16 +158,11 @@ def _expanded(value: Any, words: Words) -> Any:
 
 
 def _replaced(text: str, words: Mapping[str, str]) -> str:
-    """Return a text with some whole words replaced."""
+    """Return a text with some whole words replaced, the longest first."""
     if not words or not text:
         return text
-    return _pattern(tuple(words)).sub(lambda match: words[match[0]], text)
-
-
-@lru_cache(maxsize=64)
-def _pattern(words: tuple[str, ...]) -> re.Pattern[str]:
-    """Return a pattern that matches some whole words, the longest first."""
-    return re.compile(rf"\b(?:{'|'.join(map(re.escape, sorted(words, key=len, reverse=True)))})\b")
+    longest_first = sorted(words, key=len, reverse=True)
+    return re.sub(rf"\b(?:{'|'.join(map(re.escape, longest_first))})\b", lambda match: words[match[0]], text)
 
 
 OPTIONAL = frozenset(["name", "defaults", "facts", "sizes", "places", "colors", "forms"])

@@ -9,6 +9,6 @@ A stage runs only if the stages before found no errors, so one mistake is report
 has no meaning, or that a count could be wrong. Everything else that looks wrong is a warning, which stops nothing.
 """
 
-from prag_asp.lint.stages import Checked, check_learned, check_pruned, check_stated, with_entities
+from prag_asp.lint.stages import Checked, check, check_learned, with_entities
 
-__all__ = ["Checked", "check_learned", "check_pruned", "check_stated", "with_entities"]
+__all__ = ["Checked", "check", "check_learned", "with_entities"]

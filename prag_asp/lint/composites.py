@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import clingo
@@ -32,7 +32,13 @@ def composite_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
     """Yield the problems of composites, stages and free actions; each check requires that those before pass."""
     undeclared = list(_undeclared(facts, origins))
     yield from undeclared
-    yield from _needless(facts, origins)
+    if facts.free and not facts.composites:
+        text = "without composites, every action is free; declare a composite, or remove free(...)"
+        yield Problem(*origins.place("free", facts.free[0]), text, "no-effect")
+    words = "is a composite, which is free anyway"
+    both = (each for each in facts.composites if each in facts.free)
+    complaints = (Complaint(each, origins.place("free", each), words, f"remove free({each})") for each in both)
+    yield from grouped(complaints, "no-effect")
     misplaced = [] if undeclared else list(grouped(_misplaced(facts, origins)))
     yield from misplaced
     if undeclared or misplaced:
@@ -44,13 +50,8 @@ def composite_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
         yield Problem(*place, f"composites form a cycle, {' > '.join(map(str, cycle))}; remove one of these stages")
         return
     yield from grouped(
-        Complaint(
-            composite,
-            origins.place("composite", composite),
-            f"has {size} actions, more than {MOST_ACTIONS}",
-            "split it",
-        )
-        for composite, size in composite_sizes(facts).items()
+        Complaint(each, origins.place("composite", each), f"has {size} actions, more than {MOST_ACTIONS}", "split it")
+        for each, size in composite_sizes(facts).items()
         if size > MOST_ACTIONS
     )
 
@@ -82,17 +83,6 @@ def _undeclared(facts: Facts, origins: Origins) -> Iterator[Problem]:
     yield from findings.problems()
 
 
-def _needless(facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield the ``free`` atoms without effect."""
-    if facts.free and not facts.composites:
-        text = "without composites, every action is free; declare a composite, or remove free(...)"
-        yield Problem(*origins.place("free", facts.free[0]), text, "no-effect")
-    words = "is a composite, which is free anyway"
-    both = (each for each in facts.composites if each in facts.free)
-    complaints = (Complaint(each, origins.place("free", each), words, f"remove free({each})") for each in both)
-    yield from grouped(complaints, "no-effect")
-
-
 def _misplaced(facts: Facts, origins: Origins) -> Iterator[Complaint]:
     """Yield the composites without stages, with gaps between stages, or with two parts at one stage."""
     actions = set(facts.actions)
@@ -104,21 +94,16 @@ def _misplaced(facts: Facts, origins: Origins) -> Iterator[Complaint]:
         if not stages:
             advice = f"state stage({composite},1,...), or remove it"
             yield Complaint(composite, origins.place("composite", composite), "has no stage", advice)
-        for expected, (number, _) in enumerate(stages, 1):
-            if number != clingo.Number(expected):
-                yield _out_of_order(composite, stages, expected, origins)
-                break
-
-
-def _out_of_order(
-    composite: Symbol, stages: Sequence[tuple[Symbol, Symbol]], expected: int, origins: Origins
-) -> Complaint:
-    """Return the complaint about the first stage without the expected number."""
-    number, part = stages[expected - 1]
-    place = origins.place("stage", composite, number, part)
-    if expected > 1 and stages[expected - 2][0] == number:
-        other = stages[expected - 2][1]
-        place = max(place, origins.place("stage", composite, number, other))
-        return Complaint(composite, place, f"has two parts at stage {number}, {other} and {part}", "keep one")
-    words = f"has a stage {number} where its stage {expected} should be"
-    return Complaint(composite, place, words, "number its stages 1, 2, 3, ...")
+        for expected, (number, part) in enumerate(stages, 1):
+            if number == clingo.Number(expected):
+                continue
+            place = origins.place("stage", composite, number, part)
+            if expected > 1 and stages[expected - 2][0] == number:
+                other = stages[expected - 2][1]
+                place = max(place, origins.place("stage", composite, number, other))
+                words = f"has two parts at stage {number}, {other} and {part}"
+                yield Complaint(composite, place, words, "keep one")
+            else:
+                words = f"has a stage {number} where its stage {expected} should be"
+                yield Complaint(composite, place, words, "number its stages 1, 2, 3, ...")
+            break

@@ -1,11 +1,15 @@
-"""Find statements that a domain may not have, and rules in the wrong program part."""
+"""Find statements that a domain may not have, rules in the wrong program part, and facts and rules without bounds."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 
 from clingo.ast import ASTType
 
+from prag_asp.atom import STRING
+from prag_asp.program.finite.checks import ever_larger
+from prag_asp.program.finite.endless import endless_rules
 from prag_asp.program.predicates import HOLDS, OCCURS
 from prag_asp.program.problem import Problem
 from prag_asp.program.syntax import TIMED_PARTS, Signature, Statement, below, names, runs_no_code, spelled
@@ -34,45 +38,40 @@ STATED = frozenset(
 CHOICES = (ASTType.Aggregate, ASTType.Disjunction, ASTType.HeadAggregate)
 TIMED: frozenset[Signature] = frozenset([OCCURS, HOLDS])
 
+MOST = 10**8
+"""The maximum number of atoms of one fact. Each takes at least 100 bytes, so these take 10 GB."""
+
+NUMBER = re.compile(r"-?\d+")
+INTERVAL = re.compile(r"\((-?\d+|_*[a-z]\w*)\.\.(-?\d+|_*[a-z]\w*)\)")
+"""An interval between two numbers or constants, as clingo prints it."""
+
 
 def directive_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
     """Yield the statements that a domain may not have, and the program parts that are never grounded."""
     for statement in statements:
-        if statement.own:
-            yield from _refused(statement)
-            if statement.kind == ASTType.Program:
-                yield from _part_problems(statement)
-            if statement.kind == ASTType.Definition and statement.node.name in _reserved(statements):
-                name = statement.node.name
+        if not statement.own:
+            if statement.kind == ASTType.Script:
+                yield statement.problem(REFUSED[ASTType.Script])
+            continue
+        if statement.kind in REFUSED:
+            yield statement.problem(REFUSED[statement.kind])
+        yield from (statement.problem(runs_no_code(name)) for name in statement.scripts)
+        if statement.is_rule and "&" in statement.text:
+            theory_atoms = (node for node in below(statement.node) if node.ast_type == ASTType.TheoryAtom)
+            yield from (statement.problem(REFUSED[node.ast_type]) for node in theory_atoms)
+        if statement.kind == ASTType.Program:
+            yield from _part_problems(statement)
+        if statement.kind == ASTType.Definition:
+            name = statement.node.name
+            encodings = (each for each in statements if not each.own)
+            if name in names(
+                text for each in encodings for atom in (*each.heads, *each.body) for text in atom.arguments
+            ):
                 yield statement.problem(f"#const {name} would change what {name} means; choose another name")
-        elif statement.kind == ASTType.Script:
-            yield statement.problem(REFUSED[ASTType.Script])
-
-
-def _reserved(statements: Sequence[Statement]) -> set[str]:
-    """Return the names in the arguments of atoms of the encodings."""
-    encodings = [each for each in statements if not each.own]
-    return names(argument for each in encodings for atom in (*each.heads, *each.body) for argument in atom.arguments)
-
-
-def placement_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the author's rules in the wrong program part."""
-    for statement in statements:
-        if statement.own and statement.is_rule:
-            yield from _timed_problems(statement) if statement.timed else _base_problems(statement)
-
-
-def _refused(statement: Statement) -> Iterator[Problem]:
-    if statement.kind in REFUSED:
-        yield statement.problem(REFUSED[statement.kind])
-    yield from (statement.problem(runs_no_code(name)) for name in statement.scripts)
-    if statement.is_rule and "&" in statement.text:
-        for node in below(statement.node):
-            if node.ast_type == ASTType.TheoryAtom:
-                yield statement.problem(REFUSED[ASTType.TheoryAtom])
 
 
 def _part_problems(statement: Statement) -> Iterator[Problem]:
+    """Yield the problem of a program part that is never grounded."""
     name, count = statement.part, len(statement.parameters)
     if (name == "base" and count == 0) or (name in TIMED_PARTS and count == 1):
         return
@@ -83,29 +82,59 @@ def _part_problems(statement: Statement) -> Iterator[Problem]:
     yield statement.problem(f"{written}. is never grounded; {hint}")
 
 
-def _timed_problems(statement: Statement) -> Iterator[Problem]:
-    time = statement.parameters[0] if statement.parameters else "t"
-    for atom in statement.heads:
-        if atom.signature in STATED:
-            yield statement.problem(
-                f"{spelled(atom.signature)} is stated in #program {statement.part}({time}), but holds at "
-                "every step; move the rule above it, or below #program base."
-            )
-        elif not atom.arguments or atom.arguments[-1] != time:
-            yield statement.problem(
-                f"the head {atom} of a rule in #program {statement.part}({time}) has no time argument; "
-                f"make {time} its last argument"
-            )
+def placement_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
+    """Yield the author's rules in the wrong program part."""
+    rules = [each for each in statements if each.own and each.is_rule]
+    for rule in rules:
+        if rule.timed:
+            time = rule.parameters[0] if rule.parameters else "t"
+            part = f"#program {rule.part}({time})"
+            for atom in rule.heads:
+                if atom.signature in STATED:
+                    yield rule.problem(
+                        f"{spelled(atom.signature)} is stated in {part}, but holds at every step; "
+                        "move the rule above it, or below #program base."
+                    )
+                elif not atom.arguments or atom.arguments[-1] != time:
+                    text = f"the head {atom} of a rule in {part} has no time argument"
+                    yield rule.problem(f"{text}; make {time} its last argument")
+            continue
+        timed = (atom for atom in (*rule.heads, *rule.body) if atom.signature in TIMED)
+        of_step = next((atom for atom in timed if atom.signature == OCCURS or atom.arguments[-1] == "t"), None)
+        stated = next((atom for atom in rule.heads if atom.signature in STATED), None)
+        if of_step is not None:
+            text = f"{of_step} is about a step, but stands in the base part"
+            yield rule.problem(f"{text}; put the rules of a step below #program step(t).")
+        elif stated is not None and rule.node.head.ast_type in CHOICES:
+            yield rule.problem(f"{spelled(stated.signature)} depends on a choice; state it as a fact")
 
 
-def _base_problems(statement: Statement) -> Iterator[Problem]:
-    for atom in (*statement.heads, *statement.body):
-        if atom.signature in TIMED and (atom.signature == OCCURS or atom.arguments[-1] == "t"):
-            yield statement.problem(
-                f"{atom} is about a step, but stands in the base part; put the rules of a step below #program step(t)."
-            )
-            return
-    for atom in statement.heads:
-        if atom.signature in STATED and statement.node.head.ast_type in CHOICES:
-            yield statement.problem(f"{spelled(atom.signature)} depends on a choice; state it as a fact")
-            return
+def size_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
+    """Yield the author's facts whose intervals expand to too many atoms."""
+    constants = {each.node.name: str(each.node.value) for each in statements if each.kind == ASTType.Definition}
+    for statement in statements:
+        if statement.own and statement.is_rule and not statement.node.body:
+            atoms = 1
+            for ends in INTERVAL.finditer(STRING.sub("", str(statement.node.head))):
+                low, high = (constants.get(end, end) for end in ends.groups())
+                if NUMBER.fullmatch(low) and NUMBER.fullmatch(high):
+                    atoms *= max(int(high) - int(low) + 1, 0)
+            if atoms > MOST:
+                yield statement.problem(
+                    f"this fact stands for {atoms:,} atoms, more than the limit of {MOST:,}; make its intervals smaller"
+                )
+
+
+def recursion_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
+    """Yield the author's rules of a step that certainly derive ever larger terms at the same step.
+
+    Rules of the base part that do so are found while it is grounded. A rule that never fires, because no other rule
+    derives its head, is not reported.
+    """
+    endless = [each for each in endless_rules(statements) if each.certain and each.rule.timed]
+    rules = {each.rule for each in endless}
+    begun = {head.signature for each in statements if each.is_rule and each not in rules for head in each.heads}
+    for each in endless:
+        head = each.rule.heads[0]
+        if head.signature in begun:
+            yield each.rule.problem(ever_larger(head.name))

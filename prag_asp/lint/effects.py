@@ -35,26 +35,28 @@ def effect_problems(control: clingo.Control, facts: Facts, origins: Origins) -> 
     if not findings.any:
         findings.named(EVER.name, unsorted_rows(control, *EVER))
     yield from findings.problems()
-    yield from _doubled(facts, origins)
+    for predicate, values in (("initially", facts.initially), ("goal", facts.goal)):
+        first: dict[Symbol, str] = {}
+        for fluent, value in values:
+            if first.setdefault(fluent, value) == value:
+                continue
+            places = [origins.place(predicate, fluent, clingo.Function(each)) for each in (first[fluent], value)]
+            earlier, later = sorted(places)
+            text = f"{predicate} gives {fluent} two values, {first[fluent]} and {value}"
+            yield Problem(*later, f"{text} (see {earlier.path.name}:{earlier.line}); keep one")
 
 
 def action_problems(facts: Facts, statements: Iterable[Statement], origins: Origins) -> Iterator[Problem]:
     """Yield the problem of a domain without actions: an error if no rule states one, a warning if none fires."""
     if facts.actions:
         return
-    if any(
-        ACTION in (atom.signature for atom in each.heads) or _defines(each, ACTION) for each in statements if each.own
-    ):
+    own = [each for each in statements if each.own]
+    is_defined = any(each.kind == ASTType.Defined and (each.node.name, each.node.arity) == ACTION for each in own)
+    if is_defined or any(atom.signature == ACTION for each in own for atom in each.heads):
         subject = "no rule states an action, so no plan has a step; change the bodies of its rules"
         yield Problem(*origins.place(ACTION[0]), subject, "no-plan")
     else:
         yield Problem(*origins.place(ACTION[0]), "the domain has no action; state one with action(...)")
-
-
-def _defines(statement: Statement, signature: tuple[str, int]) -> bool:
-    """Return whether a statement is ``#defined`` for a predicate."""
-    node = statement.node
-    return statement.kind == ASTType.Defined and (node.name, node.arity) == signature
 
 
 def _doubtful(facts: Facts) -> Iterator[str]:
@@ -150,22 +152,6 @@ class Findings:
 
 def _name(term: Symbol) -> str:
     return term.name if term.type == clingo.SymbolType.Function else str(term)
-
-
-def _doubled(facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield the fluents with two initial values or two goal values."""
-    for predicate, values in (("initially", facts.initially), ("goal", facts.goal)):
-        first: dict[Symbol, str] = {}
-        for fluent, value in values:
-            if first.setdefault(fluent, value) == value:
-                continue
-            places = [origins.place(predicate, fluent, clingo.Function(each)) for each in (first[fluent], value)]
-            earlier, later = sorted(places)
-            yield Problem(
-                *later,
-                f"{predicate} gives {fluent} two values, {first[fluent]} and {value} "
-                f"(see {earlier.path.name}:{earlier.line}); keep one",
-            )
 
 
 LIMIT = ("at_most", 2)

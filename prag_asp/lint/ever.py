@@ -8,8 +8,7 @@ then never occurs, because all steps before it are ground actions.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from itertools import chain
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import clingo
 from clingo.ast import ASTType
@@ -19,7 +18,7 @@ from prag_asp.program.grounding import Grounder
 from prag_asp.program.invariants import entailed, invariant_graph
 from prag_asp.program.predicates import CHANGED, EVER
 from prag_asp.program.problem import Problem
-from prag_asp.program.syntax import AtomNode, Statement, plain_atom
+from prag_asp.program.syntax import Statement, plain_atom
 from prag_asp.pruning.reachability import RelaxedReach
 from prag_asp.pruning.rejected_actions import STATE_PREDICATES
 from prag_asp.pruning.relaxed_rules import FluentSetter
@@ -40,14 +39,17 @@ def ever_problems(
     Without a `reach`, every fluent that the initial state, an action or a user rule may make true counts.
     """
     fluents = {fluent.name for fluent in facts.fluents}
-    readers: dict[str, Statement] = {}
+    readers: dict[str, Statement] = {}  # "" if any fluent may be read, such as by a variable
     for each in statements:
         for atom in each.body if each.own else ():
             if atom.signature == EVER:
-                readers.setdefault(_name(atom, fluents), each)
+                name = atom.arguments[0].partition("(")[0]
+                readers.setdefault(name if name in fluents else "", each)
     if not readers:
         return
-    if not any(map(_states, statements)):
+    defined = ((each.node.name, each.node.arity) for each in statements if each.own and each.kind == ASTType.Defined)
+    derived = (atom.signature for each in statements for atom in each.heads)
+    if EVER not in (*defined, *derived):
         text = 'ever is read, but no rule states it; add #include "rules/ever.lp".'
         yield next(iter(readers.values())).problem(text)
         return
@@ -75,8 +77,20 @@ def _unknown(facts: Facts, statements: Sequence[Statement]) -> Callable[[clingo.
 
 def needless_problems(grounder: Grounder, facts: Facts, statements: Sequence[Statement]) -> Iterator[Problem]:
     """Yield a warning for each rule that requires by ``ever`` a fluent that its action does not need."""
-    asking = [each for each in statements if each.own and _makes_action(each) and any(_ever_queries(each))]
-    stated = set(chain.from_iterable(map(_demanded, statements))) if asking else set()
+    asking = [
+        each
+        for each in statements
+        if each.own and each.is_rule and not each.conditions
+        if [atom.signature for atom in each.heads] == [ACTION] and any(_ever_queries(each))
+    ]
+    stated: set[tuple[str, str]] = set()  # each action with the fluents that a rule requires of all its instances
+    for rule in statements if asking else ():
+        body = [text for _, text in rule.literals]
+        for head in rule.heads if rule.own else ():
+            if head.signature == PRECONDITION and head.arguments[2] == "true":
+                subject, text, _ = head.arguments
+                pool = text[1:-1].split(";") if text[0] == "(" else [text]
+                stated.update((subject, each) for each in pool if body == [f"action({subject})"])
     rules = [
         f"{ASKS}({number},{action},{fluent}) :- {', '.join(text for _, text in rule.literals)}."
         for number, rule in enumerate(asking)
@@ -99,39 +113,12 @@ def needless_problems(grounder: Grounder, facts: Facts, statements: Sequence[Sta
             yield asking[number.number].problem(f"{problem}, so plans may be missing; {advice}", name="asks-more")
 
 
-def _makes_action(rule: Statement) -> bool:
-    """Return whether a rule has nothing but an action in its head."""
-    return rule.is_rule and len(rule.heads) == 1 and rule.heads[0].signature == ACTION and not rule.conditions
-
-
 def _ever_queries(rule: Statement) -> Iterator[str]:
     """Yield the fluents that a rule reads by ``ever``."""
     for node, text in rule.literals:
         atom = plain_atom(node, text)
         if atom and not atom.negated and atom.signature == EVER:
             yield atom.arguments[0]
-
-
-def _demanded(rule: Statement) -> Iterator[tuple[str, str]]:
-    """Yield an action with each fluent, as text, that a rule requires of all its instances."""
-    for head in rule.heads if rule.own else ():
-        action, body = head.arguments[:1], [text for _, text in rule.literals]
-        if head.signature == PRECONDITION and head.arguments[2] == "true" and body == [f"action({action[0]})"]:
-            fluents = head.arguments[1]
-            yield from ((action[0], each) for each in (fluents[1:-1].split(";") if fluents[0] == "(" else [fluents]))
-
-
-def _name(atom: AtomNode, fluents: Collection[str]) -> str:
-    """Return the name of the fluents that an atom reads; empty if it may be any, such as for a variable."""
-    name = atom.arguments[0].partition("(")[0]
-    return name if name in fluents else ""
-
-
-def _states(statement: Statement) -> bool:
-    """Return whether a statement derives or declares ``ever``."""
-    if statement.own and statement.kind == ASTType.Defined:
-        return (statement.node.name, statement.node.arity) == EVER
-    return any(atom.signature == EVER for atom in statement.heads)
 
 
 def _problem(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import clingo
 
@@ -39,7 +39,13 @@ def hierarchy_problems(control: clingo.Control, origins: Origins) -> Iterator[Pr
         return
     entities = [(entity, name) for entity, name in rows(control, "entity", 2)]
     wrong = list(_entity_problems(entities, declared, origins))
-    yield from wrong or _empty_classes(declared, parents, entities, origins)
+    yield from wrong
+    if not wrong:  # no rule can ever use a class without entities and without subclasses
+        above = {parent for each in parents.values() for parent in each}
+        for name in sorted(declared - above - {name for _, name in entities}):
+            place = origins.place("class", name, *parents.get(name, ())[:1])
+            text = f"class {name} has no entity; add entity(..., {name}), or remove it"
+            yield Problem(*place, text, "empty-class")
 
 
 def _entity_problems(
@@ -62,24 +68,6 @@ def _entity_problems(
     for (place, name), several in homeless.items():
         hint = did_you_mean(str(name), map(str, declared), f"declare class({name})")
         yield Problem(*place, f"unknown class {name} of {', '.join(map(str, several))}; {hint}")
-
-
-def _empty_classes(
-    declared: set[Symbol],
-    parents: Mapping[Symbol, Sequence[Symbol]],
-    entities: Sequence[tuple[Symbol, Symbol]],
-    origins: Origins,
-) -> Iterator[Problem]:
-    """Yield the classes without entities and without subclasses: no rule can ever use them."""
-    inhabited = {name for _, name in entities}
-    above = {parent for each in parents.values() for parent in each}
-    for name in sorted(declared - above - inhabited):
-        arguments = (name, parents[name][0]) if name in parents else (name,)
-        yield Problem(
-            *origins.place("class", *arguments),
-            f"class {name} has no entity; add entity(..., {name}), or remove it",
-            "empty-class",
-        )
 
 
 NAMED = re.compile(r"_*[a-z][^\"#]*")

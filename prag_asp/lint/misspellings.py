@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from clingo.ast import ASTType
 
@@ -29,8 +29,18 @@ def vocabulary_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
         problem = "unknown predicate" if near or _takes(signature[0], contract) else "no rule reads"
         text = f"{problem} {spelled(signature)}; {hint}"
         yield statement.problem(text, atom.line, "" if misspelt else "unused")
-    yield from _undefined_problems(statements, contract, undefined)
-    yield from _reserved_problems(statements)
+    defined = contract | {atom.signature for statement in statements for atom in statement.heads}
+    names = {name for name, _ in defined if not is_reserved(name)}
+    for signature, (statement, atom) in undefined.items():
+        misspelt = _takes(signature[0], defined) or is_misspelt(signature[0], names)
+        hint = _hint(signature[0], defined, names, "define it in a fact or a rule, or remove it")
+        text = f"no rule defines {spelled(signature)}; {hint}"
+        yield statement.problem(text, atom.line, "" if misspelt else "undefined")
+    for statement in statements:
+        for atom in statement.heads if statement.own else ():
+            if is_reserved(atom.name):
+                text = f"names that begin with {RESERVED} are reserved for the library"
+                yield statement.problem(f"{text}; rename {spelled(atom.signature)}", atom.line)
 
 
 def contract_signatures(statements: Iterable[Statement]) -> set[Signature]:
@@ -42,15 +52,6 @@ def contract_signatures(statements: Iterable[Statement]) -> set[Signature]:
             if statement.kind == ASTType.Defined:
                 signatures.add((statement.node.name, statement.node.arity))
     return signatures
-
-
-def _reserved_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the author's heads whose names only the library may use."""
-    for statement in statements:
-        for atom in statement.heads if statement.own else ():
-            if is_reserved(atom.name):
-                text = f"names that begin with {RESERVED} are reserved for the library"
-                yield statement.problem(f"{text}; rename {spelled(atom.signature)}", atom.line)
 
 
 def is_reserved(name: str) -> bool:
@@ -104,19 +105,3 @@ def _undefined_atoms(
                 if atom.signature not in defined:
                     undefined.setdefault(atom.signature, (statement, atom))
     return undefined
-
-
-def _undefined_problems(
-    statements: Iterable[Statement],
-    contract: set[Signature],
-    undefined: Mapping[Signature, tuple[Statement, AtomNode]],
-) -> Iterator[Problem]:
-    defined = contract | {atom.signature for statement in statements for atom in statement.heads}
-    names = {name for name, _ in defined if not is_reserved(name)}
-    for signature, (statement, atom) in undefined.items():
-        name = signature[0]
-        misspelt = _takes(name, defined) or is_misspelt(name, names)
-        hint = _hint(name, defined, names, "define it in a fact or a rule, or remove it")
-        yield statement.problem(
-            f"no rule defines {spelled(signature)}; {hint}", atom.line, "" if misspelt else "undefined"
-        )

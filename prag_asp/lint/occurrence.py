@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 import clingo
 
 from prag_asp.lint.composites import Complaint, grouped
 from prag_asp.lint.rule_origin import Origins, RulePlace
-from prag_asp.program.composition import Actions, composite_actions
+from prag_asp.program.composition import composite_actions
 from prag_asp.program.facts import Facts
 from prag_asp.program.invariants import FluentValue, conflict, entailed, invariant_graph, spell
 from prag_asp.program.problem import Problem
 from prag_asp.pruning.reachability import Unreachable
 from prag_asp.pruning.rejected_actions import RejectedActions, Rejection, fluent_values, value_term
-from prag_asp.pruning.rejected_composites import RejectedComposites, StageFailure
+from prag_asp.pruning.rejected_composites import RejectedComposites
 
 
 def state_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
@@ -63,7 +63,21 @@ def goal_problems(rejected: RejectedActions, facts: Facts, origins: Origins) -> 
 
 def composite_rejections(rejected: RejectedComposites, facts: Facts, origins: Origins) -> Iterator[Problem]:
     """Yield the composites that every state rejects, and the problem that none can begin in the initial state."""
-    complaints = list(_failures(facts, composite_actions(facts), rejected.failures, origins))
+    actions, failures = composite_actions(facts), rejected.failures
+    complaints: list[Complaint] = []
+    for composite, failure in failures.items():  # only the innermost, each at the stage of the action to blame
+        stages = facts.stages[composite]
+        if any(part in failures for _, part in stages):
+            continue
+        end = 0
+        for number, part in stages:
+            end += len(actions.get(part, (part,)))
+            if failure.place < end:
+                action = actions[composite][failure.place]
+                text = f"can never occur: its action {failure.place + 1}, {action}, {failure.reason}"
+                place = origins.place("stage", composite, number, part)
+                complaints.append(Complaint(composite, place, text, "change its stages, or remove it"))
+                break
     hopeless = rejected.none_can_begin and bool(complaints) and len(rejected.composites) == len(facts.composites)
     yield from grouped(complaints, "no-plan" if hopeless else "never-occurs")
     if rejected.none_can_begin and not hopeless:
@@ -85,28 +99,6 @@ def unreachable_problems(unreachable: Unreachable, origins: Origins) -> Iterator
     elif unreachable.instead_of_all is not None:
         text = f"no action can ever occur: {unreachable.instead_of_all} and all others wait for each other's effects"
         yield Problem(*origins.place("action", unreachable.instead_of_all), f"{text}; change the conditions", "no-plan")
-
-
-def _failures(
-    facts: Facts,
-    sequences: Mapping[clingo.Symbol, Actions],
-    failures: Mapping[clingo.Symbol, StageFailure],
-    origins: Origins,
-) -> Iterator[Complaint]:
-    """Yield the innermost rejected composites, each at the stage of the action to blame."""
-    for composite, failure in failures.items():
-        stages = facts.stages[composite]
-        if any(part in failures for _, part in stages):
-            continue
-        end = 0
-        for number, part in stages:
-            end += len(sequences.get(part, (part,)))
-            if failure.place < end:
-                action = sequences[composite][failure.place]
-                text = f"can never occur: its action {failure.place + 1}, {action}, {failure.reason}"
-                place = origins.place("stage", composite, number, part)
-                yield Complaint(composite, place, text, "change its stages, or remove it")
-                break
 
 
 def _reason(rejection: Rejection) -> str:

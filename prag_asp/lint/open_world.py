@@ -84,8 +84,11 @@ def _read_fluent(
 
 
 def _conditions(statement: Statement, timed: set[Signature]) -> Iterator[str]:
-    """Yield the conditions of a rule that do not depend on the step; they restrict the fluents that it reads."""
-    bound: set[str] = set()
+    """Yield the conditions of a rule that do not depend on the step; they restrict the fluents that it reads.
+
+    An occurrence becomes an action that is not pruned.
+    """
+    bound, parameters = set[str](), set(statement.parameters)
     comparisons: list[str] = []
     for node, text in statement.literals:
         if node.ast_type != ASTType.Literal or text.startswith("not "):
@@ -94,19 +97,14 @@ def _conditions(statement: Statement, timed: set[Signature]) -> Iterator[str]:
             comparisons.append(text)
             continue
         for atom in atoms(node, text):
-            condition = _timeless(atom, statement, timed)
-            if condition is not None:
-                bound |= variables(condition)
-                yield condition
+            if atom.signature == OCCURS:
+                condition = f"action({atom.arguments[0]}); not {PRUNED.name}({atom.arguments[0]})"
+            elif atom.signature in timed or atom.signature in READS or names(atom.arguments) & parameters:
+                continue
+            else:
+                condition = str(atom)
+            bound |= variables(condition)
+            yield condition
     for text in comparisons:
-        if variables(text) <= bound and not names([text]) & set(statement.parameters):
+        if variables(text) <= bound and not names([text]) & parameters:
             yield text
-
-
-def _timeless(atom: AtomNode, statement: Statement, timed: set[Signature]) -> str | None:
-    """Return an atom as a condition on the base part, or None; an occurrence becomes an action that is not pruned."""
-    if atom.signature == OCCURS:
-        return f"action({atom.arguments[0]}); not {PRUNED.name}({atom.arguments[0]})"
-    if atom.signature in timed or atom.signature in READS or names(atom.arguments) & set(statement.parameters):
-        return None
-    return str(atom)

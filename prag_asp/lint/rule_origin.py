@@ -31,7 +31,25 @@ class Origins:
 
     @cached_property
     def _traces(self) -> dict[tuple[str, tuple[clingo.Symbol, ...]], list[Statement]]:
-        return _trace([each for each in self._statements if each.part == "base" and each.kind != ASTType.Program])
+        """The rules that derive each atom: the base part without constraints is ground with a mark of each rule."""
+        base = [each for each in self._statements if each.part == "base" and each.kind != ASTType.Program]
+        lines = [each.text for each in base if not each.is_rule or each.heads]
+        for number, statement in enumerate(base):
+            if statement.is_rule and statement.node.head.ast_type == ASTType.Literal:
+                body = "; ".join(text for _, text in statement.literals) or "#true"
+                stated = [str(atom).lstrip("-") for atom in statement.heads] or [VIOLATED]
+                lines += [f"{TRACE}({number},{each}) :- {body}." for each in stated]
+        control = clingo.Control(["--warn=none"], logger=lambda *_: None)
+        try:
+            control.add("base", [], "\n".join(lines))
+            control.ground([("base", [])])
+        except RuntimeError:
+            return {}
+        traces: dict[tuple[str, tuple[clingo.Symbol, ...]], list[Statement]] = {}
+        marks = (atom.symbol.arguments for atom in control.symbolic_atoms.by_signature(TRACE, 2))
+        for number, term in sorted(((mark[0].number, mark[1]) for mark in marks), key=lambda mark: mark[0]):
+            traces.setdefault((term.name, tuple(term.arguments)), []).append(base[number])
+        return traces
 
     def place(self, predicate: str, *arguments: clingo.Symbol) -> RulePlace:
         """Return the place of the first rule that derives an atom, or else that derives its predicate."""
@@ -45,24 +63,3 @@ class Origins:
     def violated(self) -> list[Statement]:
         """Return the author's constraints of the base part that its facts violate."""
         return [each for each in self._traces.get((VIOLATED, ()), ()) if each.own]
-
-
-def _trace(base: Sequence[Statement]) -> dict[tuple[str, tuple[clingo.Symbol, ...]], list[Statement]]:
-    """Ground the base part without its constraints, each head tagged with its rule."""
-    lines = [each.text for each in base if not each.is_rule or each.heads]
-    for number, statement in enumerate(base):
-        if statement.is_rule and statement.node.head.ast_type == ASTType.Literal:
-            body = "; ".join(text for _, text in statement.literals) or "#true"
-            stated = [str(atom).lstrip("-") for atom in statement.heads] or [VIOLATED]
-            lines += [f"{TRACE}({number},{each}) :- {body}." for each in stated]
-    control = clingo.Control(["--warn=none"], logger=lambda *_: None)
-    try:
-        control.add("base", [], "\n".join(lines))
-        control.ground([("base", [])])
-    except RuntimeError:
-        return {}
-    traces: dict[tuple[str, tuple[clingo.Symbol, ...]], list[Statement]] = {}
-    marks = (atom.symbol.arguments for atom in control.symbolic_atoms.by_signature(TRACE, 2))
-    for number, term in sorted(((mark[0].number, mark[1]) for mark in marks), key=lambda mark: mark[0]):
-        traces.setdefault((term.name, tuple(term.arguments)), []).append(base[number])
-    return traces

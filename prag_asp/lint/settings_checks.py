@@ -11,7 +11,7 @@ from prag_asp.program.entity_names import ambiguity, named
 from prag_asp.program.facts import Facts
 from prag_asp.program.problem import Problem
 from prag_asp.program.settings import KEYS, MAX_EXPONENT, Settings, weight_of
-from prag_asp.tables.report import Keys, TableEntry, TableProblem, TableReport
+from prag_asp.tables.report import TableEntry, TableProblem, TableReport
 from prag_asp.wording import did_you_mean, is_misspelt
 
 TYPES: Mapping[str, tuple[type, str]] = {
@@ -60,7 +60,15 @@ def name_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
 
         yield from _located(grammar_problems(settings, facts), settings)
     if settings.scene:
-        yield from _located(_scene_problems(settings, facts), settings)
+        from prag_asp.scene.scene_loader import scene_problems  # noqa: PLC0415 - many domains have no scene
+
+        classes, entities, folder = facts.class_names, facts.entity_names, settings.path.parent
+        problems = scene_problems(settings.scene, classes, entities, map(atom_of, facts.fluents), folder=folder)
+        causes: list[TableProblem] = []
+        for problem in problems:  # a problem of a table follows from a problem within it
+            if not any(cause.keys[: len(problem.keys)] == problem.keys for cause in causes):
+                causes.append(problem)
+        yield from _located(causes, settings)
 
 
 def _located(problems: Iterable[TableProblem], settings: Settings) -> Iterator[Problem]:
@@ -111,16 +119,3 @@ def _is_template(sentence: str, arity: int) -> bool:
         return decimal and bool(sentence.format(*[""] * arity) or True)
     except ValueError:
         return False
-
-
-def _scene_problems(settings: Settings, facts: Facts) -> Iterator[TableProblem]:
-    """Yield the problems of the scene, without problems of a table that follow from a problem within it."""
-    from prag_asp.scene.scene_loader import scene_problems  # noqa: PLC0415 - many domains have no scene
-
-    classes, entities, folder = facts.class_names, facts.entity_names, settings.path.parent
-    problems = scene_problems(settings.scene, classes, entities, map(atom_of, facts.fluents), folder=folder)
-    reported: set[Keys] = set()
-    for problem in problems:
-        if not any(keys[: len(problem.keys)] == problem.keys for keys in reported):
-            reported.add(problem.keys)
-            yield problem

@@ -1,11 +1,10 @@
-"""The stages of the linter; each relies on the ones before."""
+"""The checks of a domain in stages, of which each relies on the ones before, and its pruning between them."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import clingo
 from clingo.ast import ASTType
@@ -13,7 +12,7 @@ from clingo.ast import ASTType
 from prag_asp.errors import DomainError
 from prag_asp.lint.allowed_warnings import Allowed, allowance_problems, allowed_names, not_allowed
 from prag_asp.lint.composites import composite_problems
-from prag_asp.lint.directives import directive_problems, placement_problems
+from prag_asp.lint.directives import directive_problems, placement_problems, recursion_problems, size_problems
 from prag_asp.lint.effects import action_problems, effect_problems, limit_problems
 from prag_asp.lint.ever import ever_problems, needless_problems
 from prag_asp.lint.hierarchy import choice_problems, hierarchy_problems, shared_name_problems, term_problems
@@ -28,7 +27,6 @@ from prag_asp.lint.occurrence import (
 from prag_asp.lint.open_world import open_world_problems
 from prag_asp.lint.rule_origin import Origins
 from prag_asp.lint.settings_checks import name_problems, table_problems
-from prag_asp.lint.size_checks import recursion_problems, size_problems
 from prag_asp.lint.unsatisfiable_atoms import demand_problems
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.entity_names import mention_facts, name_fact
@@ -40,7 +38,7 @@ from prag_asp.program.problem import Problem, raise_problems
 from prag_asp.program.settings import Settings, settings_of
 from prag_asp.program.sources import ADDED, HIERARCHY, Program, Source, added_encodings, encodings_folder, owned
 from prag_asp.program.syntax import Statement
-from prag_asp.pruning import Pruning
+from prag_asp.pruning import find_pruning
 from prag_asp.pruning.reachability import relaxed_sources
 from prag_asp.tables.toml_text import parse_toml
 
@@ -75,34 +73,12 @@ class _WarningCollector:
         self.warnings |= dict.fromkeys(not_allowed(new_problems, self._allowed))
 
 
-@dataclass(frozen=True)
-class StatedDomain:
-    """A domain whose statements and base part have no errors, before pruning.
+def check(
+    program: Program, settings_source: Source, like: Mapping[clingo.Symbol, clingo.Symbol] | None = None
+) -> Checked:
+    """Return what a domain states without what can never occur, its settings and its warnings.
 
-    `step` is the program of a step without user rules. `grounder` has grounded the base part, and contains the program
-    of relaxed steps from the folder of `encodings`, which is None if there is no such program. `settings_source` is the
-    file of the `settings`.
-    """
-
-    statements: Sequence[Statement]
-    added: frozenset[Path]
-    step: Program
-    grounder: Grounder
-    encodings: Path | None
-    facts: Facts
-    settings: Settings
-    settings_source: Source
-    origins: Origins
-    warnings: _WarningCollector
-
-    @property
-    def user_statements(self) -> list[Statement]:
-        """The statements; those that a user has added to a copy of the encodings count as user rules."""
-        return [replace(each, own=True) if each.path in self.added else each for each in self.statements]
-
-
-def check_stated(program: Program, settings_source: Source) -> StatedDomain:
-    """Check the statements and the base part of a domain.
+    `like` maps entities that are not ground to ground representatives: settings may name both.
 
     Raises:
         DomainError: something is wrong; the message has one line for each problem.
@@ -125,36 +101,37 @@ def check_stated(program: Program, settings_source: Source) -> StatedDomain:
     origins = Origins([each for each in statements if each.own or each.path.name != HIERARCHY])
     facts = _facts(grounder, statements, origins)
     _check_facts(warnings, grounder, facts, statements, origins)
-    return StatedDomain(
-        statements, added_encodings(program), step, grounder, encodings if relaxed else None, facts, settings,
-        settings_source, origins, warnings,
-    )  # fmt: skip
-
-
-def check_pruned(
-    stated: StatedDomain, pruning: Pruning, like: Mapping[clingo.Symbol, clingo.Symbol] | None = None
-) -> Checked:
-    """Run the remaining checks on a pruned domain.
-
-    `like` maps entities that are not ground to ground representatives: settings may name both.
-
-    Raises:
-        DomainError: something is wrong; the message has one line for each problem.
-    """
-    facts, origins, warnings, settings = stated.facts, stated.origins, stated.warnings, stated.settings
+    added = added_encodings(program)  # what a user has added to a copy of the encodings counts as user rules
+    user_statements = [replace(each, own=True) if each.path in added else each for each in statements]
+    pruning = find_pruning(step, grounder, facts, user_statements, encodings if relaxed else None)
     warnings.add(action_rejections(pruning.actions, facts, origins))
     warnings.add(goal_problems(pruning.actions, facts, origins))
     if pruning.composites:
         warnings.add(composite_rejections(pruning.composites, facts, origins))
-    warnings.add(open_world_problems(stated.grounder, pruning.facts, stated.statements))
+    warnings.add(open_world_problems(grounder, pruning.facts, statements))
     warnings.add([*shared_name_problems(facts, origins), *name_problems(settings, with_entities(facts, like or {}))])
-    warnings.add(ever_problems(stated.grounder, pruning.facts, stated.statements, pruning.reach))
-    warnings.add(needless_problems(stated.grounder, pruning.facts, stated.statements))
+    warnings.add(ever_problems(grounder, pruning.facts, statements, pruning.reach))
+    warnings.add(needless_problems(grounder, pruning.facts, statements))
     if not any(each.name == "no-plan" for each in warnings.warnings):
         warnings.add(unreachable_problems(pruning.unreachable, origins))
-    settings_path = stated.settings_source.path
-    ordered = sorted(warnings.warnings, key=lambda each: (each.path != settings_path, str(each.path), each.line))
+    path = settings_source.path
+    ordered = sorted(warnings.warnings, key=lambda each: (each.path != path, str(each.path), each.line))
     return Checked(pruning.facts, settings, tuple(ordered))
+
+
+def _check_facts(
+    warnings: _WarningCollector, grounder: Grounder, facts: Facts, statements: Sequence[Statement], origins: Origins
+) -> None:
+    """Check the facts of the base part."""
+    warnings.add(term_problems(facts, origins))
+    warnings.add(hierarchy_problems(grounder.control, origins))
+    warnings.add([*action_problems(facts, statements, origins), *effect_problems(grounder.control, facts, origins)])
+    warnings.add(composite_problems(facts, origins))
+    warnings.add(limit_problems(grounder.control, facts, statements, origins))
+    warnings.add(state_problems(facts, origins))
+    if grounder.control.is_conflicting:
+        text = "the facts of the base part violate this constraint, so there is no plan; change one of them"
+        warnings.add(statement.problem(text) for statement in origins.violated())
 
 
 def with_entities(facts: Facts, like: Mapping[clingo.Symbol, clingo.Symbol]) -> Facts:
@@ -212,20 +189,6 @@ def _facts(grounder: Grounder, statements: Sequence[Statement], origins: Origins
         raise
 
 
-def _check_facts(
-    warnings: _WarningCollector, grounder: Grounder, facts: Facts, statements: Sequence[Statement], origins: Origins
-) -> None:
-    """Check the facts of the base part."""
-    warnings.add(term_problems(facts, origins))
-    warnings.add(hierarchy_problems(grounder.control, origins))
-    warnings.add([*action_problems(facts, statements, origins), *effect_problems(grounder.control, facts, origins)])
-    warnings.add(composite_problems(facts, origins))
-    warnings.add(limit_problems(grounder.control, facts, statements, origins))
-    warnings.add(state_problems(facts, origins))
-    if grounder.control.is_conflicting:
-        warnings.add(_violations(origins))
-
-
 def _one_free_step(program: Program, owned: Sequence[tuple[Source, bool]]) -> Program:
     """Return the program without the hierarchy, and with the author's step rules in parts that are not grounded.
 
@@ -251,10 +214,3 @@ def _described(program: Program, statements: Sequence[Statement]) -> Program:
     entities = {entity for entity, _ in rows(grounder.control, "entity", 2)}
     facts = [*map(name_fact, actions), *mention_facts(actions, entities)]
     return Program((*program.sources, Source(ADDED, " ".join(facts))))
-
-
-def _violations(origins: Origins) -> Iterator[Problem]:
-    for statement in origins.violated():
-        yield statement.problem(
-            "the facts of the base part violate this constraint, so there is no plan; change one of them"
-        )

@@ -75,7 +75,10 @@ def demand_problems(control: clingo.Control, statements: Sequence[Statement]) ->
     rules = [each for each in statements if each.is_rule]
     stated = {head.signature for each in rules if not each.timed for head in each.heads}
     timed = {head.signature for each in rules if each.timed for head in each.heads}
-    defined = stated | timed | {(each.node.name, each.node.arity) for each in statements if _is_contract(each)}
+    defined = stated | timed
+    defined |= {
+        (each.node.name, each.node.arity) for each in statements if each.kind == ASTType.Defined and not each.own
+    }
     demands = list(_demands(rules, stated - timed, defined))
     anywhere = {each.name[0] for each in demands if each.place is None}
     missing = _missing(control, demands)
@@ -83,7 +86,11 @@ def demand_problems(control: clingo.Control, statements: Sequence[Statement]) ->
         return
     makers = _NameMakers(statements)
     unmade = anywhere - makers.names(set())
-    unmet = [each for each in demands if (each.name[0] in unmade if each.place is None else _is_unmet(each, missing))]
+    unmet = [
+        each
+        for each in demands
+        if (each.name[0] in unmade if each.place is None else (each.place, each.name) in missing)
+    ]
     names_made = makers.names({each.rule for each in unmet if each.necessary}) if unmet else set()
     first = {each.name[0]: each for each in reversed(list(makers.roots(unmet)))}
     for each in reversed(first.values()):
@@ -94,7 +101,10 @@ def _problem(demand: NameDemand, control: clingo.Control, derivable: set[str]) -
     """Return the problem of a name that no atom has at the demanded place; `derivable` are the names of all atoms."""
     name, arity = demand.name
     rule, line = demand.rule, demand.atom.line
-    there = _names_at(control, demand.place) if demand.place else set()
+    there: set[Signature] = set()
+    if demand.place:
+        ground = control.symbolic_atoms.by_signature(*demand.place.predicate)
+        there = {_name_at(atom.symbol, demand.place) for atom in ground} - {NO_NAME}
     taken = sorted(number for other, number in there if other == name)
     if taken:
         counts = " or ".join(map(str, taken))
@@ -109,10 +119,6 @@ def _problem(demand: NameDemand, control: clingo.Control, derivable: set[str]) -
     return rule.problem(text, line, "" if is_misspelt(name, candidates) else "never-holds")
 
 
-def _is_contract(statement: Statement) -> bool:
-    return statement.kind == ASTType.Defined and not statement.own
-
-
 def _demands(
     rules: Iterable[Statement], stated: Collection[Signature], defined: Collection[Signature]
 ) -> Iterator[NameDemand]:
@@ -121,36 +127,26 @@ def _demands(
     Undefined predicates are skipped: they are reported elsewhere, or declared with ``#defined``.
     """
     for rule in rules:
-        if rule.own:
-            for atom, necessary in _read_by(rule):
-                if atom.signature not in defined:
-                    continue
-                for place, name in _names_in(atom, stated):
-                    if name[1] or name[0] not in rule.parameters:
-                        yield NameDemand(rule, atom, place, name, necessary)
-
-
-def _read_by(rule: Statement) -> Iterator[tuple[AtomNode, bool]]:
-    """Yield the atoms that a rule reads, each with a flag that is true if the rule fires only if it holds."""
-    for node, text in rule.literals:
-        plain = plain_atom(node, text)
-        if plain:
-            yield plain, not plain.negated
-        else:
-            yield from ((atom, False) for atom in atoms(node, text))
-    yield from ((atom, False) for atom in rule.conditions)
-
-
-def _names_in(atom: AtomNode, stated: Collection[Signature]) -> Iterator[tuple[ArgumentPlace | None, Signature]]:
-    """Yield the names in an atom, with their places if its predicate is `stated` in the base part alone."""
-    declaring = DECLARING.get(atom.signature)
-    predicate = declaring or atom.signature
-    for number, text in enumerate(atom.arguments):
-        term = read_term(text)
-        if term is not None and predicate in stated and (declaring is None or number == 0):
-            yield from _below(ArgumentPlace(predicate, number), term)
-        else:
-            yield from ((None, (name, 0)) for name in sorted(names([text])))
+        reads: list[tuple[AtomNode, bool]] = []  # each atom, and whether the rule fires only if it holds
+        for node, text in rule.literals if rule.own else ():
+            plain = plain_atom(node, text)
+            reads += [(plain, not plain.negated)] if plain else [(atom, False) for atom in atoms(node, text)]
+        reads += [(atom, False) for atom in rule.conditions if rule.own]
+        for atom, necessary in reads:
+            if atom.signature not in defined:
+                continue
+            declaring = DECLARING.get(atom.signature)
+            predicate = declaring or atom.signature
+            found: list[tuple[ArgumentPlace | None, Signature]] = []
+            for number, text in enumerate(atom.arguments):
+                term = read_term(text)
+                if term is not None and predicate in stated and (declaring is None or number == 0):
+                    found += _below(ArgumentPlace(predicate, number), term)
+                else:
+                    found += [(None, (name, 0)) for name in sorted(names([text]))]
+            for place, name in found:
+                if name[1] or name[0] not in rule.parameters:
+                    yield NameDemand(rule, atom, place, name, necessary)
 
 
 def _below(place: ArgumentPlace, term: TermPattern) -> Iterator[tuple[ArgumentPlace, Signature]]:
@@ -172,11 +168,8 @@ def read_term(text: str) -> TermPattern | None:
     return TermPattern(name, tuple(map(read_term, arguments if name or arguments[-1:] != [""] else arguments[:-1])))
 
 
-Missing = Collection[tuple[ArgumentPlace, Signature]]
-"""Places and names such that no ground atom has the name at the place."""
-
-
-def _missing(control: clingo.Control, demands: Iterable[NameDemand]) -> Missing:
+def _missing(control: clingo.Control, demands: Iterable[NameDemand]) -> set[tuple[ArgumentPlace, Signature]]:
+    """Return the places and names such that no ground atom has the name there, without those within a missing term."""
     required: dict[Signature, dict[ArgumentPlace, set[Signature]]] = {}
     for each in demands:
         if each.place is not None:
@@ -189,24 +182,14 @@ def _missing(control: clingo.Control, demands: Iterable[NameDemand]) -> Missing:
                     del places[place]
             if not places:
                 break
-    return {(place, name) for places in required.values() for place, open_ in places.items() for name in open_}
-
-
-def _is_unmet(demand: NameDemand, missing: Missing) -> bool:
-    """Return whether the name of a demand is missing at its place, but no name of the terms around it is."""
-    place = demand.place
-    if place is None or (place, demand.name) not in missing:
-        return False
-    above = (
-        (place._replace(below=place.below[:depth]), (name, arity)) for depth, (name, arity, _) in enumerate(place.below)
-    )
-    return not any(each in missing for each in above)
-
-
-def _names_at(control: clingo.Control, place: ArgumentPlace) -> set[Signature]:
-    """Return the names that ground atoms have at a place."""
-    atoms = control.symbolic_atoms.by_signature(*place.predicate)
-    return {_name_at(atom.symbol, place) for atom in atoms} - {NO_NAME}
+    missing = {(place, name) for places in required.values() for place, open_ in places.items() for name in open_}
+    return {
+        (place, name)
+        for place, name in missing
+        if not any(
+            (place._replace(below=place.below[:depth]), step[:2]) in missing for depth, step in enumerate(place.below)
+        )
+    }
 
 
 def _name_at(atom: clingo.Symbol, place: ArgumentPlace) -> Signature:

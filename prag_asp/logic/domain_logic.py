@@ -163,14 +163,9 @@ class DomainLogic:
         return self._stratified(program)
 
     @cached_property
-    def _plan_transition(self) -> Transition:
-        """The step function of plans, shared by all levels and engines."""
-        return build_transition(self.step)
-
-    @cached_property
-    def _task_transition(self) -> Transition:
-        """The step function of tasks."""
-        return build_transition(self._task_step)
+    def _transitions(self) -> dict[bool, Transition]:
+        """The step functions of plans (False) and of tasks (True), shared by all levels and engines."""
+        return {}
 
     def _stratified(self, program: Program) -> NormalStep:
         """Return one step of a program in normal form."""
@@ -208,7 +203,9 @@ class DomainLogic:
             raise self.obstacles[0].error()
         reduces = tasks and bool(self.symmetries(0))
         if not weighed and not labels:
-            return self._task_transition if reduces else self._plan_transition
+            if reduces not in self._transitions:
+                self._transitions[reduces] = build_transition(self._task_step if reduces else self.step)
+            return self._transitions[reduces]
         if not weighed:
             return build_transition(self._task_step if reduces else self.step, labels)
         program = self.task_program(0) if reduces else self.program

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import clingo
 
 from prag_asp.logic.formula.clark_completion import Completion, complete
-from prag_asp.logic.formula.clause_builder import TRUE, ClauseBuilder, Literal
+from prag_asp.logic.formula.clause_builder import TRUE, Literal
 from prag_asp.logic.formula.cnf import Cnf
-from prag_asp.logic.ground.rules import Condition
 from prag_asp.models.ground_program import GroundModels
 from prag_asp.models.shifting import shift_disjunctions
 from prag_asp.processes.progress_events import stage
@@ -44,12 +42,11 @@ def model_formula(ground: GroundModels, *, project: bool, copied: bool) -> Model
     if project and ground.projected is not None:
         printed = [(symbol, value(atom)) for symbol, atom in ground.names if atom in ground.projected]
     else:
-        printed = [(symbol, _some(clauses, conditions, value)) for symbol, conditions in ground.shown]
+        printed = [
+            (symbol, clauses.any_of([clauses.all_of(map(value, condition)) for condition in conditions]))
+            for symbol, conditions in ground.shown
+        ]
     projection = [literal for _, literal in printed] if project else list(completion.values.values())
     shown = tuple(sorted({abs(literal) for literal in projection} | {TRUE}))
     cnf = Cnf(clauses.variables, tuple(clauses.clauses), names, shown)
     return ModelFormula(completion, cnf, tuple(printed), whole=not project)
-
-
-def _some(clauses: ClauseBuilder, conditions: tuple[Condition, ...], value: Callable[[int], Literal]) -> Literal:
-    return clauses.any_of([clauses.all_of(map(value, condition)) for condition in conditions])

@@ -28,8 +28,8 @@ from prag_asp.models.atom_weights import (
 from prag_asp.models.compiler import Progress, compile_formula, prepare
 from prag_asp.models.diagram import WeightedDiagram
 from prag_asp.models.enumeration import Enumeration
+from prag_asp.models.foundedness import list_models
 from prag_asp.models.ground_program import GroundModels, ground_models
-from prag_asp.models.model_listing import list_models
 from prag_asp.models.program_reader import GivenProgram, read_program
 from prag_asp.models.shifting import is_head_cycle_free
 from prag_asp.processes.progress_events import stage
@@ -108,38 +108,35 @@ class AnswerSets:
     def count(self) -> int:
         """Return their exact number, regardless of weights.
 
+        With engine auto, a diagram and a counter run in parallel if the program is not tight, and the first answers:
+        either may be faster by orders of magnitude.
+
         Raises:
             EngineError: the engine ganak is not installed, or fails.
         """
         how = self._way(counts=True)
         if how == "clingo":
             return self._enumeration.count()
-        if how == "diagram":
-            return self._count_by_diagram()
-        stage("counting models with ganak")
-        return count_models(self._counting_formula.cnf, request="engine ganak")
+        if how == "ganak":
+            stage("counting models with ganak")
+            return count_models(self._counting_formula.cnf, request="engine ganak")
+        if self.engine == "auto" and has_ganak() and "_diagram" not in self.__dict__:
 
-    def _count_by_diagram(self) -> int:
-        """Return their number by a diagram or, with engine auto, by a parallel counter if that finishes first.
+            def begins() -> None:
+                self.note(
+                    f"ganak counts as well, because compiling takes longer than {PATIENCE:g} s; the first answers"
+                )
 
-        For programs that are not tight, either may be faster by orders of magnitude.
-        """
-        if self.engine != "auto" or not has_ganak() or "_diagram" in self.__dict__:
-            return WeightedDiagram(self._diagram.diagram, {}).total
+            def look() -> None:
+                number = beside()
+                if number is not None:
+                    raise _Counted(number)
 
-        def begins() -> None:
-            self.note(f"ganak counts as well, because compiling takes longer than {PATIENCE:g} s; the first answers")
-
-        def look() -> None:
-            number = beside()
-            if number is not None:
-                raise _Counted(number)
-
-        with CountBeside(lambda: (self._counting_formula.cnf, ()), PATIENCE, begins) as beside:
-            try:
-                self.__dict__["_diagram"] = self._compile(look)  # fills the cached_property
-            except _Counted as counted:
-                return counted.number
+            with CountBeside(lambda: (self._counting_formula.cnf, ()), PATIENCE, begins) as beside:
+                try:
+                    self.__dict__["_diagram"] = self._compile(look)  # fills the cached_property
+                except _Counted as counted:
+                    return counted.number
         return WeightedDiagram(self._diagram.diagram, {}).total
 
     def estimate(self, epsilon: float = 0.8, delta: float = 0.2, seed: int = 0) -> Estimate:

@@ -17,7 +17,6 @@ from prag_asp.models.answer_set_formula import ModelFormula
 from prag_asp.models.ground_program import GroundModels
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.sources import Program
-from prag_asp.program.syntax import AtomNode
 from prag_asp.wording import did_you_mean, plural
 
 FRACTION = re.compile(r"\d{1,100}(/\d{1,100}|\.\d{1,100})?")
@@ -87,21 +86,14 @@ def _fraction(term: clingo.Symbol) -> Fraction | None:
     if term.type == clingo.SymbolType.Number:
         return Fraction(term.number) if term.number >= 0 else None
     if term.type == clingo.SymbolType.String:
-        return _read(term.string)
+        denominator = term.string.partition("/")[2]
+        is_weight = FRACTION.fullmatch(term.string) and (not denominator or int(denominator))
+        return Fraction(term.string) if is_weight else None
     numbers = term.arguments if term.type == clingo.SymbolType.Function and not term.name else []
     if len(numbers) != 2 or any(number.type != clingo.SymbolType.Number for number in numbers):
         return None
     over, under = (number.number for number in numbers)
     return Fraction(over, under) if over >= 0 and under > 0 else None
-
-
-def _read(text: str) -> Fraction | None:
-    if not FRACTION.fullmatch(text):
-        return None
-    try:
-        return Fraction(text)
-    except ZeroDivisionError:
-        return None
 
 
 def projected_away(atom: clingo.Symbol, ground: GroundModels, program: Program) -> QueryError:
@@ -148,16 +140,12 @@ def place_of(symbol: clingo.Symbol, program: Program) -> str:
     statements, _ = parse_sources((source, True) for source in program.sources)
     signature = ("-" * symbol.negative + symbol.name, len(symbol.arguments))
     places = [
-        (not _derives(head, symbol), place, f"{statement.path}:{statement.line}: ")
+        (not all(map(_may_be, head.terms, symbol.arguments)), place, f"{statement.path}:{statement.line}: ")
         for place, statement in enumerate(statements)
         for head in statement.heads
         if head.signature == signature
     ]
     return min(places)[2] if places else ""
-
-
-def _derives(head: AtomNode, symbol: clingo.Symbol) -> bool:
-    return all(map(_may_be, head.terms, symbol.arguments))
 
 
 def _may_be(term: AST, symbol: clingo.Symbol) -> bool:

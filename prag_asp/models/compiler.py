@@ -11,7 +11,8 @@ Unit propagation uses only the given clauses, never learned ones, so that the di
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Container, Generator, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from itertools import chain, count
@@ -19,10 +20,10 @@ from itertools import chain, count
 from prag_asp.logic.formula.clause_builder import TRUE, Literal
 from prag_asp.logic.formula.solver import Solver
 from prag_asp.models.answer_set_formula import ModelFormula
-from prag_asp.models.atom_copies import merge_copies
 from prag_asp.models.diagram import Branch, Diagram
 from prag_asp.models.foundedness import FoundednessOracle
 from prag_asp.models.variable_order import DecisionOrder, decision_order
+from prag_asp.program.finite.components import components
 
 REPORTED = 1000
 """Number of nodes between two progress reports."""
@@ -119,13 +120,9 @@ def compile_formula(
     """Return the diagram of a formula; `look` is called periodically, and may abort by an error."""
     if prepared.contradictory:
         return Diagram(())
-    with closing(FoundednessOracle(formula.completion)) as oracle, _propagation(prepared) as propagation:
+    propagation = Solver(max(len(prepared.names) - 1, 1), prepared.clauses)  # it only propagates, so it learns nothing
+    with closing(FoundednessOracle(formula.completion)) as oracle, propagation:
         return _Compiler(prepared, oracle, propagation, progress, look).compile()
-
-
-def _propagation(prepared: PreparedFormula) -> Solver:
-    """Return a solver of the clauses that only propagates, so that it learns nothing."""
-    return Solver(max(len(prepared.names) - 1, 1), prepared.clauses)
 
 
 def _propagate(
@@ -218,20 +215,26 @@ class _Compiler:
         key = self._key(part)
         if key in self._known:
             return self._known[key]
+        names, kept = self._formula.names, self._formula.kept
         branches = []
         for literal in (chosen, -chosen):
             further = self._decide(case, literal)
             if further is None:
                 continue
             below, implied = further
-            own = set(part.variables)
-            new = [each for each in implied if abs(each) in own]
-            parts, free = self._split(part, own, new)
+            left = set(part.variables)
+            new = [each for each in implied if abs(each) in left]
+            satisfied = {clause for literal in new for clause in self._with.get(literal, ())}
+            left.difference_update(map(abs, new))
+            parts = self._parts(sorted(left), [clause for clause in part.clauses if clause not in satisfied])
             children = []
             for inner in parts:
+                left.difference_update(inner.variables)
                 children.append((yield inner, below))
-            children += [self._free(self._formula.names[each]) for each in free]
-            branches.append(Branch(self._kept_literals(new), tuple(each for each in children if each)))
+            children += [self._free(names[each]) for each in sorted(left & self._formula.projection)]
+            named = sorted((names[abs(each)], each > 0) for each in new)
+            literals = tuple(name if true else -name for name, true in named if name in kept)
+            branches.append(Branch(literals, tuple(each for each in children if each)))
         self._known[key] = self._add_node(tuple(branches))
         return self._known[key]
 
@@ -249,20 +252,9 @@ class _Compiler:
             return None
         if (case.model[self._formula.names[abs(literal)] - 1] > 0) == (literal > 0):
             return _Case(decisions, case.model), implied
-        model = self._oracle.model(list(map(self._name, decisions)))
+        names = self._formula.names
+        model = self._oracle.model([names[each] if each > 0 else -names[-each] for each in decisions])
         return None if model is None else (_Case(decisions, model), implied)
-
-    def _name(self, literal: Literal) -> Literal:
-        return self._formula.names[literal] if literal > 0 else -self._formula.names[-literal]
-
-    def _split(self, part: _Part, own: set[int], new: Sequence[Literal]) -> tuple[list[_Part], list[int]]:
-        """Return the components of a component after literals become true, and its variables without open clauses."""
-        satisfied = {clause for literal in new for clause in self._with.get(literal, ())}
-        left = own.difference(map(abs, new))
-        parts = self._parts(sorted(left), [clause for clause in part.clauses if clause not in satisfied])
-        for remaining in parts:
-            left.difference_update(remaining.variables)
-        return parts, sorted(left & self._formula.projection)
 
     def _parts(self, variables: Sequence[int], clauses: Sequence[int]) -> list[_Part]:
         """Return the connected components of variables by open clauses; variables without clauses are in none."""
@@ -287,20 +279,16 @@ class _Compiler:
         return components
 
     def _key(self, part: _Part) -> bytes:
-        """Return the cache key of a component; a binary clause is open exactly if both variables are."""
-        if any(variable in self._formula.copies for variable in part.variables):
-            return self._key_of_copies(part)
-        long = [clause for clause in part.clauses if len(self._variables_of[clause]) > 2]
-        return array("i", [*part.variables, 0, *long]).tobytes()
+        """Return the cache key of a component; a binary clause is open exactly if both variables are.
 
-    def _key_of_copies(self, part: _Part) -> bytes:
-        """Return the cache key of a component with copies, in which equivalent copies are merged.
-
-        So the key has which copies are connected, but not how.
+        Equivalent copies are merged, so the key has which copies are connected, but not how.
         """
+        if not any(variable in self._formula.copies for variable in part.variables):
+            long = [clause for clause in part.clauses if len(self._variables_of[clause]) > 2]
+            return array("i", [*part.variables, 0, *long]).tobytes()
         own, formula = set(part.variables), self._formula
         left = [[literal for literal in formula.clauses[clause] if abs(literal) in own] for clause in part.clauses]
-        one, read = merge_copies(formula.copies, left)
+        one, read = _merge_copies(formula.copies, left)
         merged = {tuple(sorted({one.get(literal, literal) for literal in clause})) for clause in left}
         clauses = sorted(clause for clause in merged if not any(-literal in clause for literal in clause))
         # A copy has to be derived if its atom is true already.
@@ -310,15 +298,43 @@ class _Compiler:
         decided = [variable for variable in part.variables if variable not in formula.copies]
         return array("i", [*decided, 0, *chain.from_iterable((*clause, 0) for clause in clauses)]).tobytes()
 
-    def _kept_literals(self, literals: Sequence[Literal]) -> tuple[Literal, ...]:
-        """Return the literals of a branch with kept variables, by their names."""
-        names, kept = self._formula.names, self._formula.kept
-        named = sorted((names[abs(each)], each > 0) for each in literals)
-        return tuple(name if true else -name for name, true in named if name in kept)
-
     def _free(self, name: int) -> Node:
         """Return the node of a variable without constraints."""
         if name not in self._either:
             both = ((name,), (-name,)) if name in self._formula.kept else ((), ())
             self._either[name] = self._add_node(tuple(Branch(literals, ()) for literals in both))
         return self._either[name]
+
+
+def _merge_copies(
+    copies: Container[int], clauses: Sequence[Sequence[Literal]]
+) -> tuple[dict[Literal, Literal], set[int]]:
+    """Return the representatives of the literals of other copies, and the variables that further clauses read.
+
+    A copy derives another by a binary clause; if no other clause derives the latter, the two are equivalent. The least
+    copy that further clauses read represents its class, so that unread copies do not matter.
+    """
+    pairs: list[tuple[int, int]] = []
+    read: set[int] = set()
+    for clause in clauses:
+        first, second = (min(clause), max(clause)) if len(clause) == 2 else (1, 1)
+        if first < 0 < second and -first in copies and second in copies:
+            pairs.append((-first, second))
+        else:
+            read.update(map(abs, clause))
+    ways = Counter(literal for clause in clauses for literal in clause if literal > 0)
+    graph: dict[int, list[int]] = {}
+    for first, second in pairs:
+        graph.setdefault(first, []).append(second)
+        if ways[second] == 1:
+            graph.setdefault(second, []).append(first)
+    groups = [group for group in components(graph, lambda copy: graph.get(copy, ())) if len(group) > 1]
+    group_of = {copy: place for place, group in enumerate(groups) for copy in group}
+    for first, second in pairs:  # a clause between two groups reads both
+        if first not in group_of or group_of[first] != group_of.get(second):
+            read |= {first, second}
+    one: dict[Literal, Literal] = {}
+    for group in groups:
+        chosen = min((copy for copy in group if copy in read), default=min(group))
+        one |= {sign * copy: sign * chosen for copy in group for sign in (1, -1) if copy != chosen}
+    return one, read

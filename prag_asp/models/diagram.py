@@ -91,7 +91,11 @@ class WeightedDiagram:
         """
         bits = SeededBits(seed, "models")
         choices: dict[int, _Choice] = {}
-        most = max(self._most_choices, 1)
+        choices_below: list[int] = []  # the maximum number of choices of a sample of each node
+        for branches in self.diagram.nodes:
+            below = max(sum(choices_below[child] for child in branch.children) for branch in branches)
+            choices_below.append(below + (len(branches) > 1))
+        most = max(choices_below[-1], 1)
         root, batch, first = len(self.diagram.nodes) - 1, max(MOST_WORDS // most, 1), 0
         while True:
             for draw, words in enumerate(bits.words(first, batch, most).tolist(), first):
@@ -123,22 +127,10 @@ class WeightedDiagram:
         ]
         ways = [(weight, branch) for weight, branch in weighed if weight]
         if len(ways) == 1:
-            return -1, ways[0][1], ways[0][1], _never
+            return -1, ways[0][1], ways[0][1], lambda _: False
         (first, one), (_, other) = ways
         threshold, rest = divmod(first << WORD, totals[node])
         return threshold, one, other, _among(rest, totals[node])
-
-    @property
-    def _most_choices(self) -> int:
-        """The maximum number of choices of a sample."""
-        most: list[int] = []
-        for branches in self.diagram.nodes:
-            most.append(max(sum(most[child] for child in branch.children) for branch in branches) + (len(branches) > 1))
-        return most[-1]
-
-
-def _never(words: Iterator[int]) -> bool:
-    return False
 
 
 def _among(rest: int, total: int) -> Callable[[Iterator[int]], bool]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from math import prod
 from time import monotonic
 
 import clingo
@@ -75,7 +76,8 @@ class Enumeration:
         Each sample is a point between 0 and the total weight; another enumeration finds the answer sets of the points
         by cumulative weight.
         """
-        bits, scale = SeededBits(seed, "models"), self._scale()
+        bits = SeededBits(seed, "models")
+        scale = prod(weight.denominator for weight in self.stated.values())  # makes the weights of answer sets integers
         points = [(bits.randrange(int(total * scale)), place) for place in range(number)]
         points.sort(reverse=True)
         samples: list[Printed] = [()] * number
@@ -87,13 +89,6 @@ class Enumeration:
             if not points:
                 break
         return samples
-
-    def _scale(self) -> int:
-        """Return a factor that makes the weight of every answer set an integer."""
-        scale = 1
-        for weight in self.stated.values():
-            scale *= weight.denominator
-        return scale
 
     @property
     def _repeats(self) -> bool:

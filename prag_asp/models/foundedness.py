@@ -1,4 +1,4 @@
-"""Search for models of a completion that are answer sets, by a SAT solver with loop formulas.
+"""Search for models of a completion that are answer sets, one or all, by a SAT solver with loop formulas.
 
 If a model of the completion has an unfounded set, the loop formula of this set, which all answer sets satisfy, is added
 to the solver, and the search is repeated (Lin and Zhao 2004).
@@ -6,12 +6,14 @@ to the solver, and the search is repeated (Lin and Zhao 2004).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing
 
 from prag_asp.logic.formula.clark_completion import Completion, body_literal
 from prag_asp.logic.formula.clause_builder import TRUE, Literal
 from prag_asp.logic.formula.solver import Solver
 from prag_asp.logic.ground.rules import Rule
+from prag_asp.models.answer_set_formula import ModelFormula
 
 Loop = Mapping[int, tuple[Rule, ...]]
 
@@ -50,6 +52,13 @@ class FoundednessOracle:
             value = self._completion.value(literal)
             return (model[abs(value) - 1] > 0) == (value > 0)
 
+        def supports(rule: Rule) -> bool:
+            """Return whether the body is true without the atoms that are left."""
+            if not rule.weights:
+                return all(literal not in left and true(literal) for literal in rule.body)
+            pairs = zip(rule.body, rule.weights, strict=True)
+            return sum(weight for literal, weight in pairs if literal not in left and true(literal)) >= rule.bound
+
         left = {atom for atom in loop if true(atom)}
         readers: dict[int, list[int]] = {}
         for atom in left:
@@ -60,7 +69,7 @@ class FoundednessOracle:
         waiting = sorted(left)
         while waiting:
             atom = waiting.pop()
-            if atom in left and any(_holds(rule, left, true) for rule in loop[atom]):
+            if atom in left and any(map(supports, loop[atom])):
                 left.discard(atom)
                 waiting += [reader for reader in readers.get(atom, ()) if reader in left]
         return left
@@ -79,13 +88,34 @@ class FoundednessOracle:
         self._sent = len(self._clauses.clauses)
 
 
-def _holds(rule: Rule, unfounded: set[int], true: Callable[[int], bool]) -> bool:
-    """Return whether the body of a rule is true without unfounded atoms."""
-    if not rule.weights:
-        return all(literal not in unfounded and true(literal) for literal in rule.body)
-    true_weights = (
-        weight
-        for literal, weight in zip(rule.body, rule.weights, strict=True)
-        if literal not in unfounded and true(literal)
-    )
-    return sum(true_weights) >= rule.bound
+def list_models(formula: ModelFormula, order: Sequence[Literal]) -> Iterator[list[Literal]]:
+    """Yield the values of the literals of `order` in models, each combination once, true before false.
+
+    Each literal of a model takes one solver call to decide whether another model first differs there.
+    """
+    # Keep one of a literal and its negation, because a symbol may be shown exactly if another is not.
+    first = {abs(literal): literal for literal in reversed(order) if abs(literal) != TRUE}
+    order = [literal for literal in dict.fromkeys(order) if first.get(abs(literal)) == literal]
+    with closing(FoundednessOracle(formula.completion)) as oracle:
+        model = oracle.model()
+        if model is None:
+            return
+        chosen: list[Literal] = []
+        while True:
+            while len(chosen) < len(order):  # find the first model with this prefix
+                literal = order[len(chosen)]
+                if (model[abs(literal) - 1] > 0) != (literal > 0):
+                    model = oracle.model([*chosen, literal]) or model
+                true = (model[abs(literal) - 1] > 0) == (literal > 0)
+                chosen.append(literal if true else -literal)
+            yield [*chosen]
+            following = None
+            while chosen and following is None:
+                literal = chosen.pop()
+                if literal == order[len(chosen)]:
+                    following = oracle.model([*chosen, -literal])
+                    if following is not None:
+                        chosen.append(-literal)
+            if following is None:
+                return
+            model = following

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,6 +25,8 @@ REFUSED: Mapping[ASTType, tuple[str, str]] = {
     ASTType.Script: ("a script is not run", "state by rules or facts what it computes"),
 }
 """Statements that are refused: what is wrong with them, and what to do."""
+
+NAMES = {ASTType.Minimize: "a weak constraint or #minimize", ASTType.Script: "#script"}
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,11 @@ def read_program(files: Sequence[str | Path | Source], constants: Mapping[str, C
 
 def _options(statements: Sequence[Statement], values: Mapping[str, str], declared: set[str]) -> Iterator[str]:
     """Yield clingo's options for the constants that no statement declares; each must occur as a term."""
-    read = _constants(statements) if any(name not in declared for name in values) else set()
+    read: set[str] = set()  # constants that occur as terms, without predicates and functions
+    if not declared.issuperset(values):
+        nodes = (node for statement in statements for node in below(statement.node))
+        symbols = (node.symbol for node in nodes if node.ast_type == ASTType.SymbolicTerm)
+        read = {each.name for each in symbols if each.type == clingo.SymbolType.Function and not each.arguments}
     for name, text in values.items():
         if name in declared:
             continue
@@ -71,21 +77,13 @@ def _options(statements: Sequence[Statement], values: Mapping[str, str], declare
         yield f"-c{name}={text}"
 
 
-def _constants(statements: Iterable[Statement]) -> set[str]:
-    """Return the constants that occur as terms, without predicates and functions."""
-    terms = (
-        node for statement in statements for node in below(statement.node) if node.ast_type == ASTType.SymbolicTerm
-    )
-    symbols = (term.symbol for term in terms)
-    return {each.name for each in symbols if each.type == clingo.SymbolType.Function and not each.arguments}
-
-
 def _refusals(statements: Sequence[Statement], suspects: Collection[Path]) -> Iterator[Problem]:
     """Yield unsupported statements; terms are searched only in `suspects` because the search is slow."""
     for statement in statements:
         if statement.kind in REFUSED:
             wrong, todo = REFUSED[statement.kind]
-            yield statement.problem(f"{_name(statement)} is not supported because {wrong}; {todo}")
+            name = NAMES.get(statement.kind) or f"#theory {statement.node.name}"
+            yield statement.problem(f"{name} is not supported because {wrong}; {todo}")
         for node in below(statement.node) if statement.path in suspects else ():
             if node.ast_type == ASTType.TheoryAtom:
                 (wrong, todo), name = REFUSED[ASTType.TheoryDefinition], f"the theory atom &{node.term.name}"
@@ -94,9 +92,3 @@ def _refusals(statements: Sequence[Statement], suspects: Collection[Path]) -> It
             else:
                 continue
             yield statement.problem(f"{name} is not supported because {wrong}; {todo}", node.location.begin.line)
-
-
-def _name(statement: Statement) -> str:
-    if statement.kind == ASTType.Minimize:
-        return "a weak constraint or #minimize"
-    return f"#theory {statement.node.name}" if statement.kind == ASTType.TheoryDefinition else "#script"

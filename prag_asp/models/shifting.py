@@ -6,7 +6,7 @@ Each rule ``a ; b :- B`` may be replaced by ``a :- B, not b`` and ``b :- B, not 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from itertools import count
 
 from prag_asp.logic.ground.rules import Rule
@@ -30,14 +30,14 @@ def shift_disjunctions(rules: Iterable[Rule]) -> list[Rule]:
     rules = list(rules)
     used = (abs(atom) for rule in rules for atom in (*rule.heads, *rule.body))
     fresh = count(max(used, default=0) + 1)
-    return [part for rule in rules for part in (_split(rule, fresh) if rule.is_disjunctive else [rule])]
-
-
-def _split(rule: Rule, fresh: Iterator[int]) -> Iterator[Rule]:
-    body = rule.body
-    if rule.weights:  # a fresh atom replaces a weighted body
-        atom = next(fresh)
-        yield Rule((atom,), rule.body, bound=rule.bound, weights=rule.weights)
-        body = (atom,)
-    for head in rule.heads:
-        yield Rule((head,), (*body, *(-other for other in rule.heads if other != head)))
+    shifted: list[Rule] = []
+    for rule in rules:
+        if not rule.is_disjunctive:
+            shifted.append(rule)
+            continue
+        body = rule.body
+        if rule.weights:  # a fresh atom replaces a weighted body
+            body = (next(fresh),)
+            shifted.append(Rule(body, rule.body, bound=rule.bound, weights=rule.weights))
+        shifted += [Rule((head,), (*body, *(-other for other in rule.heads if other != head))) for head in rule.heads]
+    return shifted

@@ -103,7 +103,12 @@ def _depths(eliminated: Sequence[tuple[int, set[int]]], core: set[int]) -> dict[
     for number, parent in enumerate(above):
         near[number].append(parent)
         near[parent].append(number)
-    middle = last if core else _middle(above, size, last)
+    middle = last
+    if not core:  # a centroid bag, whose removal leaves no component with more than half of the bags, or else the root
+        heaviest, half = [0] * (last + 1), size[last] / 2
+        for number, parent in enumerate(above):
+            heaviest[parent] = max(heaviest[parent], size[number])
+        middle = next((each for each in range(last + 1) if size[each] >= half and heaviest[each] <= half), last)
     depth: dict[int, int] = {}
     waiting, seen = deque([(middle, 0)]), {middle}
     while waiting:
@@ -114,12 +119,3 @@ def _depths(eliminated: Sequence[tuple[int, set[int]]], core: set[int]) -> dict[
         seen.update(new)
         waiting.extend((bag, far + 1) for bag in new)
     return depth
-
-
-def _middle(above: Sequence[int], size: Sequence[int], last: int) -> int:
-    """Return a centroid bag, whose removal leaves no component with more than half of the bags, or else the root."""
-    heaviest = [0] * (last + 1)
-    for number, parent in enumerate(above):
-        heaviest[parent] = max(heaviest[parent], size[number])
-    half = size[last] / 2
-    return next((number for number in range(last + 1) if size[number] >= half and heaviest[number] <= half), last)

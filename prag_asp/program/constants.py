@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import clingo
@@ -30,7 +30,22 @@ def parse_constants(constants: Mapping[str, Constant]) -> dict[str, str]:
     Raises:
         DomainError: a value is not a term of clingo, or has a number out of range.
     """
-    return {name: _term(name, constants[name]) for name in sorted(constants)}
+    values: dict[str, str] = {}
+    for name, value in sorted(constants.items()):
+        text = str(value)
+        readable = len(text) <= LONGEST and "\0" not in text and blanked(text).isascii() and not isinstance(value, bool)
+        for _, digits in too_large(blanked(text)) if readable else ():
+            raise DomainError(f"constant {name}: the number {shortened(digits)} is out of range: {TOLD}")
+        try:
+            term = clingo.parse_term(text, logger=lambda *_: None) if readable else None
+        except RuntimeError:
+            term = None
+        if term is None:
+            shown = text if len(text) <= 40 else f"{text[:40]}..."
+            problem = f"constant {name}: {shown!r} is not a term"
+            raise DomainError(f"{problem}; write a number such as 8, or a term such as f(a)")
+        values[name] = str(term)
+    return values
 
 
 def set_constants(sources: Sequence[Source], constants: Mapping[str, str], domain: str) -> tuple[Source, ...]:
@@ -59,29 +74,9 @@ def set_constants(sources: Sequence[Source], constants: Mapping[str, str], domai
             for each in declared[name]
             if not each.node.is_default
         )
-    changed = [statement for name in constants for statement in declared[name]]
-    return tuple(
-        replace(source, text=with_replaced(source.text, _definitions(changed, source, constants))) for source in sources
-    )
-
-
-def _term(name: str, value: Constant) -> str:
-    """Return the text of a term as clingo writes it."""
-    text = str(value)
-    readable = len(text) <= LONGEST and "\0" not in text and blanked(text).isascii() and not isinstance(value, bool)
-    for _, digits in too_large(blanked(text)) if readable else ():
-        raise DomainError(f"constant {name}: the number {shortened(digits)} is out of range: {TOLD}")
-    try:
-        if readable:
-            return str(clingo.parse_term(text, logger=lambda *_: None))
-    except RuntimeError:
-        pass
-    shown = text if len(text) <= 40 else f"{text[:40]}..."
-    raise DomainError(f"constant {name}: {shown!r} is not a term; write a number such as 8, or a term such as f(a)")
-
-
-def _definitions(changed: Iterable[Statement], source: Source, constants: Mapping[str, str]) -> dict[Statement, str]:
-    """Return the new text of each changed definition of a file."""
-    return {
-        each: f"#const {each.node.name} = {constants[each.node.name]}." for each in changed if each.path == source.path
-    }
+    values = {each: f"#const {name} = {constants[name]}." for name in constants for each in declared[name]}
+    changed: list[Source] = []
+    for source in sources:
+        replaced = {each: text for each, text in values.items() if each.path == source.path}
+        changed.append(replace(source, text=with_replaced(source.text, replaced)))
+    return tuple(changed)

@@ -14,8 +14,6 @@ import clingo
 from prag_asp.atom import symbol_of
 from prag_asp.errors import DomainError
 from prag_asp.program.atom_arrays import ground_atoms
-from prag_asp.program.grounding import Grounder
-from prag_asp.program.sources import Program
 
 # A symbol is an address within a process. Symbols are pickled as text, so that other processes can read them.
 copyreg.pickle(clingo.Symbol, lambda symbol: (symbol_of, (str(symbol),)))
@@ -104,10 +102,30 @@ class Facts:
         """The names of the actions, including pruned ones."""
         return frozenset(action.name for action in self.declared_actions)
 
+    @cached_property
+    def action_arguments(self) -> Mapping[tuple[str, int], list[set[str]]]:
+        """The arguments, as text, at each place of the actions with a name and an arity, including pruned ones."""
+        return _arguments(self.declared_actions)
+
+    @cached_property
+    def fluent_arguments(self) -> Mapping[tuple[str, int], list[set[str]]]:
+        """The arguments, as text, at each place of the fluents with a name and an arity."""
+        return _arguments(self.fluents)
+
     @property
     def closed(self) -> bool:
         """Whether every fluent has an initial value."""
         return set(self.fluents) <= {fluent for fluent, _ in self.initially}
+
+
+def _arguments(terms: Iterable[clingo.Symbol]) -> dict[tuple[str, int], list[set[str]]]:
+    by_signature: dict[tuple[str, int], list[set[str]]] = {}
+    for term in terms:
+        arguments = term.arguments
+        places = by_signature.setdefault((term.name, len(arguments)), [set() for _ in arguments])
+        for place, argument in zip(places, arguments, strict=True):
+            place.add(str(argument))
+    return by_signature
 
 
 def ground_later(ground: Callable[[], Facts]) -> Facts:
@@ -115,17 +133,6 @@ def ground_later(ground: Callable[[], Facts]) -> Facts:
     facts = object.__new__(Facts)
     facts.__dict__[LATER] = ground
     return facts
-
-
-def ground_facts(program: Program) -> Facts:
-    """Ground the base part of a program and return its facts.
-
-    Raises:
-        DomainError: clingo rejects the program, or a predicate of the contract depends on a choice.
-    """
-    grounder = Grounder(program)
-    grounder.ground([("base", [])])
-    return read_facts(grounder.control)
 
 
 def read_facts(control: clingo.Control) -> Facts:

@@ -86,27 +86,19 @@ class Grounder:
             work()
         except RuntimeError as error:
             require_memory(error)
-            raise DomainError(*(dict.fromkeys(self._errors()) or [f"clingo: {error}"])) from None
+            codes = (clingo.MessageCode.RuntimeError, clingo.MessageCode.Other)
+            errors = [locate_message(self._program, text) for code, text in self._messages if code in codes]
+            raise DomainError(*(dict.fromkeys(errors) or [f"clingo: {error}"])) from None
         undefined = [text for code, text in self._messages if code == clingo.MessageCode.OperationUndefined]
-        out_of_range = [text for text in undefined if SCRIPT in text]
+        located = [(locate_message(self._program, text), SCRIPT in text) for text in undefined]
+        out_of_range = [text for text, is_check in located if is_check]
         if out_of_range and self._checks.overflows:
-            raise self._checks.overflow(locate_message(self._program, out_of_range[0]))
-        notes = dict.fromkeys(map(self._undefined, undefined))
+            raise self._checks.overflow(out_of_range[0])
+        # For X+0, clingo prints only X and the check.
+        notes = dict.fromkeys(self._checks.as_written(text) if is_check else text for text, is_check in located)
         if notes and self._strict:
             raise DomainError(f"{next(iter(notes))}; guard the operation")
         self.notes += notes
-
-    def _undefined(self, message: str) -> str:
-        """Return the message for an undefined operation; for ``X+0``, clingo prints only X and the check."""
-        text = locate_message(self._program, message)
-        return self._checks.as_written(text) if SCRIPT in text else text
-
-    def _errors(self) -> list[str]:
-        return [
-            locate_message(self._program, text)
-            for code, text in self._messages
-            if code in (clingo.MessageCode.RuntimeError, clingo.MessageCode.Other)
-        ]
 
 
 def locate_message(program: Program, message: str) -> str:

@@ -41,18 +41,54 @@ def parse_sources(sources: Iterable[tuple[Source, bool]]) -> tuple[list[Statemen
 @lru_cache(maxsize=64)
 def _parsed(source: Source, own: bool) -> tuple[tuple[Statement, ...], Problem | None]:
     """Return the statements of a source, or its first problem."""
+    problem = _character_problem(source)
+    if problem:
+        return (), problem
+    messages: list[str] = []
+    nodes: list[AST] = []
+    text = source.text
+    try:
+        if not text.isascii():
+            parse_string(
+                re.sub(r"[^\x00-\x7f]", STAND_IN, text),
+                lambda _: None,
+                logger=lambda _, message: messages.append(message),
+            )
+        parse_string(text, nodes.append, logger=lambda _, message: messages.append(message))
+    except RuntimeError as error:
+        require_memory(error)
+        return (), _syntax_problem(source, messages)
     statements: list[Statement] = []
-    problem = _character_problem(source) or _depth_problem(source)
-    problem = problem or _parse(source, own, statements) or number_problem(source)
+    part, parameters = "base", tuple[str, ...]()
+    for node in nodes:
+        kind = node.ast_type
+        if kind == ASTType.Program:
+            part, parameters = node.name, tuple(each.name for each in node.parameters)
+        if kind != ASTType.Comment:
+            line = node.location.begin.line
+            statements.append(Statement(node, kind, source.path, line, own, part, parameters))
+    problem = number_problem(source)
     return (() if problem else tuple(statements)), problem
 
 
-def _depth_problem(source: Source) -> Problem | None:
-    """Return the problem of parentheses that are nested deeper than `DEEPEST`."""
-    if source.text.count("(") <= DEEPEST:
+def _character_problem(source: Source) -> Problem | None:
+    """Return the problem of the first character that clingo cannot read, or of a parenthesis that is nested too deep.
+
+    Some of these would crash the process.
+    """
+    text = source.text
+    readable = text.isascii() and "\0" not in text
+    if readable and text.count("(") <= DEEPEST:
         return None
+    lines = blanked(text).split("\n")
+    for number, line in enumerate(lines, 1):
+        for character in line:
+            if not character.isascii() or character == "\0":
+                problem = f"the character {character!r} cannot stand here"
+                remedy = 'use a-z, A-Z, 0-9 and _ in names, and put other text into "quotes" or a comment'
+                return Problem(source.path, number, f"{problem}; {remedy}")
     depth = 0
-    for number, line in enumerate(blanked(source.text).split("\n"), 1):
+    for number, line in enumerate(lines, 1):
         for character in line:
             depth = max(depth + (character == "(") - (character == ")"), 0)
             if depth > DEEPEST:
@@ -70,49 +106,6 @@ def number_problem(source: Source) -> Problem | None:
     return None
 
 
-def _character_problem(source: Source) -> Problem | None:
-    """Return the problem of the first character that clingo cannot read; some of them would crash the process."""
-    if source.text.isascii() and "\0" not in source.text:
-        return None
-    for number, line in enumerate(blanked(source.text).split("\n"), 1):
-        for character in line:
-            if not character.isascii() or character == "\0":
-                return Problem(
-                    source.path,
-                    number,
-                    f"the character {character!r} cannot stand here; "
-                    'use a-z, A-Z, 0-9 and _ in names, and put other text into "quotes" or a comment',
-                )
-    return None
-
-
-def _parse(source: Source, own: bool, statements: list[Statement]) -> Problem | None:
-    """Append the statements of a source. Return its first syntax error, because the others follow from it."""
-    messages: list[str] = []
-    nodes: list[AST] = []
-    text = source.text
-    try:
-        if not text.isascii():
-            parse_string(
-                re.sub(r"[^\x00-\x7f]", STAND_IN, text),
-                lambda _: None,
-                logger=lambda _, message: messages.append(message),
-            )
-        parse_string(text, nodes.append, logger=lambda _, message: messages.append(message))
-    except RuntimeError as error:
-        require_memory(error)
-        return _syntax_problem(source, messages)
-    part, parameters = "base", tuple[str, ...]()
-    for node in nodes:
-        kind = node.ast_type
-        if kind == ASTType.Program:
-            part, parameters = node.name, tuple(each.name for each in node.parameters)
-        if kind != ASTType.Comment:
-            line = node.location.begin.line
-            statements.append(Statement(node, kind, source.path, line, own, part, parameters))
-    return None
-
-
 def require_memory(error: RuntimeError) -> None:
     """Raise a MemoryError if clingo failed in a Python callback: the callbacks here fail for no other reason.
 
@@ -124,16 +117,19 @@ def require_memory(error: RuntimeError) -> None:
 
 
 def _syntax_problem(source: Source, messages: list[str]) -> Problem:
+    """Return the problem of the first syntax error, because the others follow from it."""
     error = re.match(MESSAGE, messages[0]) if messages else None
     if not error:
-        return Problem(
-            source.path,
-            1,
-            f"clingo cannot read this file: {' '.join(messages) or 'no reason given'}; fix it",
-        )
+        text = f"clingo cannot read this file: {' '.join(messages) or 'no reason given'}; fix it"
+        return Problem(source.path, 1, text)
     line, words = int(error["line"]), " ".join(error["words"].split())
     if "EOF" in words:
-        return _unfinished(source)
+        comment = open_comment(source.text)
+        if comment is not None:
+            line = source.text.count("\n", 0, comment) + 1
+            return Problem(source.path, line, "this comment is never closed; close it with *%")
+        line = blanked(source.text).rstrip().count("\n") + 1
+        return Problem(source.path, line, "the file ends within a statement; end the statement with a period")
     column = int(error["column"])
     code = source.text.split("\n")[line - 1]
     token = re.match(TOKEN, code.encode()[column - 1 :].decode(errors="replace"))
@@ -146,13 +142,3 @@ def _syntax_problem(source: Source, messages: list[str]) -> Problem:
         expected = re.search(EXPECTED, words)
         remedy = f"clingo expects {expected[1]} here" if expected else "fix the statement before it"
     return Problem(source.path, line, f"{problem}; {remedy}")
-
-
-def _unfinished(source: Source) -> Problem:
-    """Return the problem of a file that ends within a comment or a statement."""
-    comment = open_comment(source.text)
-    if comment is not None:
-        line = source.text.count("\n", 0, comment) + 1
-        return Problem(source.path, line, "this comment is never closed; close it with *%")
-    line = blanked(source.text).rstrip().count("\n") + 1
-    return Problem(source.path, line, "the file ends within a statement; end the statement with a period")

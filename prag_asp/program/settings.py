@@ -52,21 +52,21 @@ def settings_of(table: Mapping[str, Any], source: Source) -> Settings:
     """Return the settings of the table of a file. Values of a wrong type are ignored: the linter reports them."""
     weights = {key: weight_of(value) for key, value in _table(table, "weights").items()}
     grammar = _table(table, "language")
+    language: dict[str, str] = {}
+    for key, value in grammar.items():  # tables are those of languages
+        sentences = [each for each in (value if isinstance(value, list) else [value]) if isinstance(each, str)]
+        if sentences:
+            language[key] = sentences[0]
     return Settings(
         source.path,
         title=str(table.get("title", "")),
         description=str(table.get("description", "")),
         weights={without_blanks(key): weight for key, weight in weights.items() if weight is not None},
-        language={key: text for key, value in grammar.items() for text in _sentences(value)[:1]},
+        language=language,
         grammar=grammar,
         scene=_rounded(_table(table, "scene")),
         text=source.text,
     )
-
-
-def key_shown(key: str) -> str:
-    """Return a key for a message: in quotes if it is blank."""
-    return key if key.strip() else f'"{key}"'
 
 
 def weight_of(value: object) -> Fraction | None:
@@ -81,11 +81,6 @@ def weight_of(value: object) -> Fraction | None:
 def _table(table: Mapping[str, Any], name: str) -> Mapping[str, Any]:
     value = table.get(name, {})
     return value if isinstance(value, Mapping) else {}
-
-
-def _sentences(value: object) -> list[str]:
-    """Return the sentences of a key of [language], a string or a list; none for a table."""
-    return [each for each in (value if isinstance(value, list) else [value]) if isinstance(each, str)]
 
 
 def _rounded(value: Any) -> Any:

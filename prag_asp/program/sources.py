@@ -100,25 +100,21 @@ def _read(source: Source, encodings: Path, own: Path, sources: dict[Path, Source
         include = INCLUDE.match(text, keyword.start())
         if include is None:
             raise DomainError(f'{path}:{line}: unreadable #include; write it as #include "file.lp".')
-        target, limit = _include(include["file"], path, line, encodings, own)
+        for folder, limit in ((path.parent, own), (path.parent, encodings), (encodings, encodings)):
+            name, target = include["file"], folder / include["file"]
+            if name and "\0" not in name and target.is_file() and is_inside(target, limit):
+                break
+        else:
+            raise DomainError(
+                f"{path}:{line}: cannot include {include['file']!r}; name a file in the domain's folder or in the "
+                'encodings, such as "rules/closed_world.lp"'
+            )
         if target.resolve() not in (*above, path.resolve()) and target.resolve() not in sources:
             _read(Source(target, read_text(target, limit)), encodings, own, sources, (*above, path.resolve()))
         pieces += [text[end : include.start()], re.sub(r"[^\n]", " ", include[0])]
         includes.append((line, target))
         end = include.end()
     sources[path.resolve()] = Source(path, "".join([*pieces, text[end:]]), tuple(includes))
-
-
-def _include(name: str, path: Path, line: int, encodings: Path, own: Path) -> tuple[Path, Path]:
-    """Return the file of an include, and the folder that contains it."""
-    for folder, limit in ((path.parent, own), (path.parent, encodings), (encodings, encodings)):
-        target = folder / name
-        if name and "\0" not in name and target.is_file() and is_inside(target, limit):
-            return target, limit
-    raise DomainError(
-        f"{path}:{line}: cannot include {name!r}; name a file in the domain's folder or in the encodings, "
-        'such as "rules/closed_world.lp"'
-    )
 
 
 def read_text(path: Path, within: Path | None = None) -> str:
@@ -201,15 +197,11 @@ def each_once(sources: Iterable[Source]) -> tuple[Source, ...]:
 def asked_sources(own: Sequence[Source], encodings: Path) -> tuple[Source, ...]:
     """Return the optional encodings that a domain needs: for composites, and for rules that set fluents."""
     hierarchy = read_sources(encodings / HIERARCHY, encodings) if any("composite" in each.text for each in own) else ()
-    one_value = read_sources(encodings / ONE_VALUE, encodings) if any(map(_sets_fluents, own)) else ()
+    texts = (blanked(each.text) for each in own if SETS.search(each.text))
+    # A mention in the condition of a head counts, too.
+    sets_fluents = any(SETS.search(rule.partition(":-")[0]) for text in texts for rule in END.split(text))
+    one_value = read_sources(encodings / ONE_VALUE, encodings) if sets_fluents else ()
     return (*hierarchy, *one_value)
-
-
-def _sets_fluents(source: Source) -> bool:
-    """Return whether a head may derive `holds` or `_known`; a mention in the condition of a head also counts."""
-    if not SETS.search(source.text):
-        return False
-    return any(SETS.search(each.partition(":-")[0]) for each in END.split(blanked(source.text)))
 
 
 def owned(program: Program) -> list[tuple[Source, bool]]:

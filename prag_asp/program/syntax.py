@@ -123,22 +123,17 @@ def head_atoms(head: AST) -> tuple[list[AtomNode], list[AtomNode]]:
     plain = plain_atom(head, str(head))
     if plain:
         return [plain], []
-    derived, conditions = _split_head(head)
-    return (
-        [atom for node in derived for atom in atoms(node, str(node))],
-        [atom for node in conditions for atom in atoms(node, str(node))],
-    )
-
-
-def _split_head(head: AST) -> tuple[list[AST], list[AST]]:
-    """Return the literals that a head derives, and the literals of its conditions."""
     if head.ast_type in (ASTType.Aggregate, ASTType.Disjunction):
         elements = list(head.elements)
     elif head.ast_type == ASTType.HeadAggregate:
         elements = [element.condition for element in head.elements]
     else:
-        return [head], []
-    return [each.literal for each in elements], [literal for each in elements for literal in each.condition]
+        return list(atoms(head, str(head))), []
+    conditions = [literal for each in elements for literal in each.condition]
+    return (
+        [atom for each in elements for atom in atoms(each.literal, str(each.literal))],
+        [atom for node in conditions for atom in atoms(node, str(node))],
+    )
 
 
 def atoms(node: AST, text: str) -> Iterator[AtomNode]:

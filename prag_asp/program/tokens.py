@@ -39,7 +39,8 @@ def open_comment(text: str) -> int | None:
     position = 0
     while position < len(text):
         end = _token_end(text, position)
-        if text.startswith("%*", position) and _depth(text[position:end]) > 0:
+        edges = COMMENT_EDGE.findall(text, position, end)
+        if text.startswith("%*", position) and edges.count("%*") > edges.count("*%"):
             return position
         position = end
     return None
@@ -48,7 +49,12 @@ def open_comment(text: str) -> int | None:
 def _token_end(text: str, start: int) -> int:
     """Return the end of the comment, the string or the piece of code that begins at `start`."""
     if text.startswith("%*", start):
-        return _comment_end(text, start)
+        depth = 0
+        for edge in COMMENT_EDGE.finditer(text, start):  # clingo nests block comments
+            depth += 1 if edge[0] == "%*" else -1
+            if depth == 0:
+                return edge.end()
+        return len(text)
     if text[start] == "%":
         end = text.find("\n", start)
         return end if end >= 0 else len(text)
@@ -57,18 +63,3 @@ def _token_end(text: str, start: int) -> int:
         return string.end() if string else start + 1
     ends = [end for end in (text.find("%", start), text.find('"', start)) if end >= 0]
     return min(ends, default=len(text))
-
-
-def _comment_end(text: str, start: int) -> int:
-    """Return the end of a block comment; clingo nests them."""
-    depth = 0
-    for edge in COMMENT_EDGE.finditer(text, start):
-        depth += 1 if edge[0] == "%*" else -1
-        if depth == 0:
-            return edge.end()
-    return len(text)
-
-
-def _depth(comment: str) -> int:
-    edges = COMMENT_EDGE.findall(comment)
-    return edges.count("%*") - edges.count("*%")

@@ -14,18 +14,13 @@ import clingo
 
 from prag_asp.errors import DomainError
 from prag_asp.program.atom_arrays import ground_atoms
-from prag_asp.program.facts import Assignment, Facts
+from prag_asp.program.facts import Facts
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.predicates import HOLDS, MAY_HOLD, MAY_OCCUR, MAY_SET, MAY_STAND, OCCURS, PRUNED
 from prag_asp.program.sources import REACHABLE, Source, read_sources
 from prag_asp.program.syntax import Statement
 from prag_asp.pruning.rejected_actions import STATE_PREDICATES
 from prag_asp.pruning.relaxed_rules import STRAY, FluentSetter, RelaxedRules, fluent_setters
-
-DYNAMIC = STATE_PREDICATES | {OCCURS}
-"""The predicates of states and occurring actions."""
-
-OPPOSITE = {"true": "false", "false": "true"}
 
 ValuedFluent = tuple[clingo.Symbol, str]
 """A fluent with one of its values."""
@@ -73,9 +68,15 @@ def find_relaxed_reach(
     others = [each for each in statements if each.own or each.path.parent != encodings]
     reads = any(atom.signature == PRUNED for each in others for atom in each.body)
     steps = [each for each in others if each.is_rule and each.part == "step"]
-    elsewhere = any(_derives_elsewhere(each) for each in others if each.part != "step")
+    derives_occurrence = any(atom.signature == OCCURS for each in others for atom in each.heads)
+    derives_later_state = any(
+        atom.signature in STATE_PREDICATES and (each.timed or atom.signature != HOLDS or atom.arguments[-1] != "0")
+        for each in others
+        if each.part != "step"
+        for atom in each.heads
+    )
     control = grounder.control
-    if reads or elsewhere or any(atom.signature == OCCURS for each in steps for atom in each.heads):
+    if reads or derives_occurrence or derives_later_state:
         return None
     open_start = any(not is_fact for _, _, is_fact in ground_atoms(control, *HOLDS))
     if control.is_conflicting or open_start:
@@ -110,26 +111,3 @@ def find_relaxed_reach(
         set_by[fluent, str(value)] = setters[number.number]
     values, stood = (frozenset((fluent, str(value)) for fluent, value in each) for each in (holding, standing))
     return RelaxedReach(frozenset(action for (action,) in occurring), values, stood, set_by)
-
-
-def _derives_elsewhere(statement: Statement) -> bool:
-    """Return whether a rule outside of the steps derives an occurrence or a state other than the initial one."""
-    heads = [atom for atom in statement.heads if atom.signature in DYNAMIC]
-    return any(statement.timed or atom.signature != HOLDS or atom.arguments[-1] != "0" for atom in heads)
-
-
-def find_unreachable(reach: RelaxedReach, facts: Facts) -> Unreachable:
-    """Return the unreachable actions, none of them if no action is reachable, and the unreachable goal values."""
-    never = tuple(action for action in facts.actions if action not in reach.actions)
-    goal = tuple(each for each in facts.goal if each not in reach.standing)
-    return Unreachable(never, goal) if reach.actions else Unreachable((), goal, next(iter(facts.tried), None))
-
-
-def static_values(reach: RelaxedReach, facts: Facts) -> Assignment:
-    """Return the fluents with an initial value whose opposite is unreachable, each with this static value.
-
-    The result is empty for domains with invariants, which may restrict values as well.
-    """
-    if facts.exclusive or facts.implies or facts.impossible:
-        return ()
-    return tuple(each for each in facts.initially if (each[0], OPPOSITE[each[1]]) not in reach.values)

@@ -100,7 +100,6 @@ class _RejectionSearch:
         self._changes = Counter(fluent for a in facts.actions for fluent in self._changed(a))
         self._declared = set(self._changes)
         self._static: dict[FluentValue, FluentValue] = {}
-        self._demanding: dict[FluentValue, list[clingo.Symbol]] = {}
         self._rejections: dict[clingo.Symbol, Rejection] = {}
 
     def run(self) -> RejectedActions:
@@ -110,14 +109,21 @@ class _RejectionSearch:
         for action in self._facts.actions:
             if action not in self._able:
                 self._reject(action, waiting)
-        if waiting:
-            self._find_demanding()
+        # Index the actions that would be rejected if an initial value turned out to be static.
+        may_be_static = entailed(self._start.items(), self._graph) if waiting else {}
+        demanding: dict[FluentValue, list[clingo.Symbol]] = {}
+        for action in self._facts.actions if may_be_static else ():
+            if action not in self._able and action not in self._rejections:
+                needed, after = self._around(action)
+                for fluent, value in {**needed, **after}:
+                    if (fluent, not value) in may_be_static:
+                        demanding.setdefault((fluent, not value), []).append(action)
         while waiting:
             for fluent in self._changed(waiting.pop()):
                 self._changes[fluent] -= 1
                 if not self._changes[fluent] and fluent in self._start:
                     for static in self._add_static([(fluent, self._start[fluent])]):
-                        for action in self._demanding.get(static, ()):
+                        for action in demanding.get(static, ()):
                             if action not in self._rejections:
                                 self._reject(action, waiting)
         ordered = {action: self._rejections[action] for action in self._facts.actions if action in self._rejections}
@@ -130,21 +136,23 @@ class _RejectionSearch:
         return list(new)
 
     def _reject(self, action: clingo.Symbol, waiting: list[clingo.Symbol]) -> None:
-        """Add an action to the rejected ones if there is a reason to reject it."""
-        rejection = self._rejection(action)
-        if rejection is not None:
-            self._rejections[action] = rejection
-            waiting.append(action)
-
-    def _find_demanding(self) -> None:
-        """Index the actions that would be rejected if an initial value turned out to be static."""
-        may_be_static = entailed(self._start.items(), self._graph)
-        for action in self._facts.actions:
-            if action not in self._able and action not in self._rejections:
-                needed, after = self._around(action)
-                for fluent, value in {**needed, **after}:
-                    if (fluent, not value) in may_be_static:
-                        self._demanding.setdefault((fluent, not value), []).append(action)
+        """Add an action to the rejected ones if the invariants and the static values reject it."""
+        needed, after = self._around(action)
+        if pair := conflict(needed):
+            rejection = Rejection("precondition", pair[1], *pair, needs=True)
+        elif pair := conflict(needed, self._static):
+            may_change = pair[0][0] in self._declared
+            rejection = Rejection("precondition", pair[1], *pair, needs=True, static=True, may_change=may_change)
+        elif pair := conflict(after) or conflict(after, self._static):
+            effects = fluent_values(self._facts.postconditions.get(action, ()))
+            stated = pair[1] if pair[1] in effects else pair[0]
+            predicate = "postcondition" if stated in effects else "precondition"
+            makes = pair[0] in effects and pair[1] in effects
+            rejection = Rejection(predicate, stated, *pair, needs=False, makes=makes)
+        else:
+            return
+        self._rejections[action] = rejection
+        waiting.append(action)
 
     def _changed(self, action: clingo.Symbol) -> set[clingo.Symbol]:
         return {fluent for fluent, _ in self._facts.postconditions.get(action, ())}
@@ -156,25 +164,6 @@ class _RejectionSearch:
         unchanged = [value for value in needed if value[0] not in changed] if self._frames else []
         effects = fluent_values(self._facts.postconditions.get(action, ()))
         return needed, entailed([*unchanged, *effects], self._graph)
-
-    def _rejection(self, action: clingo.Symbol) -> Rejection | None:
-        """Return the reason why the invariants and the static values reject an action, or None if they do not."""
-        needed, after = self._around(action)
-        pair = conflict(needed)
-        if pair:
-            return Rejection("precondition", pair[1], *pair, needs=True)
-        pair = conflict(needed, self._static)
-        if pair:
-            may_change = pair[0][0] in self._declared
-            return Rejection("precondition", pair[1], *pair, needs=True, static=True, may_change=may_change)
-        pair = conflict(after) or conflict(after, self._static)
-        if pair:
-            effects = fluent_values(self._facts.postconditions.get(action, ()))
-            stated = pair[1] if pair[1] in effects else pair[0]
-            predicate = "postcondition" if stated in effects else "precondition"
-            makes = pair[0] in effects and pair[1] in effects
-            return Rejection(predicate, stated, *pair, needs=False, makes=makes)
-        return None
 
 
 def rejected_by_encodings(

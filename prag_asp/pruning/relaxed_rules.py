@@ -55,40 +55,37 @@ class FluentSetter(NamedTuple):
 
 
 def fluent_setters(steps: Sequence[Statement]) -> list[FluentSetter]:
-    """Return the rules of a step that set fluents, without rules for `changed` if other rules set the fluent."""
-    setters = (
-        FluentSetter(each, atom) for each in steps for atom in _derived(each) if atom.signature in STATE_PREDICATES
-    )
-    return [each for each in setters if each.head.signature != CHANGED or not _is_set(each, steps)]
+    """Return the rules of a step that set fluents, without rules for `changed` if other rules set the fluent.
+
+    They do so whenever a rule for `changed` fires if one rule makes the fluent false and has no further literals,
+    except the negation of the only literal of another rule that makes it true.
+    """
+    setting: dict[str, list[tuple[Statement, str, frozenset[str]]]] = {value: [] for value in BOOLEAN}
+    for each in steps:
+        for atom in _derived(each) if each.node.head.ast_type == ASTType.Literal and '"' not in each.text else ():
+            if atom.signature == HOLDS and atom.arguments[1] in BOOLEAN:
+                setting[atom.arguments[1]].append((each, *_renamed(atom.arguments[0], each)))
+
+    def is_set(rule: Statement, head: AtomNode) -> bool:
+        fluent, literals = _renamed(head.arguments[0], rule)
+        true, false = (
+            [texts for each, term, texts in setting[value] if term == fluent and each.parameters == rule.parameters]
+            for value in BOOLEAN
+        )
+        unless = {f"not {text}" for texts in true if len(texts) == 1 for text in texts}
+        return any(texts <= literals | unless for texts in false)
+
+    return [
+        FluentSetter(each, atom)
+        for each in steps
+        for atom in _derived(each)
+        if atom.signature in STATE_PREDICATES and not (atom.signature == CHANGED and is_set(each, atom))
+    ]
 
 
 def _derived(rule: Statement) -> Iterator[AtomNode]:
     """Yield the atoms that a rule derives; a head with ``not`` derives none."""
     return (atom for atom in rule.heads if not atom.negated)
-
-
-def _is_set(changing: FluentSetter, steps: Iterable[Statement]) -> bool:
-    """Return whether other rules set the fluent whenever a rule for `changed` fires.
-
-    This is so if one rule makes it false and has no further literals, except the negation of the only literal of
-    another rule that makes it true.
-    """
-    rule, head = changing
-    similar = [each for each in steps if each.parameters == rule.parameters and '"' not in each.text]
-    fluent, literals = _renamed(head.arguments[0], rule)
-    true, false = ([_renamed(term, each) for term, each in _value_rules(similar, value)] for value in BOOLEAN)
-    alone = {text for term, texts in true if term == fluent and len(texts) == 1 for text in texts}
-    unless = {f"not {text}" for text in alone}
-    return any(term == fluent and texts <= literals | unless for term, texts in false)
-
-
-def _value_rules(steps: Iterable[Statement], value: str) -> Iterator[tuple[str, Statement]]:
-    """Yield the terms of fluents that rules set to a value whenever they fire, with these rules."""
-    for each in steps:
-        if each.node.head.ast_type == ASTType.Literal:
-            for atom in _derived(each):
-                if atom.signature == HOLDS and atom.arguments[1] == value:
-                    yield atom.arguments[0], each
 
 
 def _renamed(term: str, rule: Statement) -> tuple[str, frozenset[str]]:
@@ -115,7 +112,8 @@ class RelaxedRules:
         self._base = {atom.signature for each in rules if not each.timed for atom in each.heads}
         self._timed = {atom.signature for each in rules if each.timed for atom in each.heads}
         self._later = _following(ADDED_LATER, [each for each in rules if not each.timed])
-        self._void = _declared(statements) - self._later - self._base - self._timed
+        declared = {(each.node.name, each.node.arity) for each in statements if each.kind == ASTType.Defined}
+        self._void = declared - self._later - self._base - self._timed
         heads = ((atom, each) for each in steps for atom in _derived(each))
         self._heads = [(atom, each) for atom, each in heads if atom.signature not in STATE_PREDICATES]
         signatures_read = {atom.signature for each in steps for atom in each.body}
@@ -130,7 +128,11 @@ class RelaxedRules:
         while omitted:
             self._written -= omitted
             self._heads = [each for each in self._heads if each[0].signature in self._written]
-            omitted = {atom.signature for atom, rule in self._heads if not self._is_bound(atom, rule)}
+            omitted = {  # the relaxed body has to bind all variables of the head
+                atom.signature
+                for atom, rule in self._heads
+                if not (self._is_plain(atom, rule) and _variables(atom.arguments[:-1]) <= _variables(self._body(rule)))
+            }
 
     def rules(self, setters: Sequence[FluentSetter]) -> Iterator[str]:
         """Yield rules for ``_may_set(N,F,V)``: the N-th setter may set F to V, and for `STRAY`."""
@@ -144,7 +146,16 @@ class RelaxedRules:
         if self._infers:  # a fluent that is said to change may take a value that the invariants infer
             yield "_may_hold(G,W) :- _may_hold(F,V), _propagates(F,V,G,W)."
         for number, (rule, head) in enumerate(setters):
-            yield self._set_rule(number, rule, head)
+            # The declared fluents that the head may set, with their possible values.
+            term, value = head.arguments[0], BOTH if head.signature == CHANGED else head.arguments[1]
+            body = self._body(rule)
+            if COMPUTED.search(term) or not names([term]).isdisjoint(rule.parameters):
+                term, value, body = "F", BOTH, []
+            elif VARIABLE.fullmatch(value):
+                body.append(f"_opposite({value},_)")
+            elif value not in BOOLEAN:
+                value = BOTH
+            yield f"_may_set({number},{term},{value}) :- {', '.join([f'fluent({term})', *body])}."
             if self._reads_states and head.signature != CHANGED:
                 yield from self._stray_rules(rule, head)
         for rule, head in self._changing:
@@ -167,22 +178,6 @@ class RelaxedRules:
         larger = counted or any("(" in term and variables(term) for term in head.arguments[:-1])
         return larger and head.signature in self._read_by([rule])
 
-    def _is_bound(self, head: AtomNode, rule: Statement) -> bool:
-        """Return whether the relaxed body binds all variables of a head."""
-        return self._is_plain(head, rule) and _variables(head.arguments[:-1]) <= _variables(self._body(rule))
-
-    def _set_rule(self, number: int, rule: Statement, head: AtomNode) -> str:
-        """Return the rule for the declared fluents that a head may set, with their possible values."""
-        term, value = head.arguments[0], BOTH if head.signature == CHANGED else head.arguments[1]
-        body = self._body(rule)
-        if COMPUTED.search(term) or not names([term]).isdisjoint(rule.parameters):
-            term, value, body = "F", BOTH, []
-        elif VARIABLE.fullmatch(value):
-            body.append(f"_opposite({value},_)")
-        elif value not in BOOLEAN:
-            value = BOTH
-        return f"_may_set({number},{term},{value}) :- {', '.join([f'fluent({term})', *body])}."
-
     def _stray_rules(self, rule: Statement, head: AtomNode) -> Iterator[str]:
         """Yield rules for `STRAY`: a head sets a term that is no fluent, or a value other than true and false."""
         term, value, body = head.arguments[0], head.arguments[1], self._body(rule)
@@ -198,13 +193,21 @@ class RelaxedRules:
         """Return the literals of a rule that can be written without time."""
         literals = [(plain, text) for node, text in rule.literals if (plain := _read_atom(node, text))]
         positive = [atom for atom, _ in literals if not atom.negated]
-        positive += (atom for atom in _own_conditions(rule.node.head) if not atom.negated)
+        elements: Sequence[AST] = getattr(rule.node.head, "elements", ())
+        if len(elements) == 1:  # its condition has to hold
+            inner = elements[0].condition if rule.node.head.ast_type == ASTType.HeadAggregate else elements[0]
+            conditions = (_read_atom(literal, str(literal)) for literal in inner.condition)
+            positive += (atom for atom in conditions if atom and not atom.negated)
         body = [text for atom in positive if self._is_plain(atom, rule) for text in self._relaxed(atom)]
         bound = _variables(body)
         others = [text for atom, text in literals if text == f"not {atom}" and self._is_fixed(atom)]
         body += [text for text in others if _is_plain([text], rule) and _variables([text]) <= bound]
-        waiting = [(node, text) for node, text in rule.literals if _compares(node)]
-        waiting = [each for each in waiting if names([each[1]]).isdisjoint(rule.parameters)]
+        waiting = [
+            (node, text)
+            for node, text in rule.literals
+            if node.ast_type == ASTType.Literal and node.atom.ast_type == ASTType.Comparison
+            if names([text]).isdisjoint(rule.parameters)
+        ]
         while ready := [each for each in waiting if _open_variables(each[0], bound) <= bound]:
             waiting = [each for each in waiting if each not in ready]
             body += [text for _, text in ready]
@@ -248,12 +251,6 @@ def _following(predicates: Iterable[Signature], rules: Sequence[Statement]) -> f
         closure |= new
 
 
-def _declared(statements: Iterable[Statement]) -> set[tuple[str, int]]:
-    """Return the predicates of ``#defined`` statements."""
-    nodes = (each.node for each in statements if each.kind == ASTType.Defined)
-    return {(node.name, node.arity) for node in nodes}
-
-
 def _is_plain(texts: Collection[str], rule: Statement) -> bool:
     """Return whether texts do not mention the time of a rule, and compute nothing."""
     return names(texts).isdisjoint(rule.parameters) and not any(map(COMPUTED.search, texts))
@@ -266,21 +263,6 @@ def _read_atom(literal: AST, text: str) -> AtomNode | None:
         return plain
     candidates = list(atoms(literal, text))
     return candidates[0] if len(candidates) == 1 else None
-
-
-def _own_conditions(head: AST) -> Iterator[AtomNode]:
-    """Yield the atoms of the condition of a head with a single element."""
-    elements: Sequence[AST] = getattr(head, "elements", ())
-    if len(elements) == 1:
-        element = elements[0].condition if head.ast_type == ASTType.HeadAggregate else elements[0]
-        for literal in element.condition:
-            atom = _read_atom(literal, str(literal))
-            if atom:
-                yield atom
-
-
-def _compares(literal: AST) -> bool:
-    return literal.ast_type == ASTType.Literal and literal.atom.ast_type == ASTType.Comparison
 
 
 def _open_variables(comparison: AST, bound: Collection[str]) -> set[str]:

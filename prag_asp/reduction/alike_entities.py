@@ -54,7 +54,9 @@ def find_alike(program: Program, statements: Sequence[Statement]) -> AlikeEntiti
     facts = [fact for instances in stated.values() for fact in instances]
     entities = {fact.arguments[0] for fact in facts if (fact.name, len(fact.arguments)) == ("entity", 2)}
     distinguished = _distinguished(statements, entities)
-    negated = {_negated(entity): entity for entity in entities if entity.type == clingo.SymbolType.Function}
+    # An entity with the opposite sign is another name.
+    functions = [entity for entity in entities if entity.type == clingo.SymbolType.Function]
+    negated = {clingo.Function(each.name, each.arguments, not each.positive): each for each in functions}
     distinguished |= {negated[term] for fact in facts for term in _named(fact, negated)}
     profiles: dict[clingo.Symbol, set[object]] = {entity: set() for entity in entities}
     for fact in facts:
@@ -100,20 +102,18 @@ def _distinguished(statements: Iterable[Statement], entities: Collection[clingo.
                     patterns.add((term.name, len(term.arguments)))
                 elif term.ast_type in (ASTType.SymbolicTerm, ASTType.Function):
                     constants.add(str(term))
-    within = {inner for entity in entities for each in _arguments(entity) for inner in _named(each, entities)}
-    outer = {entity for entity in entities if any(True for each in _arguments(entity) for _ in _named(each, entities))}
-    return (
-        within
-        | outer
-        | {
-            entity
-            for entity in entities
-            if entity.type != clingo.SymbolType.Function
+    distinguished: set[clingo.Symbol] = set()
+    for entity in entities:
+        if inside := {inner for each in _arguments(entity) for inner in _named(each, entities)}:
+            distinguished |= {entity, *inside}
+        elif (
+            entity.type != clingo.SymbolType.Function
             or not entity.positive
             or str(entity) in constants
             or (entity.arguments and (entity.name, len(entity.arguments)) in patterns)
-        }
-    )
+        ):
+            distinguished.add(entity)
+    return distinguished
 
 
 def _arguments(term: clingo.Symbol) -> Sequence[clingo.Symbol]:
@@ -146,11 +146,6 @@ def _named(term: clingo.Symbol, entities: Collection[clingo.Symbol]) -> Iterator
         yield term
     for argument in _arguments(term):
         yield from _named(argument, entities)
-
-
-def _negated(entity: clingo.Symbol) -> clingo.Symbol:
-    """Return an entity with the opposite sign, which is another name."""
-    return clingo.Function(entity.name, entity.arguments, not entity.positive)
 
 
 def _with_hole(term: clingo.Symbol, entity: clingo.Symbol) -> object:

@@ -70,7 +70,13 @@ def objection(statements: Sequence[Statement]) -> str | None:
     reserved |= {(each.node.name, each.node.arity) for each in statements
                  if not each.own and each.kind == ASTType.Defined} - STATED  # fmt: skip
     for statement in own:
-        reason = _objection_to(statement, reserved)
+        reason = None
+        if not statement.is_rule and statement.kind not in PASSED_OVER:
+            reason = "this statement may see every entity"
+        elif statement.is_rule and statement.part != "base":
+            reason = "a rule of a step may see every entity"
+        elif statement.is_rule:
+            reason = _objection_to_form(statement) or _objection_to_atoms(statement, reserved)
         if reason:
             return f"{statement.path}:{statement.line}: {reason}"
     unstratified = _through_negation([each for each in statements if each.is_rule and _in_base(each)])
@@ -94,16 +100,6 @@ def _in_base(statement: Statement) -> bool:
     return statement.part == "base" and (statement.own or statement.path.name in {*RULES, "classes.lp"})
 
 
-def _objection_to(statement: Statement, reserved: AbstractSet[Signature]) -> str | None:
-    if statement.kind in PASSED_OVER:
-        return None
-    if not statement.is_rule:
-        return "this statement may see every entity"
-    if statement.part != "base":
-        return "a rule of a step may see every entity"
-    return _objection_to_form(statement) or _objection_to_atoms(statement, reserved) or _objection_to_order(statement)
-
-
 def _objection_to_form(statement: Statement) -> str | None:
     """Return a reason unless a rule derives a plain atom from plain literals."""
     head = statement.node.head
@@ -115,20 +111,17 @@ def _objection_to_form(statement: Statement) -> str | None:
             return "an aggregate or a condition may see every entity"
     if statement.scripts:
         return "a function of a script may see every entity"
-    if statement.literals and any(map(_turns_around, _computed(statement))):
-        return "a minus makes other names of names"
-    return None
-
-
-def _computed(statement: Statement) -> Iterator[AST]:
-    """Yield the unary operations in the terms of a rule, without the minus of strongly negated atoms."""
-    return (
+    # The minus of a strongly negated atom makes no other name.
+    computed = (
         node
-        for literal in (statement.node.head, *(literal for literal, _ in statement.literals))
+        for literal in (head, *(literal for literal, _ in statement.literals))
         for part in ([literal.atom.symbol] if literal.atom.ast_type == ASTType.SymbolicAtom else [literal.atom])
         for node in below(part)
         if node.ast_type == ASTType.UnaryOperation and node is not part
     )
+    if statement.literals and any(map(_turns_around, computed)):
+        return "a minus makes other names of names"
+    return None
 
 
 def _turns_around(term: AST) -> bool:
@@ -137,34 +130,22 @@ def _turns_around(term: AST) -> bool:
 
 
 def _objection_to_atoms(statement: Statement, reserved: AbstractSet[Signature]) -> str | None:
-    """Return a reason if a rule reads or derives a predicate that is not allowed."""
+    """Return a reason if a rule has a predicate that is not allowed, or distinguishes entities by their order."""
     for atom in statement.heads:
         if atom.name.startswith("-") or atom.signature in reserved:
             return f"{spelled(atom.signature)} is not stated by plain facts"
     for atom in statement.body:
         if atom.name.startswith("-") or atom.signature in reserved - READ or atom.signature in MIRRORED:
             return f"{spelled(atom.signature)} may tell of every entity"
-    return None
-
-
-def _objection_to_order(statement: Statement) -> str | None:
-    """Return a reason if a rule distinguishes entities by their order."""
-    compared = [literal for literal, _ in statement.literals if _is_ordered(literal)]
-    if not compared:
-        return None
-    if len(compared) > 1 or not _is_mirrored(statement, compared[0]):
+    compared = []  # literals that compare terms by their order, none of which is certain to be a number
+    for literal, _ in statement.literals:
+        guards = literal.atom.guards if literal.atom.ast_type == ASTType.Comparison else ()
+        sides = [literal.atom.term, *(guard.term for guard in guards)] if guards else []
+        if any(guard.comparison in ORDERED for guard in guards) and (len(sides) > 2 or not any(map(_is_number, sides))):
+            compared.append(literal)
+    if compared and (len(compared) > 1 or not _is_mirrored(statement, compared[0])):
         return "entities may be distinguished by the order of their names"
     return None
-
-
-def _is_ordered(literal: AST) -> bool:
-    """Return whether a literal compares terms by their order, none of which is certain to be a number."""
-    if literal.atom.ast_type != ASTType.Comparison:
-        return False
-    sides = [literal.atom.term, *(guard.term for guard in literal.atom.guards)]
-    if not any(guard.comparison in ORDERED for guard in literal.atom.guards):
-        return False
-    return len(sides) > 2 or not any(_is_number(side) for side in sides)
 
 
 def _is_number(term: AST) -> bool:

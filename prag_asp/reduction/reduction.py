@@ -11,9 +11,8 @@ from math import perm, prod
 
 import clingo
 
-from prag_asp.checking import check
 from prag_asp.errors import DomainError
-from prag_asp.lint import Checked, with_entities
+from prag_asp.lint import Checked, check, with_entities
 from prag_asp.processes.progress_events import note
 from prag_asp.program.facts import Facts, ground_later
 from prag_asp.program.grounding import Grounder
@@ -159,7 +158,12 @@ def find_reduction(program: Program, settings: Source, *, fewest: int = FEWEST) 
     """
     statements, problems = parse_sources(owned(program))
     encodings = encodings_folder(program)
-    if problems or encodings is None or not _may_have(statements, fewest):
+    # The number of entities, as far as it is known without grounding: an interval may have any number.
+    stated = 0
+    for each in statements:
+        if each.own and each.is_rule and any(atom.name == "entity" for atom in each.heads):
+            stated += fewest if ".." in each.text else 1 + each.text.count(";")
+    if problems or encodings is None or stated < fewest:
         return None
     try:
         alike = find_alike(program, statements)
@@ -201,16 +205,6 @@ def named_in(term: clingo.Symbol, entities: Collection[clingo.Symbol]) -> set[cl
     return named
 
 
-def _may_have(statements: Iterable[Statement], fewest: int) -> bool:
-    """Return whether a program may have at least `fewest` entities, without grounding."""
-    stated = 0
-    for statement in statements:
-        if statement.own and statement.is_rule and any(atom.name == "entity" for atom in statement.heads):
-            text = statement.text
-            stated += fewest if ".." in text else 1 + text.count(";")
-    return stated >= fewest
-
-
 def _representatives(groups: Iterable[Group], sizes: Iterable[int], settings: Source) -> Representatives:
     """Return the entities to drop so that each group has its size; entities that the settings name stay."""
     words = set(re.findall(r"\w+", settings.text))
@@ -230,30 +224,24 @@ def _bounds(
     A measured bound equals that of the whole program if the measured program has `least` entities of each group: up to
     renaming, it then has all facts of the whole program that a rule reads.
     """
+    rules = [[atom.signature for atom in rule.body if not atom.negated] for rule in deriving_rules(statements)]
+    predicates = {("fluent", 1), ("action", 1), *INVARIANTS, *chain(*rules)}
     sizes = {group: min(FIRST, len(group)) for group in groups}
     while sizes:
         grounder = Grounder(alike.without(_representatives(sizes, sizes.values(), settings)))
         grounder.ground([("base", [])])
-        bounds = {group: _bound(grounder.control, group, statements) for group in sizes}
+        bounds: dict[Group, EntityBound] = {}
+        for group in sizes:
+            members = set(group)
+            most: dict[Signature, int] = {}  # the largest number of them that one atom names, by predicate
+            for each in predicates:
+                atoms = grounder.control.symbolic_atoms.by_signature(*each)
+                most[each] = max((len(named_in(atom.symbol, members)) for atom in atoms), default=0)
+            fluent = most["fluent", 1]
+            invariant = max(fluent, *(most[each] for each in INVARIANTS))
+            rule = max((sum(map(most.__getitem__, body)) for body in rules), default=0)
+            bounds[group] = EntityBound(most["action", 1], invariant, fluent, rule)
         if all(bounds[group].least <= size for group, size in sizes.items()):
             return bounds
         sizes = {group: max(sizes[group], bounds[group].least) for group in sizes if bounds[group].least < len(group)}
     return {}
-
-
-def _bound(control: clingo.Control, group: Group, statements: Sequence[Statement]) -> EntityBound:
-    members = set(group)
-
-    def most_named(signature: Signature) -> int:
-        atoms = control.symbolic_atoms.by_signature(*signature)
-        return max((len(named_in(atom.symbol, members)) for atom in atoms), default=0)
-
-    rules = [[atom.signature for atom in rule.body if not atom.negated] for rule in deriving_rules(statements)]
-    by_predicate = {each: most_named(each) for each in {("fluent", 1), ("action", 1), *INVARIANTS, *chain(*rules)}}
-    fluent = by_predicate["fluent", 1]
-    return EntityBound(
-        action=by_predicate["action", 1],
-        invariant=max(fluent, *(by_predicate[each] for each in INVARIANTS)),
-        fluent=fluent,
-        rule=max((sum(map(by_predicate.__getitem__, rule)) for rule in rules), default=0),
-    )

@@ -31,6 +31,7 @@ def rgb(color: str) -> tuple[int, int, int]:
     return int(color[1:3], 16), int(color[3:5], 16), int(color[5:7], 16)
 
 
+@lru_cache(maxsize=256)
 def to_lab(color: str) -> NDArray[np.float64]:
     """Return lightness, a and b of a colour like ``#e4572e``."""
     lab: NDArray[np.float64] = _lab(np.array([rgb(color)]))[0]

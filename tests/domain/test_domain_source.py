@@ -35,29 +35,30 @@ def standard_input(monkeypatch: pytest.MonkeyPatch, content: bytes) -> None:
     monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(content)))
 
 
-def test_files_together_are_one_domain_named_after_the_first(folder: Path) -> None:
+def test_files_texts_and_standard_input_together_are_one_domain_named_after_the_first(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     one = load_domain("lamps.lp", "actions.lp")
-    other = load_domain(folder / "actions.lp", folder / "lamps.lp")
-    assert (one.name, other.name, one.folder) == ("lamps", "actions", None)
-    assert one.facts == other.facts and TaskSpace(one, 2).count() == TaskSpace(other, 2).count() > 0
-
-
-def test_a_text_is_a_domain_and_may_come_after_files(folder: Path) -> None:
-    assert load_domain(text=LAMPS + ACTIONS).facts == load_domain("lamps.lp", text=ACTIONS).facts
-    assert load_domain(text=LAMPS + ACTIONS).name == "text"
-    assert load_domain("lamps.lp", text=ACTIONS).name == "lamps"
-
-
-def test_standard_input_is_a_file_among_files(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert (one.name, one.folder) == ("lamps", None) and TaskSpace(one, 2).count() > 0
     standard_input(monkeypatch, b"\xef\xbb\xbf" + ACTIONS.replace("\n", "\r\n").encode())
-    domain = load_domain("-", "lamps.lp", "-")
-    assert domain.name == "stdin" and domain.facts == load_domain("lamps.lp", "actions.lp").facts
+    others = {
+        "actions": load_domain(folder / "actions.lp", folder / "lamps.lp"),
+        "text": load_domain(text=LAMPS + ACTIONS),
+        "lamps": load_domain("lamps.lp", text=ACTIONS),
+        "stdin": load_domain("-", "lamps.lp", "-"),
+    }
+    for name, other in others.items():
+        assert other.name == name and other.facts == one.facts
 
 
-def test_each_file_includes_from_its_own_folder(folder: Path) -> None:
+def test_each_file_includes_from_its_own_folder_and_a_folder_may_be_named_like_a_file(folder: Path) -> None:
     (folder / "parts").mkdir()
     (folder / "parts" / "more.lp").write_text('#include "here.lp".', encoding="utf-8")
     (folder / "parts" / "here.lp").write_text("entity(lamp_3, lamp).", encoding="utf-8")
+    (folder / "hall.lp").mkdir()
+    (folder / "hall.lp" / "domain.lp").write_text(LAMPS + ACTIONS, encoding="utf-8")
+    hall = load_domain("hall.lp")
+    assert hall.name == "hall.lp" and hall.folder == Path("hall.lp"), "its name ends like that of a file"
     domain = load_domain("lamps.lp", "actions.lp", "parts/more.lp", text='#include "parts/here.lp".')
     assert [str(entity) for entity in domain.facts.entities] == ["lamp_1", "lamp_2", "lamp_3"]
     with pytest.raises(DomainError, match=r"more\.lp:1: cannot include"):
@@ -84,7 +85,7 @@ def test_a_step_rule_counts_wherever_it_stands(folder: Path, engine: str) -> Non
         assert len(space.sample(5, seed=1, weights={"press": 2})) == 5
 
 
-def test_mistakes_are_told_with_the_file_and_the_line(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_mistakes_are_reported_with_the_file_and_the_line(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(DomainError, match=r"^<text>:6: unknown predicate spare/1"):
         load_domain(text=f"{LAMPS}{ACTIONS}spare(1).", strict=True)
     standard_input(monkeypatch, f"{ACTIONS}spare(.".encode())
@@ -104,7 +105,7 @@ def test_mistakes_are_told_with_the_file_and_the_line(folder: Path, monkeypatch:
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    ("given", "message"),
     [
         ((), "no domain; give a shipped name, a folder, files that end in .lp, two of PDDL, or a text"),
         (("prag", "lamps.lp"), "prag lamps.lp: prag is no file that ends in .lp; give one name or folder, or files"),
@@ -114,18 +115,11 @@ def test_mistakes_are_told_with_the_file_and_the_line(folder: Path, monkeypatch:
         (("tabeltop",), "tabeltop: no such domain; did you mean tabletop?"),
     ],
 )
-def test_what_is_no_domain_is_told(folder: Path, given: tuple[str, ...], told: str) -> None:
+def test_what_is_no_domain_is_reported(folder: Path, given: tuple[str, ...], message: str) -> None:
     (folder / "notes.txt").write_text(LAMPS + ACTIONS, encoding="utf-8")
     with pytest.raises(DomainError) as caught:
         load_domain(*given)
-    assert str(caught.value).startswith(told)
-
-
-def test_a_folder_whose_name_ends_like_a_file_is_a_folder(folder: Path) -> None:
-    (folder / "hall.lp").mkdir()
-    (folder / "hall.lp" / "domain.lp").write_text(LAMPS + ACTIONS, encoding="utf-8")
-    domain = load_domain("hall.lp")
-    assert domain.name == "hall.lp" and domain.folder == Path("hall.lp")
+    assert str(caught.value).startswith(message)
 
 
 def test_files_come_without_settings_and_learned_rules_unless_settings_are_given(folder: Path) -> None:

@@ -49,13 +49,9 @@ def mutated(text: str, chance: random.Random) -> str:
     return "".join(tokens)
 
 
-@settings(max_examples=examples(200))
-@given(
-    st.sampled_from(sorted(shipped_domains())),
-    st.sampled_from(["domain.lp", "domain.toml"]),
-    st.integers(0, 2**32),
-)
-def test_a_damaged_domain_loads_or_is_told_what_is_wrong(name: str, damaged: str, seed: int) -> None:
+@settings(max_examples=examples(100))
+@given(st.sampled_from(sorted(shipped_domains())), st.sampled_from(FILES), st.integers(0, 2**32))
+def test_a_damaged_domain_loads_or_is_reported_what_is_wrong(name: str, damaged: str, seed: int) -> None:
     with tempfile.TemporaryDirectory() as folder:
         for file in FILES:
             path = shipped_domains()[name] / file

@@ -1,4 +1,4 @@
-"""Sentences are filled in and found again, in every way that there is; wrong braces are told."""
+"""Sentences are filled in and found again, in every way that there is; wrong braces are message."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def test_what_is_missing_in_a_text_is_not_found() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("put {2}", r"has braces that name no argument; use \{0\}, \{1\}"),
         ("put {what}", "has braces that name no argument"),
@@ -45,6 +45,6 @@ def test_what_is_missing_in_a_text_is_not_found() -> None:
         (" ", "is empty"),
     ],
 )
-def test_wrong_braces_are_told(text: str, told: str) -> None:
-    with pytest.raises(QueryError, match=told):
+def test_wrong_braces_are_reported(text: str, message: str) -> None:
+    with pytest.raises(QueryError, match=message):
         parse_template(text, ("acc", "dat"), 2)

@@ -1,7 +1,7 @@
-"""Each malformed domain of bad_domains/ is told exactly the lines that its case expects: errors, or else warnings.
+"""Each malformed domain of bad_domains/ gets exactly the lines that its case expects: errors, or else warnings.
 
-A case is a table of a file in bad_domains/. It patches the good domain bad_domains/base and says what is `told`, a line
-for each problem. For each file that it changes it has one or more of
+A case is a table of a file in bad_domains/. It patches the good domain bad_domains/base and says what is
+`reported`, a line for each problem. For each file that it changes it has one or more of
 
     "domain.lp".add = 'heavy(cube_1).'                  lines after the last (base/domain.lp has 17)
     "domain.lp".replace = ['robot)', 'robto)']          a text, wherever it stands, by another
@@ -67,8 +67,8 @@ def write(folder: Path, texts: Mapping[str, str], encoding: str = "utf-8") -> No
         (folder / file).write_bytes(text.encode(encoding))
 
 
-def told(folder: Path) -> list[str]:
-    """Return the lines that a domain is told: its errors, or else its warnings."""
+def reported(folder: Path) -> list[str]:
+    """Return the errors of a domain, or else its warnings."""
     try:
         return list(map(str, load_domain(folder).warnings))
     except DomainError as error:
@@ -86,10 +86,12 @@ def test_what_the_cases_patch_has_no_mistake(tmp_path: Path, family: str) -> Non
 
 
 @pytest.mark.parametrize(("family", "name"), CASES, ids=[name for _, name in CASES])
-def test_one_mistake_is_told_in_one_line_with_its_place_and_what_to_do(tmp_path: Path, family: str, name: str) -> None:
+def test_one_mistake_is_reported_in_one_line_with_its_place_and_what_to_do(
+    tmp_path: Path, family: str, name: str
+) -> None:
     case = FAMILIES[family][name]
-    patches = {key: value for key, value in case.items() if key not in {"told", "encoding"}}
+    patches = {key: value for key, value in case.items() if key not in {"reported", "encoding"}}
     write(tmp_path, patched(base(family), patches), case.get("encoding", "utf-8"))
-    expected = case["told"].strip("\n").split("\n")
-    assert told(tmp_path) == [f"{tmp_path}/{line}" for line in expected]
+    expected = case["reported"].strip("\n").split("\n")
+    assert reported(tmp_path) == [f"{tmp_path}/{line}" for line in expected]
     assert all(";" in line for line in expected)

@@ -37,26 +37,24 @@ def test_a_shipped_domain_passes(name: str) -> None:
     assert domain.facts.actions and domain.warnings == ()
 
 
-@pytest.mark.parametrize("rules", [("closed_world",), ("no_undo",), ("at_most(press,2)", "no_undo")])
-def test_rules_can_be_added(tmp_path: Path, rules: tuple[str, ...]) -> None:
-    assert len(load_domain(domain(tmp_path, SWITCH), rules=rules).facts.actions) == 4
-
-
-def test_a_domain_may_be_made_of_several_files(tmp_path: Path) -> None:
-    (tmp_path / "scenes").mkdir()
-    (tmp_path / "scenes" / "hall.lp").write_text("entity(lamp_3, lamp).", encoding="utf-8")
-    facts = load_domain(domain(tmp_path, '#include "scenes/hall.lp".\n' + SWITCH)).facts
-    assert [str(entity) for entity in facts.entities] == ["lamp_1", "lamp_2", "lamp_3"]
-
-
-def test_files_may_include_each_other_in_a_circle(tmp_path: Path) -> None:
-    (tmp_path / "more.lp").write_text('#include "domain.lp".\nentity(lamp_3, lamp).', encoding="utf-8")
-    assert len(load_domain(domain(tmp_path, '#include "more.lp".\n' + SWITCH)).facts.entities) == 3
-
-
-def test_the_closed_world_makes_every_start_known(tmp_path: Path) -> None:
-    assert not load_domain(domain(tmp_path, SWITCH)).facts.closed
+def test_rules_can_be_added(tmp_path: Path) -> None:
+    folder = domain(tmp_path, SWITCH)
+    assert not load_domain(folder).facts.closed
+    for rules in (("closed_world",), ("no_undo",), ("at_most(press,2)", "no_undo")):
+        facts = load_domain(folder, rules=rules).facts
+        assert len(facts.actions) == 4 and facts.closed == ("closed_world" in rules)
     assert load_domain(domain(tmp_path, '#include "rules/closed_world.lp".\n' + SWITCH)).facts.closed
+
+
+@pytest.mark.parametrize(
+    ("file", "text"),
+    [("scenes/hall.lp", "entity(lamp_3, lamp)."), ("more.lp", '#include "domain.lp".\nentity(lamp_3, lamp).')],
+)
+def test_files_may_include_others_even_in_a_circle(tmp_path: Path, file: str, text: str) -> None:
+    (tmp_path / "scenes").mkdir()
+    (tmp_path / file).write_text(text, encoding="utf-8")
+    facts = load_domain(domain(tmp_path, f'#include "{file}".\n' + SWITCH)).facts
+    assert [str(entity) for entity in facts.entities] == ["lamp_1", "lamp_2", "lamp_3"]
 
 
 def test_a_step_rule_may_read_what_is_known_at_the_start(tmp_path: Path) -> None:
@@ -74,16 +72,6 @@ def test_conditions_on_classes_restrict_what_a_step_rule_reads(tmp_path: Path) -
         load_domain(domain(tmp_path, SWITCH + more + ":- occurs(press(_),t), not old(L), holds(lit(L),true,t-1).\n"))
 
 
-def test_a_step_may_carry_a_predicate_along(tmp_path: Path) -> None:
-    rule = """
-    #program step(t).
-    used(L,t) :- used(L,t-1).
-    used(L,t) :- occurs(press(L),t).
-    :- used(L,t-1), occurs(press(L),t).
-    """
-    assert "used(L,t-1)" in load_domain(domain(tmp_path, SWITCH + rule)).program.text
-
-
 def test_helpers_constants_comments_and_shown_predicates_are_allowed(tmp_path: Path) -> None:
     more = """
     #const most = 2.
@@ -93,23 +81,23 @@ def test_helpers_constants_comments_and_shown_predicates_are_allowed(tmp_path: P
     label("Büro; 50 %*").
     #defined wet/1.
     initially(lit(L), true) :- wet(L), label(_).
-    """
-    assert load_domain(domain(tmp_path, SWITCH + more)).facts.actions
-
-
-def test_an_action_that_can_occur_is_never_reported(tmp_path: Path) -> None:
-    more = """
     fluent(warm(L)) :- is_a(L,lamp).
     implies(warm(L), lit(L)) :- is_a(L,lamp).
     postcondition(release(L), warm(L), false) :- is_a(L,lamp).
     initially(warm(lamp_1), true).
     action(touch(L)) :- is_a(L,lamp).
     precondition(touch(L), warm(L), true) :- is_a(L,lamp).
+    #program step(t).
+    used(L,t) :- used(L,t-1).
+    used(L,t) :- occurs(press(L),t).
+    :- used(L,t-1), occurs(press(L),t).
     """
-    assert "touch(lamp_1)" in map(str, load_domain(domain(tmp_path, SWITCH + more)).facts.actions)
+    loaded = load_domain(domain(tmp_path, SWITCH + more))
+    assert "used(L,t-1)" in loaded.program.text
+    assert "touch(lamp_1)" in map(str, loaded.facts.actions), "an action that can occur is never pruned"
 
 
-def test_an_own_rule_that_changes_a_fluent_makes_its_actions_possible(tmp_path: Path) -> None:
+def test_a_user_rule_that_changes_a_fluent_makes_its_actions_possible(tmp_path: Path) -> None:
     more = """
     fluent(dark).
     initially(dark, false).
@@ -126,19 +114,15 @@ def test_an_own_rule_that_changes_a_fluent_makes_its_actions_possible(tmp_path: 
     assert load_domain(domain(tmp_path, SWITCH + more + own)).warnings == ()
 
 
-def test_settings_are_read_without_rounding(tmp_path: Path) -> None:
-    weights = 'press = 0.1\n"press > release" = 1e-2\nlamp = 3\nlamp_1 = 0\n"press(lamp_2)" = 2\n'
-    text = f'title = "Lamps"\n[weights]\n{weights}[language]\npress = "press {{0}}"\n'
-    settings = load_domain(domain(tmp_path, SWITCH, text)).settings
-    assert settings.title == "Lamps"
-    assert settings.weights["press"] == Fraction(1, 10)
-    assert settings.weights["press>release"] == Fraction(1, 100)
-    assert settings.weights["lamp_1"] == 0
-    assert settings.language == {"press": "press {0}"}
-    assert settings.line_of("weights", "lamp") == 5
-
-
-def test_a_domain_needs_no_settings(tmp_path: Path) -> None:
+def test_settings_are_optional_and_read_without_rounding(tmp_path: Path) -> None:
     settings = load_domain(domain(tmp_path, SWITCH)).settings
     assert (settings.title, settings.weights, settings.scene) == ("", {}, {})
     assert settings.line_of("weights", "press") == 1
+    weights = 'press = 0.1\n"press > release" = 1e-2\nlamp = 3\nlamp_1 = 0\n"press(lamp_2)" = 2\n'
+    text = f'title = "Lamps"\n[weights]\n{weights}[language]\npress = "press {{0}}"\n'
+    settings = load_domain(domain(tmp_path, SWITCH, text)).settings
+    assert (settings.title, settings.language) == ("Lamps", {"press": "press {0}"})
+    assert settings.weights["press"] == Fraction(1, 10)
+    assert settings.weights["press>release"] == Fraction(1, 100)
+    assert settings.weights["lamp_1"] == 0
+    assert settings.line_of("weights", "lamp") == 5

@@ -23,21 +23,26 @@ postcondition(pick(R,O), holding(R,O), true) :- action(pick(R,O)).
 postcondition(pick(R,O), empty(R), false)    :- action(pick(R,O)).
 action(drop(R,O)) :- fluent(holding(R,O)).
 precondition(drop(R,O), holding(R,O), true) :- action(drop(R,O)).
-postcondition(drop(R,O), (holding(R,O), false)) :- action(drop(R,O)).
+postcondition(drop(R,O), holding(R,O), false) :- action(drop(R,O)).
 postcondition(drop(R,O), empty(R), true)    :- action(drop(R,O)).
-""".replace("(holding(R,O), false))", "holding(R,O), false)")
+"""
 LINES = PICK.count("\n")
 
 
-def told(folder: Path, *more: str, settings: str = "", text: str = PICK) -> list[str]:
-    """Return what a domain is told without the folder: its errors, or else its warnings."""
-    (folder / "domain.lp").write_text(text + "\n".join(more), encoding="utf-8")
-    (folder / "domain.toml").write_text(settings, encoding="utf-8")
+def reported(folder: Path, *more: str, settings: str = "", text: str = PICK) -> list[str]:
+    """Return the errors of a domain without the folder, or else its warnings."""
+    write(folder, *more, settings=settings, text=text)
     try:
         lines = list(map(str, load_domain(folder).warnings))
     except DomainError as error:
         lines = str(error).splitlines()
     return [line.replace(f"{folder}/", "") for line in lines]
+
+
+def write(folder: Path, *more: str, settings: str = "", text: str = PICK) -> None:
+    """Write a domain, with lines after its text."""
+    (folder / "domain.lp").write_text(text + "\n".join(more), encoding="utf-8")
+    (folder / "domain.toml").write_text(settings, encoding="utf-8")
 
 
 WARNED = {
@@ -65,10 +70,12 @@ WARNED = {
 
 @pytest.mark.parametrize("more", WARNED)
 def test_what_is_strange_but_well_defined_is_a_warning(tmp_path: Path, more: str) -> None:
-    lines = told(tmp_path, more)
-    assert f"domain.lp:{LINES + 1}: warning: {WARNED[more]}" in lines
+    write(tmp_path, more)
+    domain = load_domain(tmp_path)
+    lines = list(map(str, domain.warnings))
+    assert f"{tmp_path}/domain.lp:{LINES + 1}: warning: {WARNED[more]}" in lines
     assert len(lines) == 1 + more.endswith("allow")
-    assert TaskSpace(load_domain(tmp_path), 2).count() > 0
+    assert TaskSpace(domain, 2).count() > 0
 
 
 REFUSED = {
@@ -94,24 +101,25 @@ REFUSED = {
 
 @pytest.mark.parametrize("more", REFUSED)
 def test_a_slip_that_would_change_a_count_is_an_error(tmp_path: Path, more: str) -> None:
-    assert told(tmp_path, more) == [f"domain.lp:{LINES + more.count(chr(10)) + 1}: {REFUSED[more]}"]
+    assert reported(tmp_path, more) == [f"domain.lp:{LINES + more.count(chr(10)) + 1}: {REFUSED[more]}"]
 
 
-def test_one_slip_is_told_once_however_many_rules_fail_to_fire_for_it(tmp_path: Path) -> None:
-    (line,) = told(
+def test_one_slip_is_reported_once_however_many_rules_fail_to_fire_for_it(tmp_path: Path) -> None:
+    (line,) = reported(
         tmp_path, text=PICK.replace("fluent(holding(R,O)) :- is_a(R,robot)", "fluent(holdng(R,O)) :- is_a(R,robot)")
     )
     assert line == "domain.lp:5: no entity, fluent or action has the name holding; did you mean holdng?"
-    (line,) = told(tmp_path, text=PICK.replace("action(drop(R,O)) :- fluent", "action(dorp(R,O)) :- fluent"))
+    (line,) = reported(tmp_path, text=PICK.replace("action(drop(R,O)) :- fluent", "action(dorp(R,O)) :- fluent"))
     assert line == "domain.lp:10: no entity, fluent or action has the name drop; did you mean dorp?"
 
 
-def test_two_rules_that_wait_for_each_other_are_told(tmp_path: Path) -> None:
-    circle = ("action(dorp(R,O)) :- precondition(dorp(R,O), _, _).",
-              "precondition(dorp(R,O), empty(R), true) :- action(dorp(R,O)).")  # fmt: skip
-    assert told(tmp_path, *circle) == [
-        f"domain.lp:{LINES + 1}: no entity, fluent or action has the name dorp; did you mean drop?"
-    ]
+def test_two_rules_that_wait_for_each_other_are_reported(tmp_path: Path) -> None:
+    (line,) = reported(
+        tmp_path,
+        "action(dorp(R,O)) :- precondition(dorp(R,O), _, _).",
+        "precondition(dorp(R,O), empty(R), true) :- action(dorp(R,O)).",
+    )
+    assert line == f"domain.lp:{LINES + 1}: no entity, fluent or action has the name dorp; did you mean drop?"
 
 
 GENERAL = """
@@ -128,8 +136,8 @@ initially(open(D), false) :- known_door(D), not goal(open(D),true).
 """
 
 
-def test_rules_for_what_a_domain_happens_to_lack_are_told_by_its_empty_class_alone(tmp_path: Path) -> None:
-    (line,) = told(tmp_path, GENERAL)
+def test_rules_for_what_a_domain_happens_to_lack_are_reported_by_its_empty_class_alone(tmp_path: Path) -> None:
+    (line,) = reported(tmp_path, GENERAL)
     assert line.endswith("warning: class door has no entity; add entity(..., door), or remove it [empty-class]")
 
 
@@ -148,46 +156,46 @@ def test_rules_for_what_a_domain_happens_to_lack_are_told_by_its_empty_class_alo
         "#program step(t).\nlast(pick,t) :- occurs(pick(_,_),t).\n:- last(pick,t-1), occurs(pick(_,_),t).",
     ],
 )
-def test_names_that_some_atom_may_have_are_not_told(tmp_path: Path, more: str) -> None:
-    assert told(tmp_path, more) == []
+def test_names_that_some_atom_may_have_are_not_reported(tmp_path: Path, more: str) -> None:
+    assert reported(tmp_path, more) == []
 
 
 def test_a_comment_on_its_line_quiets_a_warning_and_nothing_else(tmp_path: Path) -> None:
-    assert told(tmp_path, "heavy(cube_1). % lint: allow unused") == []
-    assert told(tmp_path, "class(ball). heavy(cube_1). % so be it; lint: allow unused empty-class") == []
-    assert told(tmp_path, "class(ball). heavy(cube_1). %* lint: allow unused, empty-class *%") == []
-    assert len(told(tmp_path, "heavy(cube_1). % lint: allow empty-class")) == 1
-    assert len(told(tmp_path, "% lint: allow unused", "heavy(cube_1).")) == 1
-    assert len(told(tmp_path, 'heavy("% lint: allow unused").')) == 1
-    (line,) = told(tmp_path, "postconditon(pick(panda,cube_1),empty(panda),true). % lint: allow unused")
+    assert reported(tmp_path, "heavy(cube_1). % lint: allow unused") == []
+    assert reported(tmp_path, "class(ball). heavy(cube_1). % so be it; lint: allow unused empty-class") == []
+    assert reported(tmp_path, "class(ball). heavy(cube_1). %* lint: allow unused, empty-class *%") == []
+    assert len(reported(tmp_path, "heavy(cube_1). % lint: allow empty-class")) == 1
+    assert len(reported(tmp_path, "% lint: allow unused", "heavy(cube_1).")) == 1
+    assert len(reported(tmp_path, 'heavy("% lint: allow unused").')) == 1
+    (line,) = reported(tmp_path, "postconditon(pick(panda,cube_1),empty(panda),true). % lint: allow unused")
     assert "did you mean postcondition?" in line
 
 
 def test_a_comment_in_the_settings_quiets_as_well(tmp_path: Path) -> None:
-    (line,) = told(tmp_path, settings='author = "me"\n')
+    (line,) = reported(tmp_path, settings='author = "me"\n')
     assert line.startswith("domain.toml:1: warning: author: unknown key; known are description, language, scene, ")
-    assert told(tmp_path, settings='author = "me"  # lint: allow no-effect\n') == []
-    (line,) = told(tmp_path, settings='titel = "me"  # lint: allow no-effect\n')
+    assert reported(tmp_path, settings='author = "me"  # lint: allow no-effect\n') == []
+    (line,) = reported(tmp_path, settings='titel = "me"  # lint: allow no-effect\n')
     assert line == "domain.toml:1: titel: unknown key; did you mean title?"
-    (line,) = told(tmp_path, settings='[language]\nshovel = "shovel"\n')
+    (line,) = reported(tmp_path, settings='[language]\nshovel = "shovel"\n')
     assert line.endswith("give the name of an action or a fluent [no-effect]")
-    assert told(tmp_path, settings='[language]\nshovel = "shovel" # lint: allow no-effect\n') == []
+    assert reported(tmp_path, settings='[language]\nshovel = "shovel" # lint: allow no-effect\n') == []
 
 
 def test_strict_makes_errors_of_warnings(tmp_path: Path) -> None:
-    told(tmp_path, "heavy(cube_1).", "class(ball).")
+    write(tmp_path, "heavy(cube_1).", "class(ball).")
     assert [warning.name for warning in load_domain(tmp_path).warnings] == ["unused", "empty-class"]
     with pytest.raises(DomainError) as caught:
         load_domain(tmp_path, strict=True)
     lines = str(caught.value).splitlines()
     assert [line.rpartition(" ")[2] for line in lines] == ["[unused]", "[empty-class]"]
     assert not any("warning" in line for line in lines)
-    told(tmp_path, "heavy(cube_1). % lint: allow unused")
+    write(tmp_path, "heavy(cube_1). % lint: allow unused")
     load_domain(tmp_path, strict=True)
 
 
 def test_an_ambiguous_name_is_refused_alike_wherever_it_is_given(tmp_path: Path) -> None:
-    told(tmp_path, "entity(cube, cube).")
+    write(tmp_path, "entity(cube, cube).")
     space = TaskSpace(load_domain(tmp_path), 1)
     message = "cube could be the class or the entity of that name; rename one in the domain"
     for ask in (
@@ -200,7 +208,7 @@ def test_an_ambiguous_name_is_refused_alike_wherever_it_is_given(tmp_path: Path)
             ask()
         assert str(caught.value) == message
     assert space.where("uses cube_1").count() == 2
-    (line,) = told(tmp_path, "entity(cube, cube).", settings="[weights]\ncube = 2\n")
+    (line,) = reported(tmp_path, "entity(cube, cube).", settings="[weights]\ncube = 2\n")
     assert line == f"domain.toml:2: weights.cube: {message}"
 
 

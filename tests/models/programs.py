@@ -99,7 +99,7 @@ def loops(draw: st.DrawFn) -> str:
     return "{e(1..7)}. " + " ".join([*rules, *(f":- not {each}." for each in needed)])
 
 
-def told_by_clingo(text: str, *, project: bool, weighted: bool = False) -> Counter[tuple[str, ...]]:
+def answer_sets_by_clingo(text: str, *, project: bool, weighted: bool = False) -> Counter[tuple[str, ...]]:
     """Return what clingo prints of each answer set or projection, sorted, and how often; weights by its atoms."""
     control = clingo.Control(["0", "--project=auto" if project else "--project=no"], logger=lambda *_: None)
     control.add("base", [], text)

@@ -24,12 +24,12 @@ BESIDE = "prag_asp.{}.PATIENCE"
 @needs_ganak
 def test_where_clingo_would_never_end_a_counter_answers_and_that_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(BESIDE.format("space.engines.auto_engine"), 0)
-    told: list[str] = []
+    notes: list[str] = []
     before = set(children())
-    space = TaskSpace(domain_of(APART), 40, progress=told.append)
+    space = TaskSpace(domain_of(APART), 40, progress=notes.append)
     assert space.count("plan") == 4**2 * 3**38
     assert space.count("plan", ["a"]) == 4 * 3**38
-    assert sum("engine sharp as well, because clingo" in line for line in told) == 2
+    assert sum("engine sharp as well, because clingo" in line for line in notes) == 2
     assert set(children()) <= before
 
 
@@ -81,7 +81,7 @@ def test_where_there_is_no_room_for_a_counter_the_count_goes_on_alone(
 
 
 @needs_ganak
-def test_an_error_in_who_is_told_of_a_counter_is_no_failure_of_the_counter() -> None:
+def test_an_error_of_a_listener_is_no_failure_of_the_counter() -> None:
     def tell() -> None:
         raise BrokenPipeError
 

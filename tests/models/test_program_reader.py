@@ -1,4 +1,4 @@
-"""What is no program, or none that is supported, is told by file and line; what clingo ignores is ignored."""
+"""Programs that are unreadable or unsupported are refused by file and line; what clingo ignores is ignored."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from prag_asp import DomainError, EngineError, QueryError, answer_sets
 
 
 @pytest.mark.parametrize(
-    ("text", "line", "told"),
+    ("text", "line", "reason"),
     [
         ("a.\n#minimize { 1 : a }.", 2, "#minimize is not supported"),
         ("a.\n\n:~ a. [1]", 3, "weak constraint"),
@@ -25,24 +25,23 @@ from prag_asp import DomainError, EngineError, QueryError, answer_sets
         ("a.\nb(@f(1)) :- a.", 2, "the function @f is not supported"),
     ],
 )
-def test_what_is_not_supported_is_refused_by_its_name_and_line(text: str, line: int, told: str, tmp_path: Path) -> None:
+def test_what_is_not_supported_is_refused_by_its_name_and_line(
+    text: str, line: int, reason: str, tmp_path: Path
+) -> None:
     file = tmp_path / "given.lp"
     file.write_text(text)
     with pytest.raises(DomainError) as error:
         answer_sets(file)
     (message,) = error.value.lines
-    assert message.startswith(f"{file}:{line}: ") and told in message
+    assert message.startswith(f"{file}:{line}: ") and reason in message
 
 
-def test_constants_are_set_whether_they_are_declared_or_not() -> None:
+def test_constants_are_set_whether_they_are_declared_or_not_if_the_program_reads_them() -> None:
     assert answer_sets(text="#const n=2. {a(1..n)}.", constants={"n": 5}).count() == 32
     assert answer_sets(text="{a(1..n)}.", constants={"n": 6}).count() == 64
+    assert answer_sets(text="#const m=n. {a(1..m)}.", constants={"n": 3}).count() == 8
     with pytest.raises(DomainError, match="constant m: nothing in the program reads it; did you mean mm"):
         answer_sets(text="#const mm=2. {a(1..mm)}.", constants={"m": 5})
-
-
-def test_a_name_that_is_no_constant_of_the_program_is_told() -> None:
-    assert answer_sets(text="#const m=n. {a(1..m)}.", constants={"n": 3}).count() == 8
     for text in ("{n(1..3)}.", "{n}. #show n/0.", "{a(n(1))}.", '{a("n")}. % n'):
         with pytest.raises(DomainError, match="constant n: nothing in the program reads it"):
             answer_sets(text=text, constants={"n": 3})
@@ -63,11 +62,11 @@ def test_an_external_that_a_rule_derives_is_what_clingo_takes_it_for(derives: st
     control.add("base", [], text)
     control.ground([("base", [])])
     with control.solve(yield_=True) as models:
-        told = sorted(tuple(map(str, sorted(model.symbols(shown=True)))) for model in models)
+        by_clingo = sorted(tuple(map(str, sorted(model.symbols(shown=True)))) for model in models)
     notes: list[str] = []
     found = answer_sets(text=text, tell=notes.append)
-    assert sorted(tuple(map(str, each)) for each in found) == told
-    assert found.count() == len(told) == count
+    assert sorted(tuple(map(str, each)) for each in found) == by_clingo
+    assert found.count() == len(by_clingo) == count
     if ":-" in derives:
         assert notes == [
             "a rule derives q, which is #external and not false: "
@@ -77,7 +76,7 @@ def test_an_external_that_a_rule_derives_is_what_clingo_takes_it_for(derives: st
             answer_sets(text=text, engine="diagram").count()
 
 
-def test_a_graph_that_has_to_be_acyclic_is_left_to_clingo_and_that_is_told() -> None:
+def test_a_graph_that_has_to_be_acyclic_is_left_to_clingo_and_that_is_reported() -> None:
     notes: list[str] = []
     found = answer_sets(text="{e(1,2); e(2,1)}. #edge (X,Y) : e(X,Y).", tell=notes.append)
     assert found.count() == 3 and len(list(found.sample(5))) == 5
@@ -114,22 +113,22 @@ class _Enough(Exception):
 
 def test_clingo_tells_on_the_way_how_many_answer_sets_there_are_at_least() -> None:
     for text, project in (("{a(1..80)}.", False), ("{a(1..80)}. #show t(X) : a(X). #show t(X) : a(X), a(1).", True)):
-        told: list[str] = []
+        lines: list[str] = []
 
-        def tell(words: str, told: list[str] = told) -> None:
-            told.append(words)
-            if len(told) == 3:
+        def tell(words: str, lines: list[str] = lines) -> None:
+            lines.append(words)
+            if len(lines) == 3:
                 raise _Enough
 
         with pytest.raises(_Enough):
             answer_sets(text=text, project=project, engine="clingo", progress=tell).count()
-        bounds = [int(words.split()[2].replace(",", "")) for words in told]
+        bounds = [int(words.split()[2].replace(",", "")) for words in lines]
         assert 0 < bounds[0] <= bounds[1] <= bounds[2] < 2**80
-        assert told == [f"at least {bound:,} answer set{'s' if bound > 1 else ''}" for bound in bounds]
+        assert lines == [f"at least {bound:,} answer set{'s' if bound > 1 else ''}" for bound in bounds]
 
 
 @pytest.mark.parametrize(
-    ("more", "told"),
+    ("more", "note"),
     [
         ("", ""),
         ("weight(heads(3),3).", "no rule derives heads(3), so that its weight counts for nothing; did you"),
@@ -139,10 +138,10 @@ def test_clingo_tells_on_the_way_how_many_answer_sets_there_are_at_least() -> No
         ),
     ],
 )
-def test_a_weight_of_an_atom_that_no_rule_derives_is_noted(more: str, told: str, tmp_path: Path) -> None:
+def test_a_weight_of_an_atom_that_no_rule_derives_is_noted(more: str, note: str, tmp_path: Path) -> None:
     (tmp_path / "coins.lp").write_text(f"{{heads(1..2)}}. weight(heads(1),2).\n{more}")
     notes: list[str] = []
     assert answer_sets(tmp_path / "coins.lp", weighted=True, tell=notes.append).total() == 6
     weighed = [note for note in notes if "no rule derives" in note]
-    assert len(weighed) == bool(told)
-    assert all(note.startswith(f"{tmp_path / 'coins.lp'}:2: {told}") for note in weighed)
+    assert len(weighed) == bool(note)
+    assert all(each.startswith(f"{tmp_path / 'coins.lp'}:2: {note}") for each in weighed)

@@ -116,20 +116,20 @@ def part(chance: random.Random, actions: Plan, *_: object) -> Clause:
     return Clause(f"part {low}-4 of 5 by seed {seed}", belongs)
 
 
-def literals(chance: random.Random, fluents: Plan) -> dict[str, bool]:
-    return {fluent: chance.random() < 0.6 for fluent in chance.sample(fluents, chance.randint(1, 2))}
+def conjunction(chance: random.Random, fluents: Plan) -> tuple[str, Callable[[dict[str, bool]], bool]]:
+    values = {fluent: chance.random() < 0.6 for fluent in chance.sample(fluents, chance.randint(1, 2))}
+    words = ", ".join(f"{'' if value else 'not '}{fluent}" for fluent, value in values.items())
+    return words, lambda state: all(state[fluent] == value for fluent, value in values.items())
 
 
 def starts(chance: random.Random, actions: Plan, fluents: Plan, *_: object) -> Clause:
-    wanted = literals(chance, fluents)
-    words = ", ".join(f"{'' if v else 'not '}{f}" for f, v in wanted.items())
-    return Clause(f"starts {words}", None, 0, lambda state: all(state[f] == v for f, v in wanted.items()))
+    words, test = conjunction(chance, fluents)
+    return Clause(f"starts {words}", None, 0, test)
 
 
 def after(chance: random.Random, actions: Plan, fluents: Plan, *_: object) -> Clause:
-    wanted, step = literals(chance, fluents), chance.randint(0, 2)
-    words = ", ".join(f"{'' if v else 'not '}{f}" for f, v in wanted.items())
-    return Clause(f"after {step}: {words}", None, step, lambda state: all(state[f] == v for f, v in wanted.items()))
+    (words, test), step = conjunction(chance, fluents), chance.randint(0, 2)
+    return Clause(f"after {step}: {words}", None, step, test)
 
 
 def ends(chance: random.Random, actions: Plan, fluents: Plan, *_: object) -> Clause:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import random
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
 from tests.brute_force import Action, Toy, Values
@@ -83,34 +83,34 @@ def linked(entities: Iterable[str], state: dict[str, bool]) -> set[str]:
     return first.union(*(reached(entities, state, x) for x in first))
 
 
+def draw_sensible(draw: Callable[[], Case]) -> Case:
+    """Draw cases until each action of one can occur."""
+    return next(case for case in iter(draw, None) if case.sensible)
+
+
 def draw_case(chance: random.Random) -> Case:
     """Draw a small domain that tells entities apart by little, by nothing, or only in its words."""
-    while True:
-        case = draw_any(chance)
-        if case.sensible:
-            return case
+    return draw_sensible(lambda: draw_any(chance))
 
 
 def draw_redundant(chance: random.Random) -> Case:
     """Draw a domain that says again, in other words and of single entities, much of what its invariants entail."""
-    while True:
-        case = draw_any(chance, invariants=chance.randint(2, 5), disturbances=chance.choice([0, 0, 0, 1]))
-        if not case.sensible:
-            continue
+
+    def draw() -> Case:
+        case = draw_sensible(
+            lambda: draw_any(chance, invariants=chance.randint(2, 5), disturbances=chance.choice([0, 0, 0, 1]))
+        )
         toy = with_chains(case.toy, chance) if chance.random() < 0.5 else case.toy
         for _ in range(chance.randint(1, 4)):
             toy = said_again(toy, chance)
-        case = replace(case, toy=toy, order=chance.randrange(2**16))
-        if case.sensible:
-            return case
+        return replace(case, toy=toy, order=chance.randrange(2**16))
+
+    return draw_sensible(draw)
 
 
 def draw_closed(chance: random.Random, kind: Kind) -> Case:
     """Draw a small domain whose initial state is given whole, under a condition of a kind and perhaps others."""
-    while True:
-        case = draw_any(chance, closed=True, kind=kind)
-        if case.sensible:
-            return case
+    return draw_sensible(lambda: draw_any(chance, closed=True, kind=kind))
 
 
 def draw_any(

@@ -11,7 +11,7 @@ from dataclasses import replace
 from tests.brute_force import Action, Toy, Values
 from tests.orbits.case import Case, Names
 from tests.orbits.conditions import draw_clauses
-from tests.orbits.domains import disturbed, draw_values
+from tests.orbits.domains import disturbed, draw_sensible, draw_values, put
 
 STRUCTURES = (
     {"x1": "y1", "x2": "y2"},
@@ -64,16 +64,9 @@ def ground(text: str, own: dict[str, str]) -> Iterator[Names]:
             yield {"X": x, "Y": own[x], "Z": z}
 
 
-def put(text: str, names: Names) -> str:
-    return re.sub(r"\b[XYZ]\b", lambda found: names[found[0]], text)
-
-
 def draw_units(chance: random.Random) -> Case:
     """Draw a small domain whose entities belong to each other, with little that tells them apart, or nothing."""
-    while True:
-        case = _draw(chance)
-        if case.sensible:
-            return case
+    return draw_sensible(lambda: _draw(chance))
 
 
 def _draw(chance: random.Random) -> Case:
@@ -108,9 +101,4 @@ def _draw(chance: random.Random) -> Case:
     text, ending = chance.choice(ENDINGS) if closed and chance.random() < 0.5 else ENDINGS[0]
     text = " ".join(text.replace("OWN", f"X={x}, Y={y}") for x, y in (own.items() if "OWN" in text else [("", "")]))
     case = Case(toy, entities, fluents, tuple(names), clauses, text, lambda state: ending(own, state))
-    return shuffled(case, chance) if chance.random() < 0.5 else case
-
-
-def shuffled(case: Case, chance: random.Random) -> Case:
-    """Return a case whose facts stand in another order."""
-    return replace(case, order=chance.randrange(2**16))
+    return replace(case, order=chance.randrange(2**16)) if chance.random() < 0.5 else case

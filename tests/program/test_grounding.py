@@ -1,4 +1,4 @@
-"""What is told to a grounder between parts is read by those that are ground later."""
+"""Atoms that are added between parts are read by those that are ground later."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def test_no_constraint_is_lost() -> None:
     assert grounder.control.is_conflicting
 
 
-def test_what_is_told_may_be_any_term() -> None:
+def test_added_atoms_may_be_any_term() -> None:
     grounder = Grounder(Program((Source(Path("rules.lp"), "p(0)."),)))
     terms = [clingo.parse_term(text) for text in ('q("a\\"b\\n% c")', "q((1,))", "q(#inf)", "q(-f(x))", "-q(1)")]
     grounder.state(terms)

@@ -34,11 +34,8 @@ def test_every_line_of_the_program_is_located_in_its_file() -> None:
 def test_included_files_come_first_and_once(tmp_path: Path) -> None:
     path = write(tmp_path, domain='#include "a.lp".\n#include "b.lp".\nc.', a='#include "b.lp".\na.', b="b.")
     assert [source.path.name for source in read_sources(path, tmp_path)] == ["b.lp", "a.lp", "domain.lp"]
-
-
-def test_lines_keep_their_numbers_when_includes_are_blanked_out(tmp_path: Path) -> None:
     path = write(tmp_path, domain='x. #include\n "a.lp".\ny.', a="a.")
-    assert read_sources(path, tmp_path)[-1].text.split("\n")[2] == "y."
+    assert read_sources(path, tmp_path)[-1].text.split("\n")[2] == "y.", "lines keep their numbers"
 
 
 def test_an_include_in_a_comment_or_a_string_is_none(tmp_path: Path) -> None:
@@ -67,14 +64,11 @@ def test_a_byte_order_mark_is_skipped(tmp_path: Path) -> None:
     assert read_sources(tmp_path / "domain.lp", tmp_path)[0].text == "a."
 
 
-def test_comments_and_strings_are_blanked_out_in_place() -> None:
+def test_comments_and_strings_are_blanked_out_in_place_and_an_open_comment_is_found() -> None:
     text = 'a("x%y\\"z"). % b "\nc. %* d %* e *% " *% f("g).'
     code = blanked(text)
     assert len(code) == len(text)
     assert code.split() == ["a(", ").", "c.", 'f("g).']
     assert code.index("c.") == text.index("c.")
-
-
-def test_a_comment_that_never_ends_is_found() -> None:
     assert open_comment("a. %* b %* c *%") == 3
     assert open_comment("a. %* b *% % %*") is None

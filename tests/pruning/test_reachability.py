@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from itertools import pairwise, product
 from pathlib import Path
@@ -13,34 +10,27 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from prag_asp import Domain, DomainError, TaskSpace, explain, fewest_changes, load_domain
+from prag_asp import Domain, TaskSpace, explain, fewest_changes, load_domain
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.program.paths import data_folder
 from prag_asp.space.engines.engine import LEVELS, Level
 from tests.brute_force import Action, Toy, term
 from tests.chance import examples
+from tests.pruning import loaded, unpruned
 from tests.space.test_tasks import Schema, orbit, schemas
 from tests.spaces import with_engines
 
 ENGINES = ("automaton", "clingo", "sat")
 
 
-@contextmanager
-def loaded(text: str, **options: object) -> Iterator[Domain | None]:
-    """Yield the domain of a text, checked; None where it is refused."""
-    with tempfile.TemporaryDirectory() as folder:
-        (Path(folder) / "domain.lp").write_text(text, encoding="utf-8")
-        try:
-            domain = load_domain(folder, **options)  # type: ignore[arg-type]
-        except DomainError:
-            domain = None
-        yield domain
-
-
 def unreachable(text: str) -> list[str]:
-    with loaded(text) as domain:
-        assert domain is not None
-        return [str(action) for action in domain.facts.unreachable]
+    return [str(action) for action in load_domain(text=text).facts.unreachable]
+
+
+def assert_plans_are_those_of_the_unpruned(domain: Domain) -> None:
+    spaces = [space for each in (domain, unpruned(domain)) for space in with_engines(each, "automaton", "clingo")]
+    for length in (1, 3):
+        assert len({space.at(length).count("plan") for space in spaces}) == 1
 
 
 @st.composite
@@ -60,33 +50,33 @@ def chains(draw: st.DrawFn, *, closed: bool) -> Toy:
     return replace(toy, composites=tuple(map(tuple, composites)), free=(0,))
 
 
-@settings(max_examples=examples(120), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(50), suppress_health_check=list(HealthCheck))
 @given(st.one_of(chains(closed=False), chains(closed=True)))
 def test_random_chains_count_as_the_definition_says(toy: Toy) -> None:
-    with loaded(toy.text()) as domain:
-        if domain is None:
-            return
-        never = set(map(str, domain.facts.unreachable))
-        plans = [[tuple(term(toy, i) for i in plan) for plan in toy.plans(n)] for n in range(4)]
-        assert not any(never.intersection(plan) for found in plans for plan in found)
-        names = {tuple(action.partition("(")[0] for action in plan) for plan in plans[3]}
-        spaces = [each.at(3) for each in with_engines(domain, *ENGINES)]
-        for space in spaces if never else ():
-            assert [space.count(level) for level in ("plan", "skeleton")] == [len(plans[3]), len(names)]
-        assert set(spaces[0].enumerate("plan")) == set(plans[3])
+    domain = loaded(toy.text())
+    if domain is None:
+        return
+    never = set(map(str, domain.facts.unreachable))
+    plans = [[tuple(term(toy, i) for i in plan) for plan in toy.plans(n)] for n in range(4)]
+    assert not any(never.intersection(plan) for found in plans for plan in found)
+    names = {tuple(action.partition("(")[0] for action in plan) for plan in plans[3]}
+    spaces = [each.at(3) for each in with_engines(domain, *ENGINES)]
+    for space in spaces if never else ():
+        assert [space.count(level) for level in ("plan", "skeleton")] == [len(plans[3]), len(names)]
+    assert set(spaces[0].enumerate("plan")) == set(plans[3])
 
 
 @settings(max_examples=examples(20), suppress_health_check=list(HealthCheck))
 @given(schemas())
 def test_what_is_never_reached_tells_entities_apart_as_before(schema: Schema) -> None:
-    with loaded(schema.text()) as domain:
-        if domain is None or not (domain.facts.unreachable or domain.facts.static):
-            return
-        groups = DomainLogic(replace(domain, facts=replace(domain.facts, unreachable=(), static=()))).groups(3)
-        assert DomainLogic(domain).groups(3) == groups
-        plans = schema.plans(3)
-        tasks = {orbit(plan, [tuple(map(str, group)) for group in groups]) for plan in plans}
-        assert {space.at(3).count("task") for space in with_engines(domain, *ENGINES)} == {len(tasks)}
+    domain = loaded(schema.text())
+    if domain is None or not (domain.facts.unreachable or domain.facts.static):
+        return
+    groups = DomainLogic(unpruned(domain)).groups(3)
+    assert DomainLogic(domain).groups(3) == groups
+    plans = schema.plans(3)
+    tasks = {orbit(plan, [tuple(map(str, group)) for group in groups]) for plan in plans}
+    assert {space.at(3).count("task") for space in with_engines(domain, *ENGINES)} == {len(tasks)}
 
 
 KEYS = """
@@ -153,14 +143,7 @@ BEYOND = "enter(3,4) enter(4,3) enter(4,5) enter(5,4) take(4) take(5) unlock(4) 
 def test_what_rules_over_time_make_is_reached(rules: str, never: str) -> None:
     text = f"{KEYS} set(true;false).\n#program step(t).\n{rules}"
     assert sorted(unreachable(text)) == never.split()
-    with loaded(text) as domain:
-        assert domain is not None
-        whole = replace(domain, facts=replace(domain.facts, unreachable=(), static=()))
-        for length in range(4):
-            spaces = [
-                space.at(length) for each in (domain, whole) for space in with_engines(each, "automaton", "clingo")
-            ]
-            assert len({space.count("plan") for space in spaces}) == 1
+    assert_plans_are_those_of_the_unpruned(load_domain(text=text))
 
 
 MADE = ("holds({F},{V},t)", "changed({F},t)", "sets({F},{V},t)", "now({F},t)")
@@ -191,18 +174,13 @@ def rules_over_time(draw: st.DrawFn, toy: Toy) -> str:
     return "\n".join(lines) + SETS
 
 
-@settings(max_examples=examples(100), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(40), suppress_health_check=list(HealthCheck))
 @given(st.one_of(chains(closed=False), chains(closed=True)), st.data())
 def test_what_random_rules_over_time_make_is_reached(toy: Toy, data: st.DataObject) -> None:
-    with loaded(toy.text() + data.draw(rules_over_time(toy))) as domain:
-        if domain is None or not (domain.facts.unreachable or domain.facts.static):
-            return
-        whole = replace(domain, facts=replace(domain.facts, unreachable=(), static=()))
-        for length in range(4):
-            spaces = [
-                space.at(length) for each in (domain, whole) for space in with_engines(each, "automaton", "clingo")
-            ]
-            assert len({space.count("plan") for space in spaces}) == 1
+    domain = loaded(toy.text() + data.draw(rules_over_time(toy)))
+    if domain is None or not (domain.facts.unreachable or domain.facts.static):
+        return
+    assert_plans_are_those_of_the_unpruned(domain)
 
 
 def test_states_that_are_made_at_a_step_by_its_number_keep_all_actions() -> None:
@@ -210,40 +188,35 @@ def test_states_that_are_made_at_a_step_by_its_number_keep_all_actions() -> None
     assert unreachable(f"{KEYS}\n#program check(t).\nholds(open(3),true,t) :- occurs(take(1),t).") == []
 
 
-@settings(max_examples=examples(20), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(10), suppress_health_check=list(HealthCheck))
 @given(chains(closed=True).map(lambda toy: replace(toy, exclusive=(), implies=())))
 def test_fluents_that_no_action_sets_are_ground_with_one_value_alone(toy: Toy) -> None:
-    with loaded(toy.text()) as domain:
-        if domain is None or not domain.facts.static:
-            return
-        whole = replace(domain, facts=replace(domain.facts, unreachable=(), static=()))
-        for length in range(4):
-            plans = {tuple(term(toy, i) for i in plan) for plan in toy.plans(length)}
-            assert {space.at(length).count("plan") for space in with_engines(domain, *ENGINES)} == {len(plans)}
-        for level in LEVELS:
-            spaces = [TaskSpace(each, 3) for each in (domain, whole)]
-            assert spaces[0].count(level) == spaces[1].count(level)
-        assert list(spaces[0]) == list(spaces[1])
+    domain = loaded(toy.text())
+    if domain is None or not domain.facts.static:
+        return
+    spaces = with_engines(domain, *ENGINES)
+    for length in (1, 3):
+        plans = {tuple(term(toy, i) for i in plan) for plan in toy.plans(length)}
+        assert {space.at(length).count("plan") for space in spaces} == {len(plans)}
+    pruned, whole = (TaskSpace(each, 3) for each in (domain, unpruned(domain)))
+    assert [pruned.count(level) for level in LEVELS] == [whole.count(level) for level in LEVELS]
+    assert list(pruned) == list(whole)
 
 
 def test_a_state_has_no_value_that_nothing_makes() -> None:
-    with loaded(KEYS) as domain:
-        assert domain is not None
-        static = {str(fluent): value for fluent, value in domain.facts.static}
-        closed = {f"{name}({number})": "false" for name in ("open", "has", "in") for number in (3, 4, 5)}
-        assert static == {**closed, "has(1)": "true"}
-        before = set(map(str, DomainLogic(domain).ground.before))
-        assert "holds(open(2),true)" in before and "holds(open(4),false)" in before
-        assert "holds(open(4),true)" not in before
+    domain = load_domain(text=KEYS)
+    static = {str(fluent): value for fluent, value in domain.facts.static}
+    closed = {f"{name}({number})": "false" for name in ("open", "has", "in") for number in (3, 4, 5)}
+    assert static == {**closed, "has(1)": "true"}
+    before = set(map(str, DomainLogic(domain).ground.before))
+    assert "holds(open(2),true)" in before and "holds(open(4),false)" in before
+    assert "holds(open(4),true)" not in before
     rule = "holds(open(3),true,t) :- occurs(enter(1,2),t). changed(open(3),t) :- occurs(enter(1,2),t)."
-    with loaded(f"{KEYS}\n#program step(t).\n{rule}") as domain:
-        assert domain is not None
-        still = {f"{name}({number})" for name in ("open", "has", "in") for number in (4, 5)} | {"has(1)"}
-        assert {str(fluent) for fluent, _ in domain.facts.static} == still
-    with loaded(f"{KEYS} holds(open(3),true,2).") as domain:
-        assert domain is not None and not domain.facts.static
-    with loaded(f"{KEYS} exclusive(has(4),has(5)).") as domain:
-        assert domain is not None and not domain.facts.static
+    domain = load_domain(text=f"{KEYS}\n#program step(t).\n{rule}")
+    still = {f"{name}({number})" for name in ("open", "has", "in") for number in (4, 5)} | {"has(1)"}
+    assert {str(fluent) for fluent, _ in domain.facts.static} == still
+    for more in ("holds(open(3),true,2).", "exclusive(has(4),has(5))."):
+        assert not load_domain(text=f"{KEYS} {more}").facts.static
 
 
 @pytest.mark.parametrize("level", ["plan", "task"])
@@ -251,22 +224,20 @@ def test_rules_may_count_the_actions_that_are_never_reached(level: Level) -> Non
     rule = "few :- #count{A : name(A,unlock)} < 5. some(A) :- mentions(A,1,_). #program step(t). :- few, occurs(_,t)."
     text = KEYS.replace("room(1..5).", "room(1..5). class(room). entity(R,room) :- room(R).") + rule
     assert unreachable(text) == unreachable(KEYS)
-    with loaded(text + ":- _pruned(unlock(4)), occurs(_,t).") as domain, loaded(text) as other:
-        assert domain is not None and other is not None and domain.facts.unreachable == ()
-        assert TaskSpace(domain, 3).count(level) == TaskSpace(other, 3).count(level) > 0
+    domain = load_domain(text=text + ":- _pruned(unlock(4)), occurs(_,t).")
+    assert domain.facts.unreachable == ()
+    assert TaskSpace(domain, 3).count(level) == TaskSpace(load_domain(text=text), 3).count(level) > 0
 
 
 def test_a_rule_over_time_that_only_reads_leaves_out_as_much_and_counts_the_same() -> None:
     text = KEYS + "#program step(t).\ntired(t) :- occurs(enter(_,_),t-1).\n:- occurs(enter(_,_),t), tired(t)."
     assert unreachable(text) == unreachable(KEYS)
-    with loaded(text) as domain:
-        assert domain is not None
-        whole = replace(domain, facts=replace(domain.facts, unreachable=(), static=()))
-        spaces = [space for each in (domain, whole) for space in with_engines(each, *ENGINES)]
-        for length, level in product((2, 4), LEVELS):
-            counts = {space.at(length).count(level) for space in spaces}
-            assert len(counts) == 1
-            assert counts.pop()
+    domain = load_domain(text=text)
+    spaces = [space for each in (domain, unpruned(domain)) for space in with_engines(each, *ENGINES)]
+    for length, level in product((2, 3), LEVELS):
+        counts = {space.at(length).count(level) for space in spaces}
+        assert len(counts) == 1
+        assert counts.pop()
 
 
 FREECELL = """
@@ -306,14 +277,13 @@ def forward(domain: Domain, length: int) -> int:
 
 
 def test_of_a_card_game_only_what_can_be_played_is_tried() -> None:
-    with loaded(FREECELL) as domain:
-        assert domain is not None
-        assert len(domain.facts.unreachable) > len(domain.facts.tried) > 20
-        automaton, clingo = with_engines(domain, "automaton", "clingo")
-        for length in (1, 3, 5):
-            assert automaton.at(length).count("plan") == forward(domain, length) > 0
-        assert clingo.at(3).count("plan") == forward(domain, 3)
-        assert automaton.at(5).count("task") == forward(domain, 5)
+    domain = load_domain(text=FREECELL)
+    assert len(domain.facts.unreachable) > len(domain.facts.tried) > 20
+    automaton, clingo = with_engines(domain, "automaton", "clingo")
+    for length in (1, 3, 4):
+        assert automaton.at(length).count("plan") == forward(domain, length) > 0
+    assert clingo.at(3).count("plan") == forward(domain, 3)
+    assert automaton.at(4).count("task") == forward(domain, 4)
 
 
 def test_entities_that_only_unreached_actions_tell_apart_stay_apart() -> None:
@@ -325,27 +295,25 @@ def test_entities_that_only_unreached_actions_tell_apart_stay_apart() -> None:
     action(paint(red); find). precondition(paint(red),key,true; find,key,true). postcondition(find,key,true).
     postcondition(paint(red),held(red),true).
     """
-    with loaded(text) as domain:
-        assert domain is not None
-        assert [str(action) for action in domain.facts.unreachable] == ["find", "paint(red)"]
-        assert [[str(each) for each in group] for group in DomainLogic(domain).groups(2)] == [["blue", "green"]]
-        spaces = with_engines(domain, *ENGINES)
-        assert {space.at(1).count("task") for space in spaces} == {2}
-        assert {space.at(2).count("task") for space in spaces} == {5}
+    domain = load_domain(text=text)
+    assert [str(action) for action in domain.facts.unreachable] == ["find", "paint(red)"]
+    assert [[str(each) for each in group] for group in DomainLogic(domain).groups(2)] == [["blue", "green"]]
+    spaces = with_engines(domain, *ENGINES)
+    assert {space.at(1).count("task") for space in spaces} == {2}
+    assert {space.at(2).count("task") for space in spaces} == {5}
 
 
 def test_what_is_never_reached_may_be_asked_for_and_is_explained() -> None:
-    with loaded(KEYS) as domain:
-        assert domain is not None
-        for engine in ENGINES:
-            space = TaskSpace(domain, 2, engine=engine)
-            assert space.count("plan", prefix=["unlock(3)"]) == space.where("has unlock(4)").count("plan") == 0
-            assert space.count("plan", prefix=["unlock"]) > 0
-            assert space.where("lacks unlock(4)").count("plan") == space.count("plan")
-        found = explain(domain, ["take(2)", "unlock(3)"])
-        assert found is not None
-        assert found.reasons == ("it needs has(3) to be true, which is false from the start",)
-        assert [str(task) for task in TaskSpace(domain, 1).sample(1, seed=1, weights={"unlock(3)": 5, "enter": 0})]
+    domain = load_domain(text=KEYS)
+    for engine in ENGINES:
+        space = TaskSpace(domain, 2, engine=engine)
+        assert space.count("plan", prefix=["unlock(3)"]) == space.where("has unlock(4)").count("plan") == 0
+        assert space.count("plan", prefix=["unlock"]) > 0
+        assert space.where("lacks unlock(4)").count("plan") == space.count("plan")
+    found = explain(domain, ["take(2)", "unlock(3)"])
+    assert found is not None
+    assert found.reasons == ("it needs has(3) to be true, which is false from the start",)
+    assert [str(task) for task in TaskSpace(domain, 1).sample(1, seed=1, weights={"unlock(3)": 5, "enter": 0})]
 
 
 def test_a_domain_in_which_nothing_is_reached_has_no_plan_and_no_refusal() -> None:
@@ -354,11 +322,10 @@ def test_a_domain_in_which_nothing_is_reached_has_no_plan_and_no_refusal() -> No
     precondition(lay,chicken,true; hatch,egg,true). postcondition(lay,egg,true; hatch,chicken,true).
     """
     assert unreachable(text) == []
-    with loaded(text) as domain:
-        assert domain is not None
-        assert [TaskSpace(domain, n, engine=engine).count() for n in (0, 1) for engine in ENGINES] == [1] * 3 + [0] * 3
-        assert [(each.line, each.name) for each in domain.warnings] == [(2, "no-plan")]
-        assert "hatch and all others wait for each other" in domain.warnings[0].text
+    domain = load_domain(text=text)
+    assert [TaskSpace(domain, n, engine=engine).count() for n in (0, 1) for engine in ENGINES] == [1] * 3 + [0] * 3
+    assert [(each.line, each.name) for each in domain.warnings] == [(2, "no-plan")]
+    assert "hatch and all others wait for each other" in domain.warnings[0].text
 
 
 def test_encodings_without_the_relaxed_program_try_all(tmp_path: Path) -> None:
@@ -367,17 +334,15 @@ def test_encodings_without_the_relaxed_program_try_all(tmp_path: Path) -> None:
         copy.parent.mkdir(exist_ok=True)
         if source.name != "reachable.lp":
             copy.write_bytes(source.read_bytes())
-    with loaded(KEYS, encodings=tmp_path) as domain:
-        assert domain is not None and domain.facts.unreachable == ()
-        with loaded(KEYS) as other:
-            assert other is not None
-            assert TaskSpace(domain, 4).count() == TaskSpace(other, 4).count() > 0
+    domain = load_domain(text=KEYS, encodings=tmp_path)
+    assert domain.facts.unreachable == ()
+    assert TaskSpace(domain, 4).count() == TaskSpace(load_domain(text=KEYS), 4).count() > 0
 
 
 @pytest.mark.slow
-def test_two_thousand_actions_that_are_reached_one_after_the_other_are_all_kept() -> None:
-    steps = 2000
-    lines = ["fluent(at(0..2000)). initially(at(0),true).", '#include "rules/closed_world.lp".']
+def test_a_thousand_actions_that_are_reached_one_after_the_other_are_all_kept() -> None:
+    steps = 1000
+    lines = ["fluent(at(0..1000)). initially(at(0),true).", '#include "rules/closed_world.lp".']
     lines += [
         f"action(go({b})). precondition(go({b}),at({a}),true). postcondition(go({b}),at({b}),true)."
         for a, b in pairwise(range(steps + 1))
@@ -392,7 +357,7 @@ def test_the_lines_that_keep_an_action_from_being_reached_are_named() -> None:
     precondition(lay,chicken,true). precondition(hatch,egg,true).
     postcondition(lay,egg,true). postcondition(hatch,chicken,true).
     """
-    with loaded(text) as domain:
-        assert domain is not None and [str(each) for each in domain.facts.unreachable] == ["hatch", "lay"]
-        changes = fewest_changes(TaskSpace(domain, 1), action="lay")
-        assert [line.line for (line,) in changes] == [2, 3]
+    domain = load_domain(text=text)
+    assert [str(each) for each in domain.facts.unreachable] == ["hatch", "lay"]
+    changes = fewest_changes(TaskSpace(domain, 1), action="lay")
+    assert [line.line for (line,) in changes] == [2, 3]

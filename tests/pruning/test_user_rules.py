@@ -204,6 +204,7 @@ def test_rules_that_are_added_to_the_encodings_are_rules_over_time_as_well(tmp_p
 
 
 LAMP = "fluent(f). initially(f,false). action(a;b). "
+ONE = "fluent(q). initially(q,false). action(a). "
 NUMBERED = {
     LAMP + "slot(1..2).\n#program step(t).\n:- occurs(a,t), not slot(t).": [1, 2, 4, 4],
     LAMP + "late(2).\n#program step(t).\n:- occurs(a,t), late(t).": [1, 2, 2, 4],
@@ -212,19 +213,9 @@ NUMBERED = {
     LAMP + "even(0;2).\n#program check(t).\n:- not even(t).": [1, 0, 4, 0],
     LAMP + "first(0).\n#program step(t).\n:- occurs(a,t), not first(t-1).": [1, 2, 2, 2],
     START + "u(1,2).\n#program step(t).\nholds(f,true,t) :- u(1,t). changed(f,t) :- u(1,t).": [1, 1, 1, 2],
-    "fluent(q). initially(q,false). action(a). goal(q,false).\n#program step(t).\nholds(q,true,t). changed(q,t).": [
-        1,
-        0,
-        0,
-        0,
-    ],
-    "fluent(q). initially(q,false). action(a).\n#program step(t).\nu(t).\n#program check(t).\n:- u(t).": [1, 0, 0, 0],
-    "fluent(q). initially(q,false). action(a).\n#program step(t).\nu(t).\n#program check(t).\n:- not u(t).": [
-        0,
-        1,
-        1,
-        1,
-    ],
+    ONE + "goal(q,false).\n#program step(t).\nholds(q,true,t). changed(q,t).": [1, 0, 0, 0],
+    ONE + "\n#program step(t).\nu(t).\n#program check(t).\n:- u(t).": [1, 0, 0, 0],
+    ONE + "\n#program step(t).\nu(t).\n#program check(t).\n:- not u(t).": [0, 1, 1, 1],
 }
 
 

@@ -114,8 +114,8 @@ def _scene_warnings(domain: Domain) -> Iterable[Problem]:
         return ()
     if domain.reduction:
         domain = replace(domain, facts=domain.reduction.facts_with_all_entities)
-    from prag_asp.checking import shown_warnings
     from prag_asp.dataset.scenes import scene_of
+    from prag_asp.domain.load import shown_warnings
     from prag_asp.physics.proofs.grips import never_gripped
     from prag_asp.physics.proofs.reaching import out_of_reach
 

@@ -110,7 +110,7 @@ def load_snapshot(folder: Path, snapshot: DomainSnapshot, *, trust: bool = False
 
 def _files_read(domain: Domain) -> Iterator[Path]:
     """Yield the files that a domain was read from."""
-    from prag_asp.domain.identity import scene_files
+    from prag_asp.domain.load import scene_files
 
     yield from (source.path for source in domain.program.sources)
     if domain.settings.text:
@@ -155,8 +155,7 @@ def _portable_text(source: Source, encodings: Path) -> str:
 
 def _own_files(domain: Domain) -> Iterator[tuple[str, bytes]]:
     """Yield the files of a folder that defines the same domain; if the domain is a folder, they are its own."""
-    from prag_asp.domain.identity import scene_files
-    from prag_asp.domain.load import LEARNED
+    from prag_asp.domain.load import LEARNED, scene_files
 
     sources = _own_sources(domain)
     learned = [source for source in sources if source.path.name == LEARNED]

@@ -11,9 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from weakref import WeakKeyDictionary
 
-import clingo
 import numpy as np
-from numpy.typing import NDArray
 
 from prag_asp.logic.step.packed import Rows, unpack
 from prag_asp.logic.step.transition import Transition
@@ -57,16 +55,18 @@ _digits_of: WeakKeyDictionary[Transition, Digits] = WeakKeyDictionary()
 
 def find_digits(transition: Transition, look: Callable[[], None]) -> Digits:
     """Return digits for the states of a step function that has an initial state; `look` is called regularly."""
-    digits = _digits_of.get(transition)
-    if digits is None:
-        digits = _digits_of[transition] = _search_digits(transition, look)
-    return digits
-
-
-def _search_digits(transition: Transition, look: Callable[[], None]) -> Digits:
-    items = _items(transition.variables)
+    if transition in _digits_of:
+        return _digits_of[transition]
+    # An item is a fluent (true before false) or another variable.
+    by_fluent: dict[object, list[int]] = {}
+    for place, symbol in reversed(list(enumerate(transition.variables))):
+        is_fluent = symbol.match(*HOLDS.without_time)
+        by_fluent.setdefault(("holds", symbol.arguments[0]) if is_fluent else symbol, []).append(place)
+    items = list(reversed(by_fluent.values()))
     walked = unpack(_walked(transition, look), len(transition.variables))
-    excluded = _never_together(walked[np.array([item[0] for item in items], dtype=np.intp)].astype(np.float64))
+    true = walked[np.array([item[0] for item in items], dtype=np.intp)].astype(np.float64)
+    often = true.sum(axis=1)
+    excluded = (true @ true.T == 0) & (np.outer(often, often) >= EXPECTED * true.shape[1])
     groups: list[list[int]] = []
     for number in range(len(items)):
         look()
@@ -79,16 +79,8 @@ def _search_digits(transition: Transition, look: Callable[[], None]) -> Digits:
     ordered = _in_order(ordered or [()], transition, look)
     while len(ordered) > MOST_DIGITS:
         ordered = [sum(ordered[place : place + 2], ()) for place in range(0, len(ordered), 2)]
-    return Digits(tuple(ordered))
-
-
-def _items(variables: Sequence[clingo.Symbol]) -> list[list[int]]:
-    """Return the indices of variables, grouped by fluent (true before false); other variables are single."""
-    by_fluent: dict[object, list[int]] = {}
-    for place, symbol in reversed(list(enumerate(variables))):
-        fluent = symbol.arguments[0] if symbol.match(*HOLDS.without_time) else symbol
-        by_fluent.setdefault(("holds", fluent) if fluent is not symbol else symbol, []).append(place)
-    return list(reversed(by_fluent.values()))
+    digits = _digits_of[transition] = Digits(tuple(ordered))
+    return digits
 
 
 def _walked(transition: Transition, look: Callable[[], None]) -> Rows:
@@ -108,13 +100,6 @@ def _walked(transition: Transition, look: Callable[[], None]) -> Rows:
         rows = states[shuffled[chosen]][np.resize(np.arange(len(walkers)), WALKERS)]
         passed.append(rows)
     return np.concatenate(passed)
-
-
-def _never_together(true: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return which items exclude each other by the estimate of `EXPECTED`; shape (items, items)."""
-    often = true.sum(axis=1)
-    never: NDArray[np.bool_] = (true @ true.T == 0) & (np.outer(often, often) >= EXPECTED * true.shape[1])
-    return never
 
 
 def _in_order(groups: list[tuple[int, ...]], transition: Transition, look: Callable[[], None]) -> list[tuple[int, ...]]:

@@ -107,7 +107,12 @@ class SetStep:
             for place, atom in enumerate(rules.labels)
         ]
         for states, values, true in self._split(valid, columns, labels, own):
-            yield Piece(letter, states, self._changes(values), true)
+            changes: dict[int, tuple[int, int]] = {}
+            for place, value in values.items():
+                level, mask = self.digits.at[place]
+                keep, put_there = changes.get(level, (-1, 0))
+                changes[level] = (keep & ~mask, put_there | (mask if value else 0))
+            yield Piece(letter, states, changes, true)
 
     def _split(
         self, valid: Node, columns: Mapping[int, Node | bool], labels: Iterable[Node | bool], own: list[Node]
@@ -124,27 +129,18 @@ class SetStep:
                 yes = within(states, column)
                 if yes == within(states, own[place]):
                     refined.append((states, values, true))
-                    continue
-                no = minus(states, yes)
-                refined += [(part, {**values, place: part == yes}, true) for part in (yes, no) if part]
+                else:
+                    both = (yes, True), (minus(states, yes), False)
+                    refined += [(part, {**values, place: value}, true) for part, value in both if part]
             parts = refined
         for number, column in enumerate(labels):
             refined = []
             for states, values, true in parts:
                 yes = (states if column else EMPTY) if isinstance(column, bool) else within(states, column)
-                no = minus(states, yes)
-                refined += [(yes, values, (*true, number))] if yes else []
-                refined += [(no, values, true)] if no else []
+                sides = (yes, (*true, number)), (minus(states, yes), true)
+                refined += [(part, values, names) for part, names in sides if part]
             parts = refined
         yield from parts
-
-    def _changes(self, values: Mapping[int, bool]) -> Changes:
-        changes: dict[int, tuple[int, int]] = {}
-        for place, value in values.items():
-            level, mask = self.digits.at[place]
-            keep, put = changes.get(level, (-1, 0))
-            changes[level] = (keep & ~mask, put | (mask if value else 0))
-        return changes
 
     def _columns(self, states: Node, atoms: Mapping[clingo.Symbol, int]) -> dict[int, Node]:
         """Return the states in which each variable among `atoms` is true."""
@@ -178,15 +174,24 @@ class _Values:
 
     def body(self, body: RuleBody) -> Node:
         """Return the states in which a body is true."""
-        if body.weights:
-            return self._sum(body)
-        states = self._states
-        for literal in body.literals:
-            if not states:
-                break
-            where = self.read(abs(literal))
-            states = self._diagrams.within(states, where) if literal > 0 else self._diagrams.minus(states, where)
-        return states
+        diagrams, states = self._diagrams, self._states
+        if not body.weights:
+            for literal in body.literals:
+                if not states:
+                    break
+                where = self.read(abs(literal))
+                states = diagrams.within(states, where) if literal > 0 else diagrams.minus(states, where)
+            return states
+        terms, bound = [], body.bound
+        for literal, weight in zip(body.literals, body.weights, strict=True):
+            if literal < 0:  # a weight that is due unless the atom is true
+                bound, weight = bound - weight, -weight  # noqa: PLW2901
+            terms.append(diagrams.everywhere(self.read(abs(literal)), weight))
+        total = diagrams.sum(terms)
+        if bound > 0:
+            return diagrams.mapped(total, lambda number: int(number >= bound))
+        # A diagram has no state of sum 0.
+        return diagrams.minus(states, diagrams.mapped(total, lambda number: int(number < bound)))
 
     def falsifying(self, states: Node, body: RuleBody) -> Node:
         """Return the states of a set in which a body is false."""
@@ -208,15 +213,3 @@ class _Values:
                     states = self._diagrams.union(map(self.body, bodies(atom)))
                     changed |= stratum.recursive and states != self._columns[atom]
                     self._columns[atom] = states
-
-    def _sum(self, body: RuleBody) -> Node:
-        """Return the states in which the weights of true literals reach the bound; diagrams have no state of sum 0."""
-        terms, bound = [], body.bound
-        for literal, weight in zip(body.literals, body.weights, strict=True):
-            if literal < 0:  # a weight that is due unless the atom is true
-                bound, weight = bound - weight, -weight  # noqa: PLW2901
-            terms.append(self._diagrams.everywhere(self.read(abs(literal)), weight))
-        total = self._diagrams.sum(terms)
-        if bound > 0:
-            return self._diagrams.mapped(total, lambda number: int(number >= bound))
-        return self._diagrams.minus(self._states, self._diagrams.mapped(total, lambda number: int(number < bound)))

@@ -22,18 +22,12 @@ def answers(messages: Iterator[Any]) -> Iterator[int]:
             import pyapproxmc  # noqa: PLC0415
 
             counter = pyapproxmc.Counter(seed=seed, epsilon=epsilon, delta=delta)
-            counter.add_clauses([*map(list, clauses), *_mentioning(shown, variables)])
+            # The package drops a variable without clauses, also after unit propagation, and with it a factor of 2. A
+            # new variable that it implies, and that is not projected on, keeps it and adds no model.
+            mentioning = ([-variable, fresh] for variable, fresh in zip(shown, count(variables + 1), strict=False))
+            counter.add_clauses([*map(list, clauses), *mentioning])
             cells, parities = counter.count(list(shown))
         except Exception as error:
             what = f"{type(error).__name__}: {error}"
             raise EngineError(f"--approximate: ApproxMC failed ({what}); leave it out") from error
         yield int(cells) << int(parities)
-
-
-def _mentioning(shown: list[int], variables: int) -> Iterator[list[int]]:
-    """Yield clauses that mention each shown variable and do not change the number of models.
-
-    The package drops a variable without clauses, also after unit propagation, and with it a factor of 2. A new variable
-    that it implies, and that is not projected on, keeps it and adds no model.
-    """
-    return ([-variable, fresh] for variable, fresh in zip(shown, count(variables + 1), strict=False))

@@ -68,7 +68,8 @@ def complete(rules: Iterable[Rule], *, copied: bool = False) -> Completion:
             rules_of.setdefault(head, []).append(rule)
     values: dict[int, Literal] = {}
     for atom, own in rules_of.items():
-        values[atom] = TRUE if any(_is_fact(rule) for rule in own) else clauses.fresh()
+        is_fact = any(not (rule.choice or rule.body) for rule in own)
+        values[atom] = TRUE if is_fact else clauses.fresh()
     open_rules = {atom: own for atom, own in rules_of.items() if values[atom] != TRUE}
 
     value = partial(_value, values)
@@ -80,7 +81,7 @@ def complete(rules: Iterable[Rule], *, copied: bool = False) -> Completion:
         else:
             clauses.add(*(-value(literal) for literal in rule.body))
     loops: list[Mapping[int, tuple[Rule, ...]]] = []
-    graph = _positive_graph(open_rules)
+    graph = {atom: [below for rule in own for below in rule.body if below > 0] for atom, own in open_rules.items()}
     for component in components(graph, lambda atom: (below for below in graph[atom] if below in graph)):
         if len(component) > 1 or any(component[0] in rule.body for rule in open_rules[component[0]]):
             loops.append({atom: tuple(open_rules[atom]) for atom in sorted(component)})
@@ -95,10 +96,6 @@ def complete(rules: Iterable[Rule], *, copied: bool = False) -> Completion:
 def _value(values: Mapping[int, Literal], literal: int) -> Literal:
     value = values.get(abs(literal), -TRUE)
     return value if literal > 0 else -value
-
-
-def _is_fact(rule: Rule) -> bool:
-    return not rule.choice and not rule.body
 
 
 def body_literal(clauses: ClauseBuilder, rule: Rule, value: Callable[[int], Literal]) -> Literal:
@@ -120,10 +117,6 @@ def _support(clauses: ClauseBuilder, atom: Literal, rules: list[Rule], value: Ca
     for choice, body in bodies:
         if not choice:
             clauses.add(atom, -body)
-
-
-def _positive_graph(rules_of: Mapping[int, list[Rule]]) -> dict[int, list[int]]:
-    return {atom: [below for rule in own for below in rule.body if below > 0] for atom, own in rules_of.items()}
 
 
 def _by_copies(

@@ -8,10 +8,13 @@ from weakref import WeakValueDictionary
 
 import clingo
 
+from prag_asp.errors import EngineError
 from prag_asp.logic.formula.clark_completion import complete
 from prag_asp.logic.formula.clause_builder import TRUE, Literal
-from prag_asp.logic.ground.unroll import unroll
+from prag_asp.logic.ground.ground_step import unrolled
+from prag_asp.logic.ground.rules import GroundRecorder, Rule
 from prag_asp.processes.progress_events import stage
+from prag_asp.program.grounding import Grounder
 from prag_asp.program.predicates import OCCURS, EncodingPredicate
 from prag_asp.program.sources import Program
 
@@ -45,21 +48,35 @@ def plan_cnf(program: Program, length: int, shown: EncodingPredicate = OCCURS) -
 
     Raises:
         DomainError: clingo cannot ground the program.
-        EngineError: the program has no counterpart in clauses.
+        EngineError: the program has no counterpart in clauses: a disjunctive head, or more than rules.
     """
     plans = _in_use.get((program, length))
     if plans is None:
-        plans = _in_use[program, length] = _plans(program, length)
+        rules, atoms = _unroll(program, length)
+        stage("writing clauses")
+        completion = complete(rules)
+        clauses = completion.clauses
+        literals = {symbol: completion.values.get(atom, -TRUE) for symbol, atom in atoms.items()}
+        plans = Cnf(clauses.variables, tuple(clauses.clauses), literals, _variables(literals, OCCURS))
+        _in_use[program, length] = plans
     return plans if shown == OCCURS else replace(plans, shown=_variables(plans.literals, shown), plans=plans)
 
 
-def _plans(program: Program, length: int) -> Cnf:
-    ground = unroll(program, length)
-    stage("writing clauses")
-    completion = complete(ground.rules)
-    literals = {symbol: completion.values.get(atom, -TRUE) for symbol, atom in ground.atoms.items()}
-    clauses = completion.clauses
-    return Cnf(clauses.variables, tuple(clauses.clauses), literals, _variables(literals, OCCURS))
+def _unroll(program: Program, length: int) -> tuple[list[Rule], dict[clingo.Symbol, int]]:
+    """Return the ground rules of all steps of plans of a length, and the number of each atom."""
+    grounder, recorder = Grounder(program), GroundRecorder()
+    grounder.control.register_observer(recorder)
+    grounder.ground([("base", [])])
+    grounder.ground(unrolled(length))
+    rules = recorder.all_rules
+    unsupported = [each.value for each in recorder.unsupported]
+    if any(rule.is_disjunctive for rule in rules):
+        unsupported.append("a rule has a disjunction as its head")
+    if any(value is not clingo.TruthValue.False_ for value in recorder.externals.values()):
+        unsupported.append("the program has an external atom that is not false")
+    if unsupported:
+        raise EngineError(f"{unsupported[0]}, which has no counterpart in clauses; choose the engine clingo")
+    return rules, {atom.symbol: atom.literal for atom in grounder.control.symbolic_atoms}
 
 
 def _variables(literals: Mapping[clingo.Symbol, Literal], shown: EncodingPredicate) -> tuple[int, ...]:

@@ -12,7 +12,7 @@ from importlib.util import find_spec
 from itertools import chain
 from tempfile import TemporaryFile
 from time import monotonic
-from typing import IO, Any
+from typing import Any
 
 from prag_asp.errors import EngineError, LimitReached
 from prag_asp.logic.formula.clause_builder import Literal
@@ -82,18 +82,18 @@ def run_counter(
         LimitReached: it has not finished after `seconds`.
     """
     require_counter(counter, request)
-    clauses = [*cnf.clauses, *((literal,) for literal in assumptions)]
-    check_formula(cnf.variables, clauses, cnf.shown, counter, request)
+    message = _checked_formula(cnf, assumptions, counter, request)
     with TemporaryFile() as complaints, WorkerGroup(counter.module, complaints.fileno()) as children:
         try:
             child = children.start()
-            child.send((cnf.variables, cnf.shown, clauses, *more))
+            child.send((*message, *more))
             return child.receive(seconds)
         except TimeoutError:
             what = f"{request}: no count after {seconds:.3g} s; allow more (--time), or ask for less"
             raise LimitReached(what, 0, StopReason(StopKind.TIME, seconds)) from None
         except WorkerEnded as ended:
-            last_line = _last_line(complaints)
+            complaints.seek(0)
+            last_line = complaints.read().decode(errors="replace").strip().rpartition("\n")[2] or "nothing said"
             raise EngineError(f"{request}: {counter.name} ended {ended} ({last_line}); choose another engine") from None
 
 
@@ -129,7 +129,12 @@ class CountBeside:
                 return int(self._child.receive())
             if due:
                 self._due = None
-                self._start()
+                cnf, assumptions = self._formula()
+                message = _checked_formula(cnf, assumptions)
+                complaints = self._running.enter_context(TemporaryFile())  # noqa: SIM115  the stack closes it
+                child = self._running.enter_context(WorkerGroup(GANAK.module, complaints.fileno())).start()
+                child.send(message)
+                self._child = child
         except (EngineError, WorkerEnded, OSError, MemoryError):  # the last two: there is no room
             self._running.close()
             self._child = None
@@ -137,21 +142,14 @@ class CountBeside:
             self._begins()  # an error of the callback is no failure of the counter
         return None
 
-    def _start(self) -> None:
-        cnf, assumptions = self._formula()
-        clauses = [*cnf.clauses, *((literal,) for literal in assumptions)]
-        check_formula(cnf.variables, clauses, cnf.shown)
-        complaints = self._running.enter_context(TemporaryFile())  # noqa: SIM115  the stack closes it
-        child = self._running.enter_context(WorkerGroup(GANAK.module, complaints.fileno())).start()
-        child.send((cnf.variables, cnf.shown, clauses))
-        self._child = child
 
-
-def _last_line(complaints: IO[bytes]) -> str:
-    """Return the last line of the error output."""
-    complaints.seek(0)
-    lines = complaints.read().decode(errors="replace").strip().splitlines()
-    return lines[-1] if lines else "nothing said"
+def _checked_formula(
+    cnf: Cnf, assumptions: Sequence[Literal], counter: Counter = GANAK, request: str = SHARP
+) -> tuple[int, Sequence[Literal], list[tuple[Literal, ...]]]:
+    """Return the variables, the shown variables and the clauses of a formula with assumed literals, checked."""
+    clauses = [*cnf.clauses, *((literal,) for literal in assumptions)]
+    check_formula(cnf.variables, clauses, cnf.shown, counter, request)
+    return cnf.variables, cnf.shown, clauses
 
 
 def check_formula(

@@ -79,42 +79,10 @@ class LiftableLines:
         All other lines are lifted: the fluents that they change may have any value. With `smallest`, no smaller set
         excludes all plans, provided that lifting a line only adds plans.
         """
-        literals = self._all
+        literals, again = list(self._lines), True
         if smallest:
             literals = smallest_conflict(self._solver, [self._loose], literals)
-        return self._lines_of(self._least(literals))
-
-    def changes(self) -> tuple[tuple[RestrictingLine, ...], ...]:
-        """Return the lines whose removal alone allows a plan, or else one smallest set of lines whose removal does.
-
-        A removed line has no effect at all. The result is empty if there is no plan without all lines.
-        """
-        single = [each for each in self._all if self._open([at for at in self._all if at != each], loose=False)]
-        if single:
-            return tuple((line,) for line in self._lines_of(single))
-        removed = self._fewest()
-        return () if removed is None else (self._lines_of(removed),)
-
-    def _lines_of(self, literals: Sequence[Literal]) -> tuple[RestrictingLine, ...]:
-        """Return the lines of some literals, sorted by file and line."""
-        return tuple(sorted((self._lines[each] for each in literals), key=lambda at: (at.path, at.line, at.text)))
-
-    @property
-    def _all(self) -> list[Literal]:
-        return list(self._lines)
-
-    def _open(self, literals: Sequence[Literal], *, loose: bool = True) -> bool:
-        """Return whether there is a plan if only some lines hold."""
-        lifted = self._lines.keys() - literals
-        loose_literal = self._loose if loose else -self._loose
-        return self._solver.satisfiable([loose_literal, *literals, *(-each for each in lifted)])
-
-    def _least(self, literals: Sequence[Literal]) -> list[Literal]:
-        """Return a minimal subset of lines that exclude all plans.
-
-        The lines are removed one by one until none can be removed. A line may become removable after others.
-        """
-        literals, again = list(literals), True
+        # Lines are removed one by one until none can be removed. A line may become removable after others.
         while again:
             again = False
             for each in list(literals):
@@ -124,14 +92,18 @@ class LiftableLines:
                     fewer = [at for at in rest if at in core]
                     literals = rest if len(fewer) == len(rest) or self._open(fewer) else fewer
                     again = True
-        return literals
+        return self._lines_of(literals)
 
-    def _fewest(self) -> list[Literal] | None:
-        """Return a smallest set of lines without which there is a plan; None if there is no plan without all lines.
+    def changes(self) -> tuple[tuple[RestrictingLine, ...], ...]:
+        """Return the lines whose removal alone allows a plan, or else one smallest set of lines whose removal does.
 
-        It hits every set of lines that excludes all plans. So a smallest hitting set of the known ones is tried until
+        A removed line has no effect at all. The result is empty if there is no plan without all lines. A smallest set
+        hits every set of lines that excludes all plans. So a smallest hitting set of the known ones is tried until
         there is a plan (Reiter, "A theory of diagnosis from first principles", 1987).
         """
+        single = [each for each in self._lines if self._open([at for at in self._lines if at != each], loose=False)]
+        if single:
+            return tuple((line,) for line in self._lines_of(single))
         from pysat.examples.hitman import Hitman  # noqa: PLC0415
 
         with Hitman(solver="g4") as hitting:
@@ -139,11 +111,21 @@ class LiftableLines:
             while not self._solver.satisfiable([-self._loose, *(each for each in self._lines if each not in removed)]):
                 core = [each for each in self._solver.core() if each in self._lines]
                 if not core:
-                    return None
+                    return ()
                 hitting.hit(core)
                 removed = sorted(hitting.get(), key=abs)
         model = self._solver.model()
-        return [each for each in removed if model[abs(each) - 1] < 0]
+        return (self._lines_of([each for each in removed if model[abs(each) - 1] < 0]),)
+
+    def _lines_of(self, literals: Sequence[Literal]) -> tuple[RestrictingLine, ...]:
+        """Return the lines of some literals, sorted by file and line."""
+        return tuple(sorted((self._lines[each] for each in literals), key=lambda at: (at.path, at.line, at.text)))
+
+    def _open(self, literals: Sequence[Literal], *, loose: bool = True) -> bool:
+        """Return whether there is a plan if only some lines hold."""
+        lifted = self._lines.keys() - literals
+        loose_literal = self._loose if loose else -self._loose
+        return self._solver.satisfiable([loose_literal, *literals, *(-each for each in lifted)])
 
 
 def _occurs(action: clingo.Symbol, step: int) -> clingo.Symbol:

@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import clingo
+from clingo.ast import AST, ASTType, parse_string
 
 from prag_asp.logic.domain_logic import DomainLogic
-from prag_asp.logic.formula.broken_constraints import ReportingProgram, broken_atoms, report_violations
 from prag_asp.logic.formula.clause_builder import Literal
 from prag_asp.logic.formula.cnf import Cnf, plan_cnf
 from prag_asp.logic.formula.solver import Solver, smallest_conflict
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.facts import Assignment
 from prag_asp.program.predicates import BARRED, FINAL, HOLDS, KNOWN, OCCURS, RULED_OUT, EncodingPredicate
+from prag_asp.program.sources import Program, Source
 
 OPPOSITE = {"true": "false", "false": "true"}
 EXPLAINED = ("step.lp", "invariants.lp", "goal.lp", "impossible.lp")
 """The encodings whose constraints are explained in words."""
+
+BROKEN = "__broken"
+TIMES = {"base": "0", "step": "{}", "check": "{}+1"}
+"""The time of a violation by program part: the start, a step, or the time after the last step."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +61,55 @@ def explain(model: DomainLogic, plan: Sequence[clingo.Symbol]) -> Explanation | 
         return Explanation(step, reasons, conflict)
 
 
+@dataclass(frozen=True)
+class ReportingProgram:
+    """A program without constraints; ``__broken(L,T)`` says that the constraint of line L is broken at time T.
+
+    `rules` has the file, the line and the text of each L.
+    """
+
+    program: Program
+    rules: Mapping[int, tuple[Path, int, str]]
+
+
+def report_violations(program: Program) -> ReportingProgram:
+    """Return a program with its constraints turned into rules that derive an atom; no line moves."""
+    lines = program.text.splitlines()
+    statements: dict[int, list[str]] = {}
+    rules: dict[int, tuple[Path, int, str]] = {}
+    part, time = "base", "0"
+
+    def collect(statement: AST) -> None:
+        nonlocal part, time
+        begin, end = statement.location.begin.line, statement.location.end.line
+        if statement.ast_type == ASTType.Program:
+            part = statement.name
+            time = statement.parameters[0].name if statement.parameters else "0"
+        text = str(statement)
+        if _is_constraint(statement) and part in TIMES:
+            rules[begin] = (*program.locate(begin), " ".join(line.strip() for line in lines[begin - 1 : end]))
+            body = "; ".join(map(str, statement.body))
+            text = f"{BROKEN}({begin},{TIMES[part].format(time)}) :- {body or '#true'}."
+        statements.setdefault(begin, []).append(text)
+
+    parse_string(program.text, collect)
+    sources: list[Source] = []
+    line = 1  # clingo's text of a program has an added line before each source
+    for source in program.sources:
+        end = line + source.text.count("\n") + 2
+        texts = (" ".join(statements.get(number, ())) for number in range(line + 1, end))
+        sources.append(Source(source.path, "\n".join(texts)))
+        line = end
+    return ReportingProgram(Program(tuple(sources)), rules)
+
+
+def _is_constraint(statement: AST) -> bool:
+    if statement.ast_type != ASTType.Rule or statement.head.ast_type != ASTType.Literal:
+        return False
+    atom = statement.head.atom
+    return bool(atom.ast_type == ASTType.BooleanConstant and not atom.value and not statement.head.sign)
+
+
 class _ReasonSearch:
     """Solver queries about one sequence of actions."""
 
@@ -62,7 +117,11 @@ class _ReasonSearch:
         self, model: DomainLogic, plan: tuple[clingo.Symbol, ...], program: ReportingProgram, cnf: Cnf, solver: Solver
     ) -> None:
         self._model, self._plan, self._rules, self._cnf, self._solver = model, plan, program.rules, cnf, solver
-        self._broken = broken_atoms(cnf.literals)
+        self._broken: dict[int, dict[int, Literal]] = {}  # the literals of violations, by time and then by line
+        for symbol, literal in cnf.literals.items():
+            if symbol.match(BROKEN, 2):
+                line, time = (argument.number for argument in symbol.arguments)
+                self._broken.setdefault(time, {})[line] = literal
         self.actions = [self._atom(OCCURS, action, k) for k, action in enumerate(plan, 1)]
 
     def lawful(self, end: int) -> list[Literal]:
@@ -82,19 +141,16 @@ class _ReasonSearch:
         state = _State(self._cnf, self._solver.model(), self._plan)
         words = list(self._needs(step, state)) or list(self._contradictions(step, state))
         yield from words
-        for line in self._lines(step, assumed):
+        # Constraints that each forbid the step, or else a smallest set that does so together.
+        here = self._broken.get(step, {})
+        forbidding = [line for line, literal in here.items() if not self._solver.satisfiable([*assumed, -literal])]
+        if not forbidding:
+            together = smallest_conflict(self._solver, assumed, [-literal for literal in here.values()])
+            forbidding = [line for line, literal in here.items() if -literal in together]
+        for line in sorted(forbidding):
             path, number, text = self._rules[line]
             if not words or path.name not in EXPLAINED:
                 yield f"{path}:{number} forbids it: {text}"
-
-    def _lines(self, step: int, assumed: Sequence[Literal]) -> list[int]:
-        """Return the constraints that each forbid a step, or else a smallest set that does so together."""
-        here = self._broken.get(step, {})
-        alone = [line for line, literal in here.items() if not self._solver.satisfiable([*assumed, -literal])]
-        if alone:
-            return sorted(alone)
-        together = smallest_conflict(self._solver, assumed, [-literal for literal in here.values()])
-        return sorted(line for line, literal in here.items() if -literal in together)
 
     def _needs(self, step: int, state: _State) -> Iterator[str]:
         facts = self._model.domain.facts
@@ -109,19 +165,14 @@ class _ReasonSearch:
                 yield f"{who} {fluent} to be {value}, which is {OPPOSITE[value]} {since}"
 
     def _contradictions(self, step: int, state: _State) -> Iterator[str]:
+        time = min(step, len(self._plan))
         for fluent in self._model.domain.facts.fluents:
-            for predicate in (KNOWN, HOLDS, FINAL):
-                time = min(step, len(self._plan))
-                if all(state.true(self._atom(predicate, fluent, time, value)) for value in OPPOSITE):
-                    yield f"{fluent} would have to be both true and false"
-                    break
-            if self._impossible(fluent, min(step, len(self._plan)), state):
+            true = {each: state.true(self._atom(each, fluent, time, "true")) for each in (KNOWN, HOLDS, FINAL)}
+            if any(also and state.true(self._atom(each, fluent, time, "false")) for each, also in true.items()):
+                yield f"{fluent} would have to be both true and false"
+            ruled_out, barred = (state.true(self._atom(each, fluent, time)) for each in (RULED_OUT, BARRED))
+            if (barred and true[KNOWN]) or (ruled_out and (true[HOLDS] or true[FINAL])):
                 yield f"{fluent} would have to be true, which is impossible together with what else is true then"
-
-    def _impossible(self, fluent: clingo.Symbol, time: int, state: _State) -> bool:
-        true = {each: state.true(self._atom(each, fluent, time, "true")) for each in (KNOWN, HOLDS, FINAL)}
-        ruled_out, barred = (state.true(self._atom(each, fluent, time)) for each in (RULED_OUT, BARRED))
-        return (barred and true[KNOWN]) or (ruled_out and (true[HOLDS] or true[FINAL]))
 
     def _atom(self, predicate: EncodingPredicate, term: clingo.Symbol, time: int, value: str = "") -> Literal:
         middle = [clingo.Function(value)] if value else []
@@ -140,12 +191,9 @@ class _State:
 
     def known_since(self, fluent: clingo.Symbol, value: str, step: int) -> str | None:
         """Return the time since which a fluent is known to have a value, or None if it is not known after the step."""
-        since = step + 1
-        while since > 0 and self._holds(fluent, value, since - 1):
+        since, term = step + 1, clingo.Function(value)
+        while since > 0 and self.true(self._cnf.literal(HOLDS(fluent, term, clingo.Number(since - 1)))):
             since -= 1
         if since > step:
             return None
         return f"since step {since}, {self._plan[since - 1]}" if since else "from the start"
-
-    def _holds(self, fluent: clingo.Symbol, value: str, step: int) -> bool:
-        return self.true(self._cnf.literal(HOLDS(fluent, clingo.Function(value), clingo.Number(step))))

@@ -8,11 +8,11 @@ because constraints test that a plan is a concatenation of them. Declarations of
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from clingo.ast import AST, ASTType
+from clingo.ast import ASTType
 
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.sources import ADDED, HIERARCHY, Program, Source, owned
@@ -53,42 +53,38 @@ class LiftableProgram:
 
 
 def make_liftable(program: Program) -> LiftableProgram:
-    """Return a program in which each line that restricts can be lifted."""
+    """Return a program with one atom for each line that restricts, or one for a whole optional rule."""
     lines: list[RestrictingLine] = []
-    sources = [_guarded(source, own, program, lines) for source, own in owned(program)]
-    choice = "".join(f"{{ {KEPT}({number}) }}. " for number in range(len(lines)))
-    return LiftableProgram(Program((*sources, Source(ADDED, f"{choice}{{ {LOOSE} }}."))), tuple(lines))
-
-
-def _guarded(source: Source, own: bool, program: Program, lines: list[RestrictingLine]) -> Source:
-    """Return a source with one atom for each restricting statement, or one atom for a whole optional rule."""
-    optional = not own and source.path.parent.name == RULES
-    composed = _composing(program) if not own and source.path.name == HIERARCHY else None
-    if source.path == ADDED or not (own or optional or composed):
-        return source
-    statements, _ = parse_sources([(source, own)])
-    if composed:
-        lines.append(composed)
-    elif optional and any(map(_restricts, statements)):
-        lines.append(_restricting_line(source, program))
-    texts = list[str]()
-    for statement in statements:
-        if _restricts(statement):
+    sources: list[Source] = []
+    for source, own in owned(program):
+        optional = not own and source.path.parent.name == RULES
+        composed = _composing(program) if not own and source.path.name == HIERARCHY else None
+        if source.path == ADDED or not (own or optional or composed):
+            sources.append(source)
+            continue
+        statements, _ = parse_sources([(source, own)])
+        if composed:
+            lines.append(composed)
+        elif optional and any(map(_restricts, statements)):
+            # The line that includes the rule, or the rule itself if the user has named it.
+            including = (
+                RestrictingLine(other.path, line, f'#include "{RULES}/{path.name}".')
+                for other in program.sources
+                for line, path in other.includes
+                if path.resolve() == source.path.resolve()
+            )
+            lines.append(next(including, RestrictingLine(source.path, 1, f"the rule {source.path.stem}")))
+        texts = list[str]()
+        for statement in statements:
+            if not _restricts(statement):
+                texts.append(statement.text)
+                continue
             if own:
                 lines.append(RestrictingLine(source.path, statement.line, statement.text))
             texts += _under(statement, f"{KEPT}({len(lines) - 1})")
-        else:
-            texts.append(statement.text)
-    return Source(source.path, "\n".join(texts))
-
-
-def _restricting_line(source: Source, program: Program) -> RestrictingLine:
-    """Return the line that includes a rule, or the rule itself if the user has named it."""
-    for other in program.sources:
-        for line, path in other.includes:
-            if path.resolve() == source.path.resolve():
-                return RestrictingLine(other.path, line, f'#include "{RULES}/{path.name}".')
-    return RestrictingLine(source.path, 1, f"the rule {source.path.stem}")
+        sources.append(Source(source.path, "\n".join(texts)))
+    choice = "".join(f"{{ {KEPT}({number}) }}. " for number in range(len(lines)))
+    return LiftableProgram(Program((*sources, Source(ADDED, f"{choice}{{ {LOOSE} }}."))), tuple(lines))
 
 
 def _composing(program: Program) -> RestrictingLine | None:
@@ -114,19 +110,11 @@ def _restricts(statement: Statement) -> bool:
 
 def _under(statement: Statement, kept: str) -> Iterator[str]:
     """Yield a statement that holds if an atom is true, and its lifted form if it is false."""
-    body = [text for _, text in statement.literals]
-    yield _rule(statement.node.head, [*body, kept])
+    head, body = statement.node.head, "".join(f"{text}; " for _, text in statement.literals)
+    yield f"{head} :- {body}{kept}."
     if any(atom.signature == EFFECT for atom in statement.heads):
-        yield _rule(_with_any_value(statement.node.head), [*body, f"not {kept}", LOOSE])
-
-
-def _rule(head: AST | str, body: Sequence[str]) -> str:
-    return f"{head} :- {'; '.join(body)}."
-
-
-def _with_any_value(head: AST) -> str:
-    """Return the head of a postcondition, which may be a pool, with an unknown value."""
-    symbol = head.atom.symbol
-    functions = symbol.arguments if symbol.ast_type == ASTType.Pool else [symbol]
-    effects = [f"{EFFECT[0]}({','.join([*map(str, list(each.arguments)[:2]), 'unknown'])})" for each in functions]
-    return f"({';'.join(effects)})" if len(effects) > 1 else effects[0]
+        symbol = head.atom.symbol
+        pool = symbol.arguments if symbol.ast_type == ASTType.Pool else [symbol]
+        effects = [f"{EFFECT[0]}({each.arguments[0]},{each.arguments[1]},unknown)" for each in pool]
+        lifted = f"({';'.join(effects)})" if len(effects) > 1 else effects[0]
+        yield f"{lifted} :- {body}not {kept}; {LOOSE}."

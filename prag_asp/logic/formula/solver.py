@@ -76,23 +76,18 @@ def smallest_conflict(solver: Solver, assumed: Sequence[Literal], literals: Sequ
     chosen: list[Literal] = []
     with Hitman(solver="g4") as hitting:
         while solver.satisfiable([*assumed, *chosen]):
-            left_out = _left_out(solver, assumed, literals)
-            hitting.hit(left_out)
+            # A maximal satisfiable set contains the true literals of the model.
+            satisfied, violated = _split(solver.model(), literals)
+            complement = []
+            while violated:
+                literal = violated.pop(0)
+                if solver.satisfiable([*assumed, *satisfied, literal]):
+                    satisfied, violated = _split(solver.model(), [*satisfied, literal, *violated])
+                else:
+                    complement.append(literal)
+            hitting.hit(complement)
             chosen = sorted(hitting.get(), key=abs)
     return chosen
-
-
-def _left_out(solver: Solver, assumed: Sequence[Literal], literals: Sequence[Literal]) -> list[Literal]:
-    """Return the complement of a maximal satisfiable set that contains the true literals of the last model."""
-    satisfied, violated = _split(solver.model(), literals)
-    missing = []
-    while violated:
-        literal = violated.pop(0)
-        if solver.satisfiable([*assumed, *satisfied, literal]):
-            satisfied, violated = _split(solver.model(), [*satisfied, literal, *violated])
-        else:
-            missing.append(literal)
-    return missing
 
 
 def _split(model: Sequence[Literal], literals: Sequence[Literal]) -> tuple[list[Literal], list[Literal]]:

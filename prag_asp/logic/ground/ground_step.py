@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import clingo
 
 from prag_asp.errors import EngineError
-from prag_asp.logic.ground.derivable import may_derive
 from prag_asp.logic.ground.growth import locate_head
 from prag_asp.logic.ground.rules import GroundRecorder, Rule, Unsupported
 from prag_asp.logic.ground.stationary import Obstacle, StepReads
@@ -21,7 +20,7 @@ from prag_asp.program.finite.guards import guard_program
 from prag_asp.program.grounding import Grounder, Part
 from prag_asp.program.predicates import FINAL, HOLDS, OCCURS, STATE
 from prag_asp.program.sources import Program
-from prag_asp.program.syntax import Signature
+from prag_asp.program.syntax import Signature, spelled
 
 MOST_STEPS = 10**6
 """The largest number of steps that are ground one by one: each takes about a millisecond, and memory."""
@@ -76,51 +75,47 @@ class GroundStep:
 def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
     """Ground one step of a program for every state that it may start from.
 
-    The atoms of step t-1 are not known beforehand: the step is ground again until it derives no new ones. If it always
-    derives new ones, like an unbounded counter, the result has an obstacle.
+    The atoms of step t-1 are not known beforehand: the step is ground again until it derives no new ones. A step that
+    carries only the state is ground once. One that carries more, like the hierarchy of `kitchen`, is ground at least
+    twice, because clingo instantiates the rules that read an atom only if it is declared before. If a step always
+    derives new atoms, like an unbounded counter, the result has an obstacle.
 
     Raises:
         DomainError: clingo cannot ground the program.
     """
+    static = {fluent: (clingo.Function(value),) for fluent, value in facts.static}
+    values = [(fluent, value) for fluent in facts.fluents for value in static.get(fluent, OPEN_VALUES)]
+    seeds: Seeds = {}
+    if HOLDS in reads.previous:
+        seeds |= dict.fromkeys(HOLDS.timeless(*each) for each in values)
+    if OCCURS in reads.previous:
+        seeds |= dict.fromkeys(OCCURS.timeless(action) for action in facts.tried)
+    # Later steps may add known values of this state: it stays open, so that no goal makes it a fact here.
+    open_states = [STATE(*each, NOW) for each in values]
+    complete_steps = 0
     try:
-        return _ground_step(program, facts, reads)
+        while True:
+            started = _start(program, reads)
+            seeds |= dict.fromkeys(sorted(started.initial))
+            known = len(seeds)
+            _declare(started.grounder, seeds, open_states)
+            endless = _ground_until_closed(started.grounder, seeds, program, reads)
+            if endless is None and len(seeds) == known:  # the step is ground for all atoms that it carries
+                ground = _ground_end(started, program, open_states, reads)
+                new = _unforeseen(ground, seeds, reads)
+                if not new:
+                    return ground
+                seeds |= dict.fromkeys(sorted(new))
+                complete_steps += 1
+                endless = _signature(min(new)) if complete_steps == _bounds(program, reads).steps else None
+            if endless:
+                what = f"{spelled(endless)} takes new values at every step without end"
+                obstacle = Obstacle(what, locate_head(program, endless), "add a condition that ends it")
+                break
     except BoundReached as error:
         # A plan of a given length may not reach the bound: engines that unroll the steps decide that.
-        place = f"{error.problem.path}:{error.problem.line}"
-        return _unbounded(Obstacle(error.problem.text, place), reads)
-
-
-def _ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
-    seeds = _seeds(facts, reads)
-    started = _start(program, reads)
-    if started.initial <= seeds.keys() and not _may_carry(started.grounder, program, reads):
-        ground = _ground_once(started, program, seeds, facts, reads)
-        if not _unforeseen(ground, seeds, reads):  # the step carries only the state
-            return ground
-        started = _start(program, reads)
-    endless = _add_carried(seeds, program, reads)
-    for _ in range(0 if endless else _bounds(program, reads).steps):
-        ground = _ground_once(started, program, seeds, facts, reads)
-        new = _unforeseen(ground, seeds, reads)
-        if not new:
-            return ground
-        seeds |= dict.fromkeys(sorted(new))
-        started = _start(program, reads)
-    name, arity = endless or _signature(min(new))
-    where = locate_head(program, (name, arity))
-    what = f"{name}/{arity} takes new values at every step without end"
-    return _unbounded(Obstacle(what, where, "add a condition that ends it"), reads)
-
-
-def _unbounded(obstacle: Obstacle, reads: StepReads) -> GroundStep:
-    """Return an empty step with the obstacle that it always derives new atoms."""
+        obstacle = Obstacle(error.problem.text, f"{error.problem.path}:{error.problem.line}")
     return GroundStep({}, {}, {}, {}, frozenset(), consistent=True, obstacles=(*reads.obstacles, obstacle))
-
-
-def _may_carry(grounder: Grounder, program: Program, reads: StepReads) -> bool:
-    """Return whether steps may carry anything but the state, given that the start has nothing else."""
-    carried = reads.previous - CONTRACT
-    return bool(carried) and may_derive(program, grounder.control.symbolic_atoms, CONTRACT, carried)
 
 
 def _unforeseen(ground: GroundStep, seeds: Seeds, reads: StepReads) -> set[clingo.Symbol]:
@@ -150,10 +145,7 @@ def _unsupported(ground: GroundStep, seeds: Seeds) -> set[int]:
 
 
 class _Bounds(NamedTuple):
-    """The numbers of steps and atoms from which a carried predicate counts as endless.
-
-    `at_once` is the largest number of steps between two tests.
-    """
+    """The numbers of steps and atoms from which a carried predicate counts as endless, and of steps between tests."""
 
     steps: int = MOST_ATOMS
     atoms: int = MOST_ATOMS
@@ -173,40 +165,33 @@ def _bounds(program: Program, reads: StepReads) -> _Bounds:
     return _Bounds(FEW_STEPS + 2 * max(numbers, default=0))
 
 
-def _add_carried(seeds: Seeds, program: Program, reads: StepReads) -> Signature | None:
-    """Add the atoms that steps may carry to `seeds`; return a predicate that exceeds the bounds, if there is one.
+def _ground_until_closed(grounder: Grounder, seeds: Seeds, program: Program, reads: StepReads) -> Signature | None:
+    """Ground a step, and more steps after it while they carry atoms that `seeds` lacks, which are added to `seeds`.
 
-    Steps are ground one after another, and the atoms are tested after 1, 2, 4, ... of them.
+    Return a predicate that exceeds the bounds, if there is one. The atoms are tested after 1, 2, 4, ... steps.
     """
-    carried = sorted(reads.previous - CONTRACT)
-    if not carried:
-        return None
-    grounder = Grounder(program)
-    grounder.ground([("base", [])])
     atoms = grounder.control.symbolic_atoms
-    _declare(grounder, seeds | dict.fromkeys(sorted(_initial(grounder, reads))), [])
-    most, steps, stated = _bounds(program, reads), 0, len(atoms)
+    carried = sorted(reads.previous - CONTRACT)
+    steps, more, stated = 0, 1, len(atoms)
     sizes: dict[clingo.Symbol, int] = {}
     while True:
-        more = min(max(steps, 1), most.at_once)
         grounder.ground([("step", [clingo.Number(STEP + step)]) for step in range(steps, steps + more)])
         steps += more
         last = clingo.Number(STEP + steps - 1)
         symbols = [atom.symbol for each in carried for atom in atoms.by_signature(*each)]
-        large = next((symbol for symbol in symbols if measure(symbol, sizes, _size) > MOST_SYMBOLS), None)
-        if large is not None:
-            return _signature(timeless(large))
-        seeds |= dict.fromkeys(timeless(symbol) for symbol in symbols if symbol.arguments[-1] != last)
-        new = {timeless(symbol) for symbol in symbols if symbol.arguments[-1] == last} - seeds.keys()
+        for symbol in symbols:
+            if measure(symbol, sizes, lambda inner: 1 + sum(inner)) > MOST_SYMBOLS:
+                return _signature(timeless(symbol))
+        # The atoms of step t-1 include those that rules read by `not not`, for which they are already ground.
+        before = seeds.keys() | {timeless(symbol) for symbol in symbols if symbol.arguments[-1] != last}
+        new = {timeless(symbol) for symbol in symbols if symbol.arguments[-1] == last} - before
+        seeds |= dict.fromkeys(timeless(symbol) for symbol in symbols if symbol.arguments[-1] not in (START, BEFORE))
         if not new:
             return None
-        seeds |= dict.fromkeys(sorted(new))
-        if steps > most.steps or len(atoms) - stated > most.atoms:
+        bounds = _bounds(program, reads)
+        if steps > bounds.steps or len(atoms) - stated > bounds.atoms:
             return _signature(min(new))
-
-
-def _size(inner: Iterable[int]) -> int:
-    return 1 + sum(inner)
+        more = min(steps, bounds.at_once)
 
 
 def timeless(symbol: clingo.Symbol) -> clingo.Symbol:
@@ -216,24 +201,6 @@ def timeless(symbol: clingo.Symbol) -> clingo.Symbol:
 
 def _signature(symbol: clingo.Symbol) -> Signature:
     return symbol.name, len(symbol.arguments) + 1
-
-
-def _seeds(facts: Facts, reads: StepReads) -> Seeds:
-    """Return the atoms of the contract that step t-1 may have; static fluents have the value of the start."""
-    seeds: Seeds = {}
-    if HOLDS in reads.previous:
-        seeds |= dict.fromkeys(HOLDS.timeless(*each) for each in _open_values(facts))
-    if OCCURS in reads.previous:
-        seeds |= dict.fromkeys(OCCURS.timeless(action) for action in facts.tried)
-    return seeds
-
-
-def _open_values(facts: Facts) -> Iterator[list[clingo.Symbol]]:
-    """Yield each fluent with each value that it may have in a state."""
-    static = {fluent: clingo.Function(value) for fluent, value in facts.static}
-    for fluent in facts.fluents:
-        for value in (static[fluent],) if fluent in static else OPEN_VALUES:
-            yield [fluent, value]
 
 
 def extend_step(
@@ -264,56 +231,27 @@ def extend_step(
     return None if _unforeseen(extended, dict.fromkeys([*step.before, *carried]), reads) else extended
 
 
-def _ground_once(started: Grounding, program: Program, seeds: Seeds, facts: Facts, reads: StepReads) -> GroundStep:
-    grounder, recorder = started.grounder, started.recorder
-    # clingo defines the projection that `not p(_,t)` reads as soon as atoms p(X,t) exist.
-    recorder.part = "step"
-    # Later steps may add known values of this state: it stays open, so that no goal makes it a fact here.
-    open_states = [STATE(*each, NOW) for each in _open_values(facts)]
-    _declare(grounder, seeds, open_states)
-    _ground_parts(grounder, recorder, ("step", "hindsight"))
-    if grounder.control.is_conflicting:
-        return _ground_start(program, open_states, reads)
-    return replace(_ground_end(started, reads), grounding=started)
+def _ground_end(
+    started: Grounding, program: Program, open_states: Sequence[clingo.Symbol], reads: StepReads
+) -> GroundStep:
+    """Ground hindsight and the checks of the final state, which may be the start, on top of a step.
 
-
-def _ground_start(program: Program, open_states: Iterable[clingo.Symbol], reads: StepReads) -> GroundStep:
-    """Ground the final check without a step, because no state allows one: clingo grounds nothing after a conflict."""
-    started = _start(program, reads)
-    started.recorder.part = "step"
-    _declare(started.grounder, (), open_states)
-    return _ground_end(started, reads)
-
-
-def _ground_end(started: Grounding, reads: StepReads) -> GroundStep:
-    """Ground the checks of the final state, which may be the start."""
-    started.recorder.part = "step"
-    _open_start(started)
-    _ground_parts(started.grounder, started.recorder, ("check", "ending"))
-    return _recorded(started.grounder, started.recorder, reads)
-
-
-def _ground_parts(grounder: Grounder, recorder: GroundRecorder, parts: Iterable[str]) -> None:
-    for part in parts:
-        recorder.part = part
-        grounder.ground([(part, [NOW])])
-
-
-def _initial(grounder: Grounder, reads: StepReads) -> set[clingo.Symbol]:
-    """Return the atoms of the start, without their time."""
-    initial: set[clingo.Symbol] = set()
-    for signature in reads.timed | reads.previous:
-        for (*arguments, time), _, _ in ground_atoms(grounder.control, *signature):
-            if time == START:
-                initial.add(clingo.Function(signature[0], arguments))
-    return initial
-
-
-def _open_start(started: Grounding) -> None:
-    """Declare the atoms of only the initial state as open: the check of a plan without actions reads them."""
-    atoms = started.grounder.control.symbolic_atoms
-    at_now = (clingo.Function(each.name, [*each.arguments, NOW]) for each in sorted(started.initial))
-    started.grounder.leave_open(each for each in at_now if atoms[each] is None)
+    If no state allows a step, the checks are ground without it, because clingo grounds nothing after a conflict.
+    """
+    started.ground("hindsight")
+    ends = started
+    if started.grounder.control.is_conflicting:
+        ends = _start(program, reads)
+        _declare(ends.grounder, (), open_states)
+    # The check of a plan without actions reads atoms that only the initial state has: they stay open.
+    atoms = ends.grounder.control.symbolic_atoms
+    at_now = (clingo.Function(each.name, [*each.arguments, NOW]) for each in sorted(ends.initial))
+    ends.recorder.part = "step"
+    ends.grounder.leave_open(each for each in at_now if atoms[each] is None)
+    ends.ground("check")
+    ends.ground("ending")
+    ground = _recorded(ends.grounder, ends.recorder, reads)
+    return replace(ground, grounding=started) if ends is started else ground
 
 
 def _declare(grounder: Grounder, seeds: Iterable[clingo.Symbol], others: Iterable[clingo.Symbol]) -> None:
@@ -328,7 +266,6 @@ def ground_plan(program: Program, length: int, reads: StepReads) -> GroundStep:
         DomainError: clingo cannot ground the program.
     """
     started = _start(program, reads)
-    started.recorder.part = "step"
     started.grounder.ground(unrolled(length))
     return _recorded(started.grounder, started.recorder, reads)
 
@@ -350,19 +287,35 @@ def unrolled(length: int) -> list[Part]:
 
 @dataclass
 class Grounding:
-    """A grounder with at least the base part of a program; `initial` are the atoms of the start without their time."""
+    """A grounder with at least the base part of a program; `initial` are the atoms of the start without their time.
+
+    Rules are recorded as those of a step unless another part is ground by `ground`.
+    """
 
     grounder: Grounder
     recorder: GroundRecorder
     initial: set[clingo.Symbol]
     extended: bool = False
 
+    def ground(self, part: str) -> None:
+        """Ground a part for the number of the step, and record its rules."""
+        self.recorder.part = part
+        self.grounder.ground([(part, [NOW])])
+
 
 def _start(program: Program, reads: StepReads) -> Grounding:
+    """Ground the base part. What is ground next is recorded as a step."""
     grounder, recorder = Grounder(program), GroundRecorder(base_facts=False)
     grounder.control.register_observer(recorder)
     grounder.ground([("base", [])])
-    return Grounding(grounder, recorder, _initial(grounder, reads))
+    # From here on: clingo defines the projection that `not p(_,t)` reads as soon as atoms p(X,t) exist.
+    recorder.part = "step"
+    initial: set[clingo.Symbol] = set()
+    for name, arity in reads.timed | reads.previous:
+        for (*arguments, time), _, _ in ground_atoms(grounder.control, name, arity):
+            if time == START:
+                initial.add(clingo.Function(name, arguments))
+    return Grounding(grounder, recorder, initial)
 
 
 def _recorded(grounder: Grounder, recorder: GroundRecorder, reads: StepReads) -> GroundStep:

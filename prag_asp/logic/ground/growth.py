@@ -27,24 +27,19 @@ def growing_heads(
     made_of = [(head.signature, _made_of(head)) for head in heads]
     if not any(names for _, names in made_of):
         return
+    unbounded = set(timed) - FINITE
     carried: set[str] = set()
     bounded: set[str] = set()
     for literal, text in body:
         read = variables(text)
         plain = literal.ast_type == ASTType.Literal and literal.sign == Sign.NoSign
-        if plain and _is_carried(literal, text, timed):
+        symbolic = plain and literal.atom.ast_type == ASTType.SymbolicAtom
+        if symbolic and all(atom.signature in unbounded for atom in atoms(literal, text)):
             bounded |= read & carried
             carried |= read
         else:
             bounded |= read
     yield from (head for head, names in made_of if not bounded.issuperset(names))
-
-
-def _is_carried(literal: AST, text: str, timed: Collection[Signature]) -> bool:
-    """Return whether a positive literal is an atom of a step that may take any values."""
-    return literal.atom.ast_type == ASTType.SymbolicAtom and all(
-        atom.signature in timed and atom.signature not in FINITE for atom in atoms(literal, text)
-    )
 
 
 def _made_of(head: AtomNode) -> set[str]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
-from itertools import chain, pairwise
+from collections.abc import Sequence
+from itertools import pairwise
 
 import clingo
 
@@ -89,10 +89,11 @@ def canonical_extension(
     facts = _added_facts(domain.facts, Program((*domain.program.sources, *rules)))
     added = [*(each for each in facts if each not in stated), *_order_facts(groups, joint)]
     carried = [INTRODUCED.timeless(entity) for group in groups for entity in group[:-1]]
-    for number, units in enumerate(joint):
-        for place in range(len(units) - 1):
-            unit = clingo.Function("", [clingo.Number(number), clingo.Number(place)])
-            carried.append(UNIT_INTRODUCED.timeless(unit))
+    carried += [
+        UNIT_INTRODUCED.timeless(clingo.Function("", [clingo.Number(number), clingo.Number(place)]))
+        for number, units in enumerate(joint)
+        for place in range(len(units) - 1)
+    ]
     return with_facts(Program(rules), added), carried
 
 
@@ -101,17 +102,14 @@ def _canonical_rules(domain: Domain, joint: Joint) -> tuple[Source, ...]:
 
 
 def _order_facts(groups: Groups, joint: Joint) -> list[str]:
-    """Return the facts that order the entities of groups and the units of joint groups."""
-    pairs = (SUCCESSOR.fact(d, e) for group in groups for d, e in pairwise(group))
-    return [*pairs, *chain.from_iterable(_unit_facts(number, units) for number, units in enumerate(joint))]
-
-
-def _unit_facts(number: int, units: Sequence[Sequence[clingo.Symbol]]) -> Iterator[str]:
-    """Yield the facts for the entities of the units of a joint group, and for the order of the units."""
-    for place, unit in enumerate(units):
-        yield from (JOINT_UNIT.fact(entity, f"({number},{place})") for entity in unit)
-        if place:
-            yield NEXT_UNIT.fact(f"({number},{place - 1})", f"({number},{place})")
+    """Return the facts that order the entities of groups, and those for the units of joint groups and their order."""
+    facts = [SUCCESSOR.fact(d, e) for group in groups for d, e in pairwise(group)]
+    for number, units in enumerate(joint):
+        for place, unit in enumerate(units):
+            facts += [JOINT_UNIT.fact(entity, f"({number},{place})") for entity in unit]
+            if place:
+                facts.append(NEXT_UNIT.fact(f"({number},{place - 1})", f"({number},{place})"))
+    return facts
 
 
 def _rules(domain: Domain, name: str) -> tuple[Source, ...]:

@@ -40,11 +40,6 @@ class Rule(NamedTuple):
         """Whether one of several heads follows."""
         return len(self.heads) > 1 and not self.choice
 
-    @property
-    def disjunctive(self) -> bool:
-        """Whether the rule has a disjunction as its head."""
-        return len(self.heads) > 1 and not self.choice
-
 
 class GroundRecorder(clingo.Observer):
     """Records the ground statements of a control; its methods are called by clingo.

@@ -86,10 +86,16 @@ class Gates:
     def circuit(self, roots: Sequence[int]) -> tuple[Circuit, Mapping[int, int]]:
         """Return the circuit of some gates and all that they read, and the number of each gate in it."""
         before = CONSTANTS + self._inputs
-        needed = self._needed(roots)
+        needed: set[int] = set()
+        waiting = [gate for gate in roots if gate >= before]
+        while waiting:
+            gate = waiting.pop()
+            if gate not in needed:
+                needed.add(gate)
+                waiting += [each for each in self._keys[gate - before][1] if each >= before]
         depths: dict[int, int] = {}
         kinds: dict[tuple[int, bool], list[int]] = {}
-        for gate in needed:
+        for gate in sorted(needed):  # in order of construction
             conjunction, operands = self._keys[gate - before]
             depths[gate] = 1 + max(depths.get(each, 0) for each in operands)
             kinds.setdefault((depths[gate], conjunction), []).append(gate)
@@ -103,15 +109,3 @@ class Gates:
             reading = np.array([numbers[each] for several in read for each in several], dtype=np.intp)
             layers.append(Layer(conjunction, first, reading, starts))
         return Circuit(self._inputs, len(numbers), tuple(layers)), numbers
-
-    def _needed(self, roots: Sequence[int]) -> list[int]:
-        """Return the gates that roots read, directly or indirectly, in order of construction."""
-        before = CONSTANTS + self._inputs
-        needed: set[int] = set()
-        waiting = [gate for gate in roots if gate >= before]
-        while waiting:
-            gate = waiting.pop()
-            if gate not in needed:
-                needed.add(gate)
-                waiting += [each for each in self._keys[gate - before][1] if each >= before]
-        return sorted(needed)

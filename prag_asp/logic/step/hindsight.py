@@ -107,7 +107,7 @@ class Hindsight:
         size = len(letters)
         columns = dict(zip(self._carried, states, strict=True))
         columns.update((atom, letters == number) for number, atom in enumerate(self.step.occurs.values()))
-        _evaluate(self._forward, self.step.bodies, columns, size)
+        evaluate(self._forward, self.step.bodies, columns, size)
         return _rows_of(columns, self._carried.values(), size), _rows_of(columns, self._seen, size)
 
     def evaluate_last(self, seen: Truth) -> Truth:
@@ -127,7 +127,7 @@ class Hindsight:
 
     def _evaluated(self, columns: dict[int, Column], part: str, size: int) -> Truth:
         bodies, strata = self._parts[part]
-        _evaluate(strata, bodies, columns, size)
+        evaluate(strata, bodies, columns, size)
         place = 0 if part == "ending" else 1
         return _rows_of(columns, (row[place] for row in self._rows), size)
 
@@ -148,13 +148,6 @@ def _rows_of(columns: Mapping[int, Column], atoms: Iterable[int], size: int) -> 
     false = np.zeros(size, dtype=np.bool_)
     rows = [columns.get(atom, false) for atom in atoms]
     return np.stack(rows) if rows else np.zeros((0, size), dtype=np.bool_)
-
-
-def _evaluate(
-    strata: list[Stratum], bodies: Mapping[int, tuple[RuleBody, ...]], columns: dict[int, Column], size: int
-) -> None:
-    false = np.zeros(size, dtype=np.bool_)
-    evaluate(strata, bodies.__getitem__, columns, lambda atom: columns.get(atom, false), size)
 
 
 def solved_states(program: Program, plan: Plan, fluents: Sequence[clingo.Symbol]) -> FluentValues:

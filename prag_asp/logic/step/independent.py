@@ -53,7 +53,15 @@ class _Parts:
         self._idle_nodes: dict[int, list[Node]] = {}
         self._asking: dict[int, list[Node]] = {}
         self._settled = self._decided()
-        self._join_what_no_action_leaves()
+        rules = transition.rules
+        for place, atom in enumerate(rules.written):
+            if atom in rules.order:
+                self._join([("variable", place), ("atom", atom)])
+        for atom, bodies in rules.idle.items():
+            self._join([("atom", atom), *self._read(bodies)])
+        for number, body in rules.idle_constraints:
+            self._idle_nodes[number] = self._read([body])
+            self._join(self._idle_nodes[number])
         for letter, move in self._moves.items():
             self._join_action(letter, move)
         if by_name:
@@ -64,56 +72,42 @@ class _Parts:
 
     def step_functions(self) -> tuple[Transition, ...]:
         """Return the parts; empty if there is only one."""
-        final = [self._leaves(body) for body in self._transition.step.final]
+        whole = self._transition
+        final = [self._leaves(body) for body in whole.step.final]
         for leaves in final:
             self._join(leaves)
-        if not self._join_lonely():
-            return ()
+        # Join nodes that no action touches, and actions without variables.
+        acting = {self._root(("action", letter)) for letter in self._moves}
+        placed = {self._root(("variable", place)) for place in range(len(whole.variables))}
+        self._join([IDLE, *(placed - acting)])
+        self._join([FREE, *(acting - placed)])
         parts: dict[Node, tuple[list[int], list[int]]] = {}
-        for place in range(len(self._transition.variables)):
+        for place in range(len(whole.variables)):
             parts.setdefault(self._root(("variable", place)), ([], []))[0].append(place)
         for letter in self._moves:
             parts.setdefault(self._root(("action", letter)), ([], []))[1].append(letter)
-        if len(parts) < 2:
+        if sum(bool(letters) for _, letters in parts.values()) < 2:
             return ()
-        return tuple(self._part(root, *members, final) for root, members in parts.items())
-
-    def _part(self, root: Node, places: list[int], letters: list[int], final: list[list[Node]]) -> Transition:
-        """Return the step function of the variables and actions of a part."""
-        whole = self._transition
-        step = replace(
-            whole.step,
-            occurs={whole.actions[letter]: whole.step.occurs[whole.actions[letter]] for letter in letters},
-            final=tuple(body for body, leaves in zip(whole.step.final, final, strict=True)
-                        if not leaves or self._root(leaves[0]) == root),
-        )  # fmt: skip
-        constraints = tuple(body for number, body in enumerate(whole.constraints) if self._concerns(number, root))
-        return Transition(step, tuple(whole.variables[place] for place in places), constraints, ())
+        transitions = []
+        for root, (places, letters) in parts.items():
+            occurs = {whole.actions[letter]: whole.step.occurs[whole.actions[letter]] for letter in letters}
+            ends = zip(whole.step.final, final, strict=True)
+            own = tuple(body for body, leaves in ends if not leaves or self._root(leaves[0]) == root)
+            constraints = tuple(body for number, body in enumerate(whole.constraints) if self._concerns(number, root))
+            variables = tuple(whole.variables[place] for place in places)
+            transitions.append(Transition(replace(whole.step, occurs=occurs, final=own), variables, constraints, ()))
+        return tuple(transitions)
 
     def _decided(self) -> set[int]:
         """Return the atoms that depend on no variable if no action occurs."""
+        rules = self._transition.rules
         decided: set[int] = set()
-        for stratum in self._transition.rules.strata:
+        for stratum in rules.strata:
             inside = set(stratum.atoms)
-            read = {abs(literal) for atom in stratum.atoms for body in self._transition.rules.idle[atom]
-                    for literal in body.literals}  # fmt: skip
-            if all(atom in decided or atom in inside or not self._is_defined(atom) for atom in read):
+            read = {abs(literal) for atom in inside for body in rules.idle[atom] for literal in body.literals}
+            if not any(atom in self._variable or atom in rules.order for atom in read - decided - inside):
                 decided |= inside
         return decided
-
-    def _is_defined(self, atom: int) -> bool:
-        return atom in self._variable or atom in self._transition.rules.order
-
-    def _join_what_no_action_leaves(self) -> None:
-        rules = self._transition.rules
-        for place, atom in enumerate(rules.written):
-            if atom in rules.order:
-                self._join([("variable", place), ("atom", atom)])
-        for atom, bodies in rules.idle.items():
-            self._join([("atom", atom), *self._read(bodies)])
-        for number, body in rules.idle_constraints:
-            self._idle_nodes[number] = self._read([body])
-            self._join(self._idle_nodes[number])
 
     def _join_action(self, letter: int, move: Move) -> None:
         """Join an action with what it reads and sets, and remember the constraints that read it."""
@@ -129,14 +123,6 @@ class _Parts:
             if isinstance(simplified, RuleBody):
                 self._join([action, *self._idle_nodes.get(number, ())])
                 self._asking.setdefault(number, []).append(action)
-
-    def _join_lonely(self) -> bool:
-        """Join nodes that no action touches, and actions without variables; return whether separate actions remain."""
-        acting = {self._root(("action", letter)) for letter in self._moves}
-        placed = {self._root(("variable", place)) for place in range(len(self._transition.variables))}
-        self._join([IDLE, *(placed - acting)])
-        self._join([FREE, *(acting - placed)])
-        return len({self._root(("action", letter)) for letter in self._moves}) > 1
 
     def _concerns(self, number: int, root: Node) -> bool:
         """Return whether a constraint belongs to a part: it reads one of its variables or actions.

@@ -5,7 +5,7 @@ The ground rules are evaluated once without an action. An action then evaluates 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from prag_asp.logic.step.normal import RuleBody
@@ -40,49 +40,40 @@ class Move:
 
 def compile_move(rules: StepRules, action: int) -> Move:
     """Return the rules partially evaluated for the atom `action`, with all other actions false."""
-    affected = _affected(rules, action)
+    affected: set[int] = set()
+    waiting = [action]
+    while waiting:
+        new = set(rules.readers.get(waiting.pop(), ())) - affected
+        affected |= new
+        waiting += new
     constants = {**rules.no_action, action: True}
     bodies, strata = _left_of_rules(rules, action, affected, constants)
     touched = {number for atom in (*affected, action) for number in rules.constraint_readers.get(atom, ())}
     simplified = [simplify(rules.constraints[number], constants) for number in sorted(touched)]
-    residual = [body for body in simplified if isinstance(body, RuleBody)]
-    guards = tuple(body for body in residual if not any(abs(literal) in affected for literal in body.literals))
-    later = tuple(body for body in residual if any(abs(literal) in affected for literal in body.literals))
-    constant_atoms = {atom: constants[atom] for atom in (action, *affected) if atom in constants}
-    values = {place: value for atom, value in constant_atoms.items() for place in rules.places.get(atom, ())}
-    changed = {place: atom for atom in affected if atom not in constant_atoms for place in rules.places.get(atom, ())}
-    labels = [
-        (place, atom) for atom in affected if atom not in constant_atoms for place in rules.label_places.get(atom, ())
-    ]
+    guards: list[RuleBody] = []
+    later: list[RuleBody] = []
+    for body in simplified:
+        if isinstance(body, RuleBody):
+            (guards if affected.isdisjoint(map(abs, body.literals)) else later).append(body)
+    decided = {atom: constants[atom] for atom in (action, *affected) if atom in constants}
+    values = {place: value for atom, value in decided.items() for place in rules.places.get(atom, ())}
+    fixed = {place: value for atom, value in decided.items() for place in rules.label_places.get(atom, ())}
+    changed = {place: atom for atom in affected - decided.keys() for place in rules.places.get(atom, ())}
+    labels = {place: atom for atom in affected - decided.keys() for place in rules.label_places.get(atom, ())}
+    # The strata on which the effects and the constraints still depend after simplification.
+    needed = {*changed.values(), *labels.values(), *(abs(literal) for body in later for literal in body.literals)}
+    remaining: list[Stratum] = []
+    for stratum in reversed(strata):
+        if not needed.isdisjoint(stratum.atoms):
+            needed |= {abs(literal) for atom in stratum.atoms for body in bodies[atom] for literal in body.literals}
+            remaining.insert(0, stratum)
     words = words_for(len(rules.written))
-    roots = {*changed.values(), *(atom for _, atom in labels)}
     return Move(
-        guards,
-        _needed(strata, bodies, roots | {abs(literal) for body in later for literal in body.literals}),
-        bodies,
-        later,
-        frozenset(touched),
-        constant_atoms,
-        any(body is True for body in simplified),
-        keep=~mask_of([*values, *changed], words),
-        put=mask_of([place for place, value in values.items() if value], words),
-        changed=tuple(sorted(changed.items())),
-        labels=tuple(sorted(labels)),
-        fixed_labels=tuple(
-            (place, value) for atom, value in constant_atoms.items() for place in rules.label_places.get(atom, ())
-        ),
-    )
-
-
-def _affected(rules: StepRules, action: int) -> set[int]:
-    affected: set[int] = set()
-    waiting = [action]
-    while waiting:
-        for reader in rules.readers.get(waiting.pop(), ()):
-            if reader not in affected:
-                affected.add(reader)
-                waiting.append(reader)
-    return affected
+        tuple(guards), tuple(remaining), bodies, tuple(later), frozenset(touched), decided,
+        impossible=any(body is True for body in simplified),
+        keep=~mask_of([*values, *changed], words), put=mask_of([place for place in values if values[place]], words),
+        changed=tuple(sorted(changed.items())), labels=tuple(sorted(labels.items())), fixed_labels=tuple(fixed.items()),
+    )  # fmt: skip
 
 
 def _left_of_rules(
@@ -105,16 +96,3 @@ def _left_of_rules(
         if open_atoms:
             strata.append(Stratum(open_atoms, stratum.recursive))
     return bodies, strata
-
-
-def _needed(
-    strata: Sequence[Stratum], bodies: Mapping[int, tuple[RuleBody, ...]], roots: set[int]
-) -> tuple[Stratum, ...]:
-    """Return the strata on which the atoms `roots` still depend after simplification."""
-    needed = set(roots)
-    found = []
-    for stratum in reversed(strata):
-        if needed & set(stratum.atoms):
-            needed |= {abs(literal) for atom in stratum.atoms for body in bodies[atom] for literal in body.literals}
-            found.append(stratum)
-    return tuple(reversed(found))

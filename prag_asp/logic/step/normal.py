@@ -6,8 +6,9 @@ must be allowed, and an action that is derived must occur.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import count
 
 import clingo
 
@@ -56,8 +57,9 @@ def normal_step(ground: GroundStep) -> NormalStep:
     occurs = {symbol.arguments[0]: atom for symbol, atom in sorted(timed)}
     others = choosable - set(occurs.values())
     if others:
-        spelled = [_at_step(ground.names[atom]) for atom in others if atom in ground.names] or ["an unnamed atom"]
-        raise EngineError(f"a step chooses more than its action: {min(spelled)}")
+        named = [ground.names[atom] for atom in others if atom in ground.names]
+        spelled = [str(clingo.Function(each.name, [*each.arguments[:-1], clingo.Function("t")])) for each in named]
+        raise EngineError(f"a step chooses more than its action: {min(spelled, default='an unnamed atom')}")
     allowed, bodies, constraints = _step_rules(ground, set(occurs.values()))
     final_bodies: dict[int, list[RuleBody]] = {}
     final: list[RuleBody] = []
@@ -77,7 +79,8 @@ def _step_rules(ground: GroundStep, actions: set[int]) -> tuple[set[int], dict[i
     bodies: dict[int, list[RuleBody]] = {}
     constraints: list[RuleBody] = []
     support: dict[int, list[RuleBody]] = {}
-    fresh = _fresh_atoms(ground)
+    recorded = (rule for part in ground.rules.values() for rule in part)
+    fresh = count(1 + max([0, *ground.names, *(abs(atom) for rule in recorded for atom in (*rule.heads, *rule.body))]))
     for rule in ground.rules.get("step", ()):
         body = _body(rule)
         if not rule.heads:
@@ -121,11 +124,6 @@ def _add_unnamed(ground: GroundStep, final_bodies: dict[int, list[RuleBody]], fi
                 waiting += defined[atom]
 
 
-def _at_step(symbol: clingo.Symbol) -> str:
-    """Return the text of an atom of the ground step as an author writes it."""
-    return str(clingo.Function(symbol.name, [*symbol.arguments[:-1], clingo.Function("t")]))
-
-
 def _single_head(rule: Rule) -> tuple[int, ...]:
     if len(rule.heads) > 1 and not rule.choice:
         raise EngineError("a rule of a step has a disjunction as its head")
@@ -138,15 +136,6 @@ def _body(rule: Rule) -> RuleBody:
 
 def _frozen(bodies: Mapping[int, list[RuleBody]]) -> dict[int, tuple[RuleBody, ...]]:
     return {atom: tuple(derivations) for atom, derivations in bodies.items()}
-
-
-def _fresh_atoms(ground: GroundStep) -> Iterator[int]:
-    rules: Iterable[Rule] = (rule for part in ground.rules.values() for rule in part)
-    highest = max((abs(atom) for rule in rules for atom in (*rule.heads, *rule.body)), default=0)
-    highest = max([highest, *ground.names])
-    while True:
-        highest += 1
-        yield highest
 
 
 def _refuse_circular(allowed: Iterable[RuleBody], bodies: Mapping[int, list[RuleBody]], actions: set[int]) -> None:

@@ -32,12 +32,6 @@ def unpack(rows: Rows, bits: int) -> NDArray[np.bool_]:
     return np.ascontiguousarray(np.unpackbits(octets, axis=1, count=bits, bitorder="little").T).view(np.bool_)
 
 
-def bit(place: int) -> tuple[int, np.uint64, np.uint64]:
-    """Return the location of a variable: its word, its place in the word, and the mask of that place."""
-    word, shift = divmod(place, WORD)
-    return word, np.uint64(shift), np.uint64(1 << shift)
-
-
 def mask_of(places: list[int], words: int) -> Rows:
     """Return the words in which exactly these bits are set, shape (number of words,)."""
     mask = [0] * words

@@ -19,6 +19,10 @@ ENTRIES = 1 << 15
 """The number of entries at which a cache is emptied: with its states, about 30 MB."""
 
 
+LOW = 2**32 - 1
+"""The mask of the second of two numbers in one key; there are fewer numbers than that, because caches are emptied."""
+
+
 class _Rows:
     """Distinct columns of truth values, by number."""
 
@@ -80,36 +84,35 @@ class PlanStates:
 
         Plans have shape (plans, n) and hold the numbers of actions.
         """
+        hindsight, outcomes = self._hindsight, self._outcomes
+
+        def follow(keys: list[int]) -> list[tuple[int, int]]:
+            states = self._states.get([key // self._width for key in keys])
+            after, seen = hindsight.follow(states, np.array([key % self._width for key in keys]))
+            return list(zip(self._states.add(after), self._seen.add(seen), strict=True))
+
+        def evaluate_last(keys: list[int]) -> list[int]:
+            return outcomes.add(hindsight.evaluate_last(self._seen.get(keys)))
+
+        def evaluate_before(keys: list[int]) -> list[int]:
+            seen, known = self._seen.get([key & LOW for key in keys]), outcomes.get([key >> 32 for key in keys])
+            return outcomes.add(hindsight.evaluate_before(seen, known))
+
         count, length = plans.shape
         state = np.full(count, self._start)
         seen = np.full((length + 1, count), self._nothing)
         for k in range(length):
-            step = _look_up(self._steps, state * self._width + plans[:, k], self._follow)
+            step = _look_up(self._steps, state * self._width + plans[:, k], follow)
             state, seen[k + 1] = step[:, 0], step[:, 1]
-        state_numbers = np.empty((length + 1, count), dtype=np.int64)
-        state_numbers[length] = _look_up(self._last, seen[length], self._evaluate_last)
+        numbers = np.empty((count, length + 1), dtype=np.int64)
+        numbers[:, length] = _look_up(self._last, seen[length], evaluate_last)
         for k in range(length, 0, -1):
-            state_numbers[k - 1] = _look_up(self._before, (state_numbers[k] << 32) + seen[k], self._evaluate_before)
-        plans_first: Numbers = state_numbers.T
-        return plans_first
+            numbers[:, k - 1] = _look_up(self._before, (numbers[:, k] << 32) + seen[k], evaluate_before)
+        return numbers
 
     def values(self, numbers: Sequence[int]) -> FluentValues:
         """Return the values with some numbers, shape (fluents, numbers)."""
         return self._hindsight.values(self._outcomes.get(numbers))
-
-    def _follow(self, keys: list[int]) -> list[tuple[int, int]]:
-        states = self._states.get([key // self._width for key in keys])
-        after, seen = self._hindsight.follow(states, np.array([key % self._width for key in keys]))
-        return list(zip(self._states.add(after), self._seen.add(seen), strict=True))
-
-    def _evaluate_last(self, keys: list[int]) -> list[int]:
-        return self._outcomes.add(self._hindsight.evaluate_last(self._seen.get(keys)))
-
-    def _evaluate_before(self, keys: list[int]) -> list[int]:
-        seen = self._seen.get([key & 0xFFFFFFFF for key in keys])
-        return self._outcomes.add(
-            self._hindsight.evaluate_before(seen, self._outcomes.get([key >> 32 for key in keys]))
-        )
 
 
 def _look_up(table: dict[int, Any], keys: Numbers, evaluate: Callable[[list[int]], list[Any]]) -> Numbers:

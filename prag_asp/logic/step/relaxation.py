@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from prag_asp.logic.step.circuit import FALSE, TRUE, Circuit, Gates
 from prag_asp.logic.step.moves import Move
 from prag_asp.logic.step.normal import RuleBody
-from prag_asp.logic.step.packed import Rows, mask_of, unpack
+from prag_asp.logic.step.packed import Rows, unpack
 from prag_asp.logic.step.strata import Stratum
 from prag_asp.logic.step.transition import Transition
 
@@ -35,6 +35,7 @@ May = tuple[int, int]
 """The gates for "may be true" and "may be false" of an atom."""
 
 NEVER: May = (FALSE, TRUE)
+ALWAYS: May = (TRUE, FALSE)
 ANYTHING: May = (TRUE, TRUE)
 
 
@@ -57,23 +58,18 @@ class Relaxation:
         forever = True
         for first in range(0, len(states), together):
             some = states[first : first + together]
-            near[first : first + together], settled = self._within(some, left)
+            inputs = self._inputs(some)
+            for steps in range(left + 1):
+                values = self.circuit.evaluate(inputs)
+                ended, following = values[self.ends], values[self.after]
+                settled = bool((~ended == 0).all()) or np.array_equal(following, inputs)
+                if settled or steps == left:
+                    break
+                inputs = following
+            octets = ended.view(np.uint8)
+            near[first : first + together] = np.unpackbits(octets, count=len(some), bitorder="little").view(np.bool_)
             forever &= settled
         return near, forever
-
-    def _within(self, states: Rows, left: int) -> tuple[NDArray[np.bool_], bool]:
-        inputs = self._inputs(states)
-        ended = np.zeros(inputs.shape[1], dtype=np.uint64)
-        settled = False
-        for steps in range(left + 1):
-            values = self.circuit.evaluate(inputs)
-            ended = values[self.ends]
-            following = values[self.after]
-            settled = bool((~ended == 0).all()) or np.array_equal(following, inputs)
-            if settled or steps == left:
-                break
-            inputs = following
-        return np.unpackbits(ended.view(np.uint8), count=len(states), bitorder="little").view(np.bool_), settled
 
     def _inputs(self, states: Rows) -> NDArray[np.uint64]:
         """Return 64 states in each word, shape (inputs, words); bits beyond the final state repeat it."""
@@ -105,10 +101,9 @@ class _Relaxed:
 
     def after(self) -> list[May]:
         """Return the facts of each variable after the step, which include those before it."""
-        true = [[may, self._idle_value(atom)[0]]
-                for (may, _), atom in zip(self._inputs, self._transition.rules.written, strict=True)]  # fmt: skip
-        false = [[may, self._idle_value(atom)[1]]
-                 for (_, may), atom in zip(self._inputs, self._transition.rules.written, strict=True)]  # fmt: skip
+        idle = map(self._idle_value, self._transition.rules.written)
+        pairs = [tuple(zip(before, after, strict=True)) for before, after in zip(self._inputs, idle, strict=True)]
+        true, false = ([list(pair[side]) for pair in pairs] for side in (0, 1))
         for letter in range(len(self._transition.actions)):
             move = self._transition.move(letter)
             if not move.impossible:
@@ -119,7 +114,10 @@ class _Relaxed:
         """Return the gate of whether a plan may end."""
         transition, final = self._transition, self._transition.step.final
         values = self._values(transition.step.ground.now)
-        read = _reader(values)
+
+        def read(atom: int) -> May:
+            return values.get(atom, NEVER)
+
         self._evaluate(transition.final_strata, transition.step.final_bodies, values, read)
         return self._gates.all(self._false(body, read) for body in final)
 
@@ -129,15 +127,15 @@ class _Relaxed:
 
         def value(atom: int) -> May:
             if atom in move.constants:
-                return (TRUE, FALSE) if move.constants[atom] else NEVER
+                return ALWAYS if move.constants[atom] else NEVER
             return values[atom] if atom in values else self._idle_value(atom)
 
         self._evaluate(move.strata, move.bodies, values, value)
         occurs = self._gates.all([*(self._false(body, self._idle_value) for body in move.guards),
                                   *(self._false(body, value) for body in move.constraints)])  # fmt: skip
-        changed = dict(move.changed)
+        changed, put = dict(move.changed), unpack(move.put[None], len(self._inputs))[:, 0]
         for place in self._transition.places_set(move):
-            may = value(changed[place]) if place in changed else (TRUE, FALSE) if _has(move.put, place) else NEVER
+            may = value(changed[place]) if place in changed else ALWAYS if put[place] else NEVER
             true[place].append(self._gates.all((occurs, may[0])))
             false[place].append(self._gates.all((occurs, may[1])))
 
@@ -161,17 +159,16 @@ class _Relaxed:
                 values |= {atom: (self._value(bodies[atom], value)[0], TRUE) for atom in stratum.atoms}
 
     def _value(self, bodies: Sequence[RuleBody], value: Callable[[int], May]) -> May:
-        true = self._gates.any(self._true(body, value) for body in bodies)
-        return true, self._gates.all(self._false(body, value) for body in bodies)
-
-    def _true(self, body: RuleBody, value: Callable[[int], May]) -> int:
-        """Return the gate of "may be true" of a body; a sum with a positive bound needs some literal."""
-        literals = [value(abs(literal))[literal < 0] for literal in body.literals]
-        if not body.weights:
-            return self._gates.all(literals)
-        if body.bound <= 0 or min(body.weights) < 0:
-            return TRUE
-        return self._gates.any(literals)
+        """Return the gates of an atom with some bodies; a sum with a positive bound needs some literal to be true."""
+        true = []
+        for body in bodies:
+            literals = [value(abs(literal))[literal < 0] for literal in body.literals]
+            if not body.weights:
+                true.append(self._gates.all(literals))
+            else:
+                is_open = body.bound > 0 and min(body.weights) >= 0
+                true.append(self._gates.any(literals) if is_open else TRUE)
+        return self._gates.any(true), self._gates.all(self._false(body, value) for body in bodies)
 
     def _false(self, body: RuleBody, value: Callable[[int], May]) -> int:
         """Return the gate of "may be false" of a body; a sum may always be false."""
@@ -186,11 +183,3 @@ class _Relaxed:
 
     def _idle_value(self, atom: int) -> May:
         return self._idle.get(atom, NEVER)
-
-
-def _reader(values: Mapping[int, May]) -> Callable[[int], May]:
-    return lambda atom: values.get(atom, NEVER)
-
-
-def _has(words: Rows, place: int) -> bool:
-    return bool((words & mask_of([place], len(words))).any())

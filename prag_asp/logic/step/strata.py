@@ -43,20 +43,18 @@ def stratify(roots: Iterable[int], bodies: Mapping[int, tuple[RuleBody, ...]]) -
     Raises:
         EngineError: an atom depends on its own negation.
     """
-    defined = (root for root in roots if root in bodies)
-    return [_stratum(members, bodies) for members in components(defined, lambda atom: _dependencies(atom, bodies))]
 
+    def dependencies(atom: int) -> list[int]:
+        return [abs(literal) for body in bodies[atom] for literal in body.literals if abs(literal) in bodies]
 
-def _dependencies(atom: int, bodies: Mapping[int, tuple[RuleBody, ...]]) -> list[int]:
-    return [abs(literal) for body in bodies[atom] for literal in body.literals if abs(literal) in bodies]
-
-
-def _stratum(members: list[int], bodies: Mapping[int, tuple[RuleBody, ...]]) -> Stratum:
-    inside = set(members)
-    literals = [literal for atom in members for body in bodies[atom] for literal in body.literals]
-    if any(-literal in inside for literal in literals):
-        raise EngineError("rules of a step go around through a negation")
-    return Stratum(tuple(sorted(members)), any(literal in inside for literal in literals))
+    strata = []
+    for members in components((root for root in roots if root in bodies), dependencies):
+        inside = set(members)
+        literals = [literal for atom in members for body in bodies[atom] for literal in body.literals]
+        if any(-literal in inside for literal in literals):
+            raise EngineError("rules of a step go around through a negation")
+        strata.append(Stratum(tuple(sorted(members)), any(literal in inside for literal in literals)))
+    return strata
 
 
 def body_column(body: RuleBody, column: Callable[[int], Column], size: int) -> Column:
@@ -76,27 +74,31 @@ def body_column(body: RuleBody, column: Callable[[int], Column], size: int) -> C
 
 def evaluate(
     strata: Iterable[Stratum],
-    bodies: Callable[[int], tuple[RuleBody, ...]],
+    bodies: Mapping[int, tuple[RuleBody, ...]],
     columns: dict[int, Column],
-    column: Callable[[int], Column],
     size: int,
-) -> None:
-    """Add the column of every atom of `strata` to `columns`; `column` reads these and the atoms given beforehand."""
+    read: Callable[[int], Column] | None = None,
+) -> Callable[[int], Column]:
+    """Add the column of every atom of `strata` to `columns`, and return a reader of columns.
+
+    `read` reads `columns` and all other atoms; by default, an atom that nothing derives is false.
+    """
+    false = np.zeros(size, dtype=np.bool_)
+    column = read or (lambda atom: columns.get(atom, false))
     for stratum in strata:
         if not stratum.recursive:
             for atom in stratum.atoms:
-                columns[atom] = _any_body(bodies(atom), column, size)
+                columns[atom] = _any_body(bodies[atom], column, size)
             continue
-        for atom in stratum.atoms:
-            columns[atom] = np.zeros(size, dtype=np.bool_)
+        columns.update(dict.fromkeys(stratum.atoms, false))
         changed = True
         while changed:
             changed = False
             for atom in stratum.atoms:
-                value = columns[atom] | _any_body(bodies(atom), column, size)
-                if not np.array_equal(value, columns[atom]):
-                    changed = True
+                value = columns[atom] | _any_body(bodies[atom], column, size)
+                changed |= not np.array_equal(value, columns[atom])
                 columns[atom] = value
+    return column
 
 
 def _any_body(bodies: tuple[RuleBody, ...], column: Callable[[int], Column], size: int) -> Column:

@@ -7,7 +7,7 @@ states in which it breaks no constraint that reads the state directly.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -17,15 +17,65 @@ from numpy.typing import NDArray
 
 from prag_asp.logic.step.cone import find_cone
 from prag_asp.logic.step.moves import Move, compile_move
-from prag_asp.logic.step.needs import Needs
 from prag_asp.logic.step.normal import NormalStep, RuleBody
-from prag_asp.logic.step.packed import Rows, bit, pack, unpack
+from prag_asp.logic.step.packed import WORD, Rows, pack, unpack
 from prag_asp.logic.step.step_rules import StepRules
 from prag_asp.logic.step.strata import Column, Stratum, body_column, evaluate, stratify
 from prag_asp.processes.progress_events import stage
 
+ROOM = 2**25
+"""The maximum memory in bytes of the columns of `Needs` that are tested together."""
+
 MANY = 64
 """The number of actions from which `Needs` rules out most of them together; fewer are tried one by one."""
+
+
+@dataclass(frozen=True)
+class Needs:
+    """The constraints that forbid an action wherever one literal of the state before it is true.
+
+    They are tested for all actions at once: in most states, most actions cannot occur.
+
+    Action ``letters[i]`` is forbidden by the literals whose numbers are ``forbidding[starts[i]:starts[i + 1]]``; they
+    are `literals`. Letters without such constraints are not among them.
+    """
+
+    size: int
+    literals: tuple[int, ...]
+    letters: NDArray[np.intp]
+    starts: NDArray[np.intp]
+    forbidding: NDArray[np.intp]
+
+    @classmethod
+    def of(cls, constraints: Iterable[RuleBody], actions: Sequence[int], before: Collection[int]) -> Needs:
+        """Return the needs that follow from constraints with one action and one atom `before` the step."""
+        letter_of = {atom: letter for letter, atom in enumerate(actions)}
+        numbers: dict[int, int] = {}
+        pairs: set[tuple[int, int]] = set()
+        for body in constraints:
+            if len(body.literals) == 2 and not body.weights:
+                for action, literal in (body.literals, body.literals[::-1]):
+                    if action in letter_of and abs(literal) in before:
+                        pairs.add((letter_of[action], numbers.setdefault(literal, len(numbers))))
+        table = np.array(sorted(pairs), dtype=np.intp).reshape(-1, 2)
+        letters, starts = np.unique(table[:, 0], return_index=True)
+        return cls(len(actions), tuple(numbers), letters, np.append(starts, len(table)), table[:, 1])
+
+    def met(self, read: Callable[[int], Column], states: int) -> NDArray[np.bool_]:
+        """Return which actions are not forbidden in some state of a frontier, shape (actions,)."""
+        met = np.ones(self.size, dtype=np.bool_)
+        if not len(self.letters):
+            return met
+        columns = (read(literal) if literal > 0 else ~read(-literal) for literal in self.literals)
+        true = np.stack([np.packbits(column) for column in columns])
+        everywhere = np.packbits(np.ones(states, dtype=np.bool_))
+        together = max(ROOM * len(self.letters) // (len(self.forbidding) * len(everywhere)), 1)
+        for first in range(0, len(self.letters), together):
+            starts = self.starts[first : first + together + 1]
+            taken = true[self.forbidding[starts[0] : starts[-1]]]
+            forbidden = np.bitwise_or.reduceat(taken, starts[:-1] - starts[0], axis=0)
+            met[self.letters[first : first + together]] = (forbidden != everywhere).any(axis=1)
+        return met
 
 
 @dataclass(frozen=True)
@@ -104,12 +154,10 @@ class Transition:
         broken = np.zeros(len(states), dtype=np.bool_)
         if not self.step.final:
             return ~broken
-        now, size = self.step.ground.now, len(states)
-        columns = self._columns(states, now)
-        read = _reader(columns, size)
-        evaluate(self.final_strata, self.step.final_bodies.__getitem__, columns, read, size)
+        columns = self._columns(states, self.step.ground.now)
+        read = evaluate(self.final_strata, self.step.final_bodies, columns, len(states))
         for body in self.step.final:
-            broken |= body_column(body, read, size)
+            broken |= body_column(body, read, len(states))
         return ~broken
 
     def places_set(self, move: Move) -> list[int]:
@@ -162,8 +210,7 @@ class _Before:
     @classmethod
     def evaluated(cls, rules: StepRules, columns: dict[int, Column], size: int) -> _Before:
         """Evaluate the rules on the columns of the atoms of step t-1."""
-        read = _reader(columns, size)
-        evaluate(rules.strata, rules.idle.__getitem__, columns, read, size)
+        read = evaluate(rules.strata, rules.idle, columns, size)
         broken: dict[int, Column] = {}
         breaches = np.zeros(size, dtype=np.int32)
         for number, body in rules.idle_constraints:
@@ -184,7 +231,7 @@ def _apply(move: Move, letter: int, before: _Before, sources: NDArray[np.intp]) 
             columns[atom] = before.read(atom)[sources] if constant is None else np.full(len(sources), constant)
         return columns[atom]
 
-    evaluate(move.strata, move.bodies.__getitem__, columns, column, len(sources))
+    evaluate(move.strata, move.bodies, columns, len(sources), column)
     bad = np.zeros(len(sources), dtype=np.bool_)
     for body in move.constraints:
         bad |= body_column(body, column, len(sources))
@@ -194,8 +241,8 @@ def _apply(move: Move, letter: int, before: _Before, sources: NDArray[np.intp]) 
         columns = {atom: value[allowed] for atom, value in columns.items()}
     states = (before.after[sources] & move.keep) | move.put
     for place, atom in move.changed:
-        word, shift, _ = bit(place)
-        states[:, word] |= columns[atom].astype(np.uint64) << shift
+        word, shift = divmod(place, WORD)
+        states[:, word] |= columns[atom].astype(np.uint64) << np.uint64(shift)
     labels = before.labels[sources]
     for place, atom in move.labels:
         labels[:, place] = columns[atom]
@@ -225,12 +272,6 @@ def _unguarded(move: Move, before: _Before, tried: NDArray[np.bool_] | None) -> 
 def _stacked(columns: Iterator[Column], size: int) -> NDArray[np.bool_]:
     rows = list(columns)
     return np.stack(rows) if rows else np.zeros((0, size), dtype=np.bool_)
-
-
-def _reader(columns: Mapping[int, Column], size: int) -> Callable[[int], Column]:
-    """Return a reader of columns in which an atom that nothing derives is false."""
-    false = np.zeros(size, dtype=np.bool_)
-    return lambda atom: columns.get(atom, false)
 
 
 def build_transition(step: NormalStep, labels: Sequence[clingo.Symbol] = ()) -> Transition:

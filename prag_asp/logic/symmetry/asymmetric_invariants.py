@@ -6,7 +6,7 @@ If it does not, the invariants of single entities may follow from the rest, so t
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from itertools import pairwise
 
 import clingo
@@ -24,7 +24,10 @@ def states_unevenly(facts: Facts, groups: Collection[Sequence[clingo.Symbol]]) -
 
     The answer is no if the `groups` of interchangeable entities are whole classes already.
     """
-    idle = list(_idle_goals(facts))
+    # Goals that have to be false and are false in every state: they follow from the invariants as well.
+    negative = [fluent for fluent, value in facts.goal if value == "false"]
+    graph = invariant_graph(facts) if negative else {}
+    idle = [fluent for fluent in negative if conflict(entailed([(fluent, True)], graph))]
     if not (facts.implies or facts.impossible or idle):
         return False  # nothing follows from exclusive fluents alone
     numbers = {entity: number for number, entity in enumerate(facts.entities)}
@@ -36,31 +39,20 @@ def states_unevenly(facts: Facts, groups: Collection[Sequence[clingo.Symbol]]) -
     if not classes:
         return False
     shapes = Shapes(numbers)
-    stated = {*_stated(facts, shapes), *(("goal", shapes.of(fluent), shapes.of(fluent)) for fluent in idle)}
+    stated: set[_Stated] = set()
+    for predicate, pairs in (
+        ("goal", [(fluent, fluent) for fluent in idle]),
+        ("exclusive", [*facts.exclusive, *((second, first) for first, second in facts.exclusive)]),
+        ("impossible", [*facts.impossible, *((second, first) for first, second in facts.impossible)]),
+        ("implies", [(first, second) for first, second in facts.implies if first != second]),
+    ):
+        stated |= {(predicate, shapes.of(first), shapes.of(second)) for first, second in pairs}
     naming: dict[int, list[_Stated]] = {}
     for each in stated:
         for number in {*each[1][1], *each[2][1]}:
             naming.setdefault(number, []).append(each)
     # Swaps of neighbours generate all renamings of a class.
     return not all(_kept(*pair, stated, naming) for each in classes for pair in pairwise(each))
-
-
-def _idle_goals(facts: Facts) -> Iterator[clingo.Symbol]:
-    """Yield the fluents of the goal that have to be false and are false in every state."""
-    negative = [fluent for fluent, value in facts.goal if value == "false"]
-    graph = invariant_graph(facts) if negative else {}
-    return (fluent for fluent in negative if conflict(entailed([(fluent, True)], graph)))
-
-
-def _stated(facts: Facts, shapes: Shapes) -> Iterator[_Stated]:
-    """Yield the invariants, symmetric ones in both directions, without those of a single fluent."""
-    for predicate, pairs in (("exclusive", facts.exclusive), ("impossible", facts.impossible)):
-        for first, second in pairs:
-            yield predicate, shapes.of(first), shapes.of(second)
-            yield predicate, shapes.of(second), shapes.of(first)
-    for first, second in facts.implies:
-        if first != second:
-            yield "implies", shapes.of(first), shapes.of(second)
 
 
 def _kept(first: int, second: int, stated: Collection[_Stated], naming: Mapping[int, Sequence[_Stated]]) -> bool:

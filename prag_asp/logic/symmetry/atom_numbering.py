@@ -11,7 +11,8 @@ that depend on themselves through a negation, and chosen atoms, have no least mo
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import NamedTuple
 
@@ -21,8 +22,7 @@ from numpy.typing import NDArray
 
 from prag_asp.logic.ground.ground_step import GroundStep
 from prag_asp.logic.ground.rules import Rule
-from prag_asp.logic.symmetry.fact_propagation import propagate_facts
-from prag_asp.logic.symmetry.renaming import Shaped, Shapes
+from prag_asp.logic.symmetry.renaming import Shaped, Shapes, by_entity
 from prag_asp.program.finite.components import components
 from prag_asp.program.predicates import FINDING
 
@@ -100,12 +100,7 @@ class Atoms:
     def shapes(self, rules: Iterable[SpelledRule]) -> dict[int, list[Shaped]]:
         """Return the named atoms of rules, by the entities that they name."""
         inside = {atom for heads, (_, _, body), _ in rules for atom in (*heads, *(each for each, _, _ in body))}
-        by_entities: dict[int, list[Shaped]] = {}
-        for key in map(self._keys.__getitem__, sorted(inside)):
-            if isinstance(key, tuple):
-                for entity in {*key[1]}:
-                    by_entities.setdefault(entity, []).append(key)
-        return by_entities
+        return by_entity(key for atom in sorted(inside) if isinstance(key := self._keys[atom], tuple))
 
     def has(self, shaped: Shaped) -> bool:
         """Return whether there is an atom with a name."""
@@ -127,51 +122,40 @@ class Atoms:
         """Return a rule with renamed entities, or None if an atom of it has no image."""
         heads, (choice, bound, literals), last = rule
         moved: dict[int, int] = {}
+
+        def image(atom: int) -> int:
+            if atom not in moved:
+                same = names.keys().isdisjoint(self.mentioned[atom])
+                moved[atom] = atom if same else self._image(atom, names, image)
+            return moved[atom]
+
         for atom in sorted({*heads, *(atom for atom, _, _ in literals)}):
-            self._rename(atom, names, moved)
+            image(atom)
         if MISSING in moved.values():
             return None
         body = frozenset((moved[atom], sign, weight) for atom, sign, weight in literals)
         return SpelledRule(frozenset(moved[atom] for atom in heads), (choice, bound, body), last)
 
-    def _rename(self, atom: int, names: Mapping[int, int], moved: dict[int, int]) -> int:
-        """Return the number of a renamed atom; `moved` is a cache."""
-        if atom not in moved:
-            key = self._keys[atom]
-            if names.keys().isdisjoint(self.mentioned[atom]):
-                moved[atom] = atom
-            elif isinstance(key, frozenset):
-                bodies = frozenset(
-                    (
-                        choice,
-                        bound,
-                        frozenset((self._rename(each, names, moved), sign, weight) for each, sign, weight in literals),
-                    )
-                    for choice, bound, literals in key
-                )
-                moved[atom] = self._numbers.get(bodies, MISSING)
-            else:
-                moved[atom] = self._numbers.get(self._under(key, names, np.empty(0, dtype=np.int64)), MISSING)
-        return moved[atom]
-
     def under(self, names: Mapping[int, int]) -> NDArray[np.int64]:
         """Return the number of each renamed atom, `MISSING` if there is no such atom."""
         renamed = np.arange(len(self._keys))
         for number in sorted({number for entity in names for number in self._with[entity]}):
-            renamed[number] = self._numbers.get(self._under(self._keys[number], names, renamed), MISSING)
+            # Rules mention atoms with smaller numbers.
+            renamed[number] = self._image(number, names, lambda atom: int(renamed[atom]))
         return renamed
 
-    def _under(self, key: Key, names: Mapping[int, int], renamed: NDArray[np.int64]) -> Key:
-        """Return the key of a renamed atom, given the images of the atoms with smaller numbers."""
+    def _image(self, atom: int, names: Mapping[int, int], image: Callable[[int], int]) -> int:
+        """Return the number of a renamed atom, given the images of the atoms in its rules, or `MISSING`."""
+        key = self._keys[atom]
         if isinstance(key, tuple):
             shape, entities = key
-            return shape, tuple(names.get(entity, entity) for entity in entities)
-        if isinstance(key, int):
-            return key
-        return frozenset(
-            (choice, bound, frozenset((int(renamed[atom]), sign, weight) for atom, sign, weight in literals))
-            for choice, bound, literals in key
-        )
+            key = shape, tuple(names.get(entity, entity) for entity in entities)
+        elif isinstance(key, frozenset):
+            key = frozenset(
+                (choice, bound, frozenset((image(each), sign, weight) for each, sign, weight in literals))
+                for choice, bound, literals in key
+            )
+        return self._numbers.get(key, MISSING)
 
     def _definitions(self, rules: Iterable[Rule]) -> dict[int, list[Rule]]:
         """Return the rules of the unnamed atoms that are identified by them; others are identified by themselves."""
@@ -185,15 +169,12 @@ class Atoms:
                 else:
                     definitions.setdefault(head, []).append(rule)
         definitions = {atom: own for atom, own in definitions.items() if atom not in self._of_atom}
-        around = [
-            atom
-            for component in components(definitions, lambda atom: _below(definitions[atom], definitions))
-            if _negates(component, definitions)
-            for atom in component
-        ]
-        for atom in around:
-            self._of_atom[atom] = self._new(-atom, frozenset())
-            del definitions[atom]
+        for component in list(components(definitions, lambda atom: _below(definitions[atom], definitions))):
+            read = {literal for atom in component for rule in definitions[atom] for literal in rule.body}
+            if any(-atom in read for atom in component):
+                for atom in component:
+                    self._of_atom[atom] = self._new(-atom, frozenset())
+                    del definitions[atom]
         return dict(_passed_on(definitions))
 
     def _number_component(self, component: list[int], definitions: Mapping[int, list[Rule]]) -> None:
@@ -248,14 +229,63 @@ class Atoms:
         return self._numbers[key]
 
 
+def propagate_facts(rules: Sequence[Rule], facts: Iterable[int] = ()) -> tuple[list[Rule], set[int]]:
+    """Return equivalent rules without facts in their bodies, and all facts, including the given `facts`.
+
+    clingo leaves literals of facts in the rules of recursive predicates; which ones depends on its order of atoms.
+    """
+    derived = {*facts, *(rule.heads[0] for rule in rules if _states(rule))}
+    remaining = dict(enumerate(rules))
+    reading: dict[int, list[int]] = {}
+    for number, rule in remaining.items():
+        for literal in rule.body:
+            reading.setdefault(abs(literal), []).append(number)
+    waiting = deque(derived)
+    while waiting:
+        fact = waiting.popleft()
+        for number in reading.get(fact, ()):
+            if number not in remaining:
+                continue
+            rest = _simplified(remaining.pop(number), fact)
+            if rest is not None:
+                remaining[number] = rest
+                if _states(rest) and rest.heads[0] not in derived:
+                    derived.add(rest.heads[0])
+                    waiting.append(rest.heads[0])
+    simplified: list[Rule] = []
+    stated = set[int]()
+    for _, rule in sorted(remaining.items()):  # each known fact is stated once, and not derived
+        if len(rule.heads) != 1 or rule.choice or rule.heads[0] not in derived:
+            simplified.append(rule)
+        elif _states(rule) and rule.heads[0] not in stated:
+            stated.add(rule.heads[0])
+            simplified.append(rule)
+    return simplified, derived
+
+
+def _states(rule: Rule) -> bool:
+    """Return whether a rule is a fact."""
+    return not rule.body and not rule.choice and len(rule.heads) == 1 and rule.bound <= 0
+
+
+def _simplified(rule: Rule, fact: int) -> Rule | None:
+    """Return a rule simplified by a fact, or None if its body is then false."""
+    if not rule.weights:
+        if -fact in rule.body:
+            return None
+        return Rule(rule.heads, tuple(literal for literal in rule.body if literal != fact), rule.choice)
+    rest = [pair for pair in zip(rule.body, rule.weights, strict=True) if abs(pair[0]) != fact]
+    bound = rule.bound - sum(weight for literal, weight in zip(rule.body, rule.weights, strict=True) if literal == fact)
+    if bound <= 0:
+        return Rule(rule.heads, (), rule.choice)
+    if sum(weight for _, weight in rest) < bound:
+        return None
+    return Rule(rule.heads, tuple(each for each, _ in rest), rule.choice, bound, tuple(each for _, each in rest))
+
+
 def _below(rules: Iterable[Rule], among: Mapping[int, object]) -> list[int]:
     """Return the atoms of `among` that rules read."""
     return [abs(literal) for rule in rules for literal in rule.body if abs(literal) in among]
-
-
-def _negates(component: list[int], rules: Mapping[int, list[Rule]]) -> bool:
-    inside = set(component)
-    return any(-literal in inside for atom in component for rule in rules[atom] for literal in rule.body)
 
 
 def _passed_on(rules: Mapping[int, list[Rule]]) -> Iterator[tuple[int, list[Rule]]]:

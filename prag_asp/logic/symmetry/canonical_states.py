@@ -100,12 +100,21 @@ class Merging:
     def canonical(self, states: Rows) -> tuple[Rows, Orders]:
         """Return the chosen renaming of each state, and the order of entities that leads to it."""
         together = max(TOGETHER // self.size, 1)
-        renamed, orders = [states[:0]], [np.zeros((0, self.size), dtype=np.int64)]
+        renamed, all_orders = [states[:0]], [np.zeros((0, self.size), dtype=np.int64)]
         for start in range(0, len(states), together):
-            part = states[start : start + together]
-            orders.append(self._orders(part))
-            renamed.append(self._renamed(part, orders[-1]))
-        return np.concatenate(renamed), np.concatenate(orders)
+            some = states[start : start + together]
+            orders = self._orders(some)
+            bits = find_bits((some ^ self.initial) & self._mask, self.variables, self._term_of)
+            place_of = np.full((len(some), self.size + 1), NOBODY, dtype=np.int64)
+            np.put_along_axis(place_of, orders, np.arange(self.size), axis=1)
+            entities = place_of[bits.state[:, None], self.variables.entities[bits.term]]
+            variable = self.moved[self.variables.find(self.variables.pattern[bits.term], entities)]
+            word, shift = np.divmod(variable, WORD)
+            moved = np.zeros_like(some)
+            np.bitwise_or.at(moved, (bits.state, word), np.uint64(1) << shift.astype(np.uint64))
+            renamed.append((some & ~self._mask) | ((moved ^ self.initial) & self._mask))
+            all_orders.append(orders)
+        return np.concatenate(renamed), np.concatenate(all_orders)
 
     def twins(self, states: Rows) -> NDArray[np.bool_]:
         """Return which entities are twins of the entity before them, shape (states, entities)."""
@@ -149,10 +158,11 @@ class Merging:
     def _orders(self, states: Rows) -> Orders:
         orders = np.empty((len(states), self.size), dtype=np.int64)
         waiting = np.arange(len(states))
+        groups = list(zip(self.starts, [*self.starts[1:], self.size], strict=True))
         initial_colours: Colours = np.zeros((len(states), self.size), dtype=np.uint64)
         while len(waiting):
             bits, keys = self._keys(states[waiting], initial_colours)
-            order = self._sorted(keys)
+            order = np.concatenate([a + np.argsort(keys[:, a:b], axis=1, kind="stable") for a, b in groups], axis=1)
             orders[waiting] = order
             keys = np.take_along_axis(keys, order, axis=1)
             twins, ties = self._alike(bits, keys, order)
@@ -183,11 +193,6 @@ class Merging:
         keys[state, entity] = FIXED | entity.astype(np.uint64)
         return bits, keys
 
-    def _sorted(self, keys: Colours) -> Orders:
-        groups = zip(self.starts, [*self.starts[1:], self.size], strict=True)
-        return np.concatenate([start + np.argsort(keys[:, start:end], axis=1, kind="stable") for start, end in groups],
-                              axis=1)  # fmt: skip
-
     def _alike(self, bits: StateBits, keys: Colours, orders: Orders) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """Return which entities in an order are twins of the ones before them, and which have the same key."""
         ties = np.zeros(keys.shape, dtype=np.bool_)
@@ -197,17 +202,6 @@ class Merging:
         pairs = np.stack([orders[state, place - 1], orders[state, place]], axis=1)
         np.place(twins, ties & ~twins, are_twins(bits, self.moved, state, pairs))
         return twins, ties
-
-    def _renamed(self, states: Rows, orders: Orders) -> Rows:
-        bits = find_bits((states ^ self.initial) & self._mask, self.variables, self._term_of)
-        place_of = np.full((len(states), self.size + 1), NOBODY, dtype=np.int64)
-        np.put_along_axis(place_of, orders, np.arange(self.size), axis=1)
-        entities = place_of[bits.state[:, None], self.variables.entities[bits.term]]
-        variable = self.moved[self.variables.find(self.variables.pattern[bits.term], entities)]
-        word, shift = np.divmod(variable, WORD)
-        moved = np.zeros_like(states)
-        np.bitwise_or.at(moved, (bits.state, word), np.uint64(1) << shift.astype(np.uint64))
-        return (states & ~self._mask) | ((moved ^ self.initial) & self._mask)
 
 
 ALWAYS, NEVER = -1, -2

@@ -49,18 +49,15 @@ def find_bits(rows: Rows, terms: Patterns, term_of: NDArray[np.int64]) -> StateB
     place, shift = np.nonzero(np.unpackbits(octets, axis=1, bitorder="little"))
     state, term = state[place], term_of[word[place] * WORD + shift]
     state, term = state[term >= 0], term[term >= 0]
-    arity = terms.arity[term]
-    alone = _alone(terms, len(rows), state[arity == 1], term[arity == 1])
+    arity, is_single = terms.arity[term], terms.named == 1
+    numbers = np.cumsum(is_single) - 1
+    alone = np.zeros((len(rows), terms.places, words_for(int(is_single.sum()))), dtype=np.uint64)
+    single = np.flatnonzero(arity == 1)
+    if len(single):
+        word, shift = np.divmod(numbers[terms.pattern[term[single]]], WORD)
+        where = (state[single], terms.entities[term[single], 0], word)
+        np.bitwise_or.at(alone, where, np.uint64(1) << shift.astype(np.uint64))
     return StateBits(rows, terms, state, term, alone, np.flatnonzero(arity > 1))
-
-
-def _alone(terms: Patterns, states: int, state: NDArray[np.intp], term: NDArray[np.intp]) -> NDArray[np.uint64]:
-    numbers = np.cumsum(terms.named == 1) - 1
-    alone = np.zeros((states, terms.places, words_for(int((terms.named == 1).sum()))), dtype=np.uint64)
-    word, shift = np.divmod(numbers[terms.pattern[term]], WORD)
-    np.bitwise_or.at(alone, (state, terms.entities[term, 0] if len(term) else state, word),
-                     np.uint64(1) << shift.astype(np.uint64))  # fmt: skip
-    return alone
 
 
 def refine_colours(bits: StateBits, initial: Colours) -> Colours:

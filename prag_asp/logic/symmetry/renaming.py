@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import clingo
 
@@ -28,20 +28,25 @@ class Shapes:
         """Return the shape of a term and the entities in it."""
         shaped = self._shaped.get(term)
         if shaped is None:
-            shaped = self._shaped[term] = self._compute(term)
+            if term in self._entities:
+                shaped = PLACE, (self._entities[term],)
+            else:
+                arguments = term.arguments if term.type == clingo.SymbolType.Function else ()
+                parts = [self.of(argument) for argument in arguments]
+                shape = (term.name, term.positive, *(number for number, _ in parts)) if parts else str(term)
+                number = self._numbers.setdefault(shape, len(self._numbers) + 1)
+                shaped = number, tuple(entity for _, entities in parts for entity in entities)
+            self._shaped[term] = shaped
         return shaped
 
-    def _compute(self, term: clingo.Symbol) -> Shaped:
-        if term in self._entities:
-            return PLACE, (self._entities[term],)
-        if term.type != clingo.SymbolType.Function or not term.arguments:
-            return self._number(str(term)), ()
-        parts = [self.of(argument) for argument in term.arguments]
-        shape = self._number((term.name, term.positive, *(number for number, _ in parts)))
-        return shape, tuple(entity for _, entities in parts for entity in entities)
 
-    def _number(self, shape: object) -> int:
-        return self._numbers.setdefault(shape, len(self._numbers) + 1)
+def by_entity(terms: Iterable[Shaped]) -> dict[int, list[Shaped]]:
+    """Return the terms that name each entity."""
+    naming: dict[int, list[Shaped]] = {}
+    for term in terms:
+        for entity in set(term[1]):
+            naming.setdefault(entity, []).append(term)
+    return naming
 
 
 def renamed(term: clingo.Symbol, names: Mapping[clingo.Symbol, clingo.Symbol]) -> clingo.Symbol:

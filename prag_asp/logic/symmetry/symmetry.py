@@ -11,8 +11,8 @@ rules, and both have the same answer sets.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from itertools import combinations
 
@@ -22,9 +22,7 @@ from numpy.typing import NDArray
 
 from prag_asp.logic.ground.ground_step import GroundStep
 from prag_asp.logic.symmetry.atom_numbering import START, Atoms, SpelledRule
-from prag_asp.logic.symmetry.entailment import Consequences
-from prag_asp.logic.symmetry.partition_refinement import refine_partition
-from prag_asp.logic.symmetry.renaming import Shaped, Shapes
+from prag_asp.logic.symmetry.renaming import Shaped, Shapes, by_entity
 from prag_asp.logic.symmetry.symmetries import Symmetries
 from prag_asp.logic.symmetry.unit_symmetry import Conflict, joint_groups
 from prag_asp.program.entity_names import action_name
@@ -57,7 +55,7 @@ def find_symmetries(facts: Facts, ground: GroundStep, bare: Callable[[], GroundS
             else:
                 alike.append([entity])
         blocks += alike
-    kinds = refine_partition({number: class_of[entities[number]] for block in blocks for number in block}, rules.exact)
+    kinds = {number: class_of[entity] for entity, number in numbers.items()}
     joint = joint_groups([tuple(block) for block in blocks], kinds, rules)
 
     def named(numbers: Iterable[int]) -> tuple[clingo.Symbol, ...]:
@@ -74,7 +72,8 @@ def may_interchange(facts: Facts) -> bool:
     """
     names_of_classes = list(_stated(facts).values())
     shapes = Shapes({entity: number for number, entity in enumerate(facts.entities)})
-    actions = _Actions(dict.fromkeys(map(shapes.of, facts.actions)))
+    shaped = dict.fromkeys(map(shapes.of, facts.actions))
+    actions = _Terms(shaped, by_entity(shaped), shaped.__contains__)
 
     def spoken(entity: int) -> object:
         """Return an invariant of swaps: the patterns of the actions that name an entity, without its class mates."""
@@ -93,7 +92,7 @@ def may_interchange(facts: Facts) -> bool:
         alike.setdefault(spoken(entity), []).append(entity)
     if any(kept(*pair) for members in alike.values() for pair in combinations(members, 2)):
         return True
-    kinds = refine_partition(dict(enumerate(names_of_classes)), actions.all)
+    kinds = dict(enumerate(names_of_classes))
     return bool(joint_groups([(entity,) for entity in kinds], kinds, actions))
 
 
@@ -107,37 +106,30 @@ def _stated(facts: Facts) -> dict[clingo.Symbol, Hashable]:
 
 
 @dataclass(frozen=True)
-class _Actions:
-    """The actions, which renamings have to map onto themselves."""
+class _Terms:
+    """Terms that renamings have to map onto themselves, and the test for them; `naming` has them by entity."""
 
-    all: dict[Shaped, None]
-
-    @cached_property
-    def naming(self) -> dict[int, list[Shaped]]:
-        """The actions by the entities that they name."""
-        by_entity: dict[int, list[Shaped]] = {}
-        for action in self.all:
-            for entity in set(action[1]):
-                by_entity.setdefault(entity, []).append(action)
-        return by_entity
+    exact: Collection[Shaped]
+    naming: Mapping[int, Sequence[Shaped]]
+    has: Callable[[Shaped], bool]
 
     def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[Conflict]:
-        """Yield the actions that name some entities and whose image is no action."""
+        """Yield the terms that name some entities and whose image is no term."""
         for entity in entities:
-            for shaped in self.naming.get(entity, ()):
-                if not self._has(shaped, names):
-                    yield Conflict(frozenset(shaped[1]), partial(self._has, shaped))
+            for shape, inside in self.naming.get(entity, ()):
+                if not self.has((shape, tuple([names.get(each, each) for each in inside]))):
+                    yield Conflict(frozenset(inside), partial(self._has_image, (shape, inside)))
 
-    def _has(self, shaped: Shaped, names: Mapping[int, int]) -> bool:
+    def _has_image(self, shaped: Shaped, names: Mapping[int, int]) -> bool:
         shape, inside = shaped
-        return (shape, tuple(names.get(each, each) for each in inside)) in self.all
+        return self.has((shape, tuple(names.get(each, each) for each in inside)))
 
     def broken(self, names: Mapping[int, int]) -> Iterator[Conflict]:
         """Yield nothing: there are no rules."""
         return iter(())
 
     def size(self, entities: Iterable[int]) -> int:
-        """Return how many actions name some entities."""
+        """Return the total number of terms that name each of some entities, a measure of the work."""
         return sum(len(self.naming.get(entity, ())) for entity in entities)
 
 
@@ -147,6 +139,7 @@ class _Rules:
 
     atoms: Atoms
     others: Callable[[], _Rules] | None = None
+    _consequences: dict[bool, _Consequences] = field(default_factory=dict)
 
     @cached_property
     def _others(self) -> _Rules | None:
@@ -162,24 +155,16 @@ class _Rules:
 
     def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[Conflict]:
         """Yield the atoms of rules that name some entities and whose image is no atom."""
-        for entity in entities:
-            for shape, inside in self._shapes.get(entity, ()):
-                if not self.atoms.has((shape, tuple([names.get(each, each) for each in inside]))):
-                    yield Conflict(frozenset(inside), partial(self._has, (shape, inside)))
+        yield from self._terms.lacking(names, entities)
         if self._others:
             yield from self._others.lacking(names, entities)
-
-    def _has(self, shaped: Shaped, names: Mapping[int, int]) -> bool:
-        """Return whether a renamed atom is an atom."""
-        shape, inside = shaped
-        return self.atoms.has((shape, tuple(names.get(each, each) for each in inside)))
 
     def broken(self, names: Mapping[int, int]) -> Iterator[Conflict]:
         """Yield the rules whose image is neither a rule nor entailed."""
         renamed = self.atoms.under(names)
         for table in self._tables:
             for rule, image in table.missing(renamed, names):
-                if image is None or not self._consequences(image.last).has(image):
+                if image is None or not self._entails(image):
                     yield Conflict(self.atoms.entities(rule), partial(self._says, rule))
         if self._others:
             yield from self._others.broken(names)
@@ -187,15 +172,22 @@ class _Rules:
     def _says(self, rule: SpelledRule, names: Mapping[int, int]) -> bool:
         """Return whether the image of a rule is a rule or entailed."""
         image = self.atoms.renamed(rule, names)
-        return image is not None and (image in self._present or self._consequences(image.last).has(image))
+        return image is not None and (image in self._deriving or self._entails(image))
 
-    @cached_property
-    def _present(self) -> frozenset[SpelledRule]:
-        return frozenset(self._deriving)
+    def _entails(self, rule: SpelledRule) -> bool:
+        """Return whether the rules of every step, or all rules for a rule of the last step, entail a rule."""
+        if rule.last not in self._consequences:
+            rules = (each for each in self.atoms.rules if rule.last or not each.last)
+            self._consequences[rule.last] = _Consequences([*rules, *self.atoms.definitions])
+        return self._consequences[rule.last].has(rule)
 
     def size(self, entities: Iterable[int]) -> int:
-        """Return the number of atoms that name some entities, a measure of the work."""
-        return sum(len(self._shapes.get(entity, ())) for entity in entities)
+        """Return the total number of atoms that name each of some entities."""
+        return self._terms.size(entities)
+
+    @cached_property
+    def _terms(self) -> _Terms:
+        return _Terms((), self.atoms.shapes(self._deriving), self.atoms.has)
 
     @cached_property
     def exact(self) -> list[Shaped]:
@@ -211,17 +203,13 @@ class _Rules:
         return [(4 * shape + mark, inside) for (shape, inside), mark in self.atoms.named_atoms(stated)]
 
     @cached_property
-    def _shapes(self) -> dict[int, list[Shaped]]:
-        return self.atoms.shapes(self._deriving)
-
-    @cached_property
-    def _deriving(self) -> list[SpelledRule]:
+    def _deriving(self) -> dict[SpelledRule, None]:
         """The distinct rules, without those that derive nothing because they read their own head."""
-        return [
-            rule
+        return {
+            rule: None
             for rule in self.atoms.rules
             if not (rule.is_plain and any((head, 0, 1) in rule.body[2] for head in rule.heads))
-        ]
+        }
 
     @cached_property
     def _tables(self) -> list[_RuleRows]:
@@ -230,19 +218,19 @@ class _Rules:
         for rule in self._deriving:
             heads, (choice, bound, literals), last = rule
             forms.setdefault((len(heads), last, choice, bound, len(literals)), []).append(rule)
-        return [_table(self.atoms, rules) for rules in forms.values()]
-
-    def _consequences(self, last: bool) -> Consequences:
-        """Return the consequences in every step, or in the last step."""
-        return self._of_the_last if last else self._of_every
-
-    @cached_property
-    def _of_every(self) -> Consequences:
-        return Consequences((*(rule for rule in self.atoms.rules if not rule.last), *self.atoms.definitions))
-
-    @cached_property
-    def _of_the_last(self) -> Consequences:
-        return Consequences((*self.atoms.rules, *self.atoms.definitions))
+        tables = []
+        for (heads_end, last, choice, bound, size), rules in forms.items():
+            rows: list[list[int]] = []
+            having: dict[int, list[int]] = {}
+            for row, rule in enumerate(rules):
+                ordered = sorted(rule.body[2])
+                spelled = (2 * atom + sign for atom, sign, _ in ordered)
+                rows.append([*rule.heads, *spelled, *(weight for _, _, weight in ordered)])
+                for entity in self.atoms.entities(rule):
+                    having.setdefault(entity, []).append(row)
+            table = np.array(rows, dtype=np.int64)
+            tables.append(_RuleRows(table, heads_end, heads_end + size, choice, bound, last, having))
+        return tables
 
 
 @dataclass(frozen=True)
@@ -310,15 +298,54 @@ def _sorted(rows: NDArray[np.int64]) -> NDArray[np.int64]:
     return ordered
 
 
-def _table(atoms: Atoms, rules: Iterable[SpelledRule]) -> _RuleRows:
-    rows: list[list[int]] = []
-    having: dict[int, list[int]] = {}
-    for row, rule in enumerate(rules):
-        choice, bound, literals = rule.body
-        ordered = sorted(literals)
-        inside = [*rule.heads, *(atom for atom, _, _ in ordered)]
-        rows.append([*rule.heads, *(2 * atom + sign for atom, sign, _ in ordered), *(each[2] for each in ordered)])
-        for entity in {entity for atom in inside for entity in atoms.mentioned[atom]}:
-            having.setdefault(entity, []).append(row)
-    heads, end = len(rule.heads), len(rule.heads) + len(literals)
-    return _RuleRows(np.array(rows, dtype=np.int64), heads, end, choice, bound, rule.last, having)
+class _Consequences:
+    """An incomplete test of whether rules entail another rule.
+
+    The body of the rule is assumed, with negated literals as separate atoms, and the rules are applied. If its head or
+    a contradiction follows, the rule is a consequence of the others in the logic of here-and-there: adding it changes
+    no answer sets of any larger program (strong equivalence; Lifschitz, Pearce and Valverde 2001). The test finds
+    consequences of chains of rules, such as those of redundant invariants.
+    """
+
+    def __init__(self, rules: Iterable[SpelledRule]) -> None:
+        self._rules: list[tuple[tuple[int, ...], int]] = []
+        self._having: dict[tuple[int, int], list[tuple[int, int]]] = {}
+        self._facts: set[int] = set()
+        for rule in rules:
+            choice, bound, literals = rule.body
+            if choice or bound >= START or len(rule.heads) > 1:
+                continue
+            if bound <= 0:
+                self._facts |= rule.heads
+            for atom, sign, weight in literals:
+                self._having.setdefault((atom, sign), []).append((len(self._rules), weight))
+            self._rules.append((tuple(rule.heads), bound))
+
+    def has(self, rule: SpelledRule) -> bool:
+        """Return whether the test finds that a rule is a consequence."""
+        if not rule.is_plain:
+            return False
+        consequences = self._follow((atom, sign) for atom, sign, _ in rule.body[2])
+        if consequences is None:
+            return True
+        return len(rule.heads) == 1 and (*rule.heads, 0) in consequences
+
+    def _follow(self, literals: Iterable[tuple[int, int]]) -> set[tuple[int, int]] | None:
+        """Return the consequences of some literals, or None if they contradict the rules or each other."""
+        consequences = {*literals, *((atom, 0) for atom in self._facts)}
+        waiting = list(consequences)
+        reached: Counter[int] = Counter()
+        while waiting:
+            atom, sign = waiting.pop()
+            if (atom, 1 - sign) in consequences:
+                return None
+            for number, weight in self._having.get((atom, sign), ()):
+                heads, bound = self._rules[number]
+                if reached[number] < bound <= reached[number] + weight:
+                    if not heads:
+                        return None
+                    if (heads[0], 0) not in consequences:
+                        consequences.add((heads[0], 0))
+                        waiting.append((heads[0], 0))
+                reached[number] += weight
+        return consequences

@@ -96,12 +96,9 @@ def read_patterns(terms: Sequence[clingo.Symbol], groups: Sequence[Sequence[Unit
         table[row, : len(different)] = different
     if len(kinds) * (len(units) + 1) ** table.shape[1] > LARGEST_CODE:
         return None
-    sizes = [len(group) for group in groups]
-    numbers_of_renamings = [_renamings(signature, sizes) for signature in signatures]
+    # The number of ways to name different units, of which the i-th is from group ``signature[i]``.
+    numbers_of_renamings = [
+        prod(perm(len(group), signature.count(place)) for place, group in enumerate(groups)) for signature in signatures
+    ]
     complete = np.bincount(pattern, minlength=len(kinds)).tolist() == numbers_of_renamings
     return Patterns(pattern, table, np.array([*map(len, signatures)], dtype=np.int64), len(units), complete)
-
-
-def _renamings(signature: tuple[int, ...], sizes: Sequence[int]) -> int:
-    """Return the number of ways to name different units, of which the i-th is from group ``signature[i]``."""
-    return prod(perm(size, signature.count(group)) for group, size in enumerate(sizes))

@@ -11,9 +11,11 @@ reflections are no such group, has at most the two sides of one reflection.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
+
+from prag_asp.logic.symmetry.renaming import Shaped, by_entity
 
 Block = tuple[int, ...]
 """Entities that move together, in an order that blocks of the same kind share."""
@@ -43,6 +45,11 @@ class Conflict:
 class Renamed(Protocol):
     """A structure that renamings have to map onto itself."""
 
+    @property
+    def exact(self) -> Iterable[Shaped]:
+        """Terms, each with a mark, that every renaming maps onto themselves."""
+        ...
+
     def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[Conflict]:
         """Yield the atoms that name some entities and have no image."""
         ...
@@ -56,23 +63,24 @@ class Renamed(Protocol):
         ...
 
 
-def joint_groups(blocks: Sequence[Block], kinds: Mapping[int, int], rules: Renamed) -> list[list[Block]]:
+def joint_groups(blocks: Sequence[Block], classes: Mapping[int, Hashable], rules: Renamed) -> list[list[Block]]:
     """Return groups of aligned units, given blocks that cannot be swapped alone; outer groups come first.
 
-    Entities of different `kinds` are not interchangeable.
+    Entities of different `classes` are not interchangeable.
     """
+    kinds = refine_partition(classes, rules.exact)
     groups: list[list[Block]] = []
     search: _UnitSearch | None = None
     while True:
         alike: dict[tuple[int, ...], list[int]] = {}
         for place, block in enumerate(blocks):
             alike.setdefault(tuple(kinds[entity] for entity in block), []).append(place)
-        classes = [places for places in alike.values() if len(places) > 1]
-        if not classes:
+        swappable = [places for places in alike.values() if len(places) > 1]
+        if not swappable:
             return groups
         if search is None:
             search = _UnitSearch(rules, WORK + EACH * rules.size(kinds))
-        search.begin(blocks, classes)
+        search.begin(blocks, swappable)
         new = search.groups()
         if not new:
             return groups
@@ -81,6 +89,43 @@ def joint_groups(blocks: Sequence[Block], kinds: Mapping[int, int], rules: Renam
         groups = units_of + groups
         joined = [tuple(entity for unit in units for entity in unit) for units in units_of]
         blocks = [*(block for place, block in enumerate(blocks) if place not in moved), *joined]
+
+
+def refine_partition(classes: Mapping[int, Hashable], terms: Iterable[Shaped]) -> dict[int, int]:
+    """Return the kind of each entity, a number, given its class and the terms that name entities.
+
+    Renamings that keep the terms keep the kinds. The partition is refined by the kinds that terms relate. The largest
+    part of a split kind keeps its number, so that an entity is processed again only if its part has at most half the
+    size (Hopcroft 1971).
+    """
+    naming = {**{entity: [] for entity in classes}, **by_entity(dict.fromkeys(terms))}
+    numbers: dict[Hashable, int] = {}
+    kinds = {entity: numbers.setdefault(each, len(numbers)) for entity, each in classes.items()}
+    members: dict[int, set[int]] = {kind: set() for kind in numbers.values()}
+    for entity, kind in kinds.items():
+        members[kind].add(entity)
+    touched = {entity: None for entity in classes if len(members[kinds[entity]]) > 1}
+    while touched:
+        parts: dict[int, dict[Hashable, list[int]]] = {}
+        for entity in touched:
+            signature = sorted(
+                (shape, *(-1 if each == entity else kinds[each] for each in inside)) for shape, inside in naming[entity]
+            )
+            parts.setdefault(kinds[entity], {}).setdefault(tuple(signature), []).append(entity)
+        moved: list[int] = []
+        for kind, split in parts.items():
+            # The untouched entities form one part; the touched ones differ from them and are new.
+            others = len(members[kind]) > sum(map(len, split.values()))
+            ordered = sorted(split.values(), key=len, reverse=True)
+            for part in ordered if others else ordered[1:]:
+                new = len(members)
+                members[new] = set(part)
+                members[kind] -= members[new]
+                kinds |= dict.fromkeys(part, new)
+                moved += part
+        around = (each for entity in moved for _, inside in naming[entity] for each in inside)
+        touched = {entity: None for entity in around if len(members[kinds[entity]]) > 1}
+    return kinds
 
 
 class _UnitSearch:
@@ -148,7 +193,16 @@ class _UnitSearch:
         if not swaps:
             return []
         first = next(iter(swaps[0]))
-        unit = self._side(swaps)
+        # The blocks that all swaps move, or one side of a single swap.
+        side = {place for place, goes in swaps[0].items() if place < goes}
+        for further in swaps[1:]:
+            common = swaps[0].keys() & further.keys()
+            apart = {*common, *(swap[place] for swap in (swaps[0], further) for place in common)}
+            if 2 * len(common) == size and len(apart) == 3 * len(common):
+                side = common
+                break
+        # Units of one kind share the order of their blocks.
+        unit = tuple(sorted(side, key=lambda place: (self._class_of[place], place)))
         units = [unit]
         used = set(unit)
         for swap in swaps:
@@ -160,21 +214,6 @@ class _UnitSearch:
         self._taken |= used
         return units
 
-    def _side(self, swaps: Sequence[Swap]) -> tuple[int, ...]:
-        """Return the blocks of the unit of the first one: those that all swaps move, or one side of a single swap."""
-        one = swaps[0]
-        for other in swaps[1:]:
-            common = one.keys() & other.keys()
-            if 2 * len(common) == len(one) and len({*common, *(s[p] for s in (one, other) for p in common)}) == 3 * len(
-                common
-            ):
-                return self._ordered(common)
-        return self._ordered(place for place, goes in one.items() if place < goes)
-
-    def _ordered(self, places: Iterable[int]) -> tuple[int, ...]:
-        """Return blocks in an order that units of one kind share."""
-        return tuple(sorted(places, key=lambda place: (self._class_of[place], place)))
-
     def _swap(self, moved: Swap, fixed: frozenset[int], clean: int) -> Swap | None:
         """Return a swap that extends `moved`, keeps the blocks `fixed`, and maps the rules onto themselves.
 
@@ -183,7 +222,16 @@ class _UnitSearch:
         self._tries -= 1
         if len(moved) > self._most or self._tries < 0 or self._left <= 0:
             return None
-        clean, conflict = self._conflict(moved, clean)
+        names = self._names(moved)
+        for place in list(moved)[clean:]:
+            self._left -= 1 + self._rules.size(self._blocks[place])
+            conflict = next(self._rules.lacking(names, self._blocks[place]), None)
+            if conflict is not None:
+                break
+            clean += 1
+        else:
+            self._left -= RULES * self._rules.size(names)
+            conflict = next(self._rules.broken(names), None)
         if conflict is None:
             return moved
         places = {self._place_of[entity] for entity in conflict.entities if entity in self._place_of}
@@ -203,17 +251,6 @@ class _UnitSearch:
         """Return the renaming of entities by a swap of blocks."""
         pairs = (zip(self._blocks[place], self._blocks[goes], strict=True) for place, goes in moved.items())
         return {entity: name for pair in pairs for entity, name in pair}
-
-    def _conflict(self, moved: Swap, clean: int) -> tuple[int, Conflict | None]:
-        """Return the number of blocks whose atoms all have images, and a conflict, if there is one."""
-        names = self._names(moved)
-        for place in list(moved)[clean:]:
-            self._left -= 1 + self._rules.size(self._blocks[place])
-            for conflict in self._rules.lacking(names, self._blocks[place]):
-                return clean, conflict
-            clean += 1
-        self._left -= RULES * self._rules.size(names)
-        return clean, next(self._rules.broken(names), None)
 
     def _partners(self, place: int, moved: Swap, fixed: frozenset[int]) -> Iterator[int]:
         """Yield the blocks that one may be swapped with, first the one at the distance of the first pair."""

@@ -161,10 +161,6 @@ def _quotient(dividend: int, divisor: int) -> int:
     return quotient if (dividend < 0) == (divisor < 0) else -quotient
 
 
-def _remainder(dividend: int, divisor: int) -> int:
-    return dividend - divisor * _quotient(dividend, divisor)
-
-
 def _power(base: int, exponent: int) -> int:
     if exponent < 0:
         if base == 0:
@@ -183,7 +179,7 @@ COMPUTED: Mapping[str, Callable[..., int]] = {
     "-": lambda a, b: a - b,
     "*": lambda a, b: a * b,
     "/": _quotient,
-    "\\": _remainder,
+    "\\": lambda a, b: a - b * _quotient(a, b),
     "**": _power,
     "&": lambda a, b: a & b,
     "?": lambda a, b: a | b,

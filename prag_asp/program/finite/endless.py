@@ -11,7 +11,7 @@ reported without grounding up to the limit.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
@@ -158,10 +158,11 @@ def _derivations(rule: Statement) -> Iterator[_Derivation]:
             yield _Derivation(rule, each.literal.atom.symbol, literals, number if each.condition else None)
 
 
-def _heights(each: _Derivation, inside: Collection[Signature]) -> Mapping[str, float]:
-    """Return the depth by which values of variables may exceed the terms of the component `inside`.
+def _grown(each: _Derivation, inside: Collection[Signature]) -> tuple[str, ...]:
+    """Return the variables of which a derivation builds larger terms, unless a comparison bounds them.
 
-    A variable that a predicate outside the component binds has finitely many values: its height is minus infinity.
+    The height of a variable is the depth by which its values may exceed the terms of the component `inside`. A variable
+    that a predicate outside the component binds has finitely many values: its height is minus infinity.
     """
     heights: dict[str, float] = {}
     for name, signature, depth in each.bound:
@@ -176,12 +177,6 @@ def _heights(each: _Derivation, inside: Collection[Signature]) -> Mapping[str, f
                 if left.name not in heights and height < inf:
                     heights[left.name] = height
                     changed = True
-    return heights
-
-
-def _grown(each: _Derivation, inside: Collection[Signature]) -> tuple[str, ...]:
-    """Return the variables of which a derivation builds larger terms, unless a comparison bounds them."""
-    heights = _heights(each, inside)
     grown = {
         name
         for place, name, depth in each.head_variables

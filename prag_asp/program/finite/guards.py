@@ -56,7 +56,9 @@ def guard_program(program: Program) -> Guarded:
         if problem:
             raise BoundReached(problem)
     statements = {source: parse_sources([(source, own)])[0] for source, own in owned(program) if source.path != ADDED}
-    _require_no_scripts(chain.from_iterable(statements.values()))
+    for statement in chain.from_iterable(statements.values()):
+        for name in statement.scripts if statement.own else ():  # those of the checks are internal
+            raise DomainError(str(statement.problem(runs_no_code(name))))
     endless: dict[Statement, list[EndlessRule]] = {}
     for each in endless_rules(chain.from_iterable(statements.values())):
         endless.setdefault(each.rule, []).append(each)
@@ -70,17 +72,6 @@ def guard_program(program: Program) -> Guarded:
         sources.append(Source(source.path, writer.written(source.text)))
     endless_steps = any(statement.timed for statement in endless)
     return Guarded(Program(tuple(sources)).text, tuple(sites), endless_steps)
-
-
-def _require_no_scripts(statements: Iterable[Statement]) -> None:
-    """Check that no statement of the author calls an external function: those of the checks are internal.
-
-    Raises:
-        DomainError: a statement calls an external function.
-    """
-    for statement in statements:
-        for name in statement.scripts if statement.own else ():
-            raise DomainError(str(statement.problem(runs_no_code(name))))
 
 
 class _CheckWriter:
@@ -107,7 +98,14 @@ class _CheckWriter:
         text = rule.text
         if OPERATION.search(text.replace(":-", "").replace(self._before, "")) or "#sum" in text:
             bound = self._scope(rule.node.body, frozenset())
-            self._head(rule.node.head, bound)
+            head = rule.node.head
+            if head.ast_type == ASTType.Literal:
+                self._literal(head, bound, binding=False)
+            elif head.ast_type == ASTType.Disjunction:
+                for element in head.elements:
+                    self._literal(element.literal, self._scope(element.condition, bound), binding=False)
+            elif head.ast_type in (ASTType.Aggregate, ASTType.HeadAggregate):
+                self._aggregate(head, bound)
         for each in endless:
             self._count(each)
 
@@ -128,7 +126,10 @@ class _CheckWriter:
             end = rule.node.location.end
             self._add((end.line, end.column - 1), f";0={check}")
         else:
-            self._add(_end(_conditions(rule.node.head)[endless.element][-1]), f",0={check}")
+            element = rule.node.head.elements[endless.element]
+            if rule.node.head.ast_type == ASTType.HeadAggregate:
+                element = element.condition
+            self._add(_end(element.condition[-1]), f",0={check}")
 
     def _scope(self, literals: Iterable[AST], bound: frozenset[str]) -> frozenset[str]:
         """Add the checks of a conjunction of literals, and return the variables that they bind."""
@@ -154,15 +155,6 @@ class _CheckWriter:
         elif atom.ast_type in (ASTType.BodyAggregate, ASTType.Aggregate):
             self._aggregate(atom, bound)
 
-    def _head(self, head: AST, bound: frozenset[str]) -> None:
-        if head.ast_type == ASTType.Literal:
-            self._literal(head, bound, binding=False)
-        elif head.ast_type == ASTType.Disjunction:
-            for element in head.elements:
-                self._literal(element.literal, self._scope(element.condition, bound), binding=False)
-        elif head.ast_type in (ASTType.Aggregate, ASTType.HeadAggregate):
-            self._aggregate(head, bound)
-
     def _aggregate(self, aggregate: AST, bound: frozenset[str]) -> None:
         guards = [each.term for each in (aggregate.left_guard, aggregate.right_guard) if each is not None]
         self._terms([term for term in guards if variables(str(term)) <= bound], None)
@@ -180,7 +172,8 @@ class _CheckWriter:
     def _tuple(self, aggregate: AST, element: AST, bound: frozenset[str]) -> None:
         """Add the checks of the tuple of an element, and of the sum to which its weight belongs."""
         terms = list(element.terms)
-        if aggregate.function not in SUMS or not terms or _is_small(terms[0]):
+        weight = read_expression(terms[0]) if terms else 0
+        if aggregate.function not in SUMS or (isinstance(weight, int) and abs(weight) <= SMALL):
             self._terms(terms, None)
             return
         groups = sorted(variables(str(element)) & bound)
@@ -255,13 +248,6 @@ def _end(node: AST) -> tuple[int, int]:
     return node.location.end.line, node.location.end.column
 
 
-def _conditions(head: AST) -> list[Sequence[AST]]:
-    """Return the conditions of the elements of a head."""
-    if head.ast_type == ASTType.HeadAggregate:
-        return [element.condition.condition for element in head.elements]
-    return [element.condition for element in head.elements]
-
-
 def _bound(literals: Sequence[AST], outer: frozenset[str]) -> frozenset[str]:
     """Return the variables that literals bind, without those for which an operation has to be solved."""
     bound = set(outer)
@@ -298,12 +284,6 @@ def _plain_variables(term: AST) -> set[str]:
 def _is_signed(term: AST) -> bool:
     """Return whether a term is the negation or the absolute value of another: it is in range if the other is."""
     return term.ast_type == ASTType.UnaryOperation and term.operator_type != UnaryOperator.Negation
-
-
-def _is_small(term: AST) -> bool:
-    """Return whether a weight is so small that no feasible sum of it overflows."""
-    expression = read_expression(term)
-    return isinstance(expression, int) and abs(expression) <= SMALL
 
 
 def _bare(text: str) -> str:

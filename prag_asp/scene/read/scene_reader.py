@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, islice
 from typing import Any
 
 from prag_asp.scene.colours import apart as colour_distance
@@ -211,7 +211,8 @@ def _colors(section: TableEntry, names: DomainNames, shapes: Mapping[str, Shape]
         colors[entity] = own or {"table": top, "robot": ROBOT_COLOR}.get(shape.kind)
     taken = (*dict.fromkeys(each for each in colors.values() if each is not None), *AROUND)
     count = list(colors.values()).count(None)
-    chosen = [each for each in PALETTE if all(colour_distance(each, other) >= DISTINCT for other in taken)][:count]
+    distinct = (each for each in PALETTE if all(colour_distance(each, other) >= DISTINCT for other in taken))
+    chosen = list(islice(distinct, count))
     if len(chosen) < count:
         chosen += more_colours((*taken, *chosen), count - len(chosen))
     others = iter(chosen)

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis.strategies import integers
 
+from prag_asp.logic.diagram import functions as module
 from prag_asp.logic.diagram.functions import FALSE, TRUE, Functions, Node, TooLarge
 from tests.chance import examples
 
@@ -69,10 +70,15 @@ def test_a_function_of_too_many_variables_or_nodes_is_refused() -> None:
         functions.at_least(10, [(functions.variable(number), 1) for number in range(20)])
 
 
-def test_a_function_of_too_many_conjunctions_is_refused_though_its_diagram_is_small() -> None:
+def test_a_function_of_too_many_conjunctions_is_refused_though_its_diagram_is_small(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(module, "MOST_CUBES", 2**7)
     functions = Functions(10**6)
     odd = FALSE
-    for number in range(17):
+    for number in range(9):
         odd = functions.choice(functions.variable(number), functions.opposite(odd), odd)
+        if number < 8:
+            assert len(functions.cubes(odd)) == 2**number
     with pytest.raises(TooLarge):
         functions.cubes(odd)

@@ -92,7 +92,7 @@ def rules(draw: st.DrawFn) -> Rule:
     return Rule(heads, body, choice)
 
 
-@settings(max_examples=examples(600))
+@settings(max_examples=examples(250))
 @given(st.lists(rules(), max_size=12))
 def test_random_programs_have_one_model_for_each_answer_set(program: list[Rule]) -> None:
     check_rules(program)
@@ -121,7 +121,7 @@ def test_an_atom_that_was_not_chosen_begins_nothing() -> None:
     check_rules(program)
 
 
-@settings(max_examples=examples(300))
+@settings(max_examples=examples(120))
 @given(st.lists(st.tuples(st.integers(1, 4), st.integers(1, 5), st.booleans()), max_size=7), st.integers(-1, 20))
 def test_a_sum_is_a_function_of_its_literals(terms: list[tuple[int, int, bool]], bound: int) -> None:
     clauses = ClauseBuilder()
@@ -150,7 +150,7 @@ def test_no_clause_is_ever_empty() -> None:
     assert models(completion.clauses.clauses, 1) == []
 
 
-@settings(max_examples=examples(300))
+@settings(max_examples=examples(120))
 @given(st.dictionaries(st.integers(0, 6), st.lists(st.integers(0, 6), max_size=4), max_size=7))
 def test_components_are_the_classes_of_mutual_reach_in_order_of_dependency(graph: dict[int, list[int]]) -> None:
     reach = {(a, a) for a in graph} | {(a, b) for a in graph for b in graph[a] if b in graph}

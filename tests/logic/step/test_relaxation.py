@@ -55,7 +55,7 @@ def check_that_none_is_held_to_be_farther_than_it_is(transition: Transition) -> 
         before = near
 
 
-@settings(max_examples=examples(60), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(30), suppress_health_check=list(HealthCheck))
 @given(st.booleans().flatmap(lambda closed: toys(closed=closed)), st.data())
 def test_no_state_is_held_to_be_farther_from_the_end_than_it_is(toy: Toy, data: st.DataObject) -> None:
     known = st.dictionaries(st.integers(0, toy.fluents - 1), st.booleans(), min_size=1, max_size=3)

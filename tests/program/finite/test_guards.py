@@ -1,4 +1,4 @@
-"""Numbers out of range are told with file and line, whatever makes them, and nothing else changes."""
+"""Numbers out of range are reported with file and line, whatever makes them, and nothing else changes."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ OUT_OF_RANGE = [
 
 
 @pytest.mark.parametrize(("text", "said"), OUT_OF_RANGE, ids=[text for text, _ in OUT_OF_RANGE])
-def test_an_operation_out_of_range_is_told_where_it_stands(text: str, said: str) -> None:
+def test_an_operation_out_of_range_is_reported_where_it_stands(text: str, said: str) -> None:
     with pytest.raises(DomainError, match=rf"^domain\.lp:3: {said} a number that is out of range{KEEP}"):
         ground(f"% one\n% two\n{text}\n")
 
@@ -87,7 +87,7 @@ def test_the_line_is_that_of_the_operation_where_a_rule_has_several() -> None:
 
 
 @pytest.mark.parametrize(
-    ("rule", "told"),
+    ("rule", "message"),
     [
         ("p(1..X) :- q(X).", r"1\.\.X from 1 to a; guard"),
         ("p(X..3) :- q(X).", r"X\.\.3 from a to 3; guard"),
@@ -95,15 +95,17 @@ def test_the_line_is_that_of_the_operation_where_a_rule_has_several() -> None:
         ("p(1..n).", r"1\.\.n from 1 to n; give n a value by -c or #const, or guard"),
     ],
 )
-def test_an_interval_with_an_end_that_is_no_number_is_told_where_it_stands(rule: str, told: str) -> None:
-    with pytest.raises(DomainError, match=rf"^domain\.lp:2: interval undefined: {told} the operation$"):
+def test_an_interval_with_an_end_that_is_no_number_is_reported_where_it_stands(rule: str, message: str) -> None:
+    with pytest.raises(DomainError, match=rf"^domain\.lp:2: interval undefined: {message} the operation$"):
         ground(f"q(a). r(7).\n{rule}")
 
 
 @pytest.mark.parametrize("operation", ["X+0", "X-0", "1*X", "X*1"])
-def test_an_operation_on_a_name_is_told_as_it_is_written_also_where_it_would_change_no_number(operation: str) -> None:
-    told = f"domain.lp:2: operation undefined: {operation}; guard the operation"
-    with pytest.raises(DomainError, match=f"^{re.escape(told)}$"):
+def test_an_operation_on_a_name_is_reported_as_it_is_written_also_where_it_would_change_no_number(
+    operation: str,
+) -> None:
+    message = f"domain.lp:2: operation undefined: {operation}; guard the operation"
+    with pytest.raises(DomainError, match=f"^{re.escape(message)}$"):
         ground(f"q(a).\np(Y) :- q(X), q(Y), Y < {operation}.")
 
 
@@ -140,7 +142,7 @@ LITERALS = ["99999999999", "-99999999999", "2147483648", "0xFFFFFFFF", "0b111111
 
 
 @pytest.mark.parametrize("number", LITERALS)
-def test_a_number_out_of_range_is_told_as_its_author_wrote_it(number: str) -> None:
+def test_a_number_out_of_range_is_reported_as_its_author_wrote_it(number: str) -> None:
     shown = number.lstrip("-") if len(number) < 25 else r"\w{20}\.\.\. \(\d+ digits\)"
     with pytest.raises(DomainError, match=rf"^domain\.lp:2: the number {shown} is out of range: write numbers from -2"):
         ground(f"a.\nq({number}).")
@@ -162,7 +164,7 @@ def test_digits_in_names_texts_and_comments_are_no_numbers() -> None:
         "p(2*(1..1000000000)).",
     ],
 )
-def test_an_interval_of_too_many_numbers_is_told_before_it_is_made(text: str) -> None:
+def test_an_interval_of_too_many_numbers_is_reported_before_it_is_made(text: str) -> None:
     with pytest.raises(
         DomainError, match=r"^domain\.lp:2: 1\.\.\w+ has 1,000,000,000 numbers, more than 1,000,000; make"
     ):
