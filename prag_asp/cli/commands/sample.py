@@ -114,14 +114,14 @@ def _write_feasible(
     space: TaskSpace, drawing: Mapping[str, Any], requested_count: int, validation: PhysicsOptions, output: str | None,
     line: Callable[[Record], str], tell: Tell,
 ) -> None:  # fmt: skip
-    """Write the feasible ones of sampled tasks; `drawing` are arguments of `validated_draws`.
+    """Write the feasible ones of sampled tasks; `drawing` are arguments of `feasible`.
 
     Raises:
         NotFound: there are too few.
     """
     from prag_asp.cli.summary import tallied, tally_line
     from prag_asp.dataset.pass_rates import Tally
-    from prag_asp.dataset.physics_filter import validated_draws
+    from prag_asp.dataset.physics_filter import feasible
 
     tally = Tally()
 
@@ -130,13 +130,13 @@ def _write_feasible(
 
     with tallied(tally, summary), recordings_folder(validation.demonstrate) as folder, writer(output) as out:
         arguments = {**validation.arguments(), "demonstrate": folder}
-        with closing(validated_draws(space, tally=tally, **arguments, **drawing)) as validated:
-            for record in validated if tally.passed < requested_count else ():
-                if record is not None:
-                    out.write(line(record), flush=True)
-                tell(summary(), tally.passed, requested_count)
-                if tally.passed == requested_count:
-                    break
+        records = feasible(
+            space, tally=tally, **arguments, **drawing,
+            progress=lambda: tell(summary(), tally.passed, requested_count),
+        )  # fmt: skip
+        with closing(records):
+            for record in islice(records, requested_count):
+                out.write(line(record), flush=True)
     if tally.passed < requested_count:
         found = f"only {tally.passed} of {plural(requested_count, 'task')} found in {plural(tally.seen, 'draw')}"
         raise NotFound(f"{found}; raise --max-draws" if tally.seen == drawing["draws"] else found)
