@@ -49,10 +49,10 @@ def test_there_are_enough_scenes_of_each_kind() -> None:
 
 @pytest.mark.parametrize("given", FEASIBLE, ids=lambda given: given["name"].replace(" ", "_"))
 def test_what_can_be_done_is_done_and_stays_still(given: dict[str, Any]) -> None:
-    scene, asked = scene_of(given), task_of(given)
-    verdict = validate_task(asked, scene, seed=1, budget=Budget(10, 10, "settling"))
+    scene, request = scene_of(given), task_of(given)
+    verdict = validate_task(request, scene, seed=1, budget=Budget(10, 10, "settling"))
     assert (verdict.status, verdict.reason) == ("feasible", "")
-    assert verdict.witness is not None and check_witness(asked, verdict.witness, scene) == []
+    assert verdict.witness is not None and check_witness(request, verdict.witness, scene) == []
 
 
 @pytest.mark.parametrize("given", INFEASIBLE, ids=lambda given: given["name"].replace(" ", "_"))
