@@ -11,7 +11,6 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 from prag_asp.logic.domain_logic import DomainLogic
-from prag_asp.logic.step.transition import Transition
 from prag_asp.output.cache_files import cache_folder
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.entity_names import action_name
@@ -25,6 +24,7 @@ from prag_asp.space.limits import UNLIMITED, LimitClock, Limits, limit_error
 from prag_asp.space.weights.weights import Weighed, Weights, edge_weights, refuse_weights
 
 if TYPE_CHECKING:
+    from prag_asp.logic.step.transition import Transition
     from prag_asp.space.automaton.merged_states import MergedRanking
     from prag_asp.space.automaton.shuffle_product import ShuffledWords
 

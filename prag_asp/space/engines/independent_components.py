@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from math import comb, prod
 from typing import TYPE_CHECKING
 
-from prag_asp.logic.step.transition import Transition
 from prag_asp.processes.progress_events import stage
 from prag_asp.space.automaton.automaton import weights_by_length
 from prag_asp.space.automaton.exploration import Extent
@@ -22,6 +21,7 @@ from prag_asp.space.limits import LimitClock, limit_error
 from prag_asp.stop_reason import LimitCheck, StopReason
 
 if TYPE_CHECKING:
+    from prag_asp.logic.step.transition import Transition
     from prag_asp.space.automaton.shuffle_product import ShuffledWords
 
 FEW_STATES = 4096

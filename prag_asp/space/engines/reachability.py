@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step.packed import Rows
-from prag_asp.logic.step.transition import Transition
 from prag_asp.logic.symmetry.symmetries import Unit
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.entity_names import action_name, mentioned_entities
@@ -27,6 +26,7 @@ from prag_asp.space.weights.weights import Weights, weigh, weighing_facts
 from prag_asp.stop_reason import StopKind, StopReason
 
 if TYPE_CHECKING:
+    from prag_asp.logic.step.transition import Transition
     from prag_asp.logic.symmetry.canonical_states import Merging
     from prag_asp.space.automaton.merged_states import MergedAutomaton, MergedRanking
     from prag_asp.space.engines.engine import Level

@@ -8,7 +8,7 @@ from prag_asp import Domain, QueryError, Scene, load_scene
 from prag_asp.dataset.language import context_of, instruction_writer_of
 from prag_asp.dataset.language.appearance import color_terms
 from prag_asp.dataset.language.descriptions import Description
-from prag_asp.scene.read.materials import PALETTE
+from prag_asp.scene.read.scene_reader import PALETTE
 from prag_asp.task import State
 from tests.chance import Chance
 from tests.dataset.language.twins import SETTINGS, shipped, space_of, task_of, twins
