@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.scene.geometry import Pose, matrix
-from prag_asp.scene.read.mesh import mesh_parts
+from prag_asp.scene.read.mesh import mesh_parts, state_of
 from prag_asp.scene.read.stability import rotation
 from prag_asp.scene.scene import Shape, Solid
 from prag_asp.scene.solids import solids
@@ -38,6 +38,15 @@ def surface(shape: Shape) -> Floats:
         SceneError: a mesh cannot be read.
     """
     return np.concatenate(part_surfaces(shape))
+
+
+def mesh_states(shape: Shape) -> tuple[tuple[int, int], ...]:
+    """Return what identifies the contents of the mesh files of a body, for caches.
+
+    Raises:
+        SceneError: a mesh cannot be read.
+    """
+    return tuple(state_of(solid.mesh) for solid in solids(shape) if solid.mesh)
 
 
 def in_frame(triangles: Floats, frame: Pose) -> Floats:

@@ -3,7 +3,7 @@
 A grasp is antipodal if the line between its two contacts lies in both friction cones; with soft fingers it is then in
 force closure (Nguyen, "Constructing force-closure grasps", 1988). Candidates are sampled: a point of the surface, the
 line through it against its normal, each place where that line leaves the body, and tool directions around the line.
-Each is then judged by what the pads touch when they close, exactly (`Gripper.contact`).
+Each is then judged by what the pads touch when they close, exactly (`ParallelGripper.contact`).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.grasps.pads import Contact, Gripper
+from prag_asp.physics.grasps.pads import PadContact, ParallelGripper
 from prag_asp.scene.boxes import Box
 from prag_asp.scene.geometry import Pose, compose, matrix
 from prag_asp.scene.surfaces import in_frame
@@ -95,7 +95,7 @@ class GraspProblem(NamedTuple):
     friction: float
 
 
-def sampled_grasps(problem: GraspProblem, gripper: Gripper) -> tuple[Grasp, ...]:
+def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Grasp, ...]:
     """Return grasps of a body that differ, those first that promise most; none if no sample is one.
 
     The samples are fixed, so the same body has the same grasps.
@@ -211,7 +211,7 @@ def _tools(axis: Floats) -> Iterator[tuple[float, Floats]]:
             yield angle, np.stack([np.cross(axis, direction), axis, direction], 1)
 
 
-def _above_ground(gripper: Gripper, triangles: Floats, middle: Floats, rotation: Floats) -> Pose | None:
+def _above_ground(gripper: ParallelGripper, triangles: Floats, middle: Floats, rotation: Floats) -> Pose | None:
     """Return the pose of a tool with its fingertips above the ground, moved back as far as that needs.
 
     None if the tool comes from the side and its fingers would be in the ground.
@@ -228,7 +228,7 @@ def _above_ground(gripper: Gripper, triangles: Floats, middle: Floats, rotation:
 
 
 def _judged(
-    problem: GraspProblem, gripper: Gripper, triangles: Floats, dense: Floats, place: Pose, tilt: float
+    problem: GraspProblem, gripper: ParallelGripper, triangles: Floats, dense: Floats, place: Pose, tilt: float
 ) -> Grasp | None:
     """Return the grasp with the pads around a place of the body, None if there is none."""
     contact = gripper.contact(in_frame(triangles, place))
@@ -252,7 +252,7 @@ def _judged(
     return Grasp(tool, contact.width, approach, tilt, arm, radius, score)
 
 
-def _holds(contact: Contact, friction: float) -> bool:
+def _holds(contact: PadContact, friction: float) -> bool:
     """Return whether both pads touch enough, in their friction cones, and opposite to each other."""
     one, two = contact.patches
     least = math.cos(CONE_SHARE * math.atan(friction))

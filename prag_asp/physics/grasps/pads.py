@@ -27,12 +27,12 @@ TINY = 1e-15
 """What is added up to less is taken for nothing: areas in m² and lengths of normals."""
 
 
-class Contact(NamedTuple):
+class PadContact(NamedTuple):
     """What pads touch when they close: the interval of the material along y in metres, and a patch on either side."""
 
     low: float
     high: float
-    patches: tuple[Patch, Patch]
+    patches: tuple[PadPatch, PadPatch]
 
     @property
     def width(self) -> float:
@@ -40,7 +40,7 @@ class Contact(NamedTuple):
         return self.high - self.low
 
 
-class Patch(NamedTuple):
+class PadPatch(NamedTuple):
     """What one pad touches: the area in m², the centroid (x, z) in m, the radius of gyration in m, the mean normal.
 
     `slope` is the cosine of the angle between the mean outward normal and the direction in which the pad lies.
@@ -52,7 +52,7 @@ class Patch(NamedTuple):
     slope: float
 
 
-class Gripper(NamedTuple):
+class ParallelGripper(NamedTuple):
     """The sizes of a parallel gripper in metres: half a pad along x, the ends of a pad along z, the opening.
 
     `fingers` are the boxes of the finger on the side of positive y when the gripper is closed, `palm` is that of the
@@ -67,7 +67,7 @@ class Gripper(NamedTuple):
     palm: Box
 
     @staticmethod
-    def of(robot: Robot) -> Gripper:
+    def of(robot: Robot) -> ParallelGripper:
         """Return the gripper of a robot."""
         pad = robot.finger_boxes[0]
         offset = robot.fingertip - pad.at[2] - pad.size[2] / 2
@@ -81,14 +81,14 @@ class Gripper(NamedTuple):
         x, y, z = PALM if robot.hand is None else robot.hand.palm
         palm = box_between((-x / 2, x / 2), (-y / 2, y / 2), (-robot.finger_depth - z, -robot.finger_depth))
         low, high = robot.fingertip - pad.size[2], robot.fingertip
-        return Gripper(pad.size[0] / 2, low, high, robot.opening, fingers, palm)
+        return ParallelGripper(pad.size[0] / 2, low, high, robot.opening, fingers, palm)
 
     def boxes(self, width: float) -> tuple[Box, ...]:
         """Return the boxes of both fingers and the palm with the pads `width` metres apart."""
         fingers = [((x, side * (y + width / 2), z), half) for (x, y, z), half in self.fingers for side in (1.0, -1.0)]
         return (*fingers, self.palm)
 
-    def contact(self, triangles: Floats) -> Contact | None:
+    def contact(self, triangles: Floats) -> PadContact | None:
         """Return what the pads touch when they close on a body; None if there is nothing between them.
 
         `triangles`, shape (n, 3, 3), are the surface of the body in the frame of the tool, in metres. The interval is
@@ -104,7 +104,7 @@ class Gripper(NamedTuple):
         if not len(polygons.corners):
             return None
         ends = float(polygons.corners[:, :, 1].min()), float(polygons.corners[:, :, 1].max())
-        return Contact(*ends, (polygons.patch(ends[0], -1.0), polygons.patch(ends[1], 1.0)))
+        return PadContact(*ends, (polygons.patch(ends[0], -1.0), polygons.patch(ends[1], 1.0)))
 
 
 class Polygons(NamedTuple):
@@ -133,13 +133,13 @@ class Polygons(NamedTuple):
             np.take_along_axis(points, np.take_along_axis(order, places, 1)[:, :, None], 1), self.normals[some]
         )
 
-    def patch(self, end: float, side: float) -> Patch:
+    def patch(self, end: float, side: float) -> PadPatch:
         """Return what a pad touches on one side: the surface that faces it and is within `TOUCH` of the outermost."""
         corners, normals = self.cut(1, -side, TOUCH - side * end)
         facing = side * normals[:, 1]
         flat, facing = corners[facing > 0.0][:, :, [0, 2]], facing[facing > 0.0]
         if flat.shape[1] < 3:
-            return Patch(0.0, (0.0, 0.0), 0.0, 0.0)
+            return PadPatch(0.0, (0.0, 0.0), 0.0, 0.0)
         first = np.broadcast_to(flat[:, :1], flat[:, 1:-1].shape)
         fans = np.stack([first, flat[:, 1:-1], flat[:, 2:]], 2)
         slopes = np.broadcast_to(facing[:, None], fans.shape[:2]).ravel()
@@ -148,10 +148,10 @@ class Polygons(NamedTuple):
         areas = np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]) / 2
         total = float(areas.sum())
         if total <= TINY:
-            return Patch(0.0, (0.0, 0.0), 0.0, 0.0)
+            return PadPatch(0.0, (0.0, 0.0), 0.0, 0.0)
         share, centroids = areas / total, fans.mean(1)
         centre = share @ centroids
         # The mean of |p|² over a triangle with the corners v and the centroid c is (Σ|v|² + 9|c|²) / 12.
         square = float(share @ ((fans**2).sum((1, 2)) + 9 * (centroids**2).sum(1))) / 12
         gyration = max(square - float(centre @ centre), 0.0) ** 0.5
-        return Patch(total, (float(centre[0]), float(centre[1])), gyration, float(share @ slopes))
+        return PadPatch(total, (float(centre[0]), float(centre[1])), gyration, float(share @ slopes))

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from prag_asp.physics.grasps.antipodal import GraspProblem, sampled_grasps
-from prag_asp.physics.grasps.pads import Gripper
+from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.scene.geometry import Pose, compose, multiply, yaw_quaternion
 from prag_asp.scene.robots.panda import PANDA
 from prag_asp.scene.scene import Shape
 from prag_asp.scene.surfaces import in_frame, part_surfaces, surface
 
-GRIPPER = Gripper.of(PANDA)
+GRIPPER = ParallelGripper.of(PANDA)
 DOWN = (1.0, 0.0, 0.0, 0.0)
 
 
