@@ -54,7 +54,14 @@ def state_problems(moment: Moment, physical: PhysicalTask, k: int, simulator: Si
 
 
 def _grip_problems(situation: Situation, robot: str, held: str) -> Iterator[str]:
-    """Yield violations of what proofs assume about a grasp: from above, of an upright body that the gripper spans."""
+    """Yield violations of what proofs assume about a grasp: from above, of an upright body that the gripper spans.
+
+    A body with a model is held in any direction: whether both pads touch it is what `holding` says.
+    """
+    if weight(situation.scene, held) > situation.robot(robot).payload:
+        yield f"{held} is heavier than the gripper carries"
+    if situation.shape(held).model is not None:
+        return
     if tilt(situation.tool(robot).quaternion, DOWN) > TURN_TOLERANCE:
         yield f"{held} is not held from above"
     if situation.shape(held).traits.flat and tilt(situation.pose(held).quaternion, UP) > TURN_TOLERANCE:
@@ -64,8 +71,6 @@ def _grip_problems(situation: Situation, robot: str, held: str) -> Iterator[str]
     lowest = situation.bottom(held) + lowest_grip(situation.robot(robot), situation.shape(held).size[2])
     if situation.tool(robot).position[2] < lowest - POSITION_TOLERANCE:
         yield f"the fingers reach below {held}"
-    if weight(situation.scene, held) > situation.robot(robot).payload:
-        yield f"{held} is heavier than the gripper carries"
 
 
 def tilt(quaternion: Quaternion, direction: Vector) -> float:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.motion.route import carry_object, free_path, grasp_of, is_vertical, pull_path, straight_path
+from prag_asp.physics.motion.route import carry_object, free_path, grasp_of, is_straight, is_vertical, pull_path, straight_path
 from prag_asp.physics.motion.trajectory import joint_limits, time_path
 from prag_asp.physics.robot.kinematics import adjust_joints, tool_pose
 from prag_asp.physics.situation import Situation
@@ -66,13 +66,16 @@ def action_legs(action: Action) -> Iterator[Leg]:
 def plan_path(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, action: Action) -> Angles | None:
     """Return the joint angles of every time step on a path, shape (steps, 7); None if no free one is found.
 
-    The path is straight up or down, that of the witness, or another free one. `situation` is the actual one, `arm` the
-    target of the motors.
+    The path is straight up or down or along the fingers, that of the witness, or another free one. `situation` is the
+    actual one, `arm` the target of the motors.
     """
     robot, waypoint = planner.robot, leg.waypoint
-    if is_vertical(robot, leg.start, waypoint.joints):
-        height = tool_pose(robot, waypoint.joints).position[2] - tool_pose(robot, leg.start).position[2]
-        tool = raised(tool_pose(robot, arm.joints), height)
+    if is_straight(robot, leg.start, waypoint.joints):
+        first, last, now = (tool_pose(robot, joints) for joints in (leg.start, waypoint.joints, arm.joints))
+        if is_vertical(robot, leg.start, waypoint.joints):
+            tool = raised(now, last.position[2] - first.position[2])
+        else:
+            tool = compose(now, Pose((0.0, 0.0, compose(invert(first), last).position[2])))
         goal = adjust_joints(robot, tool, waypoint.joints) or waypoint.joints
         path = straight_path(robot, arm.joints, goal) or [arm.joints, goal]
         return time_path(path, TIME_STEP, joint_limits(robot))

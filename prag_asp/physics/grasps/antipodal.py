@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.grasps.pads import PadContact, ParallelGripper
+from prag_asp.physics.grasps.pads import TOUCH, PadContact, ParallelGripper
 from prag_asp.scene.boxes import Box
 from prag_asp.scene.geometry import Pose, compose, matrix
 from prag_asp.scene.surfaces import in_frame
@@ -45,6 +45,9 @@ ROOM = 0.003
 
 BELOW = 0.0005
 """The least distance of the fingertips from the plane on which the body stands, in metres."""
+
+ENOUGH_POINTS, UNSURE = 8, 0.15
+"""Points between the pads from which a contact is judged before it is computed, and the error of that cosine."""
 
 MOST = 48
 """Grasps that are kept of a body, the best of those that differ."""
@@ -103,7 +106,7 @@ def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Gra
     rng = np.random.default_rng(0)
     triangles = np.concatenate(problem.parts)
     points, normals = _surface_points(problem.parts, POINTS, rng)
-    dense, _ = _surface_points(problem.parts, DENSE, rng)
+    dense, facing = _surface_points(problem.parts, DENSE, rng)
     candidates: list[tuple[float, int, float, Floats, Floats]] = []
     for point, far, axis in _antipodal_pairs(points, normals, triangles, problem.friction, gripper.opening):
         middle = (point + far) / 2
@@ -123,6 +126,8 @@ def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Gra
     for _, _, tilt, middle, rotation in sorted(candidates, key=lambda each: each[:2]):
         place = _above_ground(gripper, triangles, middle, rotation)
         if place is None or not all(_differ(place, other.tool) for other in kept):
+            continue
+        if not _promises(in_frame(dense[None], place)[0], facing @ matrix(place)[:3, 1], gripper, problem.friction):
             continue
         grasp = _judged(problem, gripper, triangles, dense, place, tilt)
         if grasp is not None and all(_differ(grasp.tool, other.tool) for other in kept):
@@ -227,6 +232,42 @@ def _above_ground(gripper: ParallelGripper, triangles: Floats, middle: Floats, r
     return Pose((float(middle[0]), float(middle[1]), float(middle[2])), _quaternion(rotation))
 
 
+def _promises(points: Floats, facing: Floats, gripper: ParallelGripper, friction: float) -> bool:
+    """Return whether a place may be a grasp, judged by points of the surface in its frame, to spare exact contacts.
+
+    `facing` is how far the normals at the points point along the axis of the fingers.
+    """
+    if not _free(points, (gripper.palm,)):
+        return False
+    x, y, z = points.T
+    low, high = gripper.low_z, gripper.high_z
+    between = (np.abs(x) < gripper.half_x) & (z > low) & (z < high) & (np.abs(y) < gripper.opening / 2)
+    if between.sum() < ENOUGH_POINTS:
+        return True
+    y, facing = y[between], facing[between]
+    least = math.cos(CONE_SHARE * math.atan(friction)) - UNSURE
+    for side in (1.0, -1.0):
+        outermost = (side * y >= (side * y).max() - 2 * TOUCH) & (side * facing > 0.0)
+        if not outermost.any() or (side * facing[outermost]).mean() < least:
+            return False
+    return True
+
+
+def open_width(problem: GraspProblem, gripper: ParallelGripper, tool: Pose, width: float) -> float | None:
+    """Return the widest opening in metres at which the hand at a tool is free of the body, None if there is none.
+
+    `width` is that of the material between the pads.
+    """
+    dense, _ = _surface_points(problem.parts, DENSE, np.random.default_rng(0))
+    return _widest(in_frame(dense[None], tool)[0], gripper, width)
+
+
+def _widest(points: Floats, gripper: ParallelGripper, width: float) -> float | None:
+    """Return the widest opening in metres at which the hand is free of points in its frame, None if there is none."""
+    openings = (gripper.opening, width + 4 * ROOM, width + 2 * ROOM)
+    return next((wide for wide in openings if wide <= gripper.opening and _free(points, gripper.boxes(wide))), None)
+
+
 def _judged(
     problem: GraspProblem, gripper: ParallelGripper, triangles: Floats, dense: Floats, place: Pose, tilt: float
 ) -> Grasp | None:
@@ -236,8 +277,7 @@ def _judged(
         return None
     tool = compose(place, Pose((0.0, (contact.low + contact.high) / 2, 0.0)))
     points = in_frame(dense[None], tool)[0]
-    openings = (gripper.opening, contact.width + 4 * ROOM, contact.width + 2 * ROOM)
-    approach = next((wide for wide in openings if wide <= gripper.opening and _free(points, gripper.boxes(wide))), None)
+    approach = _widest(points, gripper, contact.width)
     if approach is None:
         return None
     x, z = ((a + b) / 2 for a, b in zip(contact.patches[0].centre, contact.patches[1].centre, strict=True))
