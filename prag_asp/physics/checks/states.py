@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 
 from prag_asp.physics.predicates import PREDICATES
-from prag_asp.physics.predicates.gripper import grip_width, lowest_grip, slips
+from prag_asp.physics.predicates.gripper import grip_width, lowest_grip, slips, twists
 from prag_asp.physics.situation import Situation, fixed_pose
 from prag_asp.physics.symbolic_facts import PhysicalTask
 from prag_asp.physics.witness import Arm, Moment
@@ -51,6 +51,9 @@ def state_problems(moment: Moment, physical: PhysicalTask, k: int, simulator: Si
             yield from _grip_problems(situation, name, arm.held)
             if slips(situation.scene, arm.held, name) is not None and not contacts(situation, arm.held, poses):
                 yield f"{arm.held} slips out of the gripper"
+            in_air = situation.shape(arm.held).model is not None and not contacts(situation, arm.held, poses)
+            if in_air and twists(situation, arm.held, name):
+                yield f"{arm.held} turns between the pads"
 
 
 def _grip_problems(situation: Situation, robot: str, held: str) -> Iterator[str]:

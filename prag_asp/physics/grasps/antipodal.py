@@ -34,6 +34,12 @@ TILTS = (0.0, 0.35, 0.7, 1.05, 1.4)
 CONE_SHARE = 0.6
 """The share of the friction angle that a sampled contact may use: the rest bears what lifting accelerates."""
 
+FLATTER = (0.5, 0.95)
+"""The shares of the cone by which an axis is turned from the normal to the horizontal."""
+
+UPRIGHT = 1e-3
+"""The slope in radians below which a normal is horizontal, and the cosine below which it is vertical."""
+
 SMALLEST_PATCH = 6e-6
 """The least area of a contact in m²: 2 x 3 mm, a corner of a pad."""
 
@@ -185,11 +191,20 @@ def _antipodal_pairs(
 
 
 def _axes(normal: Floats, least: float) -> Iterator[Floats]:
-    """Yield axes to close along at a contact: its normal, and the horizontal within the cone of cosine `least`."""
+    """Yield axes to close along at a contact: its normal, and flatter ones within the cone of cosine `least`.
+
+    The flatter the axis, the farther is the hand, which is broad along it, from the ground.
+    """
     yield normal
-    flat = math.hypot(normal[0], normal[1])
-    if least <= flat < 1.0 - 1e-6:
-        yield np.array([normal[0] / flat, normal[1] / flat, 0.0])
+    flat, slope = math.hypot(normal[0], normal[1]), math.asin(max(-1.0, min(1.0, float(normal[2]))))
+    if flat < UPRIGHT or abs(slope) < UPRIGHT:
+        return
+    for share in FLATTER:
+        left = max(0.0, abs(slope) - share * math.acos(least))
+        turned = math.copysign(left, slope)
+        yield np.array([*(normal[:2] / flat * math.cos(turned)), math.sin(turned)])
+        if left == 0.0:
+            return
 
 
 def _tools(axis: Floats) -> Iterator[tuple[float, Floats]]:
@@ -219,16 +234,21 @@ def _tools(axis: Floats) -> Iterator[tuple[float, Floats]]:
 def _above_ground(gripper: ParallelGripper, triangles: Floats, middle: Floats, rotation: Floats) -> Pose | None:
     """Return the pose of a tool with its fingertips above the ground, moved back as far as that needs.
 
-    None if the tool comes from the side and its fingers would be in the ground.
+    None if the tool comes from the side and its fingers would be in the ground, or if the palm would be.
     """
-    (_, _, z), half = gripper.fingers[0]
-    x_half, y_half, z_half = half
-    tips = z * rotation[2, 2] - np.abs(rotation[2]) @ (x_half, y_half + gripper.opening / 2, z_half)
-    miss = float(triangles[:, :, 2].min()) + BELOW - (middle[2] + tips)
+    tips = min(
+        z * rotation[2, 2] - np.abs(rotation[2]) @ (x_half, y + y_half + gripper.opening / 2, z_half)
+        for (_, y, z), (x_half, y_half, z_half) in gripper.fingers
+    )
+    ground = float(triangles[:, :, 2].min()) + BELOW
+    miss = ground - (middle[2] + tips)
     if miss > 0.0:
         if rotation[2, 2] > STEEP:
             return None
         middle = middle + miss / rotation[2, 2] * rotation[:, 2]
+    centre, sides = gripper.palm
+    if middle[2] + rotation[2] @ centre - np.abs(rotation[2]) @ sides < ground + ROOM:
+        return None
     return Pose((float(middle[0]), float(middle[1]), float(middle[2])), _quaternion(rotation))
 
 
@@ -280,16 +300,23 @@ def _judged(
     approach = _widest(points, gripper, contact.width)
     if approach is None:
         return None
-    x, z = ((a + b) / 2 for a, b in zip(contact.patches[0].centre, contact.patches[1].centre, strict=True))
-    lever = np.array(compose(tool, Pose((x, 0.0, z))).position) - problem.centre
-    axis = matrix(tool)[:3, 1]
-    lever -= (lever @ axis) * axis
-    arm = math.hypot(lever[0], lever[1])
-    radius = min(patch.gyration for patch in contact.patches)
+    arm, radius = lever_of(problem.centre, tool, contact), contact.radius
     slack = min((gripper.opening - contact.width) / 2, ENOUGH_SLACK) / ENOUGH_SLACK
     flat = min(radius, WIDE_CONTACT) / WIDE_CONTACT
     score = flat + 0.5 * slack - arm / LONG_LEVER - TILT_COST * tilt + 0.2 * (approach == gripper.opening)
     return Grasp(tool, contact.width, approach, tilt, arm, radius, score)
+
+
+def lever_of(centre: tuple[float, float, float], tool: Pose, contact: PadContact) -> float:
+    """Return how far a centre of mass is horizontally from the line between two pads, across it; metres.
+
+    The tool is given in the frame of a body that is upright.
+    """
+    x, z = ((a + b) / 2 for a, b in zip(contact.patches[0].centre, contact.patches[1].centre, strict=True))
+    offset = np.array(compose(tool, Pose((x, 0.0, z))).position) - centre
+    axis = matrix(tool)[:3, 1]
+    offset -= (offset @ axis) * axis
+    return math.hypot(offset[0], offset[1])
 
 
 def _holds(contact: PadContact, friction: float) -> bool:

@@ -9,7 +9,7 @@ from functools import lru_cache
 from typing import Any
 
 from prag_asp.output.cache_files import cache_folder, read_cached, write_cached
-from prag_asp.physics.grasps.antipodal import Grasp, GraspProblem, open_width, sampled_grasps
+from prag_asp.physics.grasps.antipodal import Grasp, GraspProblem, lever_of, open_width, sampled_grasps
 from prag_asp.physics.grasps.pads import PadContact, ParallelGripper
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.scene import Shape
@@ -83,8 +83,20 @@ def _grasp(row: Mapping[str, Any]) -> Grasp:
 
 def _problem(shape: Shape, friction: float) -> GraspProblem:
     """Return what grasps of a body are sampled of."""
-    centre = getattr(shape.model, "centre", (0.0, 0.0, 0.0))
-    return GraspProblem(part_surfaces(shape), centre, friction)
+    return GraspProblem(part_surfaces(shape), _centre(shape), friction)
+
+
+def lever(shape: Shape, tool: Pose, contact: PadContact) -> float:
+    """Return how far the centre of mass of a body is horizontally from the line between the pads; metres.
+
+    `tool` is the pose of the tool in the frame of the body, which is upright.
+    """
+    return lever_of(_centre(shape), tool, contact)
+
+
+def _centre(shape: Shape) -> tuple[float, float, float]:
+    """Return the centre of mass of a body in its frame, in metres."""
+    return getattr(shape.model, "centre", (0.0, 0.0, 0.0))
 
 
 @lru_cache(maxsize=1 << 10)

@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator
 
 from prag_asp.physics.grasps.antipodal import Grasp
-from prag_asp.physics.grasps.body_grasps import body_grasps, pad_contact
+from prag_asp.physics.grasps.body_grasps import body_grasps, lever, pad_contact
 from prag_asp.physics.grasps.opposite_faces import is_never_spanned
 from prag_asp.physics.grasps.pads import PadContact, ParallelGripper
 from prag_asp.physics.predicates.gaps import ROUNDING, Demand, Gap, Z, along, between, bottom, centre, top
@@ -136,6 +136,20 @@ def slips(scene: Scene, entity: str, robot: str) -> str | None:
     return None
 
 
+def twists(situation: Situation, entity: str, robot: str) -> bool:
+    """Return whether the weight of a body with a model turns it between the pads that hold it in the air.
+
+    The friction of both pads bears the torque 2 mu F r, with the force F of a finger, the product mu of both
+    coefficients and the radius of gyration r of the smaller contact. The margin is that of `SLIPS`.
+    """
+    contact, shape = contact_at(situation, entity, robot), situation.shape(entity)
+    if contact is None:
+        return False
+    tool = compose(invert(situation.pose(entity)), situation.tool(robot))
+    bears = 2 * pad_friction(situation.scene, entity) * situation.robot(robot).grip_force * contact.radius
+    return GRAVITY * weight(situation.scene, entity) * lever(shape, tool, contact) > SLIPS * bears
+
+
 def _tool_violations(situation: Situation, arguments: Arguments, even: bool) -> Iterator[float]:
     """Yield by how many metres the tool misses the height of the object, and its centre.
 
@@ -207,10 +221,10 @@ def _holding_violations(situation: Situation, arguments: Arguments) -> Iterator[
     """
     robot, entity = arguments
     if situation.shape(entity).model is not None:
-        for missed in _tool_violations(situation, arguments, even=False):
-            yield missed
-            if missed > 0.0:
-                return
+        beyond = list(_tool_violations(situation, arguments, even=False))
+        yield from beyond
+        if max(beyond) > 0.0:
+            return
         yield from _contact_violations(situation, arguments)
         return
     places = []

@@ -235,7 +235,7 @@ def near_joints(
 
 def backed(tool: Pose) -> Pose:
     """Return a tool pose moved `LIFT` back along the direction of its fingers."""
-    return compose(tool, Pose((0.0, 0.0, -LIFT)))
+    return raised(tool, LIFT) if is_downward(tool) else compose(tool, Pose((0.0, 0.0, -LIFT)))
 
 
 def is_downward(tool: Pose) -> bool:
