@@ -246,7 +246,7 @@ def moved_to(env: TaskEnv, place: Sequence[float]) -> tuple[float, NDArray[np.fl
     return total, observation["achieved_goal"]
 
 
-def test_to_push_what_the_subgoal_does_not_speak_of_earns_nothing(given: Mapping[str, list[Given]]) -> None:
+def test_to_push_what_the_subgoal_does_not_refer_to_earns_nothing(given: Mapping[str, list[Given]]) -> None:
     task, witness = given["tabletop"][0]
     env = TaskEnv(task=task, witness=witness, steps=1000)
     first, _ = env.reset()
