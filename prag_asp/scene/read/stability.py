@@ -35,7 +35,7 @@ def falls(solids: Sequence[Solid]) -> bool:
     points = []
     for solid in solids:
         rows = rotation(solid.turn)
-        for point in _own_points(solid):
+        for point in own_points(solid):
             turned = (sum(a * b for a, b in zip(row, point, strict=True)) for row in rows)
             points.append([side + at for side, at in zip(turned, solid.at, strict=True)])
     lowest = min(z for _, _, z in points)
@@ -45,7 +45,7 @@ def falls(solids: Sequence[Solid]) -> bool:
     return min(max(x * a + y * b for x, y in base) for a, b in headings) < STABLE_DEPTH
 
 
-def _own_points(solid: Solid) -> Iterator[Size]:
+def own_points(solid: Solid) -> Iterator[Size]:
     """Yield points of the surface of a solid in its own axes, in metres."""
     x, y, z = (side / 2 for side in solid.size)
     circle = [(math.cos(turn), math.sin(turn)) for turn in TURNS]
