@@ -50,6 +50,10 @@ class BodyModel(NamedTuple):
 
     It has the collision solids, the `mass` in kilograms, the `centre` of mass in metres, and the principal `moments` of
     inertia in kg m² about `axes`, a unit quaternion (x, y, z, w).
+
+    `base` and `crown` are the convex outlines, seen from above and counter-clockwise, of what it stands on and of what
+    stands on it: its lowest and its highest points. `settled` is by how many radians it was tilted from how its file
+    has it, because it does not rest like that.
     """
 
     solids: tuple[Solid, ...]
@@ -57,6 +61,9 @@ class BodyModel(NamedTuple):
     centre: Size = (0.0, 0.0, 0.0)
     moments: Size = (0.0, 0.0, 0.0)
     axes: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+    base: tuple[tuple[float, float], ...] = ()
+    crown: tuple[tuple[float, float], ...] = ()
+    settled: float = 0.0
 
     def with_mass(self, mass: float) -> BodyModel:
         """Return the model with another mass in kilograms, distributed alike."""

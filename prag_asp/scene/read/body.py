@@ -10,29 +10,64 @@ from numpy.typing import NDArray
 
 from prag_asp.errors import SceneError
 from prag_asp.scene.forms import FORMS
+from prag_asp.scene.geometry import Pose, matrix
 from prag_asp.scene.mass import MassProperties, combined, polyhedron_mass, primitive_mass, principal
 from prag_asp.scene.read.convex import convex_hull, is_closed
 from prag_asp.scene.read.mesh import mesh_parts, mesh_points, thickness
 from prag_asp.scene.read.scene_values import SMALLEST
-from prag_asp.scene.read.stability import rotation
+from prag_asp.scene.read.stability import base_of, crown_of, falls, rotation, settle, surface_points
 from prag_asp.scene.scene import BodyModel, Shape, Size, Solid
 
 Floats = NDArray[np.float64]
 
 
-def body_shape(kind: str, solids: Sequence[Solid], mass: MassProperties) -> Shape:
+def body_shape(kind: str, solids: Sequence[Solid], mass: MassProperties, settled: float = 0.0) -> Shape:
     """Return the shape of a body of solids; the centre of their bounding box becomes the origin of its frame.
+
+    It has `settled` by an angle in radians.
 
     Raises:
         SceneError: a mesh cannot be read.
     """
-    points = [end for solid in solids for end in ends(solid)]
-    low, high = (_size([end(point[i] for point in points) for i in range(3)]) for end in (min, max))
+    corners = [end for solid in solids for end in ends(solid)]
+    low, high = (_size([end(corner[i] for corner in corners) for i in range(3)]) for end in (min, max))
     middle = _size([(a + b) / 2 for a, b in zip(low, high, strict=True)])
     centred = tuple(solid._replace(at=_minus(solid.at, middle)) for solid in solids)
     moments, axes = principal(mass.inertia)
     centre = _minus(_size(mass.centre.tolist()), middle)
-    return Shape(kind, _minus(high, low), model=BodyModel(centred, mass.mass, centre, moments, quaternion_of(axes)))
+    points = surface_points(centred)
+    model = BodyModel(
+        centred, mass.mass, centre, moments, quaternion_of(axes), base_of(points), crown_of(points), settled
+    )
+    return Shape(kind, _minus(high, low), model=model)
+
+
+def resting(shape: Shape) -> Shape | None:
+    """Return the shape of a body with a model as it comes to rest, None if it does not: the same if it stands.
+
+    Raises:
+        SceneError: a mesh cannot be read.
+    """
+    model = shape.model
+    assert model is not None
+    points, centre = surface_points(model.solids), np.array(model.centre)
+    if not falls(points, centre):
+        return shape
+    rows = settle(points, centre)
+    return None if rows is None else turned_shape(shape, rows, math.acos(max(-1.0, min(1.0, float(rows[2, 2])))))
+
+
+def turned_shape(shape: Shape, rows: Floats, settled: float = 0.0) -> Shape:
+    """Return the shape of a body with a model after a rotation (3, 3), by which it may have `settled` in radians."""
+    model = shape.model
+    assert model is not None
+    solids = []
+    for solid in model.solids:
+        x, y, z = (rows @ solid.at).tolist()
+        solids.append(solid._replace(at=(x, y, z), turn=roll_pitch_yaw(rows @ np.array(rotation(solid.turn)))))
+    axes = matrix(Pose((0.0, 0.0, 0.0), model.axes))[:3, :3]
+    mass = MassProperties(model.mass, np.array(model.centre), axes @ np.diag(model.moments) @ axes.T)
+    return body_shape(shape.kind, solids, mass.moved(rows, np.zeros(3)), settled)
 
 
 def ends(solid: Solid) -> Iterator[Size]:
