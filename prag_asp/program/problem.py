@@ -23,7 +23,6 @@ WARNINGS: Mapping[str, str] = {
     "sounds-alike": "sentences of instructions that do not distinguish actions",
     "tips-over": "a body from a file that comes to rest far from how the file has it",
     "too-heavy": "a body that no gripper lifts, by its weight or its friction",
-    "too-low": "a body too low for any gripper to grasp",
     "too-wide": "a body that no gripper closes around",
     "undefined": "a predicate that rules read, but none defines",
     "unused": "a predicate that no rule reads",
