@@ -35,7 +35,10 @@ MOVED = task(
 
 def model(size: tuple[float, float, float], mass: float, *solids: Solid) -> Shape:
     """Return a body with a model of boxes, whose bounding box has a size."""
-    return Shape("urdf", size, model=BodyModel(solids, mass))
+    x, y = size[0] / 2, size[1] / 2
+    outline = ((-x, -y), (x, -y), (x, y), (-x, y))
+    moment = mass * max(size) ** 2 / 10
+    return Shape("urdf", size, model=BodyModel(solids, mass, moments=(moment,) * 3, base=outline, crown=outline))
 
 
 def walls(side: float, wall: float, height: float) -> tuple[Solid, ...]:

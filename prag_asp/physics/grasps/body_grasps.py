@@ -107,7 +107,7 @@ def lever(shape: Shape, tool: Pose, contact: PadContact) -> float:
 
 def _centre(shape: Shape) -> tuple[float, float, float]:
     """Return the centre of mass of a body in its frame, in metres."""
-    return getattr(shape.model, "centre", (0.0, 0.0, 0.0))
+    return (0.0, 0.0, 0.0) if shape.model is None else shape.model.centre
 
 
 @lru_cache(maxsize=1 << 10)

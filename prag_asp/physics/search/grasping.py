@@ -114,7 +114,7 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
         # The palm's x axis points away from the base, and so does a slanted tool: the wrist is then on the arm's side.
         if _along(tool, (1.0, 0.0, 0.0), outward) < 0.0:
             tool = Pose(tool.position, multiply(tool.quaternion, HALF_TURN))
-        ease = _along(tool, (1.0, 0.0, 0.0), outward) + 2 * _along(tool, (0.0, 0.0, 1.0), outward)
+        ease = _along(tool, (1.0, 0.0, 0.0), outward) + 2 * min(0.0, _along(tool, (0.0, 0.0, 1.0), outward))
         ranked.append((EASE * ease + grasp.score, _kind(tool), GraspOption(tool, grasp.approach)))
     ranked.sort(key=lambda row: -row[0])
     # The best of each kind come first, then the second ones: what one cannot do, the next may.
