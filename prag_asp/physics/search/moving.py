@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from prag_asp.physics.predicates.gripper import slips
-from prag_asp.physics.search.attempt import LOST, OBJECTS_COLLIDE, UNSUPPORTED, Failure, Search, Snapshot
+from prag_asp.physics.predicates.gripper import SLIPS, slips
+from prag_asp.physics.search.attempt import LOST, OBJECTS_COLLIDE, TWISTS, UNSUPPORTED, Failure, Search, Snapshot
 from prag_asp.physics.search.grasping import LIFT, CollisionQuery, require_clear
+from prag_asp.physics.search.grip_torque import grip_load
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.collisions import colliding
 from prag_asp.physics.world.support import STEADY, riders, unsupported
@@ -26,13 +27,15 @@ def raise_arm(search: Search, snapshot: Snapshot) -> Snapshot:
     """Move a lowered gripper straight up, with what it holds.
 
     Raises:
-        Failure: the object slips out of the gripper, or there is a collision.
+        Failure: the object slips out of the gripper or turns in it, or there is a collision.
     """
     assert snapshot.above is not None
     poses, held = snapshot.situation.poses, snapshot.arm.held
     if held is not None:
         if slips(search.scene, held, snapshot.acting) is not None:
             raise Failure(LOST, held)
+        if grip_load(snapshot.situation, held, snapshot.acting) > SLIPS:
+            raise Failure(TWISTS, held)
         poses = move_object(search, snapshot, held, raised(poses[held], LIFT))
     after = moved_arm(snapshot, snapshot.above, poses)
     require_free(search, after)
