@@ -15,9 +15,9 @@ from prag_asp.physics.demonstration.contacts import DEEPEST, FACTOR, FIRM, Inten
 from prag_asp.physics.demonstration.performance import Performer, open_performer
 from prag_asp.physics.motion.carried_motion import MOST, bearable_acceleration, peak_acceleration, time_carried
 from prag_asp.physics.motion.trajectory import joint_limits, time_path
+from prag_asp.physics.predicates.grip_torque import grip_load, mean_radius
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.search.attempt import NO_GRASP, OVERBEARING, SLIPPED, TWISTS
-from prag_asp.physics.search.grip_torque import grip_load, mean_radius
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import physical_task
 from prag_asp.physics.witness import Arm

@@ -6,7 +6,7 @@ import math
 
 from prag_asp.physics.predicates.gripper import GRAVITY, pad_friction
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.geometry import rotate
+from prag_asp.scene.geometry import centre_of_mass, rotate
 from prag_asp.scene.solids import weight
 
 
@@ -21,7 +21,8 @@ def grip_load(situation: Situation, entity: str, robot: str) -> float:
     along_x, _, along_z = gripper.finger_boxes[0].size
     most = 2 * pad_friction(scene, entity) * gripper.grip_force
     force = GRAVITY * weight(scene, entity)
-    lever = [a - b for a, b in zip(situation.pose(entity).position, tool.position, strict=True)]
+    centre = centre_of_mass(situation.shape(entity), situation.pose(entity))
+    lever = [a - b for a, b in zip(centre, tool.position, strict=True)]
     axis = rotate(tool.quaternion, (0.0, 1.0, 0.0))
     torque = force * abs(lever[0] * axis[1] - lever[1] * axis[0])
     return math.hypot(force / most, torque / (most * mean_radius(along_x, along_z)))
