@@ -12,6 +12,7 @@ import clingo
 
 from prag_asp.models.atom_weights import weight_of
 from prag_asp.models.ground_program import GroundModels
+from prag_asp.models.optimum import Optimum
 from prag_asp.models.program_reader import GivenProgram
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.grounding import Grounder
@@ -34,6 +35,7 @@ class Enumeration:
     ground: GroundModels
     project: bool
     stated: Mapping[clingo.Symbol, Fraction]
+    optimum: Optimum | None = None
     progress: Callable[[str], None] | None = None
 
     def __iter__(self) -> Iterator[Printed]:
@@ -98,7 +100,9 @@ class Enumeration:
 
     def _grounder(self, *arguments: str) -> Grounder:
         project = ["--project=auto"] if self.project else []
-        grounder = Grounder(self.given.program, *self.given.arguments, *arguments, "0", *project, strict=False)
+        values = [] if self.optimum is None else [str(value) for _, value in self.optimum.values]
+        mode = f"--opt-mode={','.join(['enum', *values])}"  # all answer sets that are not worse
+        grounder = self.given.grounder(*arguments, "0", mode, *project)
         grounder.ground([("base", [])])
         stage("enumerating answer sets")
         return grounder

@@ -9,7 +9,6 @@ import clingo
 
 from prag_asp.logic.ground.rules import Condition, GroundRecorder, Rule, Unsupported
 from prag_asp.models.program_reader import GivenProgram
-from prag_asp.program.grounding import Grounder
 
 
 @dataclass(frozen=True)
@@ -19,7 +18,8 @@ class GroundModels:
     `names` has the atoms by their symbols, sorted, and `shown` the shown symbols, sorted, each with alternative
     conditions. `projected` has the atoms of ``#project``, or is None without such a statement. `acyclic` is true if a
     graph has to be acyclic (``#edge``), which rules do not express; `contested` has the externals that are not false
-    but also derived by rules. `notes` are clingo's notes on instances dropped because an operation is undefined.
+    but also derived by rules. `minimized` has the weighted literals of each priority, the highest first. `notes` are
+    clingo's notes on instances dropped because an operation is undefined.
     """
 
     rules: tuple[Rule, ...]
@@ -28,6 +28,7 @@ class GroundModels:
     projected: frozenset[int] | None
     acyclic: bool
     contested: frozenset[int]
+    minimized: tuple[tuple[int, tuple[tuple[int, int], ...]], ...]
     notes: tuple[str, ...]
 
     @cached_property
@@ -55,8 +56,8 @@ def ground_models(given: GivenProgram) -> GroundModels:
     Raises:
         DomainError: clingo cannot ground it.
     """
-    grounder, recorder = Grounder(given.program, *given.arguments, strict=False), GroundRecorder()
-    grounder.control.register_observer(recorder)
+    recorder = GroundRecorder()
+    grounder = given.grounder(observer=recorder)
     grounder.ground([("base", [])])
     # Atom 0 stands for symbols that no rule can derive.
     names = sorted((atom.symbol, atom.literal) for atom in grounder.control.symbolic_atoms if atom.literal)
@@ -65,7 +66,11 @@ def ground_models(given: GivenProgram) -> GroundModels:
     values = {clingo.TruthValue.True_: False, clingo.TruthValue.Free: True}
     either = {atom: values[value] for atom, value in recorder.externals.items() if value in values}
     stated = recorder.all_rules
-    rules = (*stated, *(Rule((atom,), (), free) for atom, free in either.items()))
+    chosen = (Rule((atom,), (), free) for atom, free in either.items())
+    rules = (*stated, *chosen, *(Rule((), (-literal,)) for literal in recorder.assumed))
+    minimized = sorted(((each, tuple(sums)) for each, sums in recorder.minimized.items()), reverse=True)
     contested = frozenset(head for rule in stated for head in rule.heads) & either.keys()
     acyclic = Unsupported.ACYCLIC in recorder.unsupported
-    return GroundModels(rules, tuple(names), tuple(shown), projected, acyclic, contested, tuple(grounder.notes))
+    return GroundModels(
+        rules, tuple(names), tuple(shown), projected, acyclic, contested, tuple(minimized), tuple(grounder.notes)
+    )
