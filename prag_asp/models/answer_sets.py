@@ -242,7 +242,9 @@ class AnswerSets:
         stage("searching answer sets")
         formula = self._formula
         order = [literal for _, literal in formula.printed]
-        if formula.whole:
+        if not formula.whole:
+            order += formula.cnf.shown
+        else:
             order += [formula.completion.value(atom) for _, atom in self.ground.names]
             order += map(formula.completion.value, formula.completion.values)
         yield from map(self._print, list_models(formula, order))

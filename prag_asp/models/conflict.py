@@ -28,7 +28,7 @@ from prag_asp.program.constants import Constant
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.sources import ADDED, Program, Source
-from prag_asp.program.syntax import Signature, Statement, with_replaced
+from prag_asp.program.syntax import AtomNode, Signature, Statement, with_replaced
 
 POLL = 0.05
 """Seconds between two checks for interrupts."""
@@ -156,7 +156,13 @@ def _is_liftable(statement: Statement, data: Container[Signature]) -> bool:
     """Return whether a statement restricts answer sets, and is no data."""
     if not statement.is_rule or statement.part != "base":
         return False
-    return not statement.heads or any(head.signature not in data for head in statement.heads)
+    heads = _derived(statement)
+    return not heads or any(head.signature not in data for head in heads)
+
+
+def _derived(statement: Statement) -> list[AtomNode]:
+    """Return the atoms that a rule derives; a negated head restricts, as a constraint does."""
+    return [head for head in statement.heads if not head.negated]
 
 
 def _liftable(statement: Statement, kept: str, may: str) -> Iterator[str]:
@@ -166,7 +172,7 @@ def _liftable(statement: Statement, kept: str, may: str) -> Iterator[str]:
     allowed = [str(element) for element in _elements(statement.node.head)]
     if allowed:
         yield f"{{ {'; '.join(allowed)} }} :- {body}not {kept}."
-    for head in statement.heads:
+    for head in _derived(statement):
         arguments = [text if CONSTANT.fullmatch(text) else f"V{place}" for place, text in enumerate(head.arguments)]
         terms = f"({','.join(arguments)})" if arguments else ""
         # An atom without variables may be true even if no rule can derive it.

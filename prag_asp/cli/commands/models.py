@@ -240,7 +240,7 @@ def _say_all(found: AnswerSets, listed: Iterator[AnswerSet], form: str) -> None:
 
 def _document(found: AnswerSets, fields: Mapping[str, str]) -> str:
     """Return a JSON object of an optimum and some fields, whose values are JSON already: numbers may be of any size."""
-    lines = [f' "{name}": {value}' for name, value in (_optimum(found) | fields).items()]
+    lines = [f' "{name}": {value}' for name, value in {**_optimum(found), **fields}.items()]
     return "{\n" + ",\n".join(lines) + "\n}"
 
 

@@ -117,6 +117,8 @@ class GroundRecorder(clingo.Observer):
         self.unsupported[Unsupported.THEORY] = None
 
     def _add(self, head: Sequence[int], body: Condition, choice: bool, bound: int = 0, weights: Condition = ()) -> None:
-        """Add a rule; a disjunction may name an atom twice."""
+        """Add a rule; a disjunction may name an atom twice, and a choice among no atoms states nothing."""
+        if choice and not head:
+            return
         heads = tuple(head) if len(head) < 2 else tuple(dict.fromkeys(head))
         self.rules.setdefault(self.part, []).append(Rule(heads, body, choice, bound, weights))
