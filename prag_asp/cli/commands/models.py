@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import chain, islice
+from itertools import chain, islice, pairwise
 from typing import TYPE_CHECKING
 
 import click
@@ -168,7 +168,8 @@ def marginals(*, program: ProgramOptions, form: str) -> None:
     with program.answer_sets() as found:
         shares = {str(symbol): _spelled(share) for symbol, share in found.marginals().items()}
         if form == "json":
-            say(_document(found, {"marginals": json.dumps(shares, indent=1)}))
+            rows = ",\n".join(f"  {json.dumps(symbol)}: {json.dumps(share)}" for symbol, share in shares.items())
+            say(_document(found, {"marginals": f"{{\n{rows}\n }}"}))
             return
         for symbol, share in shares.items():
             say(f"{share}  {symbol}")
@@ -233,8 +234,9 @@ def _say_all(found: AnswerSets, listed: Iterator[AnswerSet], form: str) -> None:
         return
     first = next(listed, None)  # an error comes before any output
     say(_document(found, {"answer_sets": "["}).removesuffix("\n}"))
-    for number, each in enumerate([] if first is None else chain([first], listed)):
-        say(f"  {',' if number else ' '}{json.dumps([str(symbol) for symbol in each])}")
+    texts = (json.dumps([str(symbol) for symbol in each]) for each in chain([] if first is None else [first], listed))
+    for text, following in pairwise(chain(texts, [None])):
+        say(f"  {text}{'' if following is None else ','}")
     say(" ]\n}")
 
 
