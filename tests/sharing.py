@@ -51,6 +51,20 @@ def small_pictures() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(scope="package", autouse=True)
+def shared_logic() -> Iterator[None]:
+    """Share logic in all tests of a folder whose conftest imports this."""
+    with logic_shared():
+        yield
+
+
+@pytest.fixture(scope="package", autouse=True)
+def pictures_are_small() -> Iterator[None]:
+    """Draw small pictures in all tests of a folder whose conftest imports this."""
+    with small_pictures():
+        yield
+
+
 def _known(
     model: DomainLogic, engine: str, progress: Progress | None, limits: Limits, fewest_actions: int = 0
 ) -> DomainEngines:

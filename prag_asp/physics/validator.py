@@ -16,7 +16,16 @@ from prag_asp.errors import PragError, SceneError
 from prag_asp.physics.filming.episode_options import Staging
 from prag_asp.physics.proofs.prover import Prover
 from prag_asp.physics.search.action_effects import advance
-from prag_asp.physics.search.attempt import CAUSES, Exhausted, Failure, PhysicsFault, Search
+from prag_asp.physics.search.attempt import (
+    CAUSES,
+    EMPTY_VOLUME,
+    OBJECTS_COLLIDE,
+    Exhausted,
+    Failure,
+    PhysicsFault,
+    Search,
+    Snapshot,
+)
 from prag_asp.physics.search.foresight import foresee
 from prag_asp.physics.search.initial_state import sample_initial_state
 from prag_asp.physics.search.spans import foresee_spans
@@ -32,6 +41,12 @@ from prag_asp.task import Task
 Result = TypeVar("Result")
 ACTIVITY = "checking tasks by physics"
 """What validation is called where progress is shown."""
+
+CROWDED = frozenset((EMPTY_VOLUME, OBJECTS_COLLIDE))
+"""The causes of failed attempts that are a lack of room, for which tight packing may help."""
+
+PACKED = 4
+"""Restarts that pack the objects tightly, at most: each backtracks on its own, from a random corner."""
 
 LISTED = 8
 """Details of failed attempts that a verdict has at most."""
@@ -73,24 +88,16 @@ class Validator:
     def _search(
         self, physical: PhysicalTask, search: Search, budget: Budget, seeds: tuple[int, int], staging: Staging
     ) -> Verdict:
-        """Search for a witness that passes the tiers of a budget; sizes with a range are sampled at each restart."""
-        ranges = {entity: self._scene.ranges[entity] for entity in physical.objects if entity in self._scene.ranges}
+        """Search for a witness that passes the tiers of a budget."""
         faults = Counter[PhysicsFault]()
         status: Status = "not_found"
-        restarts, witness, demonstration = budget.restarts, None, None
-        for restart in range(budget.restarts):
-            drawn = {entity: shapes[int(search.rng.integers(len(shapes)))] for entity, shapes in ranges.items()}
-            if drawn:
-                scene = self._scene.with_shapes(drawn)
-                self._simulator.use(scene)
-                search = replace(search, foresight=foresee(physical, scene))
-            sizes = {entity: shape.size for entity, shape in drawn.items()}
-            candidate = _attempt(physical, search, sizes, budget.samples, faults)
+        restarts, witness, demonstration = 0, None, None
+        for restarts, candidate in self._restarts(physical, search, budget, faults):
             if candidate is None:
                 continue
-            outcome = self._tiers.run(physical, candidate, budget, (*seeds, restart), staging)
+            outcome = self._tiers.run(physical, candidate, budget, (*seeds, restarts - 1), staging)
             if outcome.fault is None:
-                status, restarts, (witness, _, demonstration) = "feasible", restart + 1, outcome
+                status, (witness, _, demonstration) = "feasible", outcome
                 break
             faults[outcome.fault] += 1
         counted: Counter[str] = Counter()
@@ -108,6 +115,33 @@ class Validator:
             demonstration=demonstration,
             details=_details(faults, self._scene),
         )
+
+    def _restarts(
+        self, physical: PhysicalTask, search: Search, budget: Budget, faults: Counter[PhysicsFault]
+    ) -> Iterator[tuple[int, Witness | None]]:
+        """Yield the number of each restart, from 1, with its witness if it finds one.
+
+        Sizes with a range are sampled at each restart. If no restart of the budget finds an initial state, or all fail
+        for lack of room, up to `PACKED` further ones pack the objects tightly.
+        """
+        ranges = {entity: self._scene.ranges[entity] for entity in physical.objects if entity in self._scene.ranges}
+        begun = False
+        for number in range(budget.restarts + min(budget.restarts, PACKED)):
+            if number == budget.restarts:
+                causes = {fault.cause for fault in faults}
+                if causes.isdisjoint(CROWDED) or (begun and not causes <= CROWDED):
+                    return
+                search = replace(search, packs=True)
+            drawn = {entity: shapes[int(search.rng.integers(len(shapes)))] for entity, shapes in ranges.items()}
+            if drawn:
+                scene = self._scene.with_shapes(drawn)
+                self._simulator.use(scene)
+                search = replace(search, foresight=foresee(physical, scene))
+            sizes = {entity: shape.size for entity, shape in drawn.items()}
+            initial = _initial_state(physical, search, budget.samples, faults)
+            begun = begun or initial is not None
+            follow = None if initial is None else _follow(physical, search, initial, sizes, budget.samples, faults)
+            yield number + 1, follow
 
 
 @contextmanager
@@ -145,13 +179,22 @@ def validate_task(
         return validator.validate(task, seed=seed, index=index, budget=budget, staging=staging)
 
 
-def _attempt(
-    physical: PhysicalTask, search: Search, sizes: Mapping[str, Size], samples: int, faults: Counter[PhysicsFault]
+def _initial_state(
+    physical: PhysicalTask, search: Search, samples: int, faults: Counter[PhysicsFault]
+) -> Snapshot | None:
+    """Return an initial state, None if all samples fail; a search that packs tries once, because it backtracks."""
+    return _retry(1 if search.packs else samples, faults, lambda _: sample_initial_state(search, physical))
+
+
+def _follow(
+    physical: PhysicalTask,
+    search: Search,
+    snapshot: Snapshot,
+    sizes: Mapping[str, Size],
+    samples: int,
+    faults: Counter[PhysicsFault],
 ) -> Witness | None:
-    """Return a witness from one initial state, None if all samples of an action fail."""
-    snapshot = _retry(samples, faults, lambda _: sample_initial_state(search, physical))
-    if snapshot is None:
-        return None
+    """Return a witness from an initial state, None if all samples of an action fail."""
     moments, motions = [snapshot.moment()], []
     for effect in physical.effects:
         outcome = _retry(samples, faults, partial(advance, search, snapshot, effect))

@@ -170,7 +170,7 @@ def test_the_optimum_is_printed_beside_the_number_of_optimal_answer_sets(tmp_pat
 
 
 def test_help_loads_no_solver() -> None:
-    done = run_apart("models", "count", "--help")
+    done = run("models", "count", "--help")
     assert done.returncode == 0 and "FILE" in done.stdout
 
 

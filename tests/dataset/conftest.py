@@ -15,7 +15,7 @@ from prag_asp import Dataset, Domain, TaskSpace, load_domain
 from prag_asp.dataset import generate
 from prag_asp.dataset.pages import dataset_card
 from prag_asp.physics import Budget
-from tests.sharing import logic_shared, small_pictures
+from tests.sharing import shared_logic, small_pictures  # noqa: F401 - one is a fixture
 
 POOR = Budget(1, 1)
 """A budget with which some tasks are not found."""
@@ -37,13 +37,6 @@ def with_json(name: str, change: Callable[[Any], object]) -> Change:
         (folder / name).write_text(json.dumps(value))
 
     return write
-
-
-@pytest.fixture(scope="package", autouse=True)
-def logic() -> Iterator[None]:
-    """Compute once what logic says of a domain."""
-    with logic_shared():
-        yield
 
 
 @pytest.fixture(scope="package", autouse=True)

@@ -14,11 +14,7 @@ from prag_asp.atom import Atom
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.scene_loader import parse_scene
 from prag_asp.task import Task
-
-try:
-    import tomllib
-except ModuleNotFoundError:  # Python 3.10
-    import tomli as tomllib
+from tests.toml import tomllib
 
 ROOT = Path(__file__).parents[2]
 CLASSES = "is_a(E,C) :- entity(E,C). is_a(E,P) :- is_a(E,C), class(C,P)."

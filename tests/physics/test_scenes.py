@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -14,11 +13,7 @@ from prag_asp.scene.scene import Scene
 from prag_asp.scene.scene_loader import parse_scene
 from prag_asp.task import Task
 from tests.physics.scenarios import state, task
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from tests.toml import tomllib
 
 FOLDER = Path(__file__).parent / "scenes"
 

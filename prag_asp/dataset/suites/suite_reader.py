@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, TypeVar
 from prag_asp.atom import split_terms
 from prag_asp.dataset.suites.suite_spec import HeldOut, Suite, SuitePart
 from prag_asp.dataset.suites.suite_tables import (
+    LONGEST,
     OWN_OF_COPIES,
     PartTable,
     PhysicsTable,
     SuiteTable,
-    lengths_of,
     texts,
 )  # fmt: skip
 from prag_asp.domain.load import load_domain
@@ -24,6 +24,7 @@ from prag_asp.grammar.phrasings import Phrasings
 from prag_asp.program.paths import shipped_domains, suite_file
 from prag_asp.program.sources import Source, read_text
 from prag_asp.space.conditions.condition import Condition
+from prag_asp.space.lengths import parse_range
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.space.without_replacement import Division
 from prag_asp.tables.json_fields import read_entry
@@ -203,7 +204,8 @@ class _SuiteReader:
         with self._report.errors_at(*(("lengths",) if of_suite else ("parts", name, "lengths"))):
             if lengths is None:
                 raise QueryError("missing; write lengths = '1..3', for this part or for all")
-            return lengths_of(lengths)
+            found = parse_range(str(lengths), f"lengths {lengths!r}", longest=LONGEST)
+            return range(found, found + 1) if isinstance(found, int) else found
         return None
 
     def _part(self, name: str, table: PartTable, held: Mapping[str, HeldOut], *, checked: bool) -> SuitePart | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -68,4 +69,4 @@ def _wrong_tasks(manifest: Manifest, domain: Domain, tables: TableReader, progre
     yield from wrong_sizes(manifest, {length: space.at(length) for length in lengths}, parts)
     rows = RowChecks(manifest, domain, tables, progress)
     for note in manifest.parts:
-        yield from rows.wrong(note, with_tasks(space, parts[note.name].draws()))
+        yield from rows.wrong(note, with_tasks(space, parts[note.name].pick(count())))

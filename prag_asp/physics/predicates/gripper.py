@@ -8,6 +8,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from prag_asp.physics.grasps.opposite_faces import is_never_spanned
+from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.physics.predicates.gaps import ROUNDING, Demand, Gap, Z, along, between, bottom, centre, top
 from prag_asp.physics.predicates.predicate import Arguments, Gripper, Predicate, states, words
 from prag_asp.physics.predicates.volume import Ring, Volume, over_rectangle
@@ -28,7 +30,13 @@ CLEARANCE = 0.006
 """The smallest difference between the opening of a gripper and the width of an object that it grasps, in metres."""
 
 TIP_ROOM = 0.002
-"""The clearance of the fingertips above the bottom of a grasped object, in metres."""
+"""The clearance of the fingertips above the bottom of a grasped object, in metres, unless that is flat."""
+
+FLAT_TIP_ROOM = 0.0005
+"""The clearance of the fingertips above the bottom of a flat object, in metres: more than what arms are off."""
+
+PAD_OVERLAP = 0.002
+"""The least height of the part of an object that is between the pads, in metres."""
 
 FINGER_FRICTION = 1.4
 """The coefficient of friction of the rubber pads, which PyBullet multiplies by that of the object."""
@@ -65,9 +73,27 @@ def grip_width(situation: Situation, entity: str, robot: str) -> float:
     return min(width, (2 * half + pad * math.sqrt(max(0.0, 1.0 - cosine**2))) / cosine)
 
 
-def lowest_grip(robot: Robot) -> float:
-    """Return the least height of the tool above the bottom of an object that it grasps, in metres."""
-    return robot.fingertip + TIP_ROOM
+def lowest_grip(robot: Robot, height: float) -> float:
+    """Return the least height of the tool above the bottom of an object that it grasps, in metres.
+
+    An object that is lower than the fingers usually reach is flat: they close on its edges just above its support.
+    """
+    return robot.fingertip + (FLAT_TIP_ROOM if is_flat(robot, height) else TIP_ROOM)
+
+
+def is_flat(robot: Robot, height: float) -> bool:
+    """Return whether an object of a height in metres is lower than the fingers of a robot usually reach."""
+    return height < robot.fingertip + TIP_ROOM - ROUNDING
+
+
+def rise_over_flat(robot: Robot, height: float) -> float:
+    """Return by how much the tool may be above the top of an object that it grasps, in metres; 0 unless it is flat."""
+    return max(0.0, min(TIP_ROOM + robot.fingertip - height, robot.fingertip - PAD_OVERLAP))
+
+
+def lowest_body() -> float:
+    """Return the least height of an object that is held, in metres."""
+    return FLAT_TIP_ROOM + PAD_OVERLAP
 
 
 def bearable(scene: Scene, entity: str, robot: str) -> float:
@@ -76,8 +102,12 @@ def bearable(scene: Scene, entity: str, robot: str) -> float:
     By Coulomb's law it is 2 mu F / g, with the force F of a finger and the product mu of both coefficients, as PyBullet
     combines them.
     """
-    friction = FINGER_FRICTION * scene.material(entity).friction
-    return 2 * friction * robot_of(scene, robot).grip_force / GRAVITY
+    return 2 * pad_friction(scene, entity) * robot_of(scene, robot).grip_force / GRAVITY
+
+
+def pad_friction(scene: Scene, entity: str) -> float:
+    """Return the coefficient of friction between the pads and a body, as PyBullet combines it."""
+    return FINGER_FRICTION * scene.material(entity).friction
 
 
 def slips(scene: Scene, entity: str, robot: str) -> str | None:
@@ -96,7 +126,7 @@ def _tool_violations(situation: Situation, arguments: Arguments, even: bool) -> 
     robot, entity = arguments
     shape, body = situation.shape(entity), situation.body(entity)
     x, y, z = situation.tool(robot).position
-    yield z - body.high[2]
+    yield z - body.high[2] - rise_over_flat(situation.robot(robot), body.high[2] - body.low[2])
     yield body.low[2] - BELOW - z
     if even:
         (dx, dy), (half_x, half_y, _) = to_local(body.pose, x, y), shape.half
@@ -116,7 +146,9 @@ def _at_volume(situation: Situation, arguments: Arguments, quaternion: Quaternio
     entity = arguments[1]
     x, y, _ = situation.pose(entity).position
     side = CENTRE_TOLERANCE - MARGIN
-    low, high = situation.bottom(entity) - BELOW + MARGIN, situation.top(entity) - MARGIN
+    bottom, top = situation.bottom(entity), situation.top(entity)
+    rise = rise_over_flat(situation.robot(arguments[0]), top - bottom)
+    low, high = bottom - BELOW + MARGIN, top + rise - MARGIN
     return Volume((x - side, y - side, low), (x + side, y + side, high), rings=(Ring(x, y, 0.0, side),))
 
 
@@ -180,21 +212,31 @@ def _at_demands(scene: Scene, arguments: Arguments, near: float = CENTRE_TOLERAN
     robot, entity = arguments
     for axis in (0, 1):
         yield from along(axis, between(centre(entity), centre(robot), -near, near))
+    # However it is turned, a body is at least as high as its shortest side.
+    rise = rise_over_flat(robot_of(scene, robot), min(scene.shapes[entity].size))
     yield Z, Gap(bottom(entity), centre(robot), -BELOW)
-    yield Z, Gap(centre(robot), top(entity), 0.0)
+    yield Z, Gap(centre(robot), top(entity), -rise)
 
 
 def _holding_impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
-    """Yield that a body is too wide for the gripper, too low for the fingers, or too heavy."""
+    """Yield that a body is too wide for the gripper, too low for the fingers, or too heavy.
+
+    A body with a model can be narrow and high in parts, so the box around it proves nothing about it.
+    """
     robot, entity = arguments
-    able, gripper = robot_of(scene, robot), _called(scene, robot)
-    # Bodies stand upright and are grasped from above, so their height does not count as a width.
-    narrowest, heavy = scene.shapes[entity].breadth(widest=False), weight(scene, entity)
-    if narrowest > able.opening:
-        yield f"{words(entity)} is {narrowest * 1000:.0f} mm wide, {gripper} opens {able.opening * 1000:.0f} mm"
-    if scene.shapes[entity].size[2] < lowest_grip(able) - ROUNDING:
-        low, least = scene.shapes[entity].size[2] * 1000, lowest_grip(able) * 1000
-        yield f"{words(entity)} is {low:.3g} mm high, {gripper} takes what is at least {least:.3g} mm high"
+    able, gripper, shape = robot_of(scene, robot), _called(scene, robot), scene.shapes[entity]
+    opens, heavy = f"{gripper} opens {able.opening * 1000:.0f} mm", weight(scene, entity)
+    if shape.model is not None:
+        if is_never_spanned(shape, ParallelGripper.of(able), pad_friction(scene, entity)):
+            yield f"{words(entity)} is wider than the gripper between all sides that face each other, {opens}"
+    else:
+        # Bodies stand upright and are grasped from above, so their height does not count as a width.
+        narrowest, height = shape.breadth(widest=False), shape.size[2]
+        if narrowest > able.opening:
+            yield f"{words(entity)} is {narrowest * 1000:.0f} mm wide, {opens}"
+        if height < lowest_body() - ROUNDING:
+            least = f"{gripper} takes what is at least {lowest_body() * 1000:.3g} mm high"
+            yield f"{words(entity)} is {height * 1000:.3g} mm high, {least}"
     if heavy > able.payload:
         yield f"{words(entity)} weighs {heavy:.3g} kg, {gripper} carries {able.payload:g} kg"
 

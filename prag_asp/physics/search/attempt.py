@@ -78,13 +78,17 @@ class Exhausted(Exception):
 
 @dataclass(frozen=True)
 class Search:
-    """What a search uses: the simulator, the task's objects and random generator, and the room for later actions."""
+    """What a search uses: the simulator, the task's objects and random generator, and the room for later actions.
+
+    One that `packs` places objects tightly: it is for what random placement does not find.
+    """
 
     simulator: Simulator
     objects: tuple[str, ...]
     rng: np.random.Generator
     foresight: Foresight
     spans: Spans = field(default_factory=dict)
+    packs: bool = False
 
     @property
     def scene(self) -> Scene:

@@ -8,7 +8,8 @@ from prag_asp.physics.search.allowed_region import relevant_facts, sample_yaws, 
 from prag_asp.physics.search.attempt import OBJECTS_COLLIDE, Failure, Search, Snapshot
 from prag_asp.physics.search.grasping import LIFT, CollisionQuery, configure, descend
 from prag_asp.physics.search.moving import move_object, moved_arm, raise_arm, require_free, with_riders
-from prag_asp.physics.search.placement import known_support, sample_pose, sample_resting_pose
+from prag_asp.physics.search.packing import pose_on, resting_pose
+from prag_asp.physics.search.placement import known_support
 from prag_asp.physics.symbolic_facts import ActionEffect
 from prag_asp.physics.witness import Arm
 from prag_asp.physics.world.collisions import colliding
@@ -28,7 +29,7 @@ def release(search: Search, snapshot: Snapshot, effect: ActionEffect) -> Snapsho
         at, above, poses = arm.joints, snapshot.above, situation.poses
     else:
         if entity in effect.moved:
-            rest = sample_resting_pose(search, situation, entity, effect.after, effect.number)
+            rest = resting_pose(search, situation, entity, effect.after, effect.number)
         else:
             others = {other: pose for other, pose in situation.poses.items() if other != entity}
             rest = raised(situation.poses[entity], resting_height(situation, entity, others) - situation.bottom(entity))
@@ -68,7 +69,7 @@ def carry(search: Search, snapshot: Snapshot, entity: str, effect: ActionEffect)
         elif support != TABLE:
             depth = cavity(situation.shape(support))[2]
         height = max(LIFT, depth + OVER_RIM)
-        pose = sample_pose(search, situation, entity, support, effect.after, effect.number, height=height)
+        pose = pose_on(search, situation, entity, support, effect.after, effect.number, height=height)
     poses = move_object(search, snapshot, entity, pose)
     query = CollisionQuery(situation.with_poses(poses), arm.width, entity)
     joints = configure(search, compose(pose, invert(arm.grasp)), query)
@@ -77,7 +78,7 @@ def carry(search: Search, snapshot: Snapshot, entity: str, effect: ActionEffect)
 
 def relocate(search: Search, snapshot: Snapshot, effect: ActionEffect, entity: str) -> Snapshot:
     """Move an object that no gripper touches, as in domains without a gripper."""
-    pose = sample_resting_pose(search, snapshot.situation, entity, effect.after, effect.number)
+    pose = resting_pose(search, snapshot.situation, entity, effect.after, effect.number)
     relocated = snapshot.with_poses(move_object(search, snapshot, entity, pose))
     require_free(search, relocated)
     return relocated
