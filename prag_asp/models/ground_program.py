@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import clingo
 
 from prag_asp.logic.ground.rules import Condition, GroundRecorder, Rule, Unsupported
 from prag_asp.models.program_reader import GivenProgram
-from prag_asp.program.grounding import Grounder
+from prag_asp.program.allowances import allowed_in_sources
+from prag_asp.program.grounding import REMARKS, Grounder
 
 
 @dataclass(frozen=True)
@@ -19,7 +20,9 @@ class GroundModels:
     `names` has the atoms by their symbols, sorted, and `shown` the shown symbols, sorted, each with alternative
     conditions. `projected` has the atoms of ``#project``, or is None without such a statement. `acyclic` is true if a
     graph has to be acyclic (``#edge``), which rules do not express; `contested` has the externals that are not false
-    but also derived by rules. `notes` are clingo's notes on instances dropped because an operation is undefined.
+    but also derived by rules. `notes` are clingo's notes on instances dropped because an operation is undefined, and
+    `remarks` those on atoms that no rule derives, unless a comment ``% lint: allow undefined`` stands on their line.
+    `grounder` has the ground program.
     """
 
     rules: tuple[Rule, ...]
@@ -29,6 +32,8 @@ class GroundModels:
     acyclic: bool
     contested: frozenset[int]
     notes: tuple[str, ...]
+    remarks: tuple[str, ...]
+    grounder: Grounder = field(repr=False, compare=False)
 
     @cached_property
     def facts(self) -> frozenset[int]:
@@ -55,7 +60,7 @@ def ground_models(given: GivenProgram) -> GroundModels:
     Raises:
         DomainError: clingo cannot ground it.
     """
-    grounder, recorder = Grounder(given.program, *given.arguments, strict=False), GroundRecorder()
+    grounder, recorder = Grounder(given.program, *given.arguments, REMARKS, strict=False), GroundRecorder()
     grounder.control.register_observer(recorder)
     grounder.ground([("base", [])])
     # Atom 0 stands for symbols that no rule can derive.
@@ -68,4 +73,9 @@ def ground_models(given: GivenProgram) -> GroundModels:
     rules = (*stated, *(Rule((atom,), (), free) for atom, free in either.items()))
     contested = frozenset(head for rule in stated for head in rule.heads) & either.keys()
     acyclic = Unsupported.ACYCLIC in recorder.unsupported
-    return GroundModels(rules, tuple(names), tuple(shown), projected, acyclic, contested, tuple(grounder.notes))
+    allowed = allowed_in_sources(given.program.sources)
+    remarks = (each for each in grounder.remarks if each.name not in allowed.get((each.path, each.line), ()))
+    told = tuple(f"{each.path}:{each.line}: info: {each.text} [{each.name}]" for each in remarks)
+    return GroundModels(
+        rules, tuple(names), tuple(shown), projected, acyclic, contested, tuple(grounder.notes), told, grounder
+    )

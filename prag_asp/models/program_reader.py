@@ -11,6 +11,7 @@ import clingo
 from clingo.ast import ASTType
 
 from prag_asp.errors import DomainError
+from prag_asp.models.recursive_heads import recursive_head_problems
 from prag_asp.program.constants import Constant, parse_constants, set_constants
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.problem import Problem, raise_problems
@@ -53,7 +54,7 @@ def read_program(files: Sequence[str | Path | Source], constants: Mapping[str, C
     sources = tuple(by_path.values())
     statements, problems = parse_sources((source, True) for source in sources)
     suspects = {source.path for source in sources if re.search("[&@]", blanked(source.text))}
-    raise_problems([*problems, *_refusals(statements, suspects)])
+    raise_problems([*problems, *_refusals(statements, suspects), *recursive_head_problems(statements)])
     values = parse_constants(constants)
     declared = {statement.node.name for statement in statements if statement.kind == ASTType.Definition}
     paths = " ".join(str(source.path) for source in sources)
