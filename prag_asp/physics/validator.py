@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
+from functools import partial
+from typing import TypeVar
 
 import numpy as np
 
@@ -14,19 +16,20 @@ from prag_asp.errors import PragError, SceneError
 from prag_asp.physics.filming.episode_options import Staging
 from prag_asp.physics.proofs.prover import Prover
 from prag_asp.physics.search.action_effects import advance
-from prag_asp.physics.search.attempt import CAUSES, Exhausted, Failure, PhysicsFault, Search, Snapshot
+from prag_asp.physics.search.attempt import CAUSES, Exhausted, Failure, PhysicsFault, Search
 from prag_asp.physics.search.foresight import foresee
 from prag_asp.physics.search.initial_state import sample_initial_state
 from prag_asp.physics.search.spans import foresee_spans
-from prag_asp.physics.symbolic_facts import ActionEffect, PhysicalTask, physical_task
+from prag_asp.physics.symbolic_facts import PhysicalTask, physical_task
 from prag_asp.physics.tiers import TierPipeline
 from prag_asp.physics.verdict import Budget, Detail, Status, Verdict
-from prag_asp.physics.witness import Waypoint, Witness
+from prag_asp.physics.witness import Witness
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.processes.progress_events import stage
 from prag_asp.scene.scene import Scene, Size
 from prag_asp.task import Task
 
+Result = TypeVar("Result")
 ACTIVITY = "checking tasks by physics"
 """What validation is called where progress is shown."""
 
@@ -70,12 +73,18 @@ class Validator:
     def _search(
         self, physical: PhysicalTask, search: Search, budget: Budget, seeds: tuple[int, int], staging: Staging
     ) -> Verdict:
-        """Search for a witness that passes the tiers of a budget."""
+        """Search for a witness that passes the tiers of a budget; sizes with a range are sampled at each restart."""
+        ranges = {entity: self._scene.ranges[entity] for entity in physical.objects if entity in self._scene.ranges}
         faults = Counter[PhysicsFault]()
         status: Status = "not_found"
         restarts, witness, demonstration = budget.restarts, None, None
         for restart in range(budget.restarts):
-            search, sizes = self._sized(physical, search)
+            drawn = {entity: shapes[int(search.rng.integers(len(shapes)))] for entity, shapes in ranges.items()}
+            if drawn:
+                scene = self._scene.with_shapes(drawn)
+                self._simulator.use(scene)
+                search = replace(search, foresight=foresee(physical, scene))
+            sizes = {entity: shape.size for entity, shape in drawn.items()}
             candidate = _attempt(physical, search, sizes, budget.samples, faults)
             if candidate is None:
                 continue
@@ -84,28 +93,21 @@ class Validator:
                 status, restarts, (witness, _, demonstration) = "feasible", restart + 1, outcome
                 break
             faults[outcome.fault] += 1
+        counted: Counter[str] = Counter()
+        for fault, number in faults.items():
+            counted[fault.cause] += number
         return Verdict(
             status,
             budget,
             *seeds,
-            reason="" if witness is not None else _most_common(faults),
-            causes=_causes(faults),
+            # The cause that was met first breaks ties.
+            reason="" if witness is not None else counted.most_common(1)[0][0],
+            causes={cause: counted[cause] for cause in CAUSES if counted[cause]},
             restarts=restarts,
             witness=witness,
             demonstration=demonstration,
             details=_details(faults, self._scene),
         )
-
-    def _sized(self, physical: PhysicalTask, search: Search) -> tuple[Search, Mapping[str, Size]]:
-        """Return the search with random sizes of the objects that have a range of them, and these sizes in metres."""
-        ranges = {entity: self._scene.ranges[entity] for entity in physical.objects if entity in self._scene.ranges}
-        if not ranges:
-            return search, {}
-        drawn = {entity: shapes[int(search.rng.integers(len(shapes)))] for entity, shapes in ranges.items()}
-        scene = self._scene.with_shapes(drawn)
-        self._simulator.use(scene)
-        sizes = {entity: shape.size for entity, shape in drawn.items()}
-        return replace(search, foresight=foresee(physical, scene)), sizes
 
 
 @contextmanager
@@ -147,12 +149,12 @@ def _attempt(
     physical: PhysicalTask, search: Search, sizes: Mapping[str, Size], samples: int, faults: Counter[PhysicsFault]
 ) -> Witness | None:
     """Return a witness from one initial state, None if all samples of an action fail."""
-    snapshot = _start(search, physical, samples, faults)
+    snapshot = _retry(samples, faults, lambda _: sample_initial_state(search, physical))
     if snapshot is None:
         return None
     moments, motions = [snapshot.moment()], []
     for effect in physical.effects:
-        outcome = _step(search, snapshot, effect, samples, faults)
+        outcome = _retry(samples, faults, partial(advance, search, snapshot, effect))
         if outcome is None:
             return None
         snapshot, waypoints = outcome
@@ -161,46 +163,16 @@ def _attempt(
     return Witness(tuple(moments), tuple(motions), sizes)
 
 
-def _start(search: Search, physical: PhysicalTask, samples: int, faults: Counter[PhysicsFault]) -> Snapshot | None:
-    """Return an initial state, None if all samples fail."""
-    for _ in range(samples):
+def _retry(samples: int, faults: Counter[PhysicsFault], attempt: Callable[[int], Result]) -> Result | None:
+    """Return the first result of an attempt, which gets its number from 0; None if all `samples` fail."""
+    for number in range(samples):
         try:
-            return sample_initial_state(search, physical)
-        except Failure as failure:
-            faults[failure.fault] += 1
-    return None
-
-
-def _step(
-    search: Search, snapshot: Snapshot, effect: ActionEffect, samples: int, faults: Counter[PhysicsFault]
-) -> tuple[Snapshot, tuple[Waypoint, ...]] | None:
-    """Return the snapshot and the waypoints after an action, None if all samples fail."""
-    for attempt in range(samples):
-        try:
-            return advance(search, snapshot, effect, attempt)
+            return attempt(number)
         except Exhausted:
             break
         except Failure as failure:
             faults[failure.fault] += 1
     return None
-
-
-def _causes(faults: Counter[PhysicsFault]) -> dict[str, int]:
-    """Return the number of failed attempts by cause, in the order of the checks."""
-    counted = _by_cause(faults)
-    return {cause: counted[cause] for cause in CAUSES if counted[cause]}
-
-
-def _most_common(faults: Counter[PhysicsFault]) -> str:
-    """Return the cause of most failed attempts; the first one met breaks ties."""
-    return _by_cause(faults).most_common(1)[0][0]
-
-
-def _by_cause(faults: Counter[PhysicsFault]) -> Counter[str]:
-    counted: Counter[str] = Counter()
-    for fault, number in faults.items():
-        counted[fault.cause] += number
-    return counted
 
 
 def _details(faults: Counter[PhysicsFault], scene: Scene) -> tuple[Detail, ...]:

@@ -22,7 +22,6 @@ WARNINGS: Mapping[str, str] = {
     "same-name": "a name that a class, an entity and an action have in common",
     "sounds-alike": "sentences of instructions that do not distinguish actions",
     "too-heavy": "a body that no gripper lifts, by its weight or its friction",
-    "too-low": "a body too low for any gripper to grasp",
     "too-wide": "a body that no gripper closes around",
     "undefined": "a predicate that rules read, but none defines",
     "unused": "a predicate that no rule reads",

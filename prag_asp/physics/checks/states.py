@@ -61,7 +61,7 @@ def _grip_problems(situation: Situation, robot: str, held: str) -> Iterator[str]
         yield f"{held} does not stand upright in the gripper"
     if grip_width(situation, held, robot) > situation.robot(robot).opening + POSITION_TOLERANCE:
         yield f"{held} is wider than the gripper opens"
-    lowest = situation.bottom(held) + lowest_grip(situation.robot(robot))
+    lowest = situation.bottom(held) + lowest_grip(situation.robot(robot), situation.shape(held).size[2])
     if situation.tool(robot).position[2] < lowest - POSITION_TOLERANCE:
         yield f"the fingers reach below {held}"
     if weight(situation.scene, held) > situation.robot(robot).payload:

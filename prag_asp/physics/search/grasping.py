@@ -7,7 +7,7 @@ from itertools import islice
 from typing import NamedTuple
 
 from prag_asp.physics.predicates.gaps import ROUNDING
-from prag_asp.physics.predicates.gripper import CLEARANCE, lowest_grip
+from prag_asp.physics.predicates.gripper import CLEARANCE, is_flat, lowest_body, lowest_grip
 from prag_asp.physics.robot.kinematics import inverse
 from prag_asp.physics.search.attempt import (
     ARM_COLLIDES,
@@ -60,10 +60,11 @@ def grasps(search: Search, situation: Situation, entity: str) -> list[tuple[Pose
     shape, pose = situation.shape(entity), situation.pose(entity)
     x, y, z = pose.position
     half = situation.half(entity)[2]
-    lowest = z - half + lowest_grip(search.robot)
-    if lowest > z + half + ROUNDING:
+    lowest = z - half + lowest_grip(search.robot, 2 * half)
+    if 2 * half < lowest_body() - ROUNDING:
         raise Failure(NO_GRASP, entity)
-    height = min(max(z, z + half - search.robot.finger_depth, lowest), z + half - HAIR)
+    highest = max(lowest, z + half - HAIR) if is_flat(search.robot, 2 * half) else z + half - HAIR
+    height = min(max(z, z + half - search.robot.finger_depth, lowest), highest)
     base_x, base_y, _ = search.robot.base.position
     heading = math.atan2(y - base_y, x - base_x)
     round_body = shape.traits.round

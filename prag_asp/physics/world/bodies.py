@@ -10,12 +10,12 @@ from prag_asp.physics.situation import TABLE_THICKNESS
 from prag_asp.physics.world.furniture_bodies import make_furniture
 from prag_asp.physics.world.primitives import make_shapes
 from prag_asp.scene.boxes import Vector
+from prag_asp.scene.colours import rgb
 from prag_asp.scene.geometry import yaw_quaternion
 from prag_asp.scene.scene import Material, Scene, Solid
 from prag_asp.scene.solids import solids, walls, weight
 
 PARKING = (20.0, 20.0, 5.0)
-GREY = "#808080"
 NO_MARGIN = 0.0
 """The collision margin of meshes. By default PyBullet keeps other bodies 1 mm off the hull of a mesh, and rounds the
 edges of other solids by as much; on upright solids only the vertical edges."""
@@ -40,11 +40,11 @@ def make_table(client: int, scene: Scene, *, visual: bool = False) -> int:
 
 def show_zone(client: int, scene: Scene, entity: str) -> None:
     """Show a zone as a coloured patch on the table that collides with nothing."""
-    (x, y, yaw), half, color = scene.fixed[entity], scene.shapes[entity].half, scene.colors.get(entity, GREY)
+    (x, y, yaw), half = scene.fixed[entity], scene.shapes[entity].half
     patch = pybullet.createVisualShape(
         pybullet.GEOM_BOX,
         halfExtents=(half[0], half[1], PATCH),
-        rgbaColor=_rgba(color),
+        rgbaColor=[*(part / 255 for part in rgb(scene.color(entity))), 1.0],
         physicsClientId=client,
     )
     pybullet.createMultiBody(0.0, -1, patch, (x, y, 0.0), yaw_quaternion(yaw), physicsClientId=client)
@@ -61,7 +61,7 @@ def make_body(
     Raises:
         SceneError: PyBullet refuses its shape.
     """
-    color = scene.colors.get(entity, GREY) if visual else None
+    color = scene.color(entity) if visual else None
     shape, material = scene.shapes[entity], scene.material(entity)
     if shape.traits.furniture:
         return make_furniture(client, shape, material, at, color)
@@ -87,11 +87,7 @@ def _make(
     color: str | None,
     free: bool = False,
 ) -> int:
-    """Make one body of several solids; without a colour it is invisible.
-
-    Raises:
-        SceneError: PyBullet refuses a shape.
-    """
+    """Make one body of several solids; without a colour it is invisible."""
     solid, looks = make_shapes(made_of, client, color)
     body = pybullet.createMultiBody(mass, solid, looks, at, useMaximalCoordinates=free, physicsClientId=client)
     if body < 0:
@@ -105,8 +101,3 @@ def _make(
         physicsClientId=client,
     )
     return int(body)
-
-
-def _rgba(color: str) -> list[float]:
-    """Return a colour like ``#e4572e`` as RGBA values from 0 to 1, opaque."""
-    return [int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)] + [1.0]

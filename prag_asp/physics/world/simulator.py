@@ -90,7 +90,8 @@ class Simulator:
             if current is not pose and current != pose:
                 if not finite(pose):
                     raise SceneError(f"{entity} has the pose {pose}, which is not a finite position and rotation")
-                self._move(entity, pose)
+                self._put(self.body(entity), pose)
+                self._poses[entity] = pose
         for entity in [entity for entity in self._poses if entity not in poses]:
             self._park(entity)
 
@@ -155,21 +156,12 @@ class Simulator:
         self._put(self.bodies[entity], Pose(parking_place(i)))
         del self._poses[entity]
 
-    def _move(self, entity: str, pose: Pose) -> None:
-        """Move an object to a pose."""
-        self._put(self.body(entity), pose)
-        self._poses[entity] = pose
-
     def _put(self, body: int, pose: Pose) -> None:
         """Move a body to a pose."""
         pybullet.resetBasePositionAndOrientation(body, pose.position, pose.quaternion, physicsClientId=self.client)
 
     def _chosen(self) -> dict[str, int]:
-        """Return the body of each object in its present size.
-
-        Raises:
-            SceneError: there is none of that size.
-        """
+        """Return the body of each object in its present size."""
         shapes, objects = self.scene.shapes, dict.fromkeys(entity for entity, _ in self._pool)
         missing = [entity for entity in objects if (entity, shapes[entity]) not in self._pool]
         if missing:

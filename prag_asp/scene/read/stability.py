@@ -1,6 +1,6 @@
-"""The static stability of a body of solids, upright as its URDF has it.
+"""The static stability of a body from a URDF that stands upright.
 
-Its support is the hull of all its points within `CONTACT` of the lowest one. Boxes and meshes are sampled at their
+Its base is the convex hull of all its points within `CONTACT` of the lowest one. Boxes and meshes are sampled at their
 corners, cylinders and balls all around, balls also just above their lowest point.
 """
 
@@ -15,54 +15,40 @@ from prag_asp.scene.scene import Size, Solid
 
 Rows = tuple[Size, Size, Size]
 CONTACT = 0.002
-"""The height in metres up to which a body touches the ground: to PyBullet, bodies that near are in contact."""
+"""The height in metres up to which a body touches the ground: PyBullet has contacts between bodies that near."""
 
 STABLE_DEPTH = 0.0025
-"""The least distance of the centre of mass from the edge of the support, in metres: a little more than `CONTACT`."""
+"""The smallest distance of the centre of mass from the edge of the base, in metres: a little more than `CONTACT`."""
 
-DIRECTIONS = 64
-"""Directions in which the support and round surfaces are sampled: one every 5.6 degrees."""
+TURNS = tuple(2 * math.pi * i / 64 for i in range(64))
+"""The directions, in radians, in which the base and round surfaces are sampled: one every 5.6 degrees."""
 
 
 def falls(solids: Sequence[Solid]) -> bool:
-    """Return whether the centre of mass of a body is outside its support, or on an edge of it.
+    """Return whether the centre of mass of a body, the origin of its solids, is outside its base or at its edge.
 
-    The solids are relative to the middle. A round foot counts as if it were flat.
-    """
-    points = [point for solid in solids for point in _surface(solid)]
-    lowest = min(z for _, _, z in points)
-    foot = [(x, y) for x, y, z in points if z <= lowest + CONTACT]
-    return _depth(foot) < STABLE_DEPTH
-
-
-def _depth(foot: Sequence[tuple[float, float]]) -> float:
-    """Return how far within the convex hull of points the origin is in metres, negative outside.
-
-    It is the least distance, of all directions, from the origin to the line that bounds the points there.
-    """
-    angles = (2 * math.pi * i / DIRECTIONS for i in range(DIRECTIONS))
-    return min(max(x * math.cos(a) + y * math.sin(a) for x, y in foot) for a in angles)
-
-
-def _surface(solid: Solid) -> Iterator[Size]:
-    """Yield points of the surface of a solid in the frame of its body, in metres.
+    A round base counts as if it were flat.
 
     Raises:
-        SceneError: its mesh cannot be read.
+        SceneError: a mesh cannot be read.
     """
-    rows = rotation(solid.turn)
-    for point in _own_points(solid):
-        x, y, z = (
-            sum(a * b for a, b in zip(row, point, strict=True)) + at for row, at in zip(rows, solid.at, strict=True)
-        )
-        yield x, y, z
+    points = []
+    for solid in solids:
+        rows = rotation(solid.turn)
+        for point in _own_points(solid):
+            turned = (sum(a * b for a, b in zip(row, point, strict=True)) for row in rows)
+            points.append([side + at for side, at in zip(turned, solid.at, strict=True)])
+    lowest = min(z for _, _, z in points)
+    base = [(x, y) for x, y, z in points if z <= lowest + CONTACT]
+    # The depth of the centre within the hull of the base: its smallest distance from a line that bounds the base.
+    headings = [(math.cos(turn), math.sin(turn)) for turn in TURNS]
+    return min(max(x * a + y * b for x, y in base) for a, b in headings) < STABLE_DEPTH
 
 
 def _own_points(solid: Solid) -> Iterator[Size]:
     """Yield points of the surface of a solid in its own axes, in metres."""
     x, y, z = (side / 2 for side in solid.size)
-    angles = [2 * math.pi * i / DIRECTIONS for i in range(DIRECTIONS)]
-    circle = [(math.cos(angle), math.sin(angle)) for angle in angles]
+    circle = [(math.cos(turn), math.sin(turn)) for turn in TURNS]
     if solid.mesh:
         yield from mesh_points(solid.mesh, solid.size)
     elif solid.kind == "box":

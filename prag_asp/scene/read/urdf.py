@@ -1,8 +1,7 @@
-"""Read a URDF of one rigid link: what it collides with, the box around that, and its mass.
+"""Read a URDF of one rigid link: its collision solids, their bounding box, and its mass.
 
-Only what is needed to place and grasp a body: boxes, cylinders, balls and meshes (.obj and .stl, of which simulators
-take convex hulls). Sizes are those of the solids and of the meshes' own corners. Nothing here loads a simulator, so the
-linter can measure a body. Lengths are metres.
+The solids are boxes, cylinders, balls and meshes (.obj and .stl, of which simulators take convex hulls); other elements
+are ignored. No simulator is loaded, so that the linter can measure a body. Lengths are metres.
 """
 
 from __future__ import annotations
@@ -26,19 +25,19 @@ from prag_asp.wording import plural
 
 ZEROS = "0 0 0"
 LARGEST = 1_000_000
-"""Bytes of a URDF: one rigid link has no use for more."""
+"""The largest size of a URDF in bytes, ample for one rigid link."""
 
 MOST_SOLIDS = 1000
-"""Collisions that a body may have: each takes its time in every check of every pose."""
+"""The largest number of collision solids of a body: each takes time in every check of every pose."""
 
 
 def read_urdf(path: Path, folder: Path) -> Shape:
-    """Return the shape of the body that a URDF describes; it and its meshes lie inside a folder.
+    """Return the shape of the body that a URDF describes; the file and its meshes have to be inside a folder.
 
-    Its middle is the centre of the box around all that collides, and is taken for its centre of mass.
+    The centre of the bounding box of the solids becomes the origin, and counts as the centre of mass.
 
     Raises:
-        SceneError: a file is missing, outside or malformed, or describes something else than one rigid body.
+        SceneError: a file is missing, outside or malformed, or does not describe one rigid body.
     """
     _require_inside(path, folder)
     root, lines = _parsed(path, folder)
@@ -67,11 +66,7 @@ def read_urdf(path: Path, folder: Path) -> Shape:
 
 
 def _parsed(path: Path, folder: Path) -> tuple[ElementTree.Element, dict[ElementTree.Element, int]]:
-    """Return the outermost element of an XML file, and the line in which each element begins.
-
-    Raises:
-        SceneError: the file cannot be read, is not XML, or has more collisions than a body may have.
-    """
+    """Return the root of an XML file, and the line in which each element begins."""
     try:
         content = read_bytes(path, within=folder, at_most=LARGEST)
     except OSError as error:
@@ -98,11 +93,7 @@ def _parsed(path: Path, folder: Path) -> tuple[ElementTree.Element, dict[Element
 
 @contextmanager
 def _errors_at(path: Path, line: int, what: str) -> Iterator[None]:
-    """Prefix errors in the block with their line in a URDF and the element they belong to.
-
-    Raises:
-        SceneError: what is read raises one.
-    """
+    """Prefix errors that the block raises with the line of an element of a URDF and its name."""
     try:
         yield
     except SceneError as error:
@@ -110,11 +101,7 @@ def _errors_at(path: Path, line: int, what: str) -> Iterator[None]:
 
 
 def _require_inside(path: Path, folder: Path) -> None:
-    """Check that a file is there, and inside a folder.
-
-    Raises:
-        SceneError: it is not.
-    """
+    """Check that a file exists inside a folder."""
     if not is_inside(path, folder):
         raise SceneError(f"{path}: lies outside the domain; copy it into {folder}")
     if not path.is_file():
@@ -122,11 +109,7 @@ def _require_inside(path: Path, folder: Path) -> None:
 
 
 def _solid(element: ElementTree.Element, path: Path, folder: Path) -> Solid:
-    """Return the solid of one collision element.
-
-    Raises:
-        SceneError: its geometry is missing, unknown, or not of positive size.
-    """
+    """Return the solid of a collision element."""
     origin = element.find("origin")
     at, turn = ((ZEROS if origin is None else origin.get(name, ZEROS)) for name in ("xyz", "rpy"))
     place = (_numbers(at, 3, "the xyz of <origin>"), _numbers(turn, 3, "the rpy of <origin>"))
@@ -148,27 +131,19 @@ def _solid(element: ElementTree.Element, path: Path, folder: Path) -> Solid:
 
 
 def _thick(solid: Solid) -> Solid:
-    """Return a solid that is nowhere too thin to collide with.
-
-    Raises:
-        SceneError: it is.
-    """
+    """Return a solid after a check that it is thick enough to collide with."""
     if min(solid.size) < SMALLEST:
         raise SceneError(f"a <{solid.kind}> is {_thin(min(solid.size))}")
     return solid
 
 
 def _thin(thickness: float) -> str:
-    """Return in words that a solid is too thin, and what to do."""
+    """Return the problem of a solid that is too thin, and the remedy, in words."""
     return f"{thickness:.3g} m thin; make it at least {SMALLEST:g} m thick"
 
 
 def _lengths(element: ElementTree.Element, name: str, count: int, default: str = "") -> Size:
-    """Return positive numbers of an attribute, zeros after the first `count`.
-
-    Raises:
-        SceneError: they are not.
-    """
+    """Return the `count` positive numbers of an attribute, padded with zeros."""
     values = _numbers(element.get(name, default), count, f"the {name} of <{element.tag}>")
     if min(values[:count]) <= 0.0:
         raise SceneError(f"<{element.tag}> has the {name} {element.get(name)!r}; give positive numbers")
@@ -176,11 +151,7 @@ def _lengths(element: ElementTree.Element, name: str, count: int, default: str =
 
 
 def _numbers(text: str, count: int, name: str) -> Size:
-    """Return finite numbers of an attribute, zeros after the first `count`.
-
-    Raises:
-        SceneError: they are not, or not as many.
-    """
+    """Return the `count` finite numbers of a text, padded with zeros."""
     try:
         values = [float(word) for word in text.split()]
     except ValueError:
@@ -191,11 +162,7 @@ def _numbers(text: str, count: int, name: str) -> Size:
 
 
 def _ends(solid: Solid) -> Iterator[Size]:
-    """Yield points of a solid in the frame of the link that have the same bounding box as all of it.
-
-    Raises:
-        SceneError: a mesh cannot be read, or is too thin.
-    """
+    """Yield points that have the bounding box of a solid in the frame of the link."""
     rows = rotation(solid.turn)
     if solid.mesh:
         points = mesh_points(solid.mesh, solid.size)
