@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from itertools import count as counting
 from itertools import islice
 from pathlib import Path
 
@@ -25,14 +26,16 @@ from prag_asp.models.atom_weights import (
     stated_weights,
     unknown_weights,
 )
-from prag_asp.models.compiler import Progress, compile_formula, prepare
+from prag_asp.models.bounded_enumeration import BoundedEnumeration
+from prag_asp.models.compiler import PreparedFormula, Progress, compile_formula, prepare
 from prag_asp.models.conflict import Conflict, find_conflict
 from prag_asp.models.diagram import WeightedDiagram
+from prag_asp.models.effort import SECOND, first_effort, is_worth_enumerating
 from prag_asp.models.enumeration import Enumeration
 from prag_asp.models.facets import Facet, facets_of_diagram, facets_of_lists
 from prag_asp.models.foundedness import list_models
 from prag_asp.models.ground_program import GroundModels, ground_models
-from prag_asp.models.optimum import Optimum, find_optimum, optimal_rules
+from prag_asp.models.optimum import Optimum, find_optimum, only_optimal
 from prag_asp.models.program_reader import GivenProgram, places_of_costs, read_program
 from prag_asp.models.shifting import is_head_cycle_free
 from prag_asp.processes.progress_events import stage
@@ -44,8 +47,8 @@ AnswerSet = tuple[clingo.Symbol, ...]
 
 Tell = Callable[[str], None]
 
-PATIENCE = 2.0
-"""Seconds of compilation before a counter starts in parallel."""
+PATIENCE = 500
+"""Calls of `look`, each after 64 visits of nodes, before a counter starts in parallel: about 2 s of compilation."""
 
 
 class _Counted(Exception):
@@ -93,7 +96,7 @@ def answer_sets(
     stated = stated_weights(ground, program.program) if weighted else {}
     optimum = find_optimum(program, ground) if optimal else None
     if optimum is not None:
-        ground = replace(ground, rules=(*ground.rules, *optimal_rules(ground, optimum)))
+        ground = only_optimal(ground, optimum)
     answers = AnswerSets(program, ground, project, stated, engine, optimum, tell, progress)
     for note in ground.notes:
         answers.note(f"{note}; clingo leaves this out")
@@ -126,12 +129,17 @@ class AnswerSets:
     def count(self) -> int:
         """Return their exact number, regardless of weights.
 
-        With engine auto, a diagram and a counter run in parallel if the program is not tight, and the first answers:
-        either may be faster by orders of magnitude.
+        With engine auto, clingo enumerates first, with limited work. If there are more answer sets, a counter counts
+        them; if the program is not tight, a diagram is compiled, and a counter soon runs in parallel: either may be
+        faster by orders of magnitude.
 
         Raises:
             EngineError: the engine ganak is not installed, or fails.
         """
+        if self.engine == "auto" and "_diagram" not in self.__dict__ and not self._reason_to_enumerate:
+            number = self._count_by_enumeration()
+            if number is not None:
+                return number
         how = self._way(counts=True)
         if how == "clingo":
             return self._enumeration.count()
@@ -139,23 +147,30 @@ class AnswerSets:
             stage("counting models with ganak")
             return count_models(self._counting_formula.cnf, request="engine ganak")
         if self.engine == "auto" and has_ganak() and "_diagram" not in self.__dict__:
+            looks = counting()
 
             def begins() -> None:
-                self.note(
-                    f"ganak counts as well, because compiling takes longer than {PATIENCE:g} s; the first answers"
-                )
+                self.note("ganak counts as well, because compiling takes long; the first answers")
 
             def look() -> None:
-                number = beside()
+                number = beside() if next(looks) >= PATIENCE else None
                 if number is not None:
                     raise _Counted(number)
 
-            with CountBeside(lambda: (self._counting_formula.cnf, ()), PATIENCE, begins) as beside:
+            with CountBeside(lambda: (self._counting_formula.cnf, ()), 0, begins) as beside:
                 try:
                     self.__dict__["_diagram"] = self._compile(look)  # fills the cached_property
                 except _Counted as counted:
                     return counted.number
         return WeightedDiagram(self._diagram.diagram, {}).total
+
+    def _count_by_enumeration(self) -> int | None:
+        """Return their number if clingo is likely to be the fastest engine, and enumerates all within limits."""
+        enumeration = BoundedEnumeration(self.ground, project=self.project)
+        number = enumeration.count(first_effort(self.ground))
+        if number is None and is_worth_enumerating(enumeration.depth(), self._prepared.order.width):
+            number = enumeration.count(SECOND)
+        return number
 
     def estimate(self, epsilon: float = 0.8, delta: float = 0.2, seed: int = 0) -> Estimate:
         """Return an estimate of their number, regardless of weights.
@@ -319,14 +334,17 @@ class AnswerSets:
         return self._compile()
 
     def _compile(self, look: Callable[[], None] = lambda: None) -> WeightedDiagram:
-        weights = self._weights.weights
-        kept = {abs(literal) for _, literal in self._formula.printed} | {abs(literal) for literal in weights}
-        stage("ordering variables")
-        prepared = prepare(self._formula, kept)
-        if prepared.clauses:
-            self.note(f"compiling {prepared.cost}")
+        if self._prepared.clauses:
+            self.note(f"compiling {self._prepared.cost}")
         stage("compiling")
-        return WeightedDiagram(compile_formula(self._formula, prepared, self.progress, look), weights)
+        diagram = compile_formula(self._formula, self._prepared, self.progress, look)
+        return WeightedDiagram(diagram, self._weights.weights)
+
+    @cached_property
+    def _prepared(self) -> PreparedFormula:
+        printed = {abs(literal) for _, literal in self._formula.printed}
+        stage("ordering variables")
+        return prepare(self._formula, printed | {abs(literal) for literal in self._weights.weights})
 
     @cached_property
     def _symbols(self) -> tuple[clingo.Symbol, ...]:

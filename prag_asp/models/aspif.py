@@ -21,8 +21,8 @@ HEADER = re.compile(r"asp \d")
 LARGEST = 2**31 - 1
 """The largest number that clingo reads."""
 
-MINIMIZE, THEORY, COMMENT = 2, 9, 10
-"""The numbers of statements that minimize, that state a theory, and of comments."""
+MINIMIZE, ASSUME, THEORY, COMMENT = 2, 6, 9, 10
+"""The numbers of statements that minimize, that assume literals, that state a theory, and of comments."""
 
 
 def is_aspif(source: Source) -> bool:
@@ -31,10 +31,19 @@ def is_aspif(source: Source) -> bool:
 
 
 def aspif_text(source: Source) -> str:
-    """Return the text of a checked program for clingo, without its comments and what follows its end."""
+    """Return the text of a checked program for clingo, without its comments and what follows its end.
+
+    Assumptions become constraints, because clingo forgets them after its first search.
+    """
     lines = source.text.split("\n")
-    statements = lines[: lines.index("0") + 1]
-    return "".join(f"{line}\n" for line in statements if line.partition(" ")[0] != str(COMMENT))
+    statements: list[str] = []
+    for line in lines[: lines.index("0") + 1]:
+        kind, *fields = line.split(" ")
+        if kind == str(ASSUME):
+            statements += (f"1 0 0 0 1 {-int(literal)}" for literal in fields[1:])
+        elif kind != str(COMMENT):
+            statements.append(line)
+    return "".join(f"{line}\n" for line in statements)
 
 
 def aspif_problems(source: Source, *, optimal: bool) -> Iterator[Problem]:
@@ -165,7 +174,7 @@ FIELDS: Mapping[int, Sequence[Callable[[_Line], object]]] = {
     3: (_Line.atoms,),  # #project
     4: (_Line.term, _Line.literals),  # #show
     5: (_Line.atom, _field("the value of an external, 0 to 3", 0, 3)),
-    6: (_Line.literals,),  # assumptions
+    ASSUME: (_Line.literals,),
     7: (
         _field("the kind of a heuristic, 0 to 5", 0, 5), _Line.atom, _field("the bias of a heuristic", -LARGEST),
         _field("a priority that is not negative"), _Line.literals,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import clingo
 
@@ -70,7 +70,16 @@ def find_optimum(given: GivenProgram, ground: GroundModels) -> Optimum | None:
     return Optimum(tuple((priority, value) for (priority, _), value in zip(ground.minimized, costs, strict=True)))
 
 
-def optimal_rules(ground: GroundModels, optimum: Optimum) -> Iterator[Rule]:
+def only_optimal(ground: GroundModels, optimum: Optimum) -> GroundModels:
+    """Return a ground program with constraints for the optimal answer sets, which its control gets as well."""
+    rules = tuple(_optimal_rules(ground, optimum))
+    with ground.grounder.control.backend() as backend:
+        for rule in rules:
+            backend.add_weight_rule([], rule.bound, list(zip(rule.body, rule.weights, strict=True)))
+    return replace(ground, rules=(*ground.rules, *rules))
+
+
+def _optimal_rules(ground: GroundModels, optimum: Optimum) -> Iterator[Rule]:
     """Yield constraints that the optimal answer sets satisfy, and no others.
 
     An answer set whose values are nowhere above the optimum is optimal itself, because the optimum is minimal in the

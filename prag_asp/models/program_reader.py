@@ -12,6 +12,7 @@ from clingo.ast import ASTType
 
 from prag_asp.errors import DomainError
 from prag_asp.models.aspif import MINIMIZE, aspif_problems, aspif_text, is_aspif
+from prag_asp.models.recursive_heads import recursive_head_problems
 from prag_asp.program.constants import Constant, parse_constants, set_constants
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.parse import parse_sources
@@ -67,7 +68,8 @@ def read_program(
         return _ground_program(sources, constants, optimal=optimal)
     statements, problems = parse_sources((source, True) for source in sources)
     suspects = {source.path for source in sources if re.search("[&@]", blanked(source.text))}
-    raise_problems([*problems, *_refusals(statements, suspects, optimal=optimal)])
+    refusals = _refusals(statements, suspects, optimal=optimal)
+    raise_problems([*problems, *refusals, *recursive_head_problems(statements)])
     values = parse_constants(constants)
     declared = {statement.node.name for statement in statements if statement.kind == ASTType.Definition}
     paths = " ".join(str(source.path) for source in sources)

@@ -44,7 +44,7 @@ class ProgramOptions:
         from prag_asp.models.answer_sets import answer_sets
 
         with progress() as tell:
-            yield answer_sets(
+            found = answer_sets(
                 *map(source_of, self.files),
                 constants=parse_constant_options(self.constants),
                 project=self.project,
@@ -54,6 +54,9 @@ class ProgramOptions:
                 tell=lambda line: tell_line(f"note: {line}"),
                 progress=tell,
             )
+            for line in found.ground.remarks:
+                tell_line(line)
+            yield found
 
 
 constant_option = click.option(
@@ -77,7 +80,7 @@ program_options = grouped(
         click.option(
             "--engine", type=click.Choice(ENGINES), default="auto", show_default=True,
             help="ganak, a model counter (count only); diagram, a compiled decision diagram; clingo, enumeration; or "
-            "auto, the best of them for the program.",
+            "auto, the best of them for the program, by limits of work.",
         ),
     ),
 )  # fmt: skip

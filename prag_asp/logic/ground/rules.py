@@ -47,7 +47,7 @@ class GroundRecorder(clingo.Observer):
     `rules` are those of each program part; the caller sets the `part` before it is ground. Without `base_facts`, facts
     of the base part are not recorded. `shown` are the conditions under which a symbol is shown, `projected` the atoms
     of ``#project``, None without such a statement. `externals` have the last value of each, `minimized` the weighted
-    literals of each priority, and `assumed` the literals that a program in aspif assumes.
+    literals of each priority.
     """
 
     def __init__(self, *, base_facts: bool = True) -> None:
@@ -57,7 +57,6 @@ class GroundRecorder(clingo.Observer):
         self.projected: set[int] | None = None
         self.externals: dict[int, clingo.TruthValue] = {}
         self.minimized: dict[int, list[tuple[int, int]]] = {}
-        self.assumed: list[int] = []
         self.unsupported: dict[Unsupported, None] = {}
         self._base_facts = base_facts
 
@@ -99,10 +98,6 @@ class GroundRecorder(clingo.Observer):
         """Record a part of the sum to minimize at a priority, as literals with their weights."""
         self.minimized.setdefault(priority, []).extend(literals)
         self.unsupported[Unsupported.MINIMIZE] = None
-
-    def assume(self, literals: Sequence[int]) -> None:
-        """Record assumed literals."""
-        self.assumed += literals
 
     def acyc_edge(self, *_: object) -> None:
         """Record that there is a graph that must stay acyclic."""
