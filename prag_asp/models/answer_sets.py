@@ -28,15 +28,15 @@ from prag_asp.models.atom_weights import (
 )
 from prag_asp.models.bounded_enumeration import BoundedEnumeration
 from prag_asp.models.compiler import PreparedFormula, Progress, compile_formula, prepare
-from prag_asp.models.conflict import Conflict, find_conflict
 from prag_asp.models.diagram import WeightedDiagram
 from prag_asp.models.effort import SECOND, first_effort, is_worth_enumerating
 from prag_asp.models.enumeration import Enumeration
-from prag_asp.models.facets import Facet, facets_of_diagram, facets_of_lists
 from prag_asp.models.foundedness import list_models
 from prag_asp.models.ground_program import GroundModels, ground_models
-from prag_asp.models.optimum import Optimum, find_optimum, only_optimal
 from prag_asp.models.program_reader import GivenProgram, places_of_costs, read_program
+from prag_asp.models.questions.conflict import Conflict, find_conflict
+from prag_asp.models.questions.facets import Facet, facets_of_diagram, facets_of_lists
+from prag_asp.models.questions.optimum import Optimum, find_optimum, only_optimal
 from prag_asp.models.shifting import is_head_cycle_free
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.constants import Constant

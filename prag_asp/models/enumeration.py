@@ -13,8 +13,8 @@ import clingo
 from prag_asp.logic.ground.rules import Condition, GroundRecorder
 from prag_asp.models.atom_weights import weight_of
 from prag_asp.models.ground_program import GroundModels
-from prag_asp.models.optimum import Optimum
 from prag_asp.models.program_reader import GivenProgram
+from prag_asp.models.questions.optimum import Optimum
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.grounding import Grounder
 from prag_asp.random_bits import SeededBits

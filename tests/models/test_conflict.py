@@ -10,7 +10,7 @@ import clingo
 import pytest
 
 from prag_asp import QueryError, answer_sets
-from prag_asp.models import conflict
+from prag_asp.models.questions import conflict
 from tests.chance import Chance
 
 PIGEONS = """pigeon(1..4). hole(1..3).

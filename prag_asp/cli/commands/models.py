@@ -24,7 +24,7 @@ from prag_asp.models import ENGINES
 
 if TYPE_CHECKING:
     from prag_asp.models.answer_sets import AnswerSet, AnswerSets
-    from prag_asp.models.facets import Facet
+    from prag_asp.models.questions.facets import Facet
 
 
 @dataclass(frozen=True)
@@ -210,7 +210,7 @@ def explain(*, files: tuple[str, ...], constants: tuple[str, ...], form: str) ->
     one of them, so that a constraint is dropped and a rule only allows its head, leaves an answer set. The exit code is
     1 if there is something to explain, otherwise 0.
     """
-    from prag_asp.models.conflict import explain_program
+    from prag_asp.models.questions.conflict import explain_program
 
     with progress():
         found = explain_program([source_of(file) for file in files], parse_constant_options(constants))
