@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -32,7 +32,7 @@ from prag_asp.physics.search.spans import foresee_spans
 from prag_asp.physics.symbolic_facts import PhysicalTask, physical_task
 from prag_asp.physics.tiers import TierPipeline
 from prag_asp.physics.verdict import Budget, Detail, Status, Verdict
-from prag_asp.physics.witness import Witness
+from prag_asp.physics.witness import Waypoint, Witness
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.processes.progress_events import stage
 from prag_asp.scene.scene import Scene, Size
@@ -183,7 +183,8 @@ def _initial_state(
     physical: PhysicalTask, search: Search, samples: int, faults: Counter[PhysicsFault]
 ) -> Snapshot | None:
     """Return an initial state, None if all samples fail; a search that packs tries once, because it backtracks."""
-    return _retry(1 if search.packs else samples, faults, lambda _: sample_initial_state(search, physical))
+    trial = _retry(0, 1 if search.packs else samples, faults, lambda _: sample_initial_state(search, physical))
+    return None if trial is None else trial.result
 
 
 def _follow(
@@ -194,23 +195,54 @@ def _follow(
     samples: int,
     faults: Counter[PhysicsFault],
 ) -> Witness | None:
-    """Return a witness from an initial state, None if all samples of an action fail."""
-    moments, motions = [snapshot.moment()], []
-    for effect in physical.effects:
-        outcome = _retry(samples, faults, partial(advance, search, snapshot, effect))
-        if outcome is None:
-            return None
-        snapshot, waypoints = outcome
-        moments.append(snapshot.moment())
-        motions.append(waypoints)
-    return Witness(tuple(moments), tuple(motions), sizes)
+    """Return a witness from an initial state, None if all samples of an action fail.
+
+    If a body with a model cannot be moved or put down as it is held, the next of its grasps is tried.
+    """
+    snapshots, motions = [snapshot], list[tuple[Waypoint, ...]]()
+    tried = [0] * len(physical.effects)
+    while len(motions) < len(physical.effects):
+        k = len(motions)
+        trial = _retry(tried[k], samples, faults, partial(advance, search, snapshots[k], physical.effects[k]))
+        if trial is None:
+            grasped = _grasped_before(physical, k, search.scene)
+            if grasped is None:
+                return None
+            tried[grasped + 1 :] = [0] * (len(tried) - grasped - 1)
+            del snapshots[grasped + 1 :], motions[grasped:]
+            continue
+        tried[k] = trial.number + 1
+        snapshots.append(trial.result[0])
+        motions.append(trial.result[1])
+    return Witness(tuple(each.moment() for each in snapshots), tuple(motions), sizes)
 
 
-def _retry(samples: int, faults: Counter[PhysicsFault], attempt: Callable[[int], Result]) -> Result | None:
-    """Return the first result of an attempt, which gets its number from 0; None if all `samples` fail."""
-    for number in range(samples):
+def _grasped_before(physical: PhysicalTask, k: int, scene: Scene) -> int | None:
+    """Return the action that grasped the body with a model which action `k` moves or puts down, None if there is none.
+
+    Primitives have few grasps, so their tasks start over.
+    """
+    entity = physical.effects[k].releases or physical.effects[k].holds
+    if entity is None or scene.shapes[entity].model is None:
+        return None
+    return max((i for i in range(k) if physical.effects[i].grasps == entity), default=None)
+
+
+@dataclass(frozen=True)
+class _Trial(Generic[Result]):
+    """An attempt that succeeded: its number from 0, and its result."""
+
+    number: int
+    result: Result
+
+
+def _retry(
+    first: int, samples: int, faults: Counter[PhysicsFault], attempt: Callable[[int], Result]
+) -> _Trial[Result] | None:
+    """Return the first success of an attempt, which gets its number from `first` on; None if all `samples` fail."""
+    for number in range(first, samples):
         try:
-            return attempt(number)
+            return _Trial(number, attempt(number))
         except Exhausted:
             break
         except Failure as failure:
