@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from prag_asp import DomainError, QueryError, answer_sets
 from tests.chance import examples
 from tests.models.programs import count_in_process, literal, program
+from tests.models.test_random_programs import read
 
 PICKS = "{ pick(1..4) }.\n:- pick(1), pick(2).\n:~ not pick(X), X=1..4. [X]"
 
@@ -48,10 +49,8 @@ costs_of_literals = st.lists(st.tuples(literal, st.integers(-4, 5), st.integers(
 @settings(max_examples=examples(15))
 def test_the_optimal_answer_sets_are_those_of_least_cost(text: str, costs: list[tuple[str, int, int]]) -> None:
     whole = text + " ".join(f":~ {each}. [{w}@{at},{place}]" for place, (each, w, at) in enumerate(costs))
-    try:
-        found = answer_sets(text=whole, optimal=True)
-    except DomainError as error:
-        assert "unsafe" in str(error)
+    found = read(whole, optimal=True)
+    if found is None:
         return
     expected, best = optimal_by_clingo(text, costs)
     counts = {count_in_process(whole, optimal=True), answer_sets(text=whole, optimal=True, engine="clingo").count()}
