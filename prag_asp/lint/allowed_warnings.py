@@ -6,8 +6,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
-from prag_asp.program.allowances import allowed_by_comments, allowed_in_sources
-from prag_asp.program.problem import WARNINGS, Problem
+from prag_asp.program.problem import WARNINGS, Problem, allowed_by_comments, allowed_in_sources
 from prag_asp.program.settings import Settings
 from prag_asp.program.sources import Source
 from prag_asp.wording import did_you_mean

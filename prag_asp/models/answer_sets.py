@@ -26,11 +26,11 @@ from prag_asp.models.atom_weights import (
     stated_weights,
     unknown_weights,
 )
-from prag_asp.models.bounded_enumeration import BoundedEnumeration
 from prag_asp.models.compiler import PreparedFormula, Progress, compile_formula, prepare
 from prag_asp.models.diagram import WeightedDiagram
-from prag_asp.models.effort import SECOND, first_effort, is_worth_enumerating
-from prag_asp.models.enumeration import Enumeration
+from prag_asp.models.enumeration.bounded_enumeration import BoundedEnumeration
+from prag_asp.models.enumeration.effort import SECOND, first_effort, is_worth_enumerating
+from prag_asp.models.enumeration.enumeration import Enumeration
 from prag_asp.models.foundedness import list_models
 from prag_asp.models.ground_program import GroundModels, ground_models
 from prag_asp.models.program_reader import GivenProgram, places_of_costs, read_program
@@ -49,6 +49,9 @@ Tell = Callable[[str], None]
 
 PATIENCE = 500
 """Calls of `look`, each after 64 visits of nodes, before a counter starts in parallel: about 2 s of compilation."""
+
+HEAD_START = 1.0
+"""Processor seconds of a counter before compiling begins as well, for tight programs: most are counted by then."""
 
 
 class _Counted(Exception):
@@ -129,9 +132,9 @@ class AnswerSets:
     def count(self) -> int:
         """Return their exact number, regardless of weights.
 
-        With engine auto, clingo enumerates first, with limited work. If there are more answer sets, a counter counts
-        them; if the program is not tight, a diagram is compiled, and a counter soon runs in parallel: either may be
-        faster by orders of magnitude.
+        With engine auto, clingo enumerates first, with limited work. If there are more answer sets, a counter and the
+        compiler of a diagram run in parallel, and the first answers: either may be faster by orders of magnitude. The
+        counter begins if the program is tight, otherwise the compiler.
 
         Raises:
             EngineError: the engine ganak is not installed, or fails.
@@ -143,26 +146,42 @@ class AnswerSets:
         how = self._way(counts=True)
         if how == "clingo":
             return self._enumeration.count()
-        if how == "ganak":
+        if self.engine == "ganak":
             stage("counting models with ganak")
             return count_models(self._counting_formula.cnf, request="engine ganak")
         if self.engine == "auto" and has_ganak() and "_diagram" not in self.__dict__:
-            looks = counting()
+            number = self._count_beside(HEAD_START if how == "ganak" else None)
+            if number is not None:
+                return number
+        return WeightedDiagram(self._diagram.diagram, {}).total
 
-            def begins() -> None:
+    def _count_beside(self, head_start: float | None) -> int | None:
+        """Return their number by a counter, or None if the diagram was compiled before.
+
+        The counter starts at once with a head start in processor seconds, or, without it, after `PATIENCE`.
+        """
+        looks = counting()
+
+        def begins() -> None:
+            if head_start is None:
                 self.note("ganak counts as well, because compiling takes long; the first answers")
 
-            def look() -> None:
-                number = beside() if next(looks) >= PATIENCE else None
-                if number is not None:
-                    raise _Counted(number)
+        def look() -> None:
+            number = beside() if head_start is not None or next(looks) >= PATIENCE else None
+            if number is not None:
+                raise _Counted(number)
 
-            with CountBeside(lambda: (self._counting_formula.cnf, ()), 0, begins) as beside:
-                try:
-                    self.__dict__["_diagram"] = self._compile(look)  # fills the cached_property
-                except _Counted as counted:
-                    return counted.number
-        return WeightedDiagram(self._diagram.diagram, {}).total
+        with CountBeside(lambda: (self._counting_formula.cnf, ()), 0, begins) as beside:
+            if head_start is not None:
+                stage("counting models with ganak")
+                number = beside.alone(head_start)
+                if number is not None:
+                    return number
+            try:
+                self.__dict__["_diagram"] = self._compile(look)  # fills the cached_property
+            except _Counted as counted:
+                return counted.number
+        return None
 
     def _count_by_enumeration(self) -> int | None:
         """Return their number if clingo is likely to be the fastest engine, and enumerates all within limits."""

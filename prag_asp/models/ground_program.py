@@ -9,8 +9,8 @@ import clingo
 
 from prag_asp.logic.ground.rules import Condition, GroundRecorder, Rule, Unsupported
 from prag_asp.models.program_reader import GivenProgram
-from prag_asp.program.allowances import allowed_in_sources
 from prag_asp.program.grounding import REMARKS, Grounder
+from prag_asp.program.problem import allowed_in_sources
 
 
 @dataclass(frozen=True)

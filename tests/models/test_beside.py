@@ -9,7 +9,7 @@ import pytest
 from prag_asp import EngineError, TaskSpace, answer_sets
 from prag_asp.logic.formula import counter
 from prag_asp.logic.formula.cnf import Cnf
-from prag_asp.models.bounded_enumeration import Effort
+from prag_asp.models.enumeration.bounded_enumeration import Effort
 from tests.domains import domain_of
 from tests.models.test_approximate import LINKED
 from tests.processes import children

@@ -7,7 +7,7 @@ import pytest
 from prag_asp import answer_sets
 from prag_asp.logic.formula.cnf import Cnf
 from prag_asp.logic.formula.counter import count_models
-from prag_asp.models.bounded_enumeration import BoundedEnumeration, Effort
+from prag_asp.models.enumeration.bounded_enumeration import BoundedEnumeration, Effort
 from tests.chance import Chance
 from tests.models.programs import answer_sets_by_clingo
 from tests.models.test_known_numbers import CYCLE, LATIN, QUEENS

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Any
 
-from prag_asp.models.enumeration import POLL, project_on_shown
+from prag_asp.models.enumeration.enumeration import POLL, project_on_shown
 from prag_asp.models.ground_program import GroundModels
 from prag_asp.processes.progress_events import stage
 

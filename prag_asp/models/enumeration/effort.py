@@ -6,7 +6,7 @@ searches and the width of the clauses, so that it does not depend on the machine
 
 from __future__ import annotations
 
-from prag_asp.models.bounded_enumeration import Effort
+from prag_asp.models.enumeration.bounded_enumeration import Effort
 from prag_asp.models.ground_program import GroundModels
 
 FIRST = Effort(models=30_000, conflicts=5_000)
