@@ -24,6 +24,7 @@ WARNINGS: Mapping[str, str] = {
     "out-of-reach": "a place of actions that no gripper reaches",
     "same-name": "a name that a class, an entity and an action have in common",
     "sounds-alike": "sentences of instructions that do not distinguish actions",
+    "tips-over": "a body from a file that comes to rest far from how the file has it",
     "too-heavy": "a body that no gripper lifts, by its weight or its friction",
     "too-wide": "a body that no gripper closes around",
     "undefined": "a predicate that rules read, but none defines",

@@ -28,6 +28,12 @@ def part_surfaces(shape: Shape) -> tuple[Floats, ...]:
     Raises:
         SceneError: a mesh cannot be read.
     """
+    return _part_surfaces(shape, mesh_states(shape))
+
+
+@lru_cache(maxsize=64)
+def _part_surfaces(shape: Shape, files: tuple[tuple[int, int], ...]) -> tuple[Floats, ...]:
+    """Return the triangles of each part; the states of the files are a key of the cache."""
     return tuple(part for solid in solids(shape) for part in _placed_parts(solid))
 
 

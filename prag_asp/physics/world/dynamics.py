@@ -13,7 +13,7 @@ from prag_asp.physics.bullet import STDOUT, mute_output, pybullet
 from prag_asp.physics.predicates.gripper import FINGER_FRICTION
 from prag_asp.physics.robot.robot_files import robot_file
 from prag_asp.physics.witness import ROBOT_PARTS, Arm, Moment
-from prag_asp.physics.world.bodies import make_body, make_table, parking_place
+from prag_asp.physics.world.bodies import body_pose, make_body, make_table, parking_place, put_body
 from prag_asp.physics.world.collisions import BASE_LINK
 from prag_asp.physics.world.furniture_bodies import JOINT, UPRIGHT, read_opening, set_opening
 from prag_asp.physics.world.simulated_arm import load_robot_files, set_joints
@@ -53,6 +53,16 @@ class ArmCommand(NamedTuple):
 
     joints: Joints
     opening: float
+
+
+class Pressing(NamedTuple):
+    """How two bodies press on each other: the sum of their normal forces in newtons, and the depth in metres."""
+
+    force: float
+    depth: float
+
+
+NO_PRESSING = Pressing(0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -135,7 +145,7 @@ class Dynamics:
         for entity, opening in moment.openings.items():
             set_opening(self.client, self._bodies[entity], opening)
         for entity, body in self._bodies.items():
-            pybullet.resetBasePositionAndOrientation(body, *moment.poses[entity], physicsClientId=self.client)
+            put_body(self.client, self.scene, entity, body, moment.poses[entity])
         for name, arm in moment.arms.items():
             loaded = self._arms[name]
             set_joints(self.client, loaded.body, loaded.robot, arm.joints, arm.width)
@@ -174,7 +184,7 @@ class Dynamics:
 
     def poses(self) -> dict[str, Pose]:
         """Return the poses of the objects."""
-        return {entity: read_pose(self.client, body) for entity, body in self._bodies.items()}
+        return {entity: body_pose(self.client, self.scene, entity, body) for entity, body in self._bodies.items()}
 
     def openings(self) -> dict[str, float]:
         """Return how far furniture is open, in metres or radians."""
@@ -205,19 +215,20 @@ class Dynamics:
         grippers = [f"{part} of {name}" for name in self.scene.robots for part in ROBOT_PARTS]
         return (*grippers, "table")
 
-    def contacts(self) -> Mapping[tuple[int, int], float]:
-        """Return the normal force in newtons of each pair of bodies that press on each other.
+    def contacts(self) -> Mapping[tuple[int, int], Pressing]:
+        """Return how each pair of bodies presses on each other, of those that do.
 
         Bodies are numbered: `parts` first, then the objects in the order of `begin`.
         """
-        forces: dict[tuple[int, int], float] = {}
+        pressing: dict[tuple[int, int], Pressing] = {}
         for point in pybullet.getContactPoints(physicsClientId=self.client):
             force = point[9]
             if force > 0.0:
                 one, two = self._parts[point[1], point[3]], self._parts[point[2], point[4]]
                 pair = (one, two) if one < two else (two, one)
-                forces[pair] = forces.get(pair, 0.0) + force
-        return forces
+                before = pressing.get(pair, NO_PRESSING)
+                pressing[pair] = Pressing(before.force + force, max(before.depth, -point[8]))
+        return pressing
 
     def _numbered(self, table: int) -> dict[tuple[int, int], int]:
         """Return the number in contacts of each body and link."""
