@@ -33,7 +33,10 @@ from prag_asp.models.enumeration.effort import SECOND, first_effort, is_worth_en
 from prag_asp.models.enumeration.enumeration import Enumeration
 from prag_asp.models.foundedness import list_models
 from prag_asp.models.ground_program import GroundModels, ground_models
-from prag_asp.models.program_reader import GivenProgram, read_program
+from prag_asp.models.program_reader import GivenProgram, places_of_costs, read_program
+from prag_asp.models.questions.conflict import Conflict, find_conflict
+from prag_asp.models.questions.facets import Facet, facets_of_diagram, facets_of_lists
+from prag_asp.models.questions.optimum import Optimum, find_optimum, only_optimal
 from prag_asp.models.shifting import is_head_cycle_free
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.constants import Constant
@@ -65,6 +68,7 @@ def answer_sets(
     constants: Mapping[str, Constant] | None = None,
     project: bool = False,
     weighted: bool = False,
+    optimal: bool = False,
     engine: str = "auto",
     tell: Tell | None = None,
     progress: Progress | None = None,
@@ -73,22 +77,34 @@ def answer_sets(
 
     With `project`, answer sets that agree on the projection variables count as one: the atoms of ``#project`` or,
     without such a statement, all shown symbols. With `weighted`, the weight of an answer set is the product over its
-    atoms of the facts ``weight(Atom, W)``. `tell` receives notes, such as that another engine counts in parallel, and
-    `progress` the progress of long computations.
+    atoms of the facts ``weight(Atom, W)``. With `optimal`, only the answer sets of best value count, by the weak
+    constraints, ``#minimize`` and ``#maximize`` of the program. `tell` receives notes, such as that another engine
+    counts in parallel, and `progress` the progress of long computations.
 
     Raises:
         DomainError: a file cannot be read or ground, or has unsupported statements, one per line of the message.
-        QueryError: there is no such engine, or no weight.
+        QueryError: there is no such engine, no weight, or nothing to optimise.
     """
     if engine not in ENGINES:
         raise QueryError(f"engine {engine!r}: there is none; choose {', '.join(ENGINES)}")
-    program = read_program([*files, *([] if text is None else [text_source("text", text)])], constants or {})
+    program = read_program(
+        [*files, *([] if text is None else [text_source("text", text)])], constants or {}, optimal=optimal
+    )
+    if optimal and next(places_of_costs(program.program), None) is None:
+        raise QueryError(
+            "--optimal: the program optimises nothing; add #minimize or a weak constraint, or leave it out"
+        )
     stage("grounding the program")
     ground = ground_models(program)
     stated = stated_weights(ground, program.program) if weighted else {}
-    answers = AnswerSets(program, ground, project, stated, engine, tell, progress)
+    optimum = find_optimum(program, ground) if optimal else None
+    if optimum is not None:
+        ground = only_optimal(ground, optimum)
+    answers = AnswerSets(program, ground, project, stated, engine, optimum, tell, progress)
     for note in ground.notes:
         answers.note(f"{note}; clingo leaves this out")
+    if optimum is not None:
+        answers.note(str(optimum))
     unknown = unknown_weights(stated, ground, program.program)
     if unknown:
         answers.note(unknown)
@@ -100,7 +116,8 @@ class AnswerSets:
     """The answer sets of one program; compiled formulas are cached between queries.
 
     Iteration is lazy and in a fixed order: of two answer sets, that with the first symbol in clingo's order that only
-    one of them has comes first. If clingo enumerates, its own order is used.
+    one of them has comes first. If clingo enumerates, its own order is used. With an `optimum`, they are the optimal
+    answer sets only.
     """
 
     given: GivenProgram
@@ -108,6 +125,7 @@ class AnswerSets:
     project: bool
     stated: Mapping[clingo.Symbol, Fraction]
     engine: str
+    optimum: Optimum | None = None
     tell: Tell | None = None
     progress: Progress | None = None
 
@@ -226,6 +244,31 @@ class AnswerSets:
         weights = self._diagram.marginals() | {TRUE: whole}
         return {symbol: Fraction(weights.get(literal, 0), whole) for symbol, literal in self._formula.printed}
 
+    def facets(self) -> dict[clingo.Symbol, Facet]:
+        """Return for each symbol that may be shown its share, whether it is a facet, and how much it narrows them.
+
+        Raises:
+            NotFound: there is no answer set.
+            QueryError: they are weighted.
+        """
+        if self.stated:
+            raise QueryError("facets are counted, not weighed; leave out --weighted, or ask for marginals")
+        if self._way() == "clingo":
+            found = facets_of_lists(self._symbols, self)
+            self._require(any(facet.share for facet in found.values()) or self.count())
+            return found
+        diagram = WeightedDiagram(self._diagram.diagram, {})
+        self._require(diagram.total)
+        return facets_of_diagram(diagram.diagram, self._formula.printed, diagram.marginals(), diagram.total)
+
+    def explain(self) -> Conflict | None:
+        """Return lines of the program that together exclude every answer set, or None if there is one.
+
+        Raises:
+            QueryError: the program is ground already.
+        """
+        return find_conflict(self.given, self.ground)
+
     def __iter__(self) -> Iterator[AnswerSet]:
         if self._way() == "clingo":
             yield from self._enumeration
@@ -233,7 +276,9 @@ class AnswerSets:
         stage("searching answer sets")
         formula = self._formula
         order = [literal for _, literal in formula.printed]
-        if formula.whole:
+        if not formula.whole:
+            order += formula.cnf.shown
+        else:
             order += [formula.completion.value(atom) for _, atom in self.ground.names]
             order += map(formula.completion.value, formula.completion.values)
         yield from map(self._print, list_models(formula, order))
@@ -280,7 +325,8 @@ class AnswerSets:
         elif any(rule.is_disjunctive for rule in self.ground.rules) and not is_head_cycle_free(self.ground.rules):
             reason = "atoms of one disjunction depend on each other"
         elif self.ground.contested:
-            first = min(symbol for symbol, atom in self.ground.names if atom in self.ground.contested)
+            contested = sorted(symbol for symbol, atom in self.ground.names if atom in self.ground.contested)
+            first = contested[0] if contested else "an atom without a name"
             reason = f"a rule derives {first}, which is #external and not false"
         return reason
 
@@ -344,7 +390,7 @@ class AnswerSets:
             )
             if left:
                 raise projected_away(left[0], self.ground, self.given.program)
-        return Enumeration(self.given, self.ground, self.project, self.stated, self.progress)
+        return Enumeration(self.given, self.ground, self.project, self.stated, self.optimum, self.progress)
 
     def note(self, line: str) -> None:
         """Pass a line to `tell`, if there is one."""

@@ -10,7 +10,7 @@ import clingo
 from prag_asp.errors import DomainError
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.finite.checks import Checks
-from prag_asp.program.finite.guards import guard_program
+from prag_asp.program.finite.guards import Guarded, guard_program
 from prag_asp.program.parse import require_memory
 from prag_asp.program.problem import Problem
 from prag_asp.program.sources import ADDED, Program
@@ -34,18 +34,26 @@ class Grounder:
     """A clingo control for one program, without output.
 
     `notes` are the messages on undefined operations, which are errors only if `strict`. `remarks` are those on atoms
-    that no rule derives; clingo makes them with the option `REMARKS`.
+    that no rule derives; clingo makes them with the option `REMARKS`. With `text`, this program in aspif is ground
+    without further checks. An `observer` receives all that clingo grounds.
 
     Raises:
         DomainError: clingo cannot parse the program, or one of its intervals is too wide.
     """
 
-    def __init__(self, program: Program, *arguments: str, strict: bool = True) -> None:
+    def __init__(
+        self,
+        program: Program,
+        *arguments: str,
+        strict: bool = True,
+        text: str | None = None,
+        observer: clingo.Observer | None = None,
+    ) -> None:
         self._program, self._strict = program, strict
         self.notes: list[str] = []
         self.remarks: list[Problem] = []
         self._parts = 0
-        guarded = guard_program(program)
+        guarded = guard_program(program) if text is None else Guarded(text, (), endless_steps=False)
         self._checks = Checks(guarded.sites)
         self._messages: list[tuple[clingo.MessageCode, str]] = []
         self.control = clingo.Control(
@@ -53,6 +61,8 @@ class Grounder:
             logger=lambda code, text: self._messages.append((code, text)),
             message_limit=MESSAGES,
         )
+        if observer is not None:
+            self.control.register_observer(observer)  # before aspif is read, which adds its rules at once
         self._run(lambda: self.control.add("base", [], guarded.text))
 
     def ground(self, parts: Iterable[Part]) -> None:

@@ -14,6 +14,7 @@ from prag_asp.logic.ground.rules import Condition, GroundRecorder
 from prag_asp.models.atom_weights import weight_of
 from prag_asp.models.ground_program import GroundModels
 from prag_asp.models.program_reader import GivenProgram
+from prag_asp.models.questions.optimum import Optimum
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.grounding import Grounder
 from prag_asp.random_bits import SeededBits
@@ -35,6 +36,7 @@ class Enumeration:
     ground: GroundModels
     project: bool
     stated: Mapping[clingo.Symbol, Fraction]
+    optimum: Optimum | None = None
     progress: Callable[[str], None] | None = None
 
     def __iter__(self) -> Iterator[Printed]:
@@ -91,10 +93,10 @@ class Enumeration:
 
     def _grounder(self, *arguments: str) -> Grounder:
         project = [PROJECT] if self.project else []
-        grounder = Grounder(self.given.program, *self.given.arguments, *arguments, "0", *project, strict=False)
+        values = [] if self.optimum is None else [str(value) for _, value in self.optimum.values]
+        mode = f"--opt-mode={','.join(['enum', *values])}"  # all answer sets that are not worse
         recorder = GroundRecorder()
-        if self.project:
-            grounder.control.register_observer(recorder)
+        grounder = self.given.grounder(*arguments, "0", mode, *project, observer=recorder if self.project else None)
         grounder.ground([("base", [])])
         if self.project and recorder.projected is None:
             project_on_shown(grounder.control, recorder.shown.items())
