@@ -19,6 +19,7 @@ WARNINGS: Mapping[str, str] = {
     "never-holds": "an atom of a rule that nothing stated can be",
     "never-occurs": "an action or a composite that can never occur: it is pruned",
     "no-effect": "a statement, a key or a comment that changes nothing",
+    "no-grasp": "a body with a model on which no grasp is found",
     "no-plan": "an unreachable goal, or an initial state in which nothing can occur: every count is 0",
     "no-words": "a missing word of a language of instructions",
     "out-of-reach": "a place of actions that no gripper reaches",
