@@ -83,8 +83,9 @@ def plan_path(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, acti
     if is_straight(robot, leg.start, waypoint.joints):
         tool = _moved_on(planner.robot, leg, arm.joints)
         goal = adjust_joints(robot, tool, waypoint.joints) or waypoint.joints
-        path = straight_path(robot, arm.joints, goal) or [arm.joints, goal]
-        return time_carried(robot, path, TIME_STEP, joint_limits(robot), most)
+        line = straight_path(robot, arm.joints, goal)
+        if line is not None or is_vertical(robot, leg.start, waypoint.joints):
+            return time_carried(robot, line or [arm.joints, goal], TIME_STEP, joint_limits(robot), most)
     tool = _corrected(leg, tool_pose(robot, waypoint.joints), situation, action)
     goal = adjust_joints(robot, tool, waypoint.joints) or waypoint.joints
     if leg.way:

@@ -23,7 +23,6 @@ RELATION = "a relation of the state does not hold"
 OBJECTS_COLLIDE = "objects collide"
 UNSUPPORTED = "an object would fall"
 NO_GRASP = "no grasp fits the object"
-TWISTS = "the pads cannot bear the torque of the object"
 NO_KINEMATICS_AT = "no arm configuration at the object"
 NO_KINEMATICS_ABOVE = "no arm configuration above the object"
 ARM_COLLIDES = "the arm collides"
@@ -44,7 +43,6 @@ CAUSES = (
     OBJECTS_COLLIDE,
     UNSUPPORTED,
     NO_GRASP,
-    TWISTS,
     NO_KINEMATICS_AT,
     NO_KINEMATICS_ABOVE,
     ARM_COLLIDES,
