@@ -12,7 +12,13 @@ from clingo.ast import ASTType
 from prag_asp.errors import DomainError
 from prag_asp.lint.allowed_warnings import Allowed, allowance_problems, allowed_names, not_allowed
 from prag_asp.lint.composites import composite_problems
-from prag_asp.lint.directives import directive_problems, placement_problems, recursion_problems, size_problems
+from prag_asp.lint.directives import (
+    directive_problems,
+    last_step_problems,
+    placement_problems,
+    recursion_problems,
+    size_problems,
+)
 from prag_asp.lint.effects import action_problems, effect_problems, limit_problems
 from prag_asp.lint.ever import ever_problems, needless_problems
 from prag_asp.lint.hierarchy import choice_problems, hierarchy_problems, shared_name_problems, term_problems
@@ -92,6 +98,7 @@ def check(
     warnings.add([*problems, *table_problems(table, settings), *allowance_problems(allowed)])
     warnings.add([*directive_problems(statements), *size_problems(statements)])
     warnings.add([*vocabulary_problems(statements), *placement_problems(statements), *recursion_problems(statements)])
+    warnings.add(last_step_problems(statements))
     step = _described(_one_free_step(program, sources), statements)
     encodings = encodings_folder(program)
     relaxed = relaxed_sources(encodings) if encodings else ()
@@ -108,7 +115,7 @@ def check(
     warnings.add(goal_problems(pruning.actions, facts, origins))
     if pruning.composites:
         warnings.add(composite_rejections(pruning.composites, facts, origins))
-    warnings.add(open_world_problems(grounder, pruning.facts, statements))
+    warnings.add(open_world_problems(program, grounder, pruning.facts, statements))
     warnings.add([*shared_name_problems(facts, origins), *name_problems(settings, with_entities(facts, like or {}))])
     warnings.add(ever_problems(grounder, pruning.facts, statements, pruning.reach))
     warnings.add(needless_problems(grounder, pruning.facts, statements))

@@ -151,8 +151,6 @@ def _numbered(rules: Mapping[str, Sequence[_TimedRule]], timed: Collection[Signa
                 time = _time_of(atom)
                 if time == rule.now and atom.signature not in timed:
                     at.add(atom.signature)
-                    if name == "step" and atom.signature in last:
-                        yield rule.obstacle(f"{spelled(atom.signature)} is read in a step, and made after the last one")
                 elif time == rule.before:
                     before.add(atom.signature)
     for rule in rules["base"]:
