@@ -37,9 +37,9 @@ def open_world_problems(
     if not readings:
         return
     unsure = _unsure(grounder.control, facts)
-    for fluent, rule in unset_fluents(program, facts, statements, unsure.keys()).items():
+    for unset, rule in unset_fluents(program, facts, statements, unsure.keys()).items():
         changes = f"which {rule.path.name}:{rule.line} changes"
-        unsure[fluent] = f"{changes}, though no rule may give it a value; derive holds({fluent},V,t) in every case"
+        unsure[unset] = f"{changes}, though no rule may give it a value; derive holds({unset},V,t) in every case"
     if not unsure:
         return
     grounder.state(PRUNED(term) for term in facts.pruned)

@@ -16,7 +16,6 @@ from prag_asp.errors import DomainError
 from prag_asp.program.atom_arrays import ground_atoms
 from prag_asp.program.entity_names import mention_facts, name_fact
 from prag_asp.program.facts import Facts
-from prag_asp.program.finite.checks import BoundReached
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.predicates import CHANGED, HOLDS, OCCURS, PRUNED
 from prag_asp.program.sources import ADDED, HIERARCHY, Program, Source, owned
@@ -53,7 +52,7 @@ def unset_fluents(
         return {}
     try:
         fluents = _found_unset(_step_program(program, facts), facts, _carried(statements, steps), unsure)
-    except (BoundReached, DomainError):  # engines that unroll the steps decide what such a step does
+    except DomainError:  # engines that unroll the steps decide what such a step does
         fluents = [fluent for fluent in facts.fluents if fluent not in unsure]
     blamed: dict[clingo.Symbol, Statement] = {}
     for fluent in fluents:
@@ -114,6 +113,8 @@ def _found_unset(
 ) -> list[clingo.Symbol]:
     """Return the fluents that are not known in every state, by dropping hypotheses that a step breaks."""
     atoms = _carried_atoms(program, carried) if carried else set[clingo.Symbol]()
+    if atoms is None:
+        return [fluent for fluent in facts.fluents if fluent not in unsure]
     grounder = Grounder(program, strict=False)
     control = grounder.control
     grounder.ground([("base", [])])
@@ -153,11 +154,10 @@ def _found_unset(
     return sorted(term for term in dropped if term.type == clingo.SymbolType.Function)
 
 
-def _carried_atoms(program: Program, carried: Sequence[Signature]) -> set[clingo.Symbol]:
+def _carried_atoms(program: Program, carried: Sequence[Signature]) -> set[clingo.Symbol] | None:
     """Return the atoms of some predicates, without their time, that any number of steps may derive.
 
-    Raises:
-        BoundReached: there seems to be no end of them.
+    None if there seems to be no end of them.
     """
     grounder = Grounder(program, strict=False)
     grounder.add("_states", [STATES])
@@ -179,7 +179,7 @@ def _carried_atoms(program: Program, carried: Sequence[Signature]) -> set[clingo
         if now <= sooner:
             return sooner | stated
         if steps >= MOST_STEPS:
-            raise BoundReached(f"more than {MOST_STEPS} steps derive new atoms")
+            return None
         more = steps
 
 
