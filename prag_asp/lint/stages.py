@@ -31,6 +31,7 @@ from prag_asp.lint.occurrence import (
     unreachable_problems,
 )
 from prag_asp.lint.open_world import open_world_problems
+from prag_asp.lint.other_encodings import edited_encodings, encoding_problems
 from prag_asp.lint.rule_origin import Origins
 from prag_asp.lint.settings_checks import name_problems, table_problems
 from prag_asp.lint.unsatisfiable_atoms import demand_problems
@@ -44,7 +45,7 @@ from prag_asp.program.problem import Problem, raise_problems
 from prag_asp.program.settings import Settings, settings_of
 from prag_asp.program.sources import ADDED, HIERARCHY, Program, Source, added_encodings, encodings_folder, owned
 from prag_asp.program.syntax import Statement
-from prag_asp.pruning import find_pruning
+from prag_asp.pruning import Pruning, find_pruning
 from prag_asp.pruning.reachability import relaxed_sources
 from prag_asp.tables.toml_text import parse_toml
 
@@ -108,9 +109,14 @@ def check(
     origins = Origins([each for each in statements if each.own or each.path.name != HIERARCHY])
     facts = _facts(grounder, statements, origins)
     _check_facts(warnings, grounder, facts, statements, origins)
+    edited = edited_encodings(program, statements)
+    warnings.add(encoding_problems(edited))
     added = added_encodings(program)  # what a user has added to a copy of the encodings counts as user rules
     user_statements = [replace(each, own=True) if each.path in added else each for each in statements]
-    pruning = find_pruning(step, grounder, facts, user_statements, encodings if relaxed else None)
+    if edited:
+        pruning = Pruning.none(facts)
+    else:
+        pruning = find_pruning(step, grounder, facts, user_statements, encodings if relaxed else None)
     warnings.add(action_rejections(pruning.actions, facts, origins))
     warnings.add(goal_problems(pruning.actions, facts, origins))
     if pruning.composites:

@@ -25,6 +25,10 @@ from prag_asp.program.syntax import AtomNode, Signature, Statement, atoms, child
 START = "0"
 """The text of the time of the start."""
 
+ONE_ACTION = "1 <= { occurs(A,t): action(A), not _pruned(A) } <= 1."
+ANY_ACTION = "1 <= { occurs(A,t): action(A) } <= 1."
+"""The rule of ``step.lp`` by which exactly one action occurs, with and without pruning, as clingo writes it."""
+
 PARTS = ("base", "step", "check")
 
 
@@ -123,9 +127,11 @@ def read_step(program: Program) -> StepReads:
             now = statement.parameters[0] if statement.parameters else "t"
             rules.setdefault(statement.part, []).append(_TimedRule(statement, now))
     timed: set[Signature] = {OCCURS, HOLDS}
+    acting = [rule for rule in rules["step"] if any(atom.signature == OCCURS for atom in rule.heads)]
     for rule in rules["step"]:
         timed |= {atom.signature for atom in rule.heads if _time_of(atom) == rule.now}
-    obstacles = list(_numbered(rules, timed))
+    obstacles = list(_acting(acting))
+    obstacles += _numbered(rules, timed)
     # Only rules of the base part with the name of a timed predicate, or the step before, can carry a time.
     rules["base"] = [
         rule
@@ -139,6 +145,14 @@ def read_step(program: Program) -> StepReads:
     growing = {head for each in stepping for head in growing_heads(each.heads, each.literals, timed)}
     last = {atom.signature for rule in rules["check"] for atom in rule.atoms() if _time_of(atom) == rule.now}
     return StepReads(frozenset(timed), frozenset(previous), tuple(obstacles), frozenset(growing), frozenset(last))
+
+
+def _acting(rules: Sequence[_TimedRule]) -> Iterator[Obstacle]:
+    """Yield the rules other than that of the shipped ``step.lp`` by which actions occur."""
+    for rule in rules:
+        if rule.statement.text not in (ONE_ACTION, ANY_ACTION):
+            what = "this rule lets actions occur otherwise than in step.lp, where each step has exactly one"
+            yield rule.obstacle(what, "choose the engine clingo, or restore that rule")
 
 
 def _numbered(rules: Mapping[str, Sequence[_TimedRule]], timed: Collection[Signature]) -> Iterator[Obstacle]:
