@@ -27,8 +27,8 @@ POLL = 0.2
 """Seconds between two checks of a running solver, so that Ctrl-C takes effect."""
 
 
-MOST_LISTED, REPORTED = 1_000_000, 10_000
-"""Maximum number of words that are listed to sample from them, about 1 kB each, and words between two reports."""
+MOST_LISTED, REPORTED = 300_000, 10_000
+"""Maximum number of words that are listed to sample from them, at about 4,000 a second, and words between reports."""
 
 Ask = Callable[[], "int | None"]
 """Return the count of another process, or None until it is finished."""
