@@ -5,7 +5,6 @@ In this process it starts at once; what a fresh process alone shows (imports, si
 
 from __future__ import annotations
 
-import gc
 import io
 import os
 import subprocess
@@ -61,13 +60,12 @@ def _printed(done: Done) -> str:
 
 @contextmanager
 def _left_as_it_was(cwd: Path | None) -> Iterator[None]:
-    """Undo what a command sets for its process: the folder, the digits of an integer, how often garbage is sought."""
-    folder, digits, garbage = Path.cwd(), getattr(sys, "get_int_max_str_digits", int)(), gc.get_threshold()
+    """Undo what a command sets for its process: the folder, and the digits of an integer."""
+    folder, digits = Path.cwd(), getattr(sys, "get_int_max_str_digits", int)()
     os.chdir(cwd or folder)
     try:
         yield
     finally:
         os.chdir(folder)
-        gc.set_threshold(*garbage)
         if hasattr(sys, "set_int_max_str_digits"):
             sys.set_int_max_str_digits(digits)

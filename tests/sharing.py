@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import pytest
 
-from prag_asp.dataset.pages import strips
+from prag_asp.dataset.pages import dataset_card
 from prag_asp.domain import load
 from prag_asp.lint import Checked, check
 from prag_asp.logic.domain_logic import DomainLogic
@@ -47,7 +47,21 @@ def logic_shared() -> Iterator[None]:
 def small_pictures() -> Iterator[None]:
     """Draw the pictures of data sets small: a large one takes as long as a dozen verdicts."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(strips, "SIZE", (60, 52))
+        patch.setattr(dataset_card, "STRIP_SIZE", (60, 52))
+        yield
+
+
+@pytest.fixture(scope="package", autouse=True)
+def shared_logic() -> Iterator[None]:
+    """Share logic in all tests of a folder whose conftest imports this."""
+    with logic_shared():
+        yield
+
+
+@pytest.fixture(scope="package", autouse=True)
+def pictures_are_small() -> Iterator[None]:
+    """Draw small pictures in all tests of a folder whose conftest imports this."""
+    with small_pictures():
         yield
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 Act = tuple[str, ...]
-"""An action: its name, then what it speaks of."""
+"""An action: its name, then what it refers to."""
 
 Word = tuple[Act, ...]
 Configuration = tuple[Hashable, frozenset[Word]]
@@ -32,7 +32,7 @@ class Simulation:
         return Simulation(self.start, self.actions, self.step, tuple((action,) for action in self.actions))
 
     def without(self, things: Iterable[str]) -> Simulation:
-        """Return the simulation in which no action speaks of any of `things`."""
+        """Return the simulation in which no action refers to any of `things`."""
         kept = tuple(action for action in self.actions if not set(things) & set(action))
         units = tuple(unit for unit in self.units if set(unit) <= set(kept))
         return Simulation(self.start, kept, self.step, units)
@@ -60,10 +60,10 @@ class Simulation:
         """Return the number of plans of each length up to `length`."""
         layer: dict[Configuration, int] = {(self.start, frozenset({()})): 1}
         counts = []
-        for _ in range(length + 1):
+        for steps_left in reversed(range(length + 1)):
             counts.append(sum(number for (_, left), number in layer.items() if () in left))
             following: dict[Configuration, int] = {}
-            for configuration, number in layer.items():
+            for configuration, number in layer.items() if steps_left else ():
                 for _, reached in self.following(configuration):
                     following[reached] = following.get(reached, 0) + number
             layer = following
@@ -79,10 +79,10 @@ class Simulation:
         """Return the number of sequences of names of each length up to `length`."""
         layer: dict[frozenset[Configuration], int] = {frozenset({(self.start, frozenset({()}))}): 1}
         counts = []
-        for _ in range(length + 1):
+        for steps_left in reversed(range(length + 1)):
             counts.append(sum(n for group, n in layer.items() if any(() in left for _, left in group)))
             following: dict[frozenset[Configuration], int] = {}
-            for group, number in layer.items():
+            for group, number in layer.items() if steps_left else ():
                 by_name: dict[str, set[Configuration]] = {}
                 for configuration in group:
                     for name, reached in self.following(configuration):

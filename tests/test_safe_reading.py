@@ -24,18 +24,14 @@ def test_a_file_is_read_and_one_that_the_user_names_may_be_a_link(tmp_path: Path
     assert read_bytes(os.devnull) == b""
 
 
-@pytest.mark.parametrize("target", ["/dev/zero", "/dev/random", "/dev/full"])
-def test_no_device_is_read(tmp_path: Path, target: str) -> None:
-    (tmp_path / "link").symlink_to(target)
-    for path in (target, tmp_path / "link"):
-        with pytest.raises(Refused, match="it is no regular file"):
-            read_bytes(path)
-
-
-def test_a_pipe_without_a_writer_is_not_waited_for(tmp_path: Path) -> None:
+def test_neither_a_device_nor_a_pipe_without_a_writer_is_read_or_waited_for(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
-    with pytest.raises(Refused, match="it is no regular file"):
-        read_bytes(tmp_path / "pipe")
+    for target in ("/dev/zero", "/dev/random", "/dev/full", tmp_path / "pipe"):
+        link = tmp_path / f"link to {Path(target).name}"
+        link.symlink_to(target)
+        for path in (target, link):
+            with pytest.raises(Refused, match="it is no regular file"):
+                read_bytes(path)
 
 
 def test_a_pipe_that_is_open_already_is_read_as_a_shell_hands_it_over() -> None:

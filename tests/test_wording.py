@@ -10,18 +10,25 @@ KNOWN = ["action", "fluent", "precondition", "holding", "cube_1", "cube_12"]
 
 
 @pytest.mark.parametrize(
-    ("name", "near"),
+    ("name", "near", "misspelt"),
     [
-        ("acton", "action"),
-        ("precond", "precondition"),
-        ("holdng", "holding"),
-        ("cube1", "cube_1"),
-        ("cube_2", "cube_12"),
+        ("acton", "action", True),
+        ("precond", "precondition", True),
+        ("holdng", "holding", True),
+        ("cube1", "cube_1", True),
+        ("fleunt", "fluent", True),
+        # Another number or another word makes a name of its own.
+        ("action_cost", "action", False),
+        ("state_fluent", "fluent", False),
+        ("cube_2", "cube_12", False),
+        ("cube_13", "cube_1", False),
+        ("holding_2", "holding", False),
     ],
 )
-def test_the_nearest_name_is_meant(name: str, near: str) -> None:
+def test_the_nearest_name_is_meant_and_a_slip_is_a_misspelling(name: str, near: str, misspelt: bool) -> None:
     assert nearest(name, KNOWN) == near
     assert did_you_mean(name, KNOWN) == f"did you mean {near}?"
+    assert is_misspelt(name, KNOWN) == misspelt
 
 
 @pytest.mark.parametrize("name", ["robot", "x", "", "goal"])
@@ -34,17 +41,6 @@ def test_a_name_like_no_other_means_none(name: str) -> None:
 
 def test_a_name_is_never_taken_for_itself() -> None:
     assert nearest("holding", ["holding"]) is None
-
-
-@pytest.mark.parametrize("name", ["acton", "precond", "holdng", "cube1", "fleunt"])
-def test_a_slip_is_a_misspelling(name: str) -> None:
-    assert is_misspelt(name, KNOWN)
-
-
-@pytest.mark.parametrize("name", ["action_cost", "state_fluent", "cube_2", "cube_13", "holding_2"])
-def test_another_number_and_another_word_make_names_of_their_own(name: str) -> None:
-    assert nearest(name, KNOWN) is not None
-    assert not is_misspelt(name, KNOWN)
 
 
 def test_of_many_known_names_some_are_told() -> None:

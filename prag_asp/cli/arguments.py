@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 
 from prag_asp.errors import QueryError
 from prag_asp.program.paths import is_file_name
-
-MOST_LENGTHS = 1_000_000
-"""The most lengths in one request, because each takes memory."""
-
-RANGE = re.compile(r"(?P<first>\d+)\.\.(?P<last>\d+)")
+from prag_asp.space.lengths import parse_range
 
 
 def domain_and_others(words: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -31,15 +26,7 @@ def parse_lengths(text: str) -> int | range:
     Raises:
         QueryError: the text is neither.
     """
-    match = RANGE.fullmatch(text.strip())
-    if match is None:
-        return _parse_number(text, "write a whole number, such as 4, or A..B for all from A to B")
-    first, last = int(match["first"]), int(match["last"])
-    if first > last:
-        raise QueryError(f"--length {text}: the first is above the last; write {last}..{first}")
-    if last - first >= MOST_LENGTHS:
-        raise QueryError(f"--length {text}: more than {MOST_LENGTHS:,} lengths; use a smaller range")
-    return range(first, last + 1)
+    return parse_range(text, f"--length {text}")
 
 
 def parse_length(text: str) -> int:
@@ -48,19 +35,10 @@ def parse_length(text: str) -> int:
     Raises:
         QueryError: the text is no number, or a range.
     """
-    if RANGE.fullmatch(text.strip()):
+    length = parse_range(text, f"--length {text}", remedy="write a whole number, such as 4")
+    if isinstance(length, range):
         raise QueryError(f"--length {text}: a range, but one length is needed; give a number, such as 4")
-    return _parse_number(text, "write a whole number, such as 4")
-
-
-def _parse_number(text: str, hint: str) -> int:
-    try:
-        number = int(text)
-    except ValueError:
-        raise QueryError(f"--length {text}: {hint}") from None
-    if number < 0:
-        raise QueryError(f"--length {text}: a plan has at least 0 actions")
-    return number
+    return length
 
 
 def parse_constant_options(options: Sequence[str]) -> dict[str, str]:

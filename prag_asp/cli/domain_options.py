@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -59,8 +59,23 @@ class DomainOptions:
         Raises:
             DomainError: the domain is wrong, or the constants of a task of a file are.
         """
+        from prag_asp.domain.load import load_domain
+
+        recorded = {} if self.recorded is None else self.recorded.task.constants
+        if self.settings is None:
+            _note_unread_settings(self.names)
         try:
-            domain = self._load({} if self.recorded is None else self.recorded.task.constants)
+            domain = load_domain(
+                *map(source_of, self.names),
+                constants={**recorded, **parse_constant_options(self.constants)},
+                settings=self.settings,
+                rules=self.rules,
+                encodings=self.encodings,
+                flat=self.flat,
+                trust=self.trust,
+                learned=self.learned,
+                strict=self.strict,
+            )
         except DomainError as error:
             if self.recorded is None:
                 raise
@@ -69,23 +84,6 @@ class DomainOptions:
             warnings = plural(len(domain.warnings), "warning")
             tell_line(f"{warnings} about {domain.label}; see prag-asp check {' '.join(self.names)}")
         return domain
-
-    def _load(self, recorded: Mapping[str, str]) -> Domain:
-        from prag_asp.domain.load import load_domain
-
-        if self.settings is None:
-            _note_unread_settings(self.names)
-        return load_domain(
-            *map(source_of, self.names),
-            constants={**recorded, **parse_constant_options(self.constants)},
-            settings=self.settings,
-            rules=self.rules,
-            encodings=self.encodings,
-            flat=self.flat,
-            trust=self.trust,
-            learned=self.learned,
-            strict=self.strict,
-        )
 
     def space(self, tell: Callable[[str], None] | None = None, domain: Domain | None = None) -> TaskSpace:
         """Return the task space of the domain, or of another one; `tell` receives its progress."""

@@ -53,21 +53,23 @@ def grouped(name: str, kind: Any, options: Sequence[Decorator]) -> Decorator:
     return decorate
 
 
-def _limit_time(context: click.Context, parameter: click.Parameter, text: str | None) -> None:
-    if text and not context.resilient_parsing:
-        from prag_asp.space.limits import parse_time
+def _set_limit(context: click.Context, parameter: click.Parameter, text: str | None) -> None:
+    """Set the limit of the option --time or --memory.
 
+    Raises:
+        QueryError: the text is no time or size, or no command can run with so little memory.
+    """
+    if not text or context.resilient_parsing:
+        return
+    from prag_asp.space.limits import parse_memory, parse_time
+
+    if parameter.name == "time":
         exit_control.set_limits(seconds=parse_time(text))
-
-
-def _limit_memory(context: click.Context, parameter: click.Parameter, text: str | None) -> None:
-    if text and not context.resilient_parsing:
-        from prag_asp.space.limits import parse_memory
-
-        memory = parse_memory(text)
-        if memory < LEAST_MEMORY:
-            raise QueryError(f"--memory {text}: {memory:,} bytes are too few for any command; write 500MB or 4GB")
-        exit_control.set_limits(memory=memory)
+        return
+    memory = parse_memory(text)
+    if memory < LEAST_MEMORY:
+        raise QueryError(f"--memory {text}: {memory:,} bytes are too few for any command; write 500MB or 4GB")
+    exit_control.set_limits(memory=memory)
 
 
 def add_limits(command: click.Command) -> None:
@@ -77,11 +79,11 @@ def add_limits(command: click.Command) -> None:
             add_limits(each)
     elif not any(each.name == "memory" for each in command.params):
         click.option(
-            "--time", metavar="TIME", expose_value=False, is_eager=True, callback=_limit_time,
+            "--time", metavar="TIME", expose_value=False, is_eager=True, callback=_set_limit,
             help="Time limit, such as 60s or 5m; what is known by then is printed.  [default: no limit]",
         )(command)  # fmt: skip
         click.option(
-            "--memory", metavar="SIZE", expose_value=False, is_eager=True, callback=_limit_memory,
+            "--memory", metavar="SIZE", expose_value=False, is_eager=True, callback=_set_limit,
             help=f"Memory limit of all processes together, such as 4GB.  [default: {SHARE} % of the machine's]",
         )(command)  # fmt: skip
 

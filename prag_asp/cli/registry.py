@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import os
 import sys
 from collections.abc import Sequence
@@ -52,9 +51,6 @@ GROUPS = {
 }
 """The commands in the order of the help."""
 
-GARBAGE = (100_000, 50, 100)
-"""Thresholds of Python's garbage collector, for few runs: a ground program is many small values without cycles."""
-
 
 class Commands(click.Group):
     """A group that imports a command when it is needed, and turns errors into one line and an exit code."""
@@ -93,7 +89,6 @@ class Commands(click.Group):
             return complete(self, name, COMPLETION)
         if hasattr(sys, "set_int_max_str_digits"):
             sys.set_int_max_str_digits(0)
-        gc.set_threshold(*GARBAGE)
         with exit_control.running():
             try:
                 with self.make_context(name, list(sys.argv[1:] if args is None else args)) as context:
@@ -102,7 +97,12 @@ class Commands(click.Group):
             except click.exceptions.Exit as stop:
                 return stop.exit_code
             except click.ClickException as error:
-                _print_usage_error(error)
+                where = error.ctx if isinstance(error, click.UsageError) else None
+                if where is None or isinstance(error, getattr(click.exceptions, "NoArgsIsHelpError", ())):
+                    error.show()  # a group without a command prints its help
+                else:
+                    message = " ".join(error.format_message().split()).rstrip(".")
+                    tell_line(f"{where.command_path}: {message}; see {where.command_path} --help")
                 return Exit.USAGE if isinstance(error, click.UsageError) else Exit.BAD_INPUT
             except exit_control.ERRORS as error:
                 return exit_control.report_end(error)
@@ -110,16 +110,6 @@ class Commands(click.Group):
 
 SHORT_HELP = 88
 """The most characters of the help of a command in the list of commands."""
-
-
-def _print_usage_error(error: click.ClickException) -> None:
-    """Print the error of a command line as one line; a group without a command prints its help."""
-    context = error.ctx if isinstance(error, click.UsageError) else None
-    if isinstance(error, getattr(click.exceptions, "NoArgsIsHelpError", ())) or context is None:
-        error.show()
-        return
-    message = " ".join(error.format_message().split()).rstrip(".")
-    tell_line(f"{context.command_path}: {message}; see {context.command_path} --help")
 
 
 def _print_versions(context: click.Context, parameter: click.Parameter, requested: bool) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -55,7 +55,17 @@ def files(context: click.Context, parameter: click.Parameter, typed: str) -> Ite
 def domains(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
     """Complete shipped domains, and folders and files that are domains; if none fits, any files."""
     words = context.params.get(parameter.name or "") or ()
-    return _domains_after(words)(context, parameter, typed) or files(context, parameter, typed)
+
+    @_completer
+    def offer(context: click.Context, typed: str) -> Iterator[str]:
+        if all(map(is_file_name, words)):
+            yield from () if words else shipped_domains()
+            folder = typed[: typed.rfind("/") + 1]
+            for path in sorted(Path(folder or ".").iterdir()):
+                if path.suffix in (".lp", PDDL) or (not words and (path / "domain.lp").is_file()):
+                    yield f"{folder}{path.name}"
+
+    return offer(context, parameter, typed) or files(context, parameter, typed)
 
 
 def actions(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
@@ -104,7 +114,7 @@ def languages(context: click.Context, typed: str) -> Iterable[str]:
 
 @_completer
 def plan(context: click.Context, typed: str) -> Iterable[str]:
-    """Complete one more action."""
+    """Return completions for the next action of a plan."""
     return _after(typed, map(str, _domain(context).facts.actions))
 
 
@@ -152,19 +162,6 @@ def conditions(context: click.Context, typed: str) -> Iterator[str]:
         [*map(str, facts.entities), *sorted(facts.class_names)] if keywords[0] in ENTITIES else _names_of(facts.actions)
     )
     yield from (f"{keywords[0]} {each}" for each in arguments)
-
-
-def _domains_after(words: Sequence[str]) -> Completer:
-    @_completer
-    def offer(context: click.Context, typed: str) -> Iterator[str]:
-        if all(map(is_file_name, words)):
-            yield from () if words else shipped_domains()
-            folder = typed[: typed.rfind("/") + 1]
-            for path in sorted(Path(folder or ".").iterdir()):
-                if path.suffix in (".lp", PDDL) or (not words and (path / "domain.lp").is_file()):
-                    yield f"{folder}{path.name}"
-
-    return offer
 
 
 def _domain(context: click.Context) -> Domain:

@@ -27,8 +27,9 @@ def tally_line(tally: Tally, what: tuple[str, str], limits: str) -> str:
 
 @contextmanager
 def tallied(tally: Tally, line: Callable[[], str]) -> Iterator[None]:
-    """Print a tally on stderr at the end, also after an interruption, but not after an error of the input.
+    """Print a line on stderr at the end, and if anything failed the table of causes.
 
+    This happens also after an interruption, but not after an error of the input.
     An error after a signal counts as an interruption, because native code may have turned one into the other.
     """
     failed = False
@@ -38,20 +39,13 @@ def tallied(tally: Tally, line: Callable[[], str]) -> Iterator[None]:
         failed = not exit_control.interrupted()
         raise
     finally:
-        if not failed:
-            _print_tally(tally, line())
+        if tally.seen and not failed:
+            from rich.console import Console
 
-
-def _print_tally(tally: Tally, line: str) -> None:
-    """Print a line and, if an attempt or a task failed, the table of causes."""
-    from rich.console import Console
-
-    if not tally.seen:
-        return
-    console = Console(stderr=True, highlight=False)
-    console.print(one_line(line), soft_wrap=True, markup=False)
-    if tally.reasons or tally.causes:
-        console.print(_table(tally))
+            console = Console(stderr=True, highlight=False)
+            console.print(one_line(line()), soft_wrap=True, markup=False)
+            if tally.reasons or tally.causes:
+                console.print(_table(tally))
 
 
 def _table(tally: Tally) -> Table:

@@ -17,6 +17,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
+from contextlib import suppress
 from threading import active_count
 from time import monotonic
 from typing import NoReturn
@@ -25,7 +26,7 @@ from prag_asp.cli import exit_control
 from prag_asp.cli.exit_control import DONE, ENDS, LIMITS, SIGNALLED, STAGE, while_
 from prag_asp.cli.exits import Exit
 from prag_asp.processes.lifeline import hang_on, held_line
-from prag_asp.processes.machine import SHARE, family_of, memory_of, usual_memory
+from prag_asp.processes.machine import SHARE, family_of, memory_of, signal_name, usual_memory
 
 POLL = 0.05
 """Seconds between two checks of time and memory."""
@@ -50,10 +51,19 @@ TOO_MUCH = 1.1
 
 
 def supervise() -> None:
-    """Continue in a child process; this process watches it, and exits with its code."""
+    """Continue in a child process; this process watches it, and exits with its code.
+
+    It exits with an error if `ulimit -v` allows less address space than the libraries need.
+    """
     if sys.platform != "linux" or active_count() > 1:
         return
-    _require_addresses()
+    import resource
+
+    allowed, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if allowed != resource.RLIM_INFINITY and allowed < LEAST_ADDRESSES:
+        least = f"{LEAST_ADDRESSES / 10**6:,.0f} MB"
+        _write_line(f"the system allows only {allowed / 10**6:,.0f} MB of addresses (ulimit -v); allow {least} or more")
+        _exit(Exit.LIMIT)
     watched = {each for each in (signal.SIGINT, signal.SIGTERM) if signal.getsignal(each) is not signal.SIG_IGN}
     for stream in (sys.stdout, sys.stderr):
         stream.flush()
@@ -72,17 +82,6 @@ def supervise() -> None:
     hang_on(hanging)
     exit_control.begin(pipe)
     signal.pthread_sigmask(signal.SIG_SETMASK, usual)
-
-
-def _require_addresses() -> None:
-    """Exit if `ulimit -v` allows less address space than the libraries need."""
-    import resource
-
-    allowed, _ = resource.getrlimit(resource.RLIMIT_AS)
-    if allowed != resource.RLIM_INFINITY and allowed < LEAST_ADDRESSES:
-        least = f"{LEAST_ADDRESSES / 10**6:,.0f} MB"
-        _write_line(f"the system allows only {allowed / 10**6:,.0f} MB of addresses (ulimit -v); allow {least} or more")
-        _exit(Exit.LIMIT)
 
 
 class _Supervisor:
@@ -107,7 +106,7 @@ class _Supervisor:
         """Seconds since then."""
 
     def wait(self) -> int:
-        """Wait until the command has ended, and return the exit code."""
+        """Wait until the command has ended, and return the exit code; kill it and its workers if it does not end."""
         while True:
             before = monotonic()
             # The result is ignored, because it is arbitrary if a stop (Ctrl-Z) interrupts the wait.
@@ -124,7 +123,11 @@ class _Supervisor:
             if self._stop is not None:
                 self._waited += min(monotonic() - before, 2 * POLL)
                 if self._waited > (HEARD if self._signalled else UNHEARD):
-                    return self._kill()
+                    for process in family_of(self._command):
+                        with suppress(ProcessLookupError):
+                            os.kill(process, signal.SIGKILL)
+                    os.waitpid(self._command, 0)
+                    return self._code_of(-signal.SIGKILL)
 
     def _read_reports(self) -> None:
         try:
@@ -172,16 +175,6 @@ class _Supervisor:
         self._stop = (now, Exit.LIMIT, f"{reached}{while_(self._stage)}{used}; allow more with {option}")
         os.kill(self._command, signal.SIGALRM)
 
-    def _kill(self) -> int:
-        """Kill the command and all processes that it has started, and return the exit code."""
-        for process in family_of(self._command):
-            try:
-                os.kill(process, signal.SIGKILL)
-            except ProcessLookupError:
-                continue
-        os.waitpid(self._command, 0)
-        return self._code_of(-signal.SIGKILL)
-
     def _code_of(self, status: int) -> int:
         """Return the exit code for the status of an ended command; print the reason unless it reported a code."""
         if self._done is not None:
@@ -191,25 +184,15 @@ class _Supervisor:
         elif -status in ENDS:
             line, code = ENDS[signal.Signals(-status)]
         else:
-            line, code = f"{_crash(status)}{while_(self._stage)}; {_advice(status)}", Exit.LIMIT
+            what = f"the command was killed by {signal_name(-status)}"
+            advice = "native code failed; try a smaller problem"
+            if status >= 0:
+                what = f"native code ended the command with code {status}"
+            elif status == -signal.SIGKILL:
+                advice = "if the machine ran out of memory, set a lower --memory"
+            line, code = f"{what}{while_(self._stage)}; {advice}", Exit.LIMIT
         _write_line(line)
         return code
-
-
-def _crash(status: int) -> str:
-    """Return a message about a command ended by a signal or by native code, which may exit with any code."""
-    if status >= 0:
-        return f"native code ended the command with code {status}"
-    try:
-        return f"the command was killed by {signal.Signals(-status).name}"
-    except ValueError:
-        return f"the command was killed by signal {-status}"
-
-
-def _advice(status: int) -> str:
-    if status == -signal.SIGKILL:
-        return "if the machine ran out of memory, set a lower --memory"
-    return "native code failed; try a smaller problem"
 
 
 def grace(seconds: float) -> float:

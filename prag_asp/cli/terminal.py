@@ -8,8 +8,6 @@ from contextlib import ExitStack, contextmanager
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Protocol
 
-import click
-
 from prag_asp.errors import one_line, plain
 from prag_asp.processes.progress_events import Note, hear, note, so_far
 
@@ -22,11 +20,15 @@ PATIENCE = 2.0
 
 def say(text: object) -> None:
     """Print lines on stdout; on a terminal, escape control characters other than tabs."""
+    import click
+
     click.echo(for_terminal(str(text)) if sys.stdout is not None and sys.stdout.isatty() else str(text))
 
 
 def tell_line(text: str) -> None:
     """Print one line on stderr, shortened, with control characters escaped."""
+    import click  # not above: the supervisor imports this module, and a fork copies what is loaded
+
     click.echo(one_line(text), err=True)
 
 
@@ -86,12 +88,7 @@ def progress() -> Iterator[Tell]:
         yield tell
 
 
-def _tell_note(words: str) -> None:
-    if isinstance(words, Note):
-        tell_line(_first_line(words))
-
-
-hear(_tell_note)
+hear(lambda words: tell_line(_first_line(words)) if isinstance(words, Note) else None)
 
 
 def _first_line(words: str) -> str:

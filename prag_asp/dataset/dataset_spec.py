@@ -78,25 +78,17 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         cls,
         domain: Domain,
         *,
-        tasks: int,
-        seed: int = 0,
         split: Mapping[str, Number | float] | None = None,
         skeletons: bool = False,
         hold_out: str | None = None,
-        starts: int = 1,
-        demonstrate: bool = False,
-        evenly: bool = False,
         weights: Mapping[str, Number] | None = None,
         temperature: Temperature = 1,
         physics: bool | None = None,
-        budget: Budget | None = None,
-        shard: int = SHARD,
-        language: str = "en",
         phrasings: str = "",
-        staging: Staging | None = None,
         part: str | None = None,
+        **fields: Any,
     ) -> DatasetSpec:
-        """Return the request of a dataset of `tasks` different feasible tasks of a domain.
+        """Return the request of a dataset of `tasks` different feasible tasks of a domain, given its `fields`.
 
         Tasks are sampled without replacement, by `weights` or those of the domain; lengths occur by their exact shares,
         or take turns with `evenly`. With `split`, each part gets its share of the tasks, and no two parts have a task
@@ -112,31 +104,43 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
             SceneError: cameras are requested, and the domain has no scene.
             PhysicsMissingError: PyBullet is not installed.
         """
-        chosen = _budget(domain, physics, budget, demonstrate, starts)
-        if staging is not None:
-            require_staging(staging, domain, demonstrate, starts)
         from prag_asp.space.without_replacement import Division
 
         division = Division.parse(split, skeletons=skeletons, hold_out=hold_out)
         weights = domain.settings.weights if weights is None else weights
-        return cls(
-            tasks=tasks,
-            seed=seed,
+        spec = cls(
             split={name: str(share) for name, share in division.shares.items()},
             skeletons=skeletons,
             hold_out=hold_out,
-            starts=starts,
-            demonstrate=demonstrate,
-            evenly=evenly,
             weights={key: str(weight) for key, weight in weights.items()},
             temperature=str(temperature),
-            budget=chosen,
-            shard=shard,
-            language=language,
             phrasings=str(Phrasings.parse(phrasings)),
-            staging=staging,
             part=None if part is None or Deal.parse(part) == ALL else str(Deal.parse(part)),
+            **fields,
         )
+        budget = spec._budget_in(domain, bool(domain.settings.scene) if physics is None else physics)
+        return msgspec.structs.replace(spec, budget=budget)
+
+    def _budget_in(self, domain: Domain, physics: bool) -> Budget | None:
+        """Check the options of physics, and return its budget, with the tier of demonstrations if there are any."""
+        from prag_asp.physics import require_physics
+
+        if physics:
+            require_physics()
+        elif self.demonstrate or self.starts > 1 or self.budget is not None:
+            raise QueryError("demonstrations, initial states and a budget need physics; leave them out")
+        folder = "" if self.demonstrate else None
+        if self.staging is not None:
+            require_demonstrated(self.staging, folder)
+            if "colour" in self.staging.vary and self.starts > 1:
+                raise QueryError(
+                    f"the instructions of a task name the colours of one recording, but {self.starts} starts have "
+                    f"{self.starts}; request 1 start, or leave colour out of what varies"
+                )
+            from prag_asp.dataset.scenes import scene_of
+
+            self.staging.cameras_of(scene_of(domain))
+        return budget_of(self.budget, folder) if physics else None
 
     @property
     def division(self) -> Division:
@@ -168,44 +172,6 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     def fixed(self) -> dict[str, Any]:
         """Return the values that may not change when a dataset grows: all but the number of tasks."""
         return {name: value for name, value in msgspec.to_builtins(self).items() if name != "tasks"}
-
-
-def _budget(
-    domain: Domain, physics: bool | None, requested: Budget | None, demonstrate: bool, starts: int
-) -> Budget | None:
-    """Return the budget of physics, with the tier of demonstrations if these are recorded; None without physics.
-
-    Raises:
-        QueryError: an option needs physics, which is off.
-        PhysicsMissingError: PyBullet is not installed.
-    """
-    from prag_asp.physics import require_physics
-
-    if not (domain.settings.scene if physics is None else physics):
-        if demonstrate or starts > 1 or requested is not None:
-            raise QueryError("demonstrations, initial states and a budget need physics; leave them out")
-        return None
-    require_physics()
-    return budget_of(requested, "" if demonstrate else None)
-
-
-def require_staging(staging: Staging, domain: Domain, demonstrate: bool, starts: int) -> None:
-    """Check cameras and variations before anything is written.
-
-    Raises:
-        QueryError: there are no demonstrations, the scene lacks a camera, or colours vary between the initial states of
-            a task, whose instructions name the colours of only one.
-        SceneError: the domain has no scene.
-    """
-    from prag_asp.dataset.scenes import scene_of
-
-    require_demonstrated(staging, "" if demonstrate else None)
-    if "colour" in staging.vary and starts > 1:
-        raise QueryError(
-            f"the instructions of a task name the colours of one recording, but {starts} starts have {starts}; "
-            "request 1 start, or leave colour out of what varies"
-        )
-    staging.cameras_of(scene_of(domain))
 
 
 def budget_of(budget: Budget | None, demonstrate: str | Path | None) -> Budget:

@@ -7,7 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from prag_asp.output import file_in, make_folder
+from prag_asp.output import file_in
 
 if TYPE_CHECKING:
     from prag_asp.physics import Demonstration
@@ -15,33 +15,21 @@ if TYPE_CHECKING:
 NAME = re.compile(r"(\d{6,})\.npz")
 
 
-class Recordings:
-    """Writes demonstrations into a folder, each file atomically; without a folder, it writes nothing."""
-
-    def __init__(self, folder: str | Path | None):
-        """Create the folder, if there is one.
-
-        Raises:
-            OutputError: it cannot be created.
-        """
-        self._folder = None if folder is None else make_folder(folder)
-
-    def write(self, number: int, demonstration: Demonstration | None) -> str | None:
-        """Write the demonstration of the task of a line, counted from 1, and return the name of its file.
-
-        Raises:
-            OutputError: it cannot be written.
-        """
-        if self._folder is None or demonstration is None:
-            return None
-        name = name_of(number)
-        demonstration.save(file_in(self._folder, name))
-        return name
-
-
 def name_of(number: int) -> str:
     """Return the name of the file for the task of a line, counted from 1."""
     return f"{number:06d}.npz"
+
+
+def write_episode(folder: Path | None, number: int, demonstration: Demonstration | None) -> str | None:
+    """Write the demonstration, if there is one, of a task into a folder, if there is one; return the file's name.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    if folder is None or demonstration is None:
+        return None
+    demonstration.save(file_in(folder, name_of(number)))
+    return name_of(number)
 
 
 def remove_after(folder: str | Path, number: int) -> None:

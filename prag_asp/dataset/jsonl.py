@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -37,7 +37,7 @@ def write_line(record: Record) -> str:
     fields = {
         "domain": _json(task.domain),
         **({"constants": _json(dict(task.constants))} if task.constants else {}),
-        "actions": _listed(map(_action_json, task.actions)),
+        "actions": _listed(map(_shared_json, task.actions)),
         "entities": _mapping_json(task.entities),
         "initial": _mapping_json(task.initial),
         "subgoals": _listed(map(_mapping_json, task.subgoals)),
@@ -57,23 +57,14 @@ def _listed(texts: Iterable[str]) -> str:
 _json = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
 
 
-@lru_cache(maxsize=1 << 14)
-def _action_json(action: Atom) -> str:
-    return _json(str(action))
-
-
 def _mapping_json(values: Mapping[Any, Any]) -> str:
-    """Return a mapping of a task as JSON; frozen mappings are shared between tasks, so their texts are cached."""
-    return _frozen_json(values) if isinstance(values, FrozenDict) else _json(_with_text_keys(values))
+    return _shared_json(values) if isinstance(values, FrozenDict) else _shared_json.__wrapped__(values)
 
 
-@lru_cache(maxsize=1 << 13)
-def _frozen_json(values: FrozenDict[Any, Any]) -> str:
-    return _json(_with_text_keys(values))
-
-
-def _with_text_keys(values: Mapping[Any, Any]) -> dict[str, Any]:
-    return {str(key): value for key, value in values.items()}
+@lru_cache(maxsize=1 << 14)
+def _shared_json(value: Atom | Mapping[Any, Any]) -> str:
+    """Return an action or a mapping of a task as JSON, cached, because tasks share most of them."""
+    return _json(str(value) if isinstance(value, Atom) else {str(key): each for key, each in value.items()})
 
 
 def read_tasks(file: str | Path) -> Iterator[Record]:
@@ -114,28 +105,24 @@ def read_lines(lines: Iterable[str], name: str) -> Iterator[Record]:
             raise QueryError(f"{name}:{number}: not a task: the line is longer than {LONGEST_LINE:,} characters")
         if line.strip():
             try:
-                record = _record(read(decoded(line), _Line, ""))
+                values = read(decoded(line), _Line, "")
+                task = Task(
+                    domain=values.domain,
+                    actions=tuple(map(parse_atom, values.actions)),
+                    entities=FrozenDict(values.entities),
+                    initial=_state(values.initial),
+                    states=tuple(map(_state, values.states)),
+                    subgoals=tuple(map(_state, values.subgoals)),
+                    goal=_state(values.goal),
+                    log_probability=values.log_probability,
+                    constants=FrozenDict(values.constants),
+                )
+                if not len(task.actions) == len(task.states) == len(task.subgoals):
+                    raise QueryError("it needs one state and one subgoal for each action")
             except QueryError as error:
                 what = f"not a task: {error}; write tasks with --format jsonl"
                 raise QueryError(f"{name}:{number}: {what}") from None
-            yield replace(record, place=f"{name}:{number}")
-
-
-def _record(line: _Line) -> Record:
-    task = Task(
-        domain=line.domain,
-        actions=tuple(map(parse_atom, line.actions)),
-        entities=FrozenDict(line.entities),
-        initial=_state(line.initial),
-        states=tuple(map(_state, line.states)),
-        subgoals=tuple(map(_state, line.subgoals)),
-        goal=_state(line.goal),
-        log_probability=line.log_probability,
-        constants=FrozenDict(line.constants),
-    )
-    if not len(task.actions) == len(task.states) == len(task.subgoals):
-        raise QueryError("it needs one state and one subgoal for each action")
-    return Record(task, line.verdict, line.witness)
+            yield Record(task, values.verdict, values.witness, f"{name}:{number}")
 
 
 def _state(values: Mapping[str, bool]) -> FrozenDict[Atom, bool]:

@@ -71,11 +71,7 @@ def merge(
 
 
 def _in_order(parts: Sequence[Dataset]) -> list[Dataset]:
-    """Return parts in order of their numbers.
-
-    Raises:
-        QueryError: a dataset is no part, is a part of another dataset or the same part as another; or some are missing.
-    """
+    """Return parts in order of their numbers."""
     if not parts:
         raise QueryError("no parts to merge; name the folders of all of them")
     by_number: dict[int, Dataset] = {}

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import closing
 from itertools import islice, tee
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from prag_asp.dataset.dataset_spec import budget_of, require_demonstrated
-from prag_asp.dataset.episode_files import Recordings
+from prag_asp.dataset.episode_files import write_episode
 from prag_asp.dataset.jsonl import Record
 from prag_asp.dataset.pass_rates import Tally
 from prag_asp.dataset.scenes import scene_of
+from prag_asp.output import make_folder
 from prag_asp.physics import Budget, Staging, Verdict, validate_numbered
 
 if TYPE_CHECKING:
@@ -32,47 +33,23 @@ def feasible(
     staging: Staging | None = None,
     draws: int | None = None,
     tally: Tally | None = None,
+    progress: Callable[[], None] = lambda: None,
     **drawing: Any,
 ) -> Generator[Record, None, None]:
     """Yield feasible tasks sampled from a space, each with its verdict and its witness, without end.
 
     `scene` is by default the scene of the domain, and `drawing` has options of `TaskSpace.stream`; with
     ``distinct=True`` (and weights alone), no task is sampled twice, and the iterator ends with the last task. It also
-    ends after a number of `draws`, feasible or not; `tally` counts all of them. With `demonstrate`, the robot performs
-    each task, and recordings are written into that folder, which is created if it is missing; `staging` has the
-    cameras that film the tasks and the properties that vary. The results depend on the seed alone, not on the number
-    of `workers`.
+    ends after a number of `draws`, feasible or not; `tally` counts all of them, and `progress` is called after each.
+    With `demonstrate`, the robot performs each task, and recordings are written into that folder, which is created if
+    it is missing; `staging` has the cameras that film the tasks and the properties that vary. The results depend on the
+    seed alone, not on the number of `workers`.
 
     Raises:
         SceneError: the domain has no scene, or the scene lacks the shape of an entity of a task.
         QueryError: the space is empty, or a sampling option is wrong.
         OutputError: a recording cannot be written.
         WorkerError: workers died repeatedly.
-    """
-    records = validated_draws(
-        space, scene, seed=seed, workers=workers, budget=budget, demonstrate=demonstrate, staging=staging, draws=draws,
-        tally=tally, **drawing,
-    )  # fmt: skip
-    return _feasible(records)
-
-
-def validated_draws(
-    space: TaskSpace,
-    scene: Scene | None = None,
-    *,
-    seed: int = 0,
-    workers: int = 1,
-    budget: Budget | None = None,
-    demonstrate: str | Path | None = None,
-    staging: Staging | None = None,
-    draws: int | None = None,
-    tally: Tally | None = None,
-    **drawing: Any,
-) -> Generator[Record | None, None, None]:
-    """Yield the record of each draw as `feasible` does, and None for each draw that is not feasible.
-
-    Raises:
-        PragError: as `feasible` does.
     """
     scene = scene_of(space.domain) if scene is None else scene
     if staging is not None:
@@ -81,30 +58,26 @@ def validated_draws(
     budget, tally = budget_of(budget, demonstrate), Tally() if tally is None else tally
     tasks, again = tee(islice(space.stream(seed=seed, **drawing), draws))
     verdicts = validate_numbered(enumerate(tasks), scene, seed=seed, workers=workers, budget=budget, staging=staging)
-    return _recorded(again, verdicts, Recordings(demonstrate), tally)
+    folder = None if demonstrate is None else make_folder(demonstrate)
+    return _records(again, verdicts, folder, tally, progress)
 
 
-def _feasible(records: Generator[Record | None, None, None]) -> Generator[Record, None, None]:
-    """Yield the records that are not None."""
-    with closing(records):
-        for record in records:
-            if record is not None:
-                yield record
-
-
-def _recorded(
-    tasks: Iterator[Task], verdicts: Generator[Verdict, None, None], recordings: Recordings, tally: Tally
-) -> Generator[Record | None, None, None]:
-    """Yield the record of each feasible task and None for others, save demonstrations, and count all tasks."""
+def _records(
+    tasks: Iterator[Task],
+    verdicts: Generator[Verdict, None, None],
+    folder: Path | None,
+    tally: Tally,
+    progress: Callable[[], None],
+) -> Generator[Record, None, None]:
+    """Yield the record of each feasible task, save demonstrations, and count all tasks."""
     with closing(verdicts):
         for task, verdict in zip(tasks, verdicts, strict=False):
             tally.add(verdict)
-            if not verdict.feasible:
-                yield None
-                continue
-            values = verdict.to_json()
-            witness = values.pop("witness")
-            name = recordings.write(tally.passed, verdict.demonstration)
-            if name is not None:
-                values["demonstration"] = name
-            yield Record(task, values, witness)
+            progress()
+            if verdict.feasible:
+                values = verdict.to_json()
+                witness = values.pop("witness")
+                name = write_episode(folder, tally.passed, verdict.demonstration)
+                if name is not None:
+                    values["demonstration"] = name
+                yield Record(task, values, witness)

@@ -8,17 +8,18 @@ from contextlib import closing
 from dataclasses import dataclass, field
 from itertools import chain, groupby
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from prag_asp.batches import growing_batches
 from prag_asp.dataset.dataset_spec import budget_of, require_demonstrated
-from prag_asp.dataset.episode_files import Recordings
+from prag_asp.dataset.episode_files import write_episode
 from prag_asp.dataset.jsonl import Record, read_tasks
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.dataset.task_origin import errors_with_place, foreign, index_of, named_domain, read_witness
 from prag_asp.domain.load import load_domain
 from prag_asp.errors import QueryError
-from prag_asp.physics import Budget, Demonstration, Staging, validate_numbered
+from prag_asp.output import make_folder
+from prag_asp.physics import Budget, Demonstration, Staging, Verdict, validate_numbered
 from prag_asp.physics.validation import check_numbered
 from prag_asp.space.task_space import TaskSpace
 
@@ -49,16 +50,6 @@ class Outcome:
     causes: Mapping[str, int] = field(default_factory=dict)
     demonstration: Demonstration | None = None
     detail: str = ""
-
-
-@dataclass(frozen=True)
-class _RecheckOptions:
-    """The options of physics."""
-
-    seed: int
-    workers: int
-    budget: Budget
-    staging: Staging | None
 
 
 def recheck(
@@ -94,20 +85,20 @@ def recheck(
         records = iter(tasks)
     if staging is not None:
         require_demonstrated(staging, demonstrate)
-    number, recordings = 0, Recordings(demonstrate)
-    search = _RecheckOptions(seed, workers, budget_of(budget, demonstrate), staging)
+    number, episodes = 0, None if demonstrate is None else make_folder(demonstrate)
+    options = {"seed": seed, "workers": workers, "budget": budget_of(budget, demonstrate), "staging": staging}
     load = load or (lambda record, folder: load_domain(named_domain(record, folder), constants=record.task.constants))
     for _, several in groupby(records, key=lambda record: (record.task.domain, record.task.constants)):
         group = iter(several)
         first = next(group)
         own = load(first, folder) if domain is None else domain
         checked = _with_faults(chain([first], group), TaskSpace(own, 0).where(*where))
-        check, scene = _check_witnesses if witness_only else _search, scene_of(own)
+        scene = scene_of(own)
         if staging is not None:
             staging.cameras_of(scene)
-        for outcome in check(checked, scene, search):
+        for outcome in _outcomes(checked, scene, witness_only, options):
             number += 1
-            recordings.write(number, outcome.demonstration)
+            write_episode(episodes, number, outcome.demonstration)
             yield outcome
 
 
@@ -118,86 +109,54 @@ def _with_faults(records: Iterable[Record], space: TaskSpace) -> Iterator[Checke
         plans = (tuple(map(str, r.task.actions)) for r, is_plan in zip(batch, valid, strict=True) if is_plan)
         expected = space.tasks_of_plans(plans)
         for record, is_plan in zip(batch, valid, strict=True):
-            yield record, _fault(record.task, next(expected)) if is_plan else _foreign_plan(record, space.domain)
-
-
-def _foreign_plan(record: Record, domain: Domain) -> str:
-    """Return the fault of a plan that is none of a domain, with the domain that the file names if it is another."""
-    other = foreign(record, domain)
-    return f"its plan is none of {domain.name}{f'; {other}' if other else ''}"
+            other = foreign(record, space.domain)
+            fault = f"its plan is none of {space.domain.name}{f'; {other}' if other else ''}"
+            yield record, _fault(record.task, next(expected)) if is_plan else fault
 
 
 def _fault(task: Task, expected: Task) -> str:
     """Return the fault of a task, "" if it equals the expected one."""
-    names = {
-        "entities": "entities",
-        "initial": "initial state",
-        "states": "states",
-        "subgoals": "subgoals",
-        "goal": "goal",
-    }
-    wrong = [name for part, name in names.items() if getattr(task, part) != getattr(expected, part)]
+    parts = ("entities", "initial", "states", "subgoals", "goal")
+    wrong = [
+        part.replace("initial", "initial state") for part in parts if getattr(task, part) != getattr(expected, part)
+    ]
     verb = "is" if wrong in (["initial state"], ["goal"]) else "are"
     return f"its {', '.join(wrong)} {verb} not what its actions make" if wrong else ""
 
 
-def _search(records: Iterator[CheckedRecord], scene: Scene, search: _RecheckOptions) -> Iterator[Outcome]:
-    """Yield the outcome of each task by a new search for a witness."""
-    waiting: deque[CheckedRecord] = deque()
-
-    def valid() -> Iterator[tuple[int, Task]]:
-        for record, fault in records:
-            waiting.append((record, fault))
-            if not fault:
-                yield index_of(record), record.task
-
-    validated = validate_numbered(
-        valid(), scene, seed=search.seed, workers=search.workers, budget=search.budget, staging=search.staging
-    )
-    with closing(validated) as verdicts:
-        for verdict in verdicts:
-            yield from _invalid(waiting)
-            record, _ = waiting.popleft()
-            yield Outcome(record, verdict.status, verdict.reason, verdict.causes, verdict.demonstration, verdict.detail)
-    yield from _invalid(waiting)
-
-
-def _invalid(waiting: deque[CheckedRecord]) -> Iterator[Outcome]:
-    """Yield the outcomes of the leading invalid tasks."""
-    while waiting and waiting[0][1]:
-        record, fault = waiting.popleft()
-        yield Outcome(record, "invalid", fault)
-
-
-def _check_witnesses(records: Iterator[CheckedRecord], scene: Scene, search: _RecheckOptions) -> Iterator[Outcome]:
-    """Yield the outcome of each task by a check of its witness, by the tiers of the budget."""
+def _outcomes(
+    records: Iterator[CheckedRecord], scene: Scene, witness_only: bool, options: Mapping[str, Any]
+) -> Iterator[Outcome]:
+    """Yield the outcome of each task, in order: by a new search for a witness, or by a check of the witness it has."""
     waiting: deque[tuple[Record, Outcome | None]] = deque()
 
-    def witnesses() -> Iterator[tuple[int, tuple[Task, Witness]]]:
+    def jobs() -> Iterator[tuple[int, Any]]:
         for record, fault in records:
-            witness = _witness_or_outcome(record, fault, scene)
-            waiting.append((record, witness if isinstance(witness, Outcome) else None))
-            if not isinstance(witness, Outcome):
-                yield index_of(record), (record.task, witness)
+            found: Witness | Outcome | None = None
+            if fault:
+                found = Outcome(record, "invalid", fault)
+            elif witness_only:
+                found = _witness_or_outcome(record, scene)
+            waiting.append((record, found if isinstance(found, Outcome) else None))
+            if not isinstance(found, Outcome):
+                yield index_of(record), record.task if found is None else (record.task, found)
 
-    checked = check_numbered(
-        witnesses(), scene, budget=search.budget, seed=search.seed, workers=search.workers, staging=search.staging
-    )
-    with closing(checked) as outcomes:
-        for _, fault, demonstration in outcomes:
+    run = check_numbered if witness_only else validate_numbered
+    with closing(run(jobs(), scene, **options)) as results:
+        for result in results:
             yield from _leading_outcomes(waiting)
             record, _ = waiting.popleft()
-            if fault is None:
-                yield Outcome(record, "feasible", demonstration=demonstration)
+            if isinstance(result, Verdict):
+                yield Outcome(record, result.status, result.reason, result.causes, result.demonstration, result.detail)
+            elif result.fault is None:
+                yield Outcome(record, "feasible", demonstration=result.demonstration)
             else:
-                yield Outcome(record, "witness_fails", fault.text or fault.cause)
+                yield Outcome(record, "witness_fails", result.fault.text or result.fault.cause)
     yield from _leading_outcomes(waiting)
 
 
-def _witness_or_outcome(record: Record, fault: str, scene: Scene) -> Witness | Outcome:
+def _witness_or_outcome(record: Record, scene: Scene) -> Witness | Outcome:
     """Return the witness of a record, or its outcome if there is no witness to check."""
-    if fault:
-        return Outcome(record, "invalid", fault)
     if record.witness is None:
         return Outcome(record, "not_found", "the file has no witness for it")
     try:
@@ -208,7 +167,7 @@ def _witness_or_outcome(record: Record, fault: str, scene: Scene) -> Witness | O
 
 
 def _leading_outcomes(waiting: deque[tuple[Record, Outcome | None]]) -> Iterator[Outcome]:
-    """Yield the outcomes before the first record whose witness is still to be checked."""
+    """Yield the outcomes before the first record that is still to be checked."""
     while waiting and (outcome := waiting[0][1]) is not None:
         waiting.popleft()
         yield outcome

@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import sha256
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
@@ -15,10 +15,10 @@ from prag_asp.dataset.store.draw_results import DrawResult, RecordingInfo, Start
 from prag_asp.task import Task
 
 if TYPE_CHECKING:
+    from prag_asp.dataset.dataset_spec import DatasetSpec
     from prag_asp.dataset.store.columns import RowReference
-    from prag_asp.dataset.store.instructions import Captioner
     from prag_asp.domain.load import Domain
-    from prag_asp.physics import Budget, Demonstration, Staging, Validator, Verdict, Witness
+    from prag_asp.physics import Validator, Verdict, Witness
     from prag_asp.scene.scene import Scene
     from prag_asp.space.distinct_sampling import RankedDraw
 
@@ -50,27 +50,15 @@ class JobResult(NamedTuple):
 
 @dataclass(frozen=True)
 class ValidationSetup:
-    """The options to validate the draws of a part: with a `scene`, by physics; with `captions`, draws are decoded."""
+    """The options to validate the draws of a part of a dataset, by physics if there is a `scene`.
+
+    If draws have to be decoded into tasks, and their texts written, `space` has its domain, lengths and conditions.
+    """
 
     part: str
-    seed: int
-    budget: Budget | None = None
+    spec: DatasetSpec
     scene: Scene | None = None
-    starts: int = 1
-    staging: Staging | None = None
-    captions: CaptionSetup | None = None
-
-
-@dataclass(frozen=True)
-class CaptionSetup:
-    """The options to decode draws of a space into tasks, and to write the texts of the tasks."""
-
-    domain: Domain
-    lengths: tuple[int, ...]
-    where: tuple[str, ...]
-    language: str
-    seed: int
-    phrasings: str
+    space: tuple[Domain, tuple[int, ...], tuple[str, ...]] | None = None
 
 
 @contextmanager
@@ -94,7 +82,7 @@ def open_job_validator(setup: ValidationSetup) -> Iterator[Callable[[int, Valida
 
 @contextmanager
 def open_draw_validator(
-    setup: ValidationSetup, captions: CaptionSetup
+    setup: ValidationSetup,
 ) -> Iterator[Callable[[Sequence[ValidationJob]], tuple[list[JobResult], bytes]]]:
     """Yield a function that decodes draws into tasks and validates them; it returns results, and their rows as Arrow.
 
@@ -102,15 +90,20 @@ def open_draw_validator(
         SceneError: the scene cannot be built, or lacks the shape of an entity of a task.
     """
     from prag_asp.dataset.store.columns import TableBuilder, packed
+    from prag_asp.dataset.store.instructions import captioner_of
     from prag_asp.dataset.store.shard_writer import row_of
+    from prag_asp.space.task_space import TaskSpace
 
-    tasks, captioner = _tasks_and_texts(captions)
+    assert setup.space is not None
+    domain, lengths, where = setup.space
+    space = TaskSpace(domain, lengths).where(*where)
+    captioner = captioner_of(domain, setup.spec.language, setup.spec.seed, setup.spec.phrasings)
     with _validator(setup) as validator:
 
         def results(jobs: Sequence[ValidationJob]) -> tuple[list[JobResult], bytes]:
             draws = [job.drawn for job in jobs if not isinstance(job.drawn, Task)]
             job_results, rows = [], TableBuilder("refused")  # the table of tasks has all of its columns, too
-            for job, draw, task in zip(jobs, draws, tasks(draws), strict=True):
+            for job, draw, task in zip(jobs, draws, space.tasks_of_draws(draws), strict=True):
                 result, encoded = _result(setup, job, task, validator)
                 job_results.append(encoded)
                 rows.add(row_of(draw, task, result, captioner(task, result.colours)))
@@ -121,11 +114,7 @@ def open_draw_validator(
 
 @contextmanager
 def _validator(setup: ValidationSetup) -> Iterator[Validator | None]:
-    """Yield a validator of the scene, None without one.
-
-    Raises:
-        SceneError: the scene cannot be built.
-    """
+    """Yield a validator of the scene, None without one."""
     if setup.scene is None:
         yield None
         return
@@ -133,15 +122,6 @@ def _validator(setup: ValidationSetup) -> Iterator[Validator | None]:
 
     with open_validator(setup.scene) as validator:
         yield validator
-
-
-def _tasks_and_texts(setup: CaptionSetup) -> tuple[Callable[[Sequence[RankedDraw]], list[Task]], Captioner]:
-    """Return a function that decodes a batch of draws into tasks, and a captioner of the tasks."""
-    from prag_asp.dataset.store.instructions import captioner_of
-    from prag_asp.space.task_space import TaskSpace
-
-    space = TaskSpace(setup.domain, setup.lengths).where(*setup.where)
-    return space.tasks_of_draws, captioner_of(setup.domain, setup.language, setup.seed, setup.phrasings)
 
 
 def _result(
@@ -152,12 +132,19 @@ def _result(
     if validator is not None:
         verdicts = _verdicts(setup, job, task, validator)
         recordings = tuple(None if each.demonstration is None else each.demonstration.to_bytes() for each in verdicts)
-        starts = [
-            StartResult(each.index, _witness_json(each), _recording_info(each.demonstration, content))
-            for each, content in zip(verdicts, recordings, strict=True)
-        ]
-        result = DrawResult(setup.part, job.number, _without_witness(verdicts[0]), starts)
-    return result, JobResult(msgspec.json.encode(result), recordings)
+        starts = []
+        for each, content in zip(verdicts, recordings, strict=True):
+            witness = msgspec.json.encode(None if each.witness is None else each.witness.to_json())
+            shown, recording = each.demonstration, None
+            if shown is not None and content is not None:
+                colours = {} if shown.variation is None else dict(shown.variation.colours)
+                ends, seconds = [int(frame) for frame in shown.ends], float(shown.times[-1])
+                digest = sha256(content).hexdigest()
+                recording = RecordingInfo("", digest, len(shown.times), seconds, ends, colours)
+            starts.append(StartResult(each.index, msgspec.Raw(witness), recording))
+        verdict = replace(verdicts[0], witness=None, demonstration=None)
+        result = DrawResult(setup.part, job.number, verdict, starts)
+    return result, JobResult(result.to_json(), recordings)
 
 
 def _verdicts(setup: ValidationSetup, job: ValidationJob, task: Task, validator: Validator) -> list[Verdict]:
@@ -165,39 +152,22 @@ def _verdicts(setup: ValidationSetup, job: ValidationJob, task: Task, validator:
 
     def verdict(search: int) -> Verdict:
         index = job.search + search * START
-        return validator.validate(task, seed=setup.seed, budget=setup.budget, index=index, staging=setup.staging)
+        return validator.validate(task, seed=spec.seed, budget=spec.budget, index=index, staging=spec.staging)
 
+    spec = setup.spec
     distinct: dict[str, Verdict] = {}
     result = verdict(0)
-    if result.witness is None or setup.starts == 1:
+    if result.witness is None or spec.starts == 1:
         return [result]
-    for search in range(1, TRIES * setup.starts + 1):
+    for search in range(1, TRIES * spec.starts + 1):
         if result.witness is not None:
             distinct.setdefault(initial_state_key(result.witness), result)
-        if len(distinct) == setup.starts or search == TRIES * setup.starts:
+        if len(distinct) == spec.starts or search == TRIES * spec.starts:
             break
         result = verdict(search)
     return list(distinct.values())
 
 
-def _witness_json(verdict: Verdict) -> msgspec.Raw:
-    return msgspec.Raw(msgspec.json.encode(None if verdict.witness is None else verdict.witness.to_json()))
-
-
-def _without_witness(verdict: Verdict) -> dict[str, Any]:
-    """Return a verdict as a JSON value, without its witness, which goes into a separate table."""
-    return {name: value for name, value in verdict.to_json().items() if name != "witness"}
-
-
 def initial_state_key(witness: Witness) -> str:
     """Return a text that is equal for two witnesses if and only if they have the same initial state."""
     return json.dumps([witness.moments[0].to_json(), dict(witness.sizes)], sort_keys=True)
-
-
-def _recording_info(demonstration: Demonstration | None, content: bytes | None) -> RecordingInfo | None:
-    """Return the record of a recording that has no file yet."""
-    if demonstration is None or content is None:
-        return None
-    ends, seconds = [int(frame) for frame in demonstration.ends], float(demonstration.times[-1])
-    colours = {} if demonstration.variation is None else dict(demonstration.variation.colours)
-    return RecordingInfo("", sha256(content).hexdigest(), len(demonstration.times), seconds, ends, colours)

@@ -125,7 +125,7 @@ class GrammarReader:
         for (name, arity), places in self.states.action_arguments.items():
             varying = {index for index, arguments in enumerate(places) if len(arguments) > 1}
             way_of = ways.get((name, arity), {})
-            moved = {each.moved for index, each in way_of.items() if index in varying or not varying}
+            moved = {each.moved for index, each in way_of.items() if index in varying}
             named = sorted(varying | moved)
             led = {index: each.word for index, each in way_of.items() if index in varying}
             every = _joined([f"{{{index}}}" for index in named if index not in led], defaults["all"])

@@ -5,26 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import clingo
 
 from prag_asp.domain.load import Domain
-from prag_asp.logic.ground.ground_step import GroundStep, extend_step, ground_plan, ground_step
-from prag_asp.logic.ground.program import (
-    canonical_extension,
-    canonical_program,
-    closed_program,
-    weighing_program,
-    whole_program,
-)
-from prag_asp.logic.ground.stationary import Obstacle, StepReads, read_step
-from prag_asp.logic.step.normal import NormalStep
-from prag_asp.logic.step.strata import stratified_step
-from prag_asp.logic.step.transition import Transition, build_transition
 from prag_asp.logic.symmetry.symmetries import Symmetries
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.paths import data_folder
 from prag_asp.program.sources import ADDED, Program, read_text
+
+if TYPE_CHECKING:
+    from prag_asp.logic.ground.ground_step import GroundStep
+    from prag_asp.logic.ground.stationary import Obstacle, StepReads
+    from prag_asp.logic.step.normal import NormalStep
+    from prag_asp.logic.step.transition import Transition
 
 INTERCHANGEABLE = "looking for interchangeable entities"
 LOOP_FREE = ("conditions", "loop_free.lp")
@@ -51,6 +46,8 @@ class DomainLogic:
     @cached_property
     def program(self) -> Program:
         """The program whose answer sets are plans."""
+        from prag_asp.logic.ground.program import whole_program  # noqa: PLC0415 - counts from a cached automaton need none
+
         return whole_program(self.domain)
 
     @cached_property
@@ -65,6 +62,8 @@ class DomainLogic:
     @cached_property
     def reads(self) -> StepReads:
         """The predicates that a step reads of the step before."""
+        from prag_asp.logic.ground.stationary import read_step  # noqa: PLC0415 - counts from a cached automaton need none
+
         return read_step(self.domain.program)
 
     @cached_property
@@ -76,6 +75,8 @@ class DomainLogic:
         """
         if self.reads.obstacles:
             raise self.reads.obstacles[0].error()
+        from prag_asp.logic.ground.ground_step import ground_step  # noqa: PLC0415 - counts from a cached automaton need none
+
         return ground_step(self.program, self.domain.facts, self.reads)
 
     @property
@@ -86,6 +87,8 @@ class DomainLogic:
     @cached_property
     def step(self) -> NormalStep:
         """One step in normal form."""
+        from prag_asp.logic.step.strata import stratified_step  # noqa: PLC0415 - counts from a cached automaton need none
+
         ground = self.ground
         stage("preparing the step")
         return stratified_step(ground)
@@ -103,6 +106,8 @@ class DomainLogic:
             return self.whole.symmetries(length) if may_interchange(self.domain.facts) else Symmetries()
         if not self._without_loops.obstacles:
             return self._without_loops._symmetries
+        from prag_asp.logic.ground.ground_step import ground_plan  # noqa: PLC0415 - counts from a cached automaton need none
+
         return self._find_symmetries(lambda model: ground_plan(model.program, length, model.reads))
 
     def groups(self, length: int) -> tuple[tuple[clingo.Symbol, ...], ...]:
@@ -134,7 +139,8 @@ class DomainLogic:
 
     def _closed(self, groups: Collection[Sequence[clingo.Symbol]] = ()) -> DomainLogic | None:
         """Return the logic with all entailed invariants if more entities than those of `groups` may be alike in it."""
-        from prag_asp.logic.symmetry.asymmetric_invariants import states_unevenly  # noqa: PLC0415 - plans and skeletons need none
+        from prag_asp.logic.ground.program import closed_program  # noqa: PLC0415 - plans and skeletons need none
+        from prag_asp.logic.symmetry.asymmetric_invariants import states_unevenly  # noqa: PLC0415
 
         if not states_unevenly(self.domain.facts, groups) or (program := closed_program(self.domain)) is None:
             return None
@@ -157,6 +163,10 @@ class DomainLogic:
     @cached_property
     def _task_step(self) -> NormalStep:
         """One step of tasks in normal form, ground on top of the step of plans if possible."""
+        from prag_asp.logic.ground.ground_step import extend_step  # noqa: PLC0415 - as above
+        from prag_asp.logic.ground.program import canonical_extension  # noqa: PLC0415
+        from prag_asp.logic.step.strata import stratified_step  # noqa: PLC0415
+
         program, symmetries = self.task_program(0), self.symmetries(0)
         extension = canonical_extension(self.domain, symmetries.groups, symmetries.joint)
         if extension is not None:
@@ -172,10 +182,15 @@ class DomainLogic:
 
     def _stratified(self, program: Program) -> NormalStep:
         """Return one step of a program in normal form."""
+        from prag_asp.logic.ground.ground_step import ground_step  # noqa: PLC0415 - as above
+        from prag_asp.logic.step.strata import stratified_step  # noqa: PLC0415
+
         return stratified_step(ground_step(program, self.domain.facts, self._reads(program)))
 
     def _reads(self, program: Program) -> StepReads:
         """Return the reads of a step of a program, without the facts that the library adds."""
+        from prag_asp.logic.ground.stationary import read_step  # noqa: PLC0415 - as above
+
         return read_step(Program(tuple(source for source in program.sources if source.path != ADDED)))
 
     def task_program(self, length: int) -> Program:
@@ -184,6 +199,8 @@ class DomainLogic:
         if not symmetries:
             return self.program
         if symmetries not in self._canonical:
+            from prag_asp.logic.ground.program import canonical_program  # noqa: PLC0415 - as above
+
             self._canonical[symmetries] = canonical_program(self.domain, symmetries.groups, symmetries.joint)
         return self._canonical[symmetries]
 
@@ -204,6 +221,9 @@ class DomainLogic:
         """
         if self.obstacles:
             raise self.obstacles[0].error()
+        from prag_asp.logic.ground.program import weighing_program  # noqa: PLC0415 - as above
+        from prag_asp.logic.step.transition import build_transition  # noqa: PLC0415
+
         reduces = tasks and bool(self.symmetries(0))
         if not weighed and not labels:
             if reduces not in self._transitions:

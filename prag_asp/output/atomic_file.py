@@ -194,8 +194,9 @@ def locked(path: Path, open_path: Callable[[], int]) -> int:
     while True:
         descriptor = open_path()
         try:
-            if _lock(descriptor) and _is_at(descriptor, path):
-                return descriptor
+            with suppress(FileNotFoundError):  # the previous writer may have renamed the file meanwhile
+                if _lock(descriptor) and os.path.samestat(os.fstat(descriptor), path.lstat()):
+                    return descriptor
         except BaseException:
             os.close(descriptor)
             raise
@@ -235,11 +236,3 @@ def _lock(descriptor: int) -> bool:
     except OSError as error:
         return error.errno in NO_LOCKS
     return True
-
-
-def _is_at(descriptor: int, path: Path) -> bool:
-    """Return whether an open file is still at its path: the previous writer may have renamed it meanwhile."""
-    try:
-        return os.path.samestat(os.fstat(descriptor), path.lstat())
-    except FileNotFoundError:
-        return False

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
 
 from prag_asp.pddl.conditions import BASE, END, NEVER, STEP, Bodies, Rules, Vocabulary, applied
 from prag_asp.pddl.definitions import OBJECT, DomainFile, ProblemFile, Schema, SchemaEffect
@@ -22,7 +23,7 @@ class Behaviour:
     ) -> None:
         self._domain = domain
         self._goal = problem.goal
-        self._conflicting = _ConflictingEffects(domain, problem)
+        self._may_be_one = _overlap(domain, problem)
         self._large = large_actions(domain, problem)
         self._words = words
         self._actions = actions
@@ -42,34 +43,35 @@ class Behaviour:
         term = applied(self._actions[action.name], (each.name for each in action.parameters))
         parts = list(conjuncts(action.precondition))
         fixed = [part for part in parts if not self._bodies.changes(part)]
-        body = [*map(self._words.belongs, action.parameters)]
-        for part in fixed:
-            body += self._bodies.body(part, BASE)
-        body = self._without_object(body, fixed)
-        if action.name in self._large:
-            body += self._ever(action.precondition)
-        if NEVER in body:
-            body = [*map(self._words.belongs, action.parameters), NEVER]
-        yield statement(f"action({term})", body)
-        plain: dict[bool, list[str]] = {True: [], False: []}
-        rest: list[str] = []
-        for part in parts:
-            self._rules.comes_from("domain", part.line)
-            if isinstance(part, Literal) and part not in fixed and part.predicate not in self._words.derived:
-                plain[part.positive].append(self._words.atom(part))
-            elif part not in fixed:
-                rest += self._rules.placed(self._demand(term, part))
-        self._rules.comes_from("domain", min((part.line for part in parts if part not in fixed), default=action.line))
-        yield from self._valued("precondition", term, plain)
-        yield from rest
-        yield from self._effects(term, action)
-
-    def _without_object(self, body: list[str], fixed: Iterable[Formula]) -> list[str]:
-        """Remove type tests for `object` of variables that a static literal binds: its arguments are objects."""
+        kinds = [*map(self._words.belongs, action.parameters)]
+        # A static literal binds its variables to objects, so that these need no test for the type `object`.
         facts = [part for part in fixed if isinstance(part, Literal) and part.positive]
         bound = {term for part in facts for term in part.terms if isinstance(term, Variable)}
         needless = {self._words.belongs(each) for each in bound if each.types == (OBJECT,)}
-        return [each for each in body if each not in needless]
+        body = [*kinds, *(each for part in fixed for each in self._bodies.body(part, BASE))]
+        body = [each for each in body if each not in needless]
+        if action.name in self._large:
+            body += self._ever(action.precondition)
+        yield statement(f"action({term})", [*kinds, NEVER] if NEVER in body else body)
+        plain: dict[bool, list[str]] = {True: [], False: []}
+        rest: list[str] = []
+        moving = [part for part in parts if part not in fixed]
+        for part in moving:
+            self._rules.comes_from("domain", part.line)
+            if isinstance(part, Literal) and part.predicate not in self._words.derived:
+                plain[part.positive].append(self._words.atom(part))
+            elif guarded := self._guarded(part):
+                variables, guard, literal = guarded
+                body = [f"action({term})", *map(self._words.belongs, variables), *self._bodies.body(guard, BASE)]
+                head = f"precondition({term}, {self._words.atom(literal)}, {TRUTH[literal.positive]})"
+                rest.append(PlacedLine(statement(head, body), self._rules.at))
+            else:
+                for body in self._bodies.bodies(negated(part), STEP):
+                    self._rules.add(STEP, "", [f"occurs({term},t)", *body])
+        self._rules.comes_from("domain", min((part.line for part in moving), default=action.line))
+        yield from self._valued("precondition", term, plain)
+        yield from rest
+        yield from self._effects(term, action)
 
     def _ever(self, condition: Formula) -> Iterator[str]:
         """Yield an ``ever`` literal for each fluent that a condition requires to be true."""
@@ -82,17 +84,6 @@ class Behaviour:
             if fluents:
                 pool = fluents[0] if len(fluents) == 1 else f"({'; '.join(fluents)})"
                 yield f"{predicate}({term}, {pool}, {TRUTH[value]}) :- action({term})."
-
-    def _demand(self, term: str, formula: Formula) -> Iterator[str]:
-        """Yield the rule of a precondition on guarded fluents; other preconditions become constraints of the step."""
-        simple = self._guarded(formula)
-        if simple is not None:
-            variables, guard, literal = simple
-            body = [f"action({term})", *map(self._words.belongs, variables), *self._bodies.body(guard, BASE)]
-            yield statement(f"precondition({term}, {self._words.atom(literal)}, {TRUTH[literal.positive]})", body)
-            return
-        for body in self._bodies.bodies(negated(formula), STEP):
-            self._rules.add(STEP, "", [f"occurs({term},t)", *body])
 
     def _guarded(self, formula: Formula) -> tuple[tuple[Variable, ...], Formula, Literal] | None:
         """Return a formula as ``forall variables (static guard -> literal)``, or None if it has another form."""
@@ -107,50 +98,63 @@ class Behaviour:
         return variables, Junction(True, guards, moving[0].line), moving[0]
 
     def _effects(self, term: str, action: Schema) -> Iterator[str]:
-        """Yield the unconditional effects of an action; effects that depend on the state become rules of a step."""
+        """Yield the unconditional effects of an action; effects that depend on the state become rules of a step.
+
+        An atom that an action both adds and deletes becomes true.
+        """
         moving = {effect for effect in action.effects if self._bodies.changes(effect.condition)}
         added = [effect for effect in action.effects if effect.literal.positive]
         plain: dict[bool, list[str]] = {True: [], False: []}
         rest: list[str] = []
         for effect in action.effects:
-            self._rules.comes_from("domain", effect.literal.line)
-            conflicting = [] if effect.literal.positive else self._conflicting.of(effect, added)
+            literal, atom = effect.literal, self._words.atom(effect.literal)
+            self._rules.comes_from("domain", literal.line)
+            conflicting = [
+                each
+                for each in added
+                if not literal.positive
+                and each.literal.predicate == literal.predicate
+                and all(map(self._may_be_one, literal.terms, each.literal.terms))
+            ]
             if effect in moving or not moving.isdisjoint(conflicting):
-                self._step_effect(term, effect)
-                if self.looks_ahead and effect.literal.positive:
-                    rest += self._rules.placed(self._ever_made(term, effect))
+                rest += self._rules.placed(self._step_effect(term, effect))
                 continue
-            if _is_overruled(effect, conflicting):
-                continue
+            always = [each for each in conflicting if _is_plain(each)]
+            if any(each.literal.terms == literal.terms for each in always):
+                continue  # the fluent is added whenever it is deleted
             if _is_plain(effect) and not conflicting:
-                plain[effect.literal.positive].append(self._words.atom(effect.literal))
+                plain[literal.positive].append(atom)
                 continue
-            atom, value = self._words.atom(effect.literal), TRUTH[effect.literal.positive]
             body = [f"action({term})", *map(self._words.belongs, effect.variables)]
-            body += [*self._bodies.body(effect.condition, BASE), *_differences(self._words, effect, conflicting)]
-            if not all(map(_is_plain, conflicting)):
+            body += self._bodies.body(effect.condition, BASE)
+            for other in always:
+                pairs = zip(literal.terms, other.literal.terms, strict=True)
+                unlike = [(self._words.term(one), self._words.term(two)) for one, two in pairs if one != two]
+                left, right = (",".join(side) for side in zip(*unlike, strict=True))
+                body.append(f"{left} != {right}" if len(unlike) == 1 else f"({left}) != ({right})")
+            if len(always) < len(conflicting):
                 body.append(f"not postcondition({term},{atom},true)")
             if NEVER not in body:
-                rest.append(PlacedLine(statement(f"postcondition({term}, {atom}, {value})", body), self._rules.at))
+                rule = statement(f"postcondition({term}, {atom}, {TRUTH[literal.positive]})", body)
+                rest.append(PlacedLine(rule, self._rules.at))
         self._rules.comes_from("domain", min((each.literal.line for each in action.effects), default=action.line))
         yield from self._valued("postcondition", term, plain)
         yield from dict.fromkeys(rest)
 
-    def _ever_made(self, term: str, effect: SchemaEffect) -> Iterator[str]:
-        """Yield that an effect which depends on the state may ever come true."""
-        body = [f"action({term})", *map(self._words.belongs, effect.variables)]
-        for part in conjuncts(effect.condition):
-            body += [] if self._bodies.changes(part) else self._bodies.body(part, BASE)
+    def _step_effect(self, term: str, effect: SchemaEffect) -> Iterator[str]:
+        """Add the rule of an effect that depends on the state, and yield that what it adds may ever be true."""
+        positive, atom = effect.literal.positive, self._words.atom(effect.literal)
+        kinds = [*map(self._words.belongs, effect.variables)]
+        body = [f"occurs({term},t)", *kinds, *self._bodies.body(effect.condition, STEP)]
         if NEVER not in body:
-            yield statement(f"ever({self._words.atom(effect.literal)})", [*body, *self._ever(effect.condition)])
-
-    def _step_effect(self, term: str, effect: SchemaEffect) -> None:
-        head = f"{'adds' if effect.literal.positive else 'deletes'}({self._words.atom(effect.literal)},t)"
-        body = [f"occurs({term},t)", *map(self._words.belongs, effect.variables)]
-        body += self._bodies.body(effect.condition, STEP)
-        if NEVER not in body:
-            self._in_steps.setdefault(effect.literal.positive, self._rules.at)
-            self._rules.add(STEP, head, body)
+            self._in_steps.setdefault(positive, self._rules.at)
+            self._rules.add(STEP, f"{'adds' if positive else 'deletes'}({atom},t)", body)
+        if self.looks_ahead and positive:
+            body = [f"action({term})", *kinds]
+            for part in conjuncts(effect.condition):
+                body += [] if self._bodies.changes(part) else self._bodies.body(part, BASE)
+            if NEVER not in body:
+                yield statement(f"ever({atom})", [*body, *self._ever(effect.condition)])
 
     def finish_effects(self) -> None:
         """Add the rules that apply conditional effects: an atom that is both added and deleted becomes true."""
@@ -214,51 +218,18 @@ def _is_plain(effect: SchemaEffect) -> bool:
     return not effect.variables and next(conjuncts(effect.condition), None) is None
 
 
-class _ConflictingEffects:
-    """Finds effects that may set the same fluent, by the types of their terms.
+def _overlap(domain: DomainFile, problem: ProblemFile) -> Callable[[Variable | str, Variable | str], bool]:
+    """Return a test of whether two terms may denote the same object, by their types."""
+    above = [domain.above(name) for name in domain.types]
 
-    An atom that an action both adds and deletes becomes true.
-    """
+    @cache
+    def have_common_type(one: tuple[str, ...], other: tuple[str, ...]) -> bool:
+        return any(not each.isdisjoint(one) and not each.isdisjoint(other) for each in above)
 
-    def __init__(self, domain: DomainFile, problem: ProblemFile) -> None:
-        self._objects = problem.objects
-        self._above = [domain.above(name) for name in domain.types]
-        self._overlaps: dict[tuple[tuple[str, ...], tuple[str, ...]], bool] = {}
-
-    def of(self, effect: SchemaEffect, others: Iterable[SchemaEffect]) -> list[SchemaEffect]:
-        """Return the effects among others that may set the fluent of an effect."""
-        literal = effect.literal
-        return [
-            each
-            for each in others
-            if each.literal.predicate == literal.predicate
-            and all(map(self._may_be_one, literal.terms, each.literal.terms))
-        ]
-
-    def _may_be_one(self, left: Variable | str, right: Variable | str) -> bool:
+    def may_be_one(left: Variable | str, right: Variable | str) -> bool:
         if isinstance(left, str) and isinstance(right, str):
             return left == right
-        types = self._types(left), self._types(right)
-        if types not in self._overlaps:
-            first, second = types
-            self._overlaps[types] = any(
-                not above.isdisjoint(first) and not above.isdisjoint(second) for above in self._above
-            )
-        return self._overlaps[types]
+        one, other = (each.types if isinstance(each, Variable) else (problem.objects[each],) for each in (left, right))
+        return have_common_type(one, other)
 
-    def _types(self, term: Variable | str) -> tuple[str, ...]:
-        return term.types if isinstance(term, Variable) else (self._objects[term],)
-
-
-def _is_overruled(effect: SchemaEffect, conflicting: Iterable[SchemaEffect]) -> bool:
-    """Return whether another effect always adds the fluent that an effect deletes."""
-    return any(_is_plain(each) and each.literal.terms == effect.literal.terms for each in conflicting)
-
-
-def _differences(words: Vocabulary, effect: SchemaEffect, conflicting: Iterable[SchemaEffect]) -> Iterator[str]:
-    """Yield the inequalities that separate a delete effect from each plain add effect of the same action."""
-    for other in filter(_is_plain, conflicting):
-        pairs = zip(effect.literal.terms, other.literal.terms, strict=True)
-        unlike = [(words.term(left), words.term(right)) for left, right in pairs if left != right]
-        left, right = (",".join(side) for side in zip(*unlike, strict=True))
-        yield f"{left} != {right}" if len(unlike) == 1 else f"({left}) != ({right})"
+    return may_be_one

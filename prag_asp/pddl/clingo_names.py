@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Mapping
+from itertools import chain, count
 
 RESERVED = frozenset([
     "not", "true", "false", "unknown", "inf", "sup", "class", "entity", "is_a", "fluent", "action", "precondition",
@@ -37,25 +38,18 @@ def clingo_names(
     for name in unique:
         if name not in mapping:
             plain = re.sub(r"[^a-z0-9_]", "_", name)
-            mapping[name] = _free(plain, f"{word}_{plain}", used)
+            usable = plain not in used and CLINGO.fullmatch(plain)
+            mapping[name] = plain if usable else unused(f"{word}_{plain}", used)
             used.add(mapping[name])
     return {name: mapping[name] for name in unique}
 
 
-def _free(name: str, other: str, used: Collection[str]) -> str:
-    if name not in used and CLINGO.fullmatch(name):
-        return name
-    number, free = 2, other
-    while free in used:
-        free, number = f"{other}_{number}", number + 1
-    return free
+def unused(name: str, taken: Collection[str]) -> str:
+    """Return a name that is not taken: the given one, or with a number as a suffix."""
+    return next(each for each in chain([name], (f"{name}_{number}" for number in count(2))) if each not in taken)
 
 
 def variable_name(name: str, taken: Collection[str]) -> str:
     """Return an unused clingo name for a variable of PDDL."""
     plain = re.sub(r"[^A-Za-z0-9_]", "_", str(name)).lower()
-    candidate = first = plain[0].upper() + plain[1:]
-    number = 2
-    while candidate in taken:
-        candidate, number = f"{first}_{number}", number + 1
-    return candidate
+    return unused(plain[0].upper() + plain[1:], taken)

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from itertools import chain, count
+from itertools import count
 
+from prag_asp.pddl.clingo_names import unused
 from prag_asp.pddl.formulas import (
     Equality,
     Formula,
@@ -23,6 +24,7 @@ from prag_asp.pddl.formulas import (
     variables,
 )
 from prag_asp.pddl.line_map import File, FileLine, PlacedLine
+from prag_asp.pddl.program_text import statement
 
 BASE, STEP, END = "base", "step(t)", "check(t)"
 """The parts of a program: the static part, a step with the state before it, and the final state."""
@@ -48,8 +50,7 @@ class Rules:
             return False
         if not head and not conditions:
             conditions = ["#true"]
-        line = f"{head} :- {', '.join(conditions)}." if conditions else f"{head}."
-        self.parts[part].setdefault(PlacedLine(line.removeprefix(" "), self.at))
+        self.parts[part].setdefault(PlacedLine(statement(head, conditions).removeprefix(" "), self.at))
         return True
 
     def comes_from(self, file: File, line: int) -> None:
@@ -120,7 +121,11 @@ class Bodies:
             if isinstance(each, Literal):
                 body.append(self._literal(each, part))
             elif isinstance(each, Equality):
-                body += self._equality(each)
+                left, right = self._words.term(each.left), self._words.term(each.right)
+                if left != right and (isinstance(each.left, Variable) or isinstance(each.right, Variable)):
+                    body.append(f"{left} {'=' if each.positive else '!='} {right}")
+                elif (left == right) != each.positive:
+                    body.append(NEVER)
             elif isinstance(each, Quantified) and not each.every:
                 body += [*map(self._words.belongs, each.variables), *self.body(each.part, part)]
             elif isinstance(each, Junction) and len(each.parts) < 2:
@@ -144,15 +149,9 @@ class Bodies:
         if part != END:
             return self._words.predicates[predicate]
         if predicate not in self._at_end:
-            name = f"{self._words.predicates[predicate]}_at_end"
-            self._at_end[predicate] = self._take(chain([name], (f"{name}_{number}" for number in count(2))))
+            self._at_end[predicate] = unused(f"{self._words.predicates[predicate]}_at_end", self._names)
+            self._names.add(self._at_end[predicate])
         return self._at_end[predicate]
-
-    def _take(self, names: Iterable[str]) -> str:
-        """Return the first unused name, and mark it as used."""
-        name = next(each for each in names if each not in self._names)
-        self._names.add(name)
-        return name
 
     def _literal(self, literal: Literal, part: str) -> str:
         atom = self._words.atom(literal)
@@ -164,19 +163,14 @@ class Bodies:
             atom = f"holds({atom},true,{TIMES[part]})"
         return atom if literal.positive else f"not {atom}"
 
-    def _equality(self, equality: Equality) -> list[str]:
-        left, right = self._words.term(equality.left), self._words.term(equality.right)
-        if left == right or (isinstance(equality.left, str) and isinstance(equality.right, str)):
-            return [] if (left == right) == equality.positive else [NEVER]
-        return [f"{left} {'=' if equality.positive else '!='} {right}"]
-
     def _named(self, word: str, formula: Formula, part: str) -> str:
         """Return the auxiliary atom of a formula; its rules are added on first use."""
         part = part if self.changes(formula) else BASE
         free = variables(formula)
         terms = [variable.name for variable in free] + ([] if part == BASE else ["t"])
         if (part, formula) not in self._auxiliary:
-            name = self._take(f"{word}_{number}" for number in count(1))
+            name = next(each for each in (f"{word}_{number}" for number in count(1)) if each not in self._names)
+            self._names.add(name)
             self._auxiliary[part, formula] = head = applied(name, terms)
             rules = ([*map(self._words.belongs, free), *body] for body in self.bodies(formula, part))
             if not sum(self._rules.add(part, head, body) for body in rules):

@@ -25,7 +25,6 @@ class Cost:
     """The cost that an action adds to ``total-cost``: a number, or a function of its parameters."""
 
     value: str | tuple[str, tuple[Variable | str, ...]]
-    line: int
 
 
 @dataclass(frozen=True)

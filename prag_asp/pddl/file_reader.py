@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import chain
 from pathlib import Path
-from typing import NoReturn
 
-from prag_asp.errors import DomainError
 from prag_asp.pddl.definitions import OBJECT, Cost, Declaration, Derived, DomainFile, ProblemFile, Schema, SchemaEffect
-from prag_asp.pddl.formulas import Formula, Literal, Variable, literals, universals
-from prag_asp.pddl.scopes import Scope
+from prag_asp.pddl.formulas import Formula, Literal, Quantified, Variable, literals, subformulas
+from prag_asp.pddl.scopes import PddlSource, Scope, typed_words
 from prag_asp.pddl.syntax.nodes import LocatedWord, Node
 from prag_asp.pddl.syntax.parsing import parse
 from prag_asp.program.finite.components import components
-from prag_asp.wording import did_you_mean, plural
 
 TOTAL = "total-cost"
 
@@ -31,20 +28,8 @@ def read_files(domain: Path, problem: Path) -> tuple[DomainFile, ProblemFile]:
     return definition, _ProblemReader(problem, definition).problem(second)
 
 
-class _FileReader:
-    """The parts that both readers share: numbers, typed lists, and errors with lines."""
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-
-    def refuse(self, line: int, text: str) -> NoReturn:
-        """Raise a DomainError at a line."""
-        raise DomainError(f"{self._path}:{line}: {text}")
-
-    def check_new(self, kind: str, name: LocatedWord, declared: Mapping[str, object]) -> None:
-        """Refuse a second declaration of a name."""
-        if str(name) in declared:
-            self.refuse(name.line, f"the {kind} {name} is declared twice; remove one, or rename it")
+class _FileReader(PddlSource):
+    """The parts that both readers share: numbers, and typed lists of objects."""
 
     def number(self, text: LocatedWord) -> str:
         """Return a number as text; the grammar also accepts numbers with several points."""
@@ -52,29 +37,16 @@ class _FileReader:
             self.refuse(text.line, f"{text} is no number; write one such as 2 or 0.5")
         return str(text)
 
-    def typed_names(self, tree: Node) -> Iterator[tuple[LocatedWord, LocatedWord | None]]:
-        """Yield the names of a list, each with its type if it has one."""
-        waiting: list[LocatedWord] = []
-        words = iter(tree.words)
-        for each in words:
-            if each == "-":
-                kind = next(words)
-                yield from ((name, kind) for name in waiting)
-                waiting = []
-            else:
-                waiting.append(each)
-        yield from ((name, None) for name in waiting)
-
     def object_types(self, tree: Node, types: Mapping[str, object], objects: dict[str, str]) -> dict[str, int]:
         """Add the objects of a list, and return the lines of new ones; one may be declared again with the same type."""
         lines: dict[str, int] = {}
-        for name, kind in self.typed_names(tree):
-            if kind is not None and str(kind) not in types:
-                self.refuse(kind.line, f"unknown type {kind}; {did_you_mean(kind, types, 'declare it in :types')}")
-            type_name = str(kind or OBJECT)
-            if str(name) not in objects:
+        for name, kinds in typed_words(tree):
+            for kind in kinds:
+                self.check_known("type", kind, types, ":types")
+            if name not in objects:
                 lines[str(name)] = name.line
-            if objects.setdefault(str(name), type_name) != type_name:
+            kind_name = str(kinds[0]) if kinds else OBJECT
+            if objects.setdefault(str(name), kind_name) != kind_name:
                 self.refuse(name.line, f"the object {name} is a {objects[name]} already; give it one type")
         return lines
 
@@ -112,7 +84,11 @@ class _DomainReader(_FileReader):
                 self.check_new("action", part.words[1], actions)
                 actions[action.name] = action
         self._check_layers(derived)
-        self._check_not_changed({each.predicate for each in derived}, actions)
+        derived_names = {each.predicate for each in derived}
+        for effect in chain.from_iterable(each.effects for each in actions.values()):
+            if effect.literal.predicate in derived_names:
+                text = f"{effect.literal.predicate} is a derived predicate, which no effect may set"
+                self.refuse(effect.literal.line, f"{text}; remove its rule, or the effect")
         return DomainFile(
             str(name), self._types, self._constants, self._predicates, self._functions, tuple(derived),
             tuple(actions.values()), self._type_lines, self._constant_lines,
@@ -120,34 +96,25 @@ class _DomainReader(_FileReader):
 
     def _read_types(self, tree: Node) -> None:
         lines = self._type_lines
-        for name, kind in self.typed_names(tree):
+        for name, kinds in typed_words(tree):
             lines[str(name)] = name.line
-            above = (str(kind),) if kind is not None and kind != OBJECT else ()
+            above = tuple(str(kind) for kind in kinds if kind != OBJECT)
             self._types[str(name)] = tuple(dict.fromkeys((*self._types.get(str(name), ()), *above)))
             for each in above:
                 self._types.setdefault(each, ())
                 lines.setdefault(each, name.line)
         groups = components(lines, self._types.__getitem__)
         circular = {name for group in groups for name in group if len(group) > 1 or name in self._types[name]}
-        for kind_name in filter(circular.__contains__, lines):
-            around = " - ".join(self._circle(kind_name))
-            self.refuse(lines[kind_name], f"types form a cycle, {around}; remove one of them")
-
-    def _circle(self, name: str) -> list[str]:
-        """Return a cycle in the type hierarchy through a type, or an empty list."""
-        paths = [[name, above] for above in self._types[name]]
-        seen: set[str] = set()
-        while paths:
-            path = paths.pop()
-            if path[-1] == name:
-                return path
-            if path[-1] not in seen:
-                seen.add(path[-1])
-                paths += [[*path, above] for above in self._types[path[-1]]]
-        return []
+        for first in filter(circular.__contains__, lines):
+            paths, seen = [[first]], set[str]()
+            while len(path := paths.pop()) == 1 or path[-1] != first:
+                if path[-1] not in seen:
+                    seen.add(path[-1])
+                    paths += [[*path, above] for above in self._types[path[-1]]]
+            self.refuse(lines[first], f"types form a cycle, {' - '.join(path)}; remove one of them")
 
     def _scope(self) -> Scope:
-        return Scope(self.refuse, self._types, self._constants, self._predicates)
+        return Scope(self, self._types, self._constants, self._predicates)
 
     def _read_signatures(self, kind: str, tree: Node, signatures: dict[str, Declaration]) -> None:
         for each in tree.nodes:
@@ -171,42 +138,41 @@ class _DomainReader(_FileReader):
         scope = scope.narrowed(narrowed)
         return Derived(str(name), narrowed, scope.formula(condition), name.line)
 
-    def _action(self, tree: Node) -> Schema:
-        name, scope = tree.words[1], self._scope()
-        parameters = scope.declare(tree.nodes[0].nodes[0])
-        body = {each.kind: each for each in tree.nodes[1].nodes}
+    def _action(self, action: Node) -> Schema:
+        name, scope = action.words[1], self._scope()
+        parameters = scope.declare(action.nodes[0].nodes[0])
+        body = {each.kind: each for each in action.nodes[1].nodes}
         true = scope.truth(name.line)
         conditions = body["emptyor_pregd"].nodes if "emptyor_pregd" in body else ()
-        effects: list[SchemaEffect] = []
-        costs: list[Cost] = []
-        for each in body["emptyor_effect"].nodes if "emptyor_effect" in body else ():
-            self._effects(each, scope, (), true, effects, costs)
+        trees = body["emptyor_effect"].nodes if "emptyor_effect" in body else ()
+        found = [each for tree in trees for each in self._effects(tree, scope, (), true)]
+        effects = tuple(each for each in found if isinstance(each, SchemaEffect))
+        costs = tuple(each for each in found if isinstance(each, Cost))
         precondition = scope.formula(conditions[0]) if conditions else true
-        return Schema(str(name), parameters, precondition, tuple(effects), tuple(costs), name.line)
+        return Schema(str(name), parameters, precondition, effects, costs, name.line)
 
     def _effects(
-        self, tree: Node, scope: Scope, outer: tuple[Variable, ...], condition: Formula, effects: list[SchemaEffect],
-        costs: list[Cost],
-    ) -> None:  # fmt: skip
-        """Append the effects and costs of a syntax tree, below the quantified variables `outer` and a `condition`."""
+        self, tree: Node, scope: Scope, outer: tuple[Variable, ...], condition: Formula
+    ) -> Iterator[SchemaEffect | Cost]:
+        """Yield the effects and costs of a syntax tree, below the quantified variables `outer` and a `condition`."""
         first, parts = next(iter(tree.words), None), tree.nodes
         if tree.kind == "num_effect":
-            self._cost(tree, scope, bool(outer) or condition != scope.truth(condition.line), costs)
+            yield self._cost(tree, scope, bool(outer) or condition != scope.truth(condition.line))
         elif tree.kind == "atomic_formula_term":
-            effects.append(SchemaEffect(outer, condition, self._change(tree, scope, positive=True)))
+            yield SchemaEffect(outer, condition, self._change(tree, scope, positive=True))
         elif first == "not":
-            effects.append(SchemaEffect(outer, condition, self._change(parts[0], scope, positive=False)))
+            yield SchemaEffect(outer, condition, self._change(parts[0], scope, positive=False))
         elif first is not None and first == "oneof":
             self.refuse(first.line, "oneof: probabilistic effects cannot be imported; remove them")
         elif first == "forall":
             inner = scope.within()
             more = inner.declare(parts[0])
-            self._effects(parts[1], inner, (*outer, *more), condition, effects, costs)
+            yield from self._effects(parts[1], inner, (*outer, *more), condition)
         elif first == "when":
-            self._effects(parts[1], scope, outer, scope.formula(parts[0]), effects, costs)
+            yield from self._effects(parts[1], scope, outer, scope.formula(parts[0]))
         else:
             for part in parts:
-                self._effects(part, scope, outer, condition, effects, costs)
+                yield from self._effects(part, scope, outer, condition)
 
     def _change(self, tree: Node, scope: Scope, *, positive: bool) -> Literal:
         literal = scope.atom(tree, positive=positive)
@@ -214,7 +180,7 @@ class _DomainReader(_FileReader):
             self.refuse(literal.line, "an effect cannot make two terms equal; remove it")
         return literal
 
-    def _cost(self, tree: Node, scope: Scope, conditional: bool, costs: list[Cost]) -> None:
+    def _cost(self, tree: Node, scope: Scope, conditional: bool) -> Cost:
         operation, (head, value) = tree.words[0], tree.nodes
         line, name = operation.line, head.words[0]
         if operation != "increase" or name != TOTAL:
@@ -227,16 +193,10 @@ class _DomainReader(_FileReader):
         if len(value.nodes) > 1 or inner.kind == "f_exp":
             self.refuse(line, "a computed cost cannot be imported; write a number or one function")
         if inner.kind == "num_literal":
-            costs.append(Cost(self.number(inner.words[0]), line))
-            return
+            return Cost(self.number(inner.words[0]))
         function, terms = inner.words[0], tuple(map(scope.term, inner.children[1:]))
-        if str(function) not in self._functions:
-            hint = did_you_mean(function, self._functions, "declare it in :functions")
-            self.refuse(line, f"unknown function {function}; {hint}")
-        arity = len(self._functions[str(function)].types)
-        if len(terms) != arity:
-            self.refuse(line, f"{function} takes {plural(arity, 'argument')}, not {len(terms)}; fix them")
-        costs.append(Cost((str(function), terms), line))
+        self.signature("function", function, len(terms), self._functions)
+        return Cost((str(function), terms))
 
     def _check_layers(self, derived: Iterable[Derived]) -> None:
         """Refuse derived predicates that are not stratified: their rules have no unique meaning."""
@@ -249,18 +209,11 @@ class _DomainReader(_FileReader):
                 if not literal.positive and name in _reached(literal.predicate, rule_literals):
                     text = f"{name} depends on the negation of {literal.predicate}, which depends on {name}"
                     self.refuse(literal.line, f"{text}; remove the negation")
-            for literal in chain.from_iterable(map(literals, universals(rule.formula))):
+            universal = (each for each in subformulas(rule.formula) if isinstance(each, Quantified) and each.every)
+            for literal in chain.from_iterable(map(literals, universal)):
                 if name in _reached(literal.predicate, rule_literals):
                     text = f"{name} depends on {literal.predicate} below a 'forall', which depends on {name}"
                     self.refuse(literal.line, f"{text}; remove the 'forall'")
-
-    def _check_not_changed(self, derived: set[str], actions: Mapping[str, Schema]) -> None:
-        """Refuse effects on predicates that rules derive."""
-        for action in actions.values():
-            for effect in action.effects:
-                if effect.literal.predicate in derived:
-                    text = f"{effect.literal.predicate} is a derived predicate, which no effect may set"
-                    self.refuse(effect.literal.line, f"{text}; remove its rule, or the effect")
 
 
 def _reached(predicate: str, rule_literals: Mapping[str, list[Literal]]) -> set[str]:
@@ -292,13 +245,19 @@ class _ProblemReader(_FileReader):
         lines: dict[str, int] = {}
         if "objects" in parts:
             lines = self.object_types(parts["objects"].nodes[0], self._domain.types, self._objects)
-        scope = Scope(self.refuse, self._domain.types, self._objects, self._domain.predicates)
+        scope = Scope(self, self._domain.types, self._objects, self._domain.predicates)
         initial: list[Literal] = []
         costs: dict[tuple[str, tuple[str, ...]], str] = {}
         for each in parts["init"].nodes:
             self._initial(each, scope, initial, costs)
         name, goal = str(parts["problem_def"].words[-1]), scope.formula(parts["goal"].nodes[0])
-        return ProblemFile(name, self._objects, self._positive(initial), costs, goal, lines)
+        stated: dict[tuple[str, tuple[Variable | str, ...]], bool] = {}
+        for literal in initial:
+            if stated.setdefault((literal.predicate, literal.terms), literal.positive) != literal.positive:
+                text = " ".join([literal.predicate, *map(str, literal.terms)])
+                self.refuse(literal.line, f"({text}) is both true and false at the start; state one of them")
+        true = tuple(each for each in initial if each.positive)
+        return ProblemFile(name, self._objects, true, costs, goal, lines)
 
     def _initial(
         self, tree: Node, scope: Scope, initial: list[Literal], costs: dict[tuple[str, tuple[str, ...]], str]
@@ -306,9 +265,8 @@ class _ProblemReader(_FileReader):
         first = tree.nodes[0]
         if first.kind == "basic_function_term":
             function, *terms = first.words
-            if str(function) not in self._domain.functions and function != TOTAL:
-                hint = did_you_mean(function, self._domain.functions, "declare it in :functions")
-                self.refuse(function.line, f"unknown function {function}; {hint}")
+            if function != TOTAL:
+                self.check_known("function", function, self._domain.functions, ":functions")
             for term in terms:
                 scope.known_object(term)
             value = self.number(tree.nodes[1].words[0])
@@ -325,12 +283,3 @@ class _ProblemReader(_FileReader):
         for term in terms:
             scope.known_object(term)
         initial.append(Literal(str(name), tuple(map(str, terms)), "not" not in first.words, name.line))
-
-    def _positive(self, initial: Iterable[Literal]) -> tuple[Literal, ...]:
-        """Return the positive literals of `:init`; an atom that is both true and false there is refused."""
-        stated: dict[tuple[str, tuple[Variable | str, ...]], bool] = {}
-        for each in initial:
-            if stated.setdefault((each.predicate, each.terms), each.positive) != each.positive:
-                text = " ".join([each.predicate, *map(str, each.terms)])
-                self.refuse(each.line, f"({text}) is both true and false at the start; state one of them")
-        return tuple(each for each in initial if each.positive)

@@ -80,26 +80,18 @@ def demanded(formula: Formula) -> Iterator[Literal]:
     return (each for each in conjuncts(formula) if isinstance(each, Literal) and each.positive)
 
 
+def subformulas(formula: Formula) -> Iterator[Formula]:
+    """Yield a formula and all formulas in it, from the outside in."""
+    yield formula
+    for part in formula.parts if isinstance(formula, Junction) else ():
+        yield from subformulas(part)
+    if isinstance(formula, Quantified):
+        yield from subformulas(formula.part)
+
+
 def literals(formula: Formula) -> Iterator[Literal]:
     """Yield all literals of a formula."""
-    if isinstance(formula, Literal):
-        yield formula
-    elif isinstance(formula, Junction):
-        for part in formula.parts:
-            yield from literals(part)
-    elif isinstance(formula, Quantified):
-        yield from literals(formula.part)
-
-
-def universals(formula: Formula) -> Iterator[Quantified]:
-    """Yield the outermost universally quantified parts of a formula."""
-    if isinstance(formula, Quantified) and formula.every:
-        yield formula
-    elif isinstance(formula, Quantified):
-        yield from universals(formula.part)
-    elif isinstance(formula, Junction):
-        for part in formula.parts:
-            yield from universals(part)
+    return (each for each in subformulas(formula) if isinstance(each, Literal))
 
 
 def variables(formula: Formula) -> dict[Variable, None]:

@@ -16,24 +16,13 @@ def heading(title: str) -> list[str]:
     return ["", f"% {title} ".ljust(110, "-")]
 
 
-def filled(facts: Iterable[str], width: int = 110) -> Iterator[str]:
-    """Yield lines of facts, several facts per line."""
+def filled(parts: Iterable[str], indent: str = "", width: int = 110) -> Iterator[str]:
+    """Yield lines of limited width with some texts, separated by blanks; `indent` and a blank begin further lines."""
     line = ""
-    for fact in facts:
-        if line and len(line) + len(fact) >= width:
+    for part in parts:
+        if line and len(line) + len(part) >= width:
             yield line
-            line = ""
-        line = f"{line} {fact}".strip()
+            line = indent
+        line = f"{line} {part}" if line else part
     if line:
         yield line
-
-
-def wrapped(text: str, width: int = 110) -> Iterator[str]:
-    """Yield a statement in lines of limited width, broken at blanks."""
-    line = ""
-    for word in text.split(" "):
-        if line and len(line) + len(word) >= width:
-            yield line
-            line = "   "
-        line = f"{line} {word}" if line else word
-    yield line

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
 from typing import NoReturn
 
+from prag_asp.errors import DomainError
 from prag_asp.pddl.clingo_names import variable_name
 from prag_asp.pddl.definitions import OBJECT, Declaration
 from prag_asp.pddl.formulas import Equality, Formula, Junction, Literal, Quantified, Variable
@@ -12,17 +15,62 @@ from prag_asp.pddl.syntax.nodes import LocatedWord, Node
 from prag_asp.wording import did_you_mean, plural
 
 
+@dataclass
+class PddlSource:
+    """A file whose mistakes are refused with its path and their line."""
+
+    path: Path
+
+    def refuse(self, line: int, text: str) -> NoReturn:
+        """Raise a DomainError at a line."""
+        raise DomainError(f"{self.path}:{line}: {text}")
+
+    def check_known(self, kind: str, name: LocatedWord, declared: Iterable[str], section: str) -> None:
+        """Refuse a name that is not declared."""
+        if name not in declared:
+            hint = did_you_mean(name, declared, f"declare it in {section}")
+            self.refuse(name.line, f"unknown {kind} {name}; {hint}")
+
+    def check_new(self, kind: str, name: LocatedWord, declared: Iterable[str]) -> None:
+        """Refuse a second declaration of a name."""
+        if name in declared:
+            self.refuse(name.line, f"the {kind} {name} is declared twice; remove one, or rename it")
+
+    def signature(self, kind: str, name: LocatedWord, arity: int, declared: Mapping[str, Declaration]) -> Declaration:
+        """Return the declaration of a predicate or a function that is used with `arity` arguments."""
+        self.check_known(kind, name, declared, f":{kind}s")
+        expected = len(declared[name].types)
+        if expected != arity:
+            self.refuse(name.line, f"{name} takes {plural(expected, 'argument')}, not {arity}; fix them")
+        return declared[name]
+
+
+def typed_words(tree: Node) -> Iterator[tuple[LocatedWord, list[LocatedWord]]]:
+    """Yield the words of a typed list, each with its alternative types; the list is empty without a type."""
+    waiting: list[LocatedWord] = []
+    children = iter(tree.children)
+    for each in children:
+        if each == "-":
+            kind = next(children)
+            words = kind.all_words if isinstance(kind, Node) else [kind]
+            yield from ((name, [word for word in words if word != "either"]) for name in waiting)
+            waiting = []
+        elif isinstance(each, LocatedWord):
+            waiting.append(each)
+    yield from ((name, []) for name in waiting)
+
+
 class Scope:
-    """The names in scope at a place of a file. Errors are reported to `refuse` with their line."""
+    """The names in scope at a place of a file."""
 
     def __init__(
         self,
-        refuse: Callable[[int, str], NoReturn],
+        source: PddlSource,
         types: Mapping[str, object],
         objects: Mapping[str, str],
         predicates: Mapping[str, Declaration],
     ) -> None:
-        self._refuse = refuse
+        self._source = source
         self._types = types
         self._objects = objects
         self._predicates = predicates
@@ -31,7 +79,7 @@ class Scope:
 
     def within(self) -> Scope:
         """Return a nested scope. The clingo names of variables are unique in both."""
-        inner = Scope(self._refuse, self._types, self._objects, self._predicates)
+        inner = Scope(self._source, self._types, self._objects, self._predicates)
         inner._variables, inner._taken = dict(self._variables), self._taken
         return inner
 
@@ -45,49 +93,27 @@ class Scope:
     def declare(self, tree: Node, *, named: bool = True) -> tuple[Variable, ...]:
         """Declare the variables of a typed list, and return them. If `named`, a repeated name is an error."""
         variables: list[Variable] = []
-        waiting: list[LocatedWord] = []
         seen: set[str] = set()
-
-        def settle(types: tuple[str, ...]) -> None:
-            for name in waiting:
-                if named and str(name) in seen:
-                    self._refuse(name.line, f"the variable ?{name} is declared twice; give each another name")
-                seen.add(str(name))
-                variable = Variable(variable_name(name, self._taken), types)
-                self._taken.add(variable.name)
-                self._variables[str(name)] = variable
-                variables.append(variable)
-            waiting.clear()
-
-        for each in tree.children:
-            if isinstance(each, Node):
-                kinds = [kind for kind in each.all_words if kind != "either"]
-                for kind in kinds:
-                    if str(kind) not in self._types:
-                        hint = did_you_mean(kind, self._types, "declare it in :types")
-                        self._refuse(kind.line, f"unknown type {kind}; {hint}")
-                settle(tuple(dict.fromkeys(map(str, kinds))))
-            elif each != "-":
-                waiting.append(each)
-        settle((OBJECT,))
+        for name, kinds in typed_words(tree):
+            for kind in kinds:
+                self._source.check_known("type", kind, self._types, ":types")
+            if named and name in seen:
+                self._source.refuse(name.line, f"the variable ?{name} is declared twice; give each another name")
+            seen.add(name)
+            types = tuple(dict.fromkeys(map(str, kinds)))
+            variable = Variable(variable_name(name, self._taken), types or (OBJECT,))
+            self._taken.add(variable.name)
+            self._variables[str(name)] = variable
+            variables.append(variable)
         return tuple(variables)
 
     def signature(self, name: LocatedWord, arity: int) -> Declaration:
         """Return the declaration of a predicate that is used with `arity` arguments."""
-        line = name.line
-        if str(name) not in self._predicates:
-            hint = did_you_mean(name, self._predicates, "declare it in :predicates")
-            self._refuse(line, f"unknown predicate {name}; {hint}")
-        declared = self._predicates[str(name)]
-        if len(declared.types) != arity:
-            self._refuse(line, f"{name} takes {plural(len(declared.types), 'argument')}, not {arity}; fix them")
-        return declared
+        return self._source.signature("predicate", name, arity, self._predicates)
 
     def known_object(self, name: LocatedWord) -> str:
         """Return the name of an object."""
-        if str(name) not in self._objects:
-            hint = did_you_mean(name, self._objects, "declare it in :objects or :constants")
-            self._refuse(name.line, f"unknown object {name}; {hint}")
+        self._source.check_known("object", name, self._objects, ":objects or :constants")
         return str(name)
 
     def term(self, term: Node | LocatedWord) -> Variable | str:
@@ -96,7 +122,7 @@ class Scope:
             return self.known_object(term.all_words[0])
         if str(term) not in self._variables:
             hint = did_you_mean(f"?{term}", [f"?{name}" for name in self._variables], "declare it")
-            self._refuse(term.line, f"unknown variable ?{term}; {hint}")
+            self._source.refuse(term.line, f"unknown variable ?{term}; {hint}")
         return self._variables[str(term)]
 
     def truth(self, line: int) -> Formula:
@@ -133,4 +159,4 @@ class Scope:
             return Quantified(
                 (word == "forall") == positive, variables, inner.formula(parts[1], positive=positive), line
             )
-        return self._refuse(line, f"({word} ...): numeric comparisons cannot be imported; remove it")
+        return self._source.refuse(line, f"({word} ...): numeric comparisons cannot be imported; remove it")

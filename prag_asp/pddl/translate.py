@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from itertools import chain
 
 from prag_asp.pddl.behaviour import Behaviour
 from prag_asp.pddl.clingo_names import TERMS, clingo_names
 from prag_asp.pddl.conditions import BASE, END, STEP, Rules, Vocabulary, applied
 from prag_asp.pddl.definitions import OBJECT, DomainFile, ProblemFile
-from prag_asp.pddl.formulas import Formula, Junction, Literal, Quantified, Variable, literals
+from prag_asp.pddl.formulas import Formula, Junction, Literal, Quantified, Variable, literals, subformulas
 from prag_asp.pddl.line_map import FileLine, PlacedLine
-from prag_asp.pddl.program_text import filled, heading, statement, wrapped
+from prag_asp.pddl.program_text import filled, heading, statement
 from prag_asp.program.sources import EVER_AT_START, EVER_BY_ACTIONS
 
 CLOSED = '#include "rules/closed_world.lp".'
@@ -50,7 +51,12 @@ class Translation:
     def lines(self, title: str) -> list[str]:
         """Return the lines of the whole program, which begins with a comment; lines from PDDL carry their place."""
         start: list[str] = []
-        for section in (self._classes(), self._entities(), self._static(), self._fluents(), self._initially()):
+        initial = [
+            PlacedLine(f"initially({self.words.atom(literal)}, true).", FileLine("problem", literal.line))
+            for literal in dict.fromkeys(self._problem.initial)
+            if literal.predicate not in self.words.static
+        ]
+        for section in (self._classes(), self._entities(), self._static(), self._fluents(), initial):
             placed = [*self._rules.placed(section)]
             start += [*placed, ""] if placed else []
         shown: list[str] = []
@@ -60,7 +66,12 @@ class Translation:
         self._behaviour.derive(STEP)
         goal = self._behaviour.goal()
         self._behaviour.derive(END)
-        lines = [f"% {title}", *self._changed_names(), "", *self.general, "", *start[:-1]]
+        lines = [f"% {title}"]
+        named = {"types": self.words.types, "objects": self.words.objects, "predicates": self.words.predicates}
+        for kind, names in {**named, "actions": self.actions}.items():
+            other = [f"{name} is {original}" for original, name in names.items() if original != name]
+            lines += [f"% Names of {kind} in PDDL: {', '.join(other)}."] if other else []
+        lines += ["", *self.general, "", *start[:-1]]
         lines += heading("Actions") + (shown or ["", PlacedLine("#defined action/1.", FileLine("domain", 1))])
         if self._rules.parts[BASE]:
             lines += [*heading("What actions ask of what never changes"), "", *self._rules.parts[BASE]]
@@ -76,70 +87,48 @@ class Translation:
     def _kinds(self) -> Mapping[str, tuple[tuple[str, ...], ...]]:
         """Return the types of each predicate's arguments: the declared ones, and wider ones that literals use."""
         kinds = {name: [list(each) for each in signature.types] for name, signature in self._domain.predicates.items()}
-        for literal in self._all_literals():
+        for literal in chain(self._problem.initial, *map(literals, self._formulas())):
             for types, term in zip(kinds[literal.predicate], literal.terms, strict=True):
                 used = term.types if isinstance(term, Variable) else (self._problem.objects[term],)
                 types += [each for each in used if not any(self._is_below(each, other) for other in types)]
-        return {name: tuple(map(self._widest, each)) for name, each in kinds.items()}
-
-    def _widest(self, types: list[str]) -> tuple[str, ...]:
-        """Return the types that are below no other type of the list."""
-        return tuple(
-            each for each in types if not any(each != other and self._is_below(each, other) for other in types)
-        )
+        return {
+            name: tuple(
+                tuple(
+                    each for each in types if not any(each != other and self._is_below(each, other) for other in types)
+                )
+                for types in arguments
+            )
+            for name, arguments in kinds.items()
+        }
 
     def _is_below(self, name: str, other: str) -> bool:
         return other in self._domain.above(name)
 
-    def _all_literals(self) -> Iterator[Literal]:
-        yield from self._problem.initial
-        yield from literals(self._problem.goal)
-        for rule in self._domain.derived:
-            yield from literals(rule.formula)
-        for action in self._domain.actions:
-            yield from literals(action.precondition)
-            for effect in action.effects:
-                yield effect.literal
-                yield from literals(effect.condition)
-
-    def _changed_names(self) -> Iterator[str]:
-        """Yield comments with the names that differ from those of PDDL."""
-        words = self.words
-        all_names = {"types": words.types, "objects": words.objects, "predicates": words.predicates}
-        for kind, names in {**all_names, "actions": self.actions}.items():
-            other = [f"{name} is {original}" for original, name in names.items() if original != name]
-            if other:
-                yield f"% Names of {kind} in PDDL: {', '.join(other)}."
-
     def _classes(self) -> Iterator[str]:
         types, domain = self.words.types, self._domain.types
         used = {each for kinds in self.words.kinds.values() for each in (name for types in kinds for name in types)}
-        used |= {name for action in self._domain.actions for each in action.parameters for name in each.types}
         used |= set(self._problem.objects.values())
-        quantified = [each for formula in self._formulas() for each in _quantified(formula)]
-        used |= {name for each in quantified for name in each.types}
+        for formula in chain.from_iterable(map(subformulas, self._formulas())):
+            if isinstance(formula, Quantified):
+                used |= {name for each in formula.variables for name in each.types}
         rooted = OBJECT in used
         for name, above in domain.items():
             self._rules.comes_from("domain", self._domain.type_lines.get(name, 1))
-            if name == OBJECT:
-                if rooted:
-                    yield f"class({types[OBJECT]})."
-                continue
-            parents = above or ((OBJECT,) if rooted else ())
+            parents = above or ((OBJECT,) if rooted and name != OBJECT else ())
             yield from (f"class({types[name]}, {types[parent]})." for parent in parents)
-            if not parents:
+            if not parents and (rooted or name != OBJECT):
                 yield f"class({types[name]})."
 
     def _formulas(self) -> Iterator[Formula]:
+        """Yield all formulas: rules, actions and effects as formulas quantified by their variables."""
         yield self._problem.goal
-        yield from (each.formula for each in self._domain.derived)
-        for each in self._domain.derived:
-            yield Quantified(True, each.parameters, Junction(True, (), each.line), each.line)
+        for rule in self._domain.derived:
+            yield Quantified(True, rule.parameters, rule.formula, rule.line)
         for action in self._domain.actions:
-            yield action.precondition
+            yield Quantified(True, action.parameters, action.precondition, action.line)
             for effect in action.effects:
-                yield effect.condition
-                yield Quantified(True, effect.variables, effect.literal, effect.literal.line)
+                whole = Junction(True, (effect.literal, effect.condition), action.line)
+                yield Quantified(True, effect.variables, whole, action.line)
 
     def _entities(self) -> Iterator[str]:
         kinds: dict[str, list[str]] = {}
@@ -152,7 +141,7 @@ class Translation:
         for kind, names in kinds.items():
             self._rules.at = places[kind]
             pool = names[0] if len(names) == 1 else f"({'; '.join(names)})"
-            yield from wrapped(f"entity({pool}, {self.words.types[kind]}).")
+            yield from filled(f"entity({pool}, {self.words.types[kind]}).".split(" "), indent="   ")
 
     def _static(self) -> Iterator[str]:
         """Yield the facts of static predicates."""
@@ -179,18 +168,3 @@ class Translation:
             terms = [f"X{number}" if len(kinds) > 1 else "X" for number in range(1, len(kinds) + 1)]
             head = f"fluent({applied(self.words.predicates[name], terms)})"
             yield statement(head, map(self.words.is_a, terms, kinds))
-
-    def _initially(self) -> Iterator[str]:
-        for literal in dict.fromkeys(self._problem.initial):
-            if literal.predicate not in self.words.static:
-                self._rules.comes_from("problem", literal.line)
-                yield f"initially({self.words.atom(literal)}, true)."
-
-
-def _quantified(formula: Formula) -> Iterator[Variable]:
-    if isinstance(formula, Junction):
-        for part in formula.parts:
-            yield from _quantified(part)
-    elif isinstance(formula, Quantified):
-        yield from formula.variables
-        yield from _quantified(formula.part)

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from prag_asp.physics.motion.transit import travel
     from prag_asp.physics.pictures.rendering import animate, film_strip, still
     from prag_asp.physics.predicates import PREDICATES, Predicate, Side, Volume, states
-    from prag_asp.physics.required import require_physics
     from prag_asp.physics.search.attempt import CAUSES
     from prag_asp.physics.situation import Situation
     from prag_asp.physics.symbolic_facts import physical_task
@@ -95,7 +94,6 @@ _HOMES = {
     "prag_asp.physics.demonstration.footage": ("Film", "Footage", "Picture"),
     "prag_asp.physics.demonstration.performance": ("demonstrate",),
     "prag_asp.physics.symbolic_facts": ("physical_task",),
-    "prag_asp.physics.required": ("require_physics",),
     "prag_asp.physics.filming.film_check": ("check_footage",),
     "prag_asp.physics.filming.film": ("film",),
     "prag_asp.physics.filming.episode_options": ("Staging",),
@@ -113,6 +111,20 @@ _HOMES = {
 }
 
 __getattr__ = names_from(__name__, _HOMES)
+
+
+def require_physics(reason: str = "") -> None:
+    """Load PyBullet, before work that needs it starts; `reason` says what needs it, for the message.
+
+    Raises:
+        PhysicsMissingError: it is not installed, or cannot be loaded.
+    """
+    from prag_asp.errors import PhysicsMissingError  # noqa: PLC0415 - names are loaded when they are used
+
+    try:
+        import prag_asp.physics.bullet  # noqa: F401, PLC0415 - heavy, and needed here only
+    except PhysicsMissingError as error:
+        raise PhysicsMissingError(f"{reason}, and {error}" if reason else str(error)) from None
 
 
 def __dir__() -> list[str]:

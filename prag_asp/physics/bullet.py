@@ -26,33 +26,23 @@ def mute_output(*descriptors: int) -> Iterator[None]:
     """Discard what is written to file descriptors within the block, including the buffered output of C."""
     flush()
     for descriptor in descriptors:
-        _mute(descriptor)
+        with _LOCK:
+            users, copy = _MUTED.get(descriptor) or (0, os.dup(descriptor))
+            if not users:
+                redirect_to_null(descriptor)
+            _MUTED[descriptor] = users + 1, copy
     try:
         yield
         flush()
     finally:
         for descriptor in descriptors:
-            _unmute(descriptor)
-
-
-def _mute(descriptor: int) -> None:
-    """Mute a file descriptor, unless this or another thread has done so already."""
-    with _LOCK:
-        users, copy = _MUTED.get(descriptor) or (0, os.dup(descriptor))
-        if not users:
-            redirect_to_null(descriptor)
-        _MUTED[descriptor] = users + 1, copy
-
-
-def _unmute(descriptor: int) -> None:
-    """Restore a file descriptor if nobody else mutes it."""
-    with _LOCK:
-        users, copy = _MUTED.pop(descriptor)
-        if users > 1:
-            _MUTED[descriptor] = users - 1, copy
-        else:
-            os.dup2(copy, descriptor)
-            os.close(copy)
+            with _LOCK:
+                users, copy = _MUTED.pop(descriptor)
+                if users > 1:
+                    _MUTED[descriptor] = users - 1, copy
+                else:
+                    os.dup2(copy, descriptor)
+                    os.close(copy)
 
 
 def redirect_to_null(descriptor: int) -> None:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from prag_asp.errors import SceneError
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.witness import Arm
-from prag_asp.scene.boxes import Corners, Vector, box_of, corners_of
+from prag_asp.scene.boxes import Vector, box_of, corners_of
 from prag_asp.scene.furniture import bounds, cavity_pose, part_pose
 from prag_asp.scene.geometry import Pose, extents, finite, raised, yaw_quaternion
 from prag_asp.scene.robots import Robot, robot_of
@@ -127,7 +127,9 @@ class Situation:
             raise SceneError(f"{entity} has the pose {pose}, which is not a finite position and rotation")
         shape = self.scene.shapes[entity]
         if shape.traits.furniture:
-            body = _between(pose, bounds(shape, pose, self.opening(entity)))
+            corners = bounds(shape, pose, self.opening(entity))
+            centre, half = box_of(corners)
+            body = Body(pose, half, *corners, centre)
         else:
             body = _box(pose, extents(shape, pose.quaternion))
         self.measured[entity] = body
@@ -157,6 +159,10 @@ class Situation:
     def half(self, entity: str) -> Vector:
         """Return the half-sides of the axis-aligned bounding box of an entity in metres."""
         return self.body(entity).half
+
+    def own_half(self, entity: str) -> Vector:
+        """Return the half-sides of an entity in its own frame in metres."""
+        return self.half(entity) if self.is_table(entity) else self.shape(entity).half
 
     def top(self, entity: str) -> float:
         """Return the height of the highest point of an entity in metres."""
@@ -196,9 +202,3 @@ def _box(pose: Pose, half: Vector) -> Body:
     """Return a body from its pose and half-sides."""
     low, high = corners_of((pose.position, half))
     return Body(pose, half, low, high, pose.position)
-
-
-def _between(pose: Pose, corners: Corners) -> Body:
-    """Return a body from its pose and the corners of its bounding box."""
-    (centre, half), (low, high) = box_of(corners), corners
-    return Body(pose, half, low, high, centre)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -48,16 +48,6 @@ class Fact(NamedTuple):
     def sentence(self) -> str:
         """Return the fact in plain words."""
         return self.predicate.sentence(self.arguments, self.value)
-
-
-class Step(NamedTuple):
-    """One action of a task: its number from 1, its subgoal, and the facts of the states before and after it."""
-
-    action: Atom
-    number: int
-    subgoal: tuple[Fact, ...]
-    before: tuple[Fact, ...]
-    after: tuple[Fact, ...]
 
 
 @dataclass(frozen=True)
@@ -131,7 +121,7 @@ def physical_task(task: Task, scene: Scene) -> PhysicalTask:
     held, effects = dict(start), list[ActionEffect]()
     for k, action in enumerate(task.actions):
         subgoal = _facts(scene, task.subgoals[k], cache)
-        effect = _effect(scene, Step(action, k + 1, subgoal, states[k], states[k + 1]), held)
+        effect = _effect(scene, action, subgoal, k + 1, states, held)
         if effect.robot is not None and effect.releases is not None:
             held.pop(effect.robot, None)
         if effect.giver is not None:
@@ -141,8 +131,9 @@ def physical_task(task: Task, scene: Scene) -> PhysicalTask:
         effects.append(effect)
     named = {entity for facts_of in states for fact in facts_of for entity in fact.arguments}
     # Fixed bodies are obstacles even if the task does not name them.
-    objects = tuple(entity for entity in [*task.entities, *sorted(named), *scene.fixed] if _is_object(scene, entity))
-    return PhysicalTask(tuple(dict.fromkeys(objects)), states[0], start, tuple(effects))
+    entities = dict.fromkeys([*task.entities, *sorted(named), *scene.fixed])
+    objects = tuple(each for each in entities if each in scene.shapes and scene.shapes[each].traits.body)
+    return PhysicalTask(objects, states[0], start, tuple(effects))
 
 
 def _facts(scene: Scene, state: State, cache: dict[tuple[Atom, bool], Fact | None]) -> tuple[Fact, ...]:
@@ -166,7 +157,7 @@ def _fact(scene: Scene, atom: Atom, value: bool) -> Fact | None:
         names: Mapping[str, object] = scene.rotations if role == "rotation" else scene.shapes
         if entity not in names:
             table = "rotations" if role == "rotation" else "shapes"
-            raise SceneError(f"{atom} speaks about {entity}, which has no entry under [scene.{table}]")
+            raise SceneError(f"{atom} names {entity}, which has no entry under [scene.{table}]")
     if not value and len(set(atom.arguments)) < len(atom.arguments):
         return None  # nothing is in a relation to itself
     own = scene.own.get(name)
@@ -200,20 +191,33 @@ def _giver(subgoal: Iterable[Fact], robot: str | None, thing: str | None, all_he
     return None
 
 
-def _effect(scene: Scene, step: Step, all_held: Mapping[str, str]) -> ActionEffect:
-    """Return the effect of an action, from its subgoal and the states before and after it."""
-    robot = _acting(scene, step.subgoal)
+def _effect(
+    scene: Scene,
+    action: Atom,
+    all_of_subgoal: tuple[Fact, ...],
+    number: int,
+    states: Sequence[tuple[Fact, ...]],
+    all_held: Mapping[str, str],
+) -> ActionEffect:
+    """Return the effect of an action, which leads to the state of a number from 1, from its subgoal and the states."""
+    before, after = set(states[number - 1]), states[number]
+    robot = _acting(scene, all_of_subgoal)
     held = None if robot is None else all_held.get(robot)
-    subgoal = of_robot(step.subgoal, robot)
+    subgoal = of_robot(all_of_subgoal, robot)
     grasps = _only(subgoal, Gripper.HOLDS)
     releases = held if _known(subgoal, Gripper.HOLDS, held) is False else None
     visits = _only(subgoal, Gripper.AT)
     holds = held if grasps is None and releases is None else None
-    moved = [_moved(fact, held) for fact in subgoal if fact.value and _moves(fact)]
-    known_before = set(step.before)
+    moved = []
+    for fact in subgoal:
+        if fact.value and not (fact.predicate.of_gripper or fact.predicate.of_joint):
+            # A held object moves even if it is not the subject of the relation.
+            carried = held in fact.arguments and not fact.predicate.places
+            moved.append(str(held) if carried else fact.arguments[fact.predicate.subject])
+    turned = [f.arguments[0] for f in subgoal if f.predicate.of_joint and f not in before]
     return ActionEffect(
-        action=step.action,
-        number=step.number,
+        action=action,
+        number=number,
         grasps=grasps,
         releases=releases,
         holds=holds,
@@ -221,38 +225,16 @@ def _effect(scene: Scene, step: Step, all_held: Mapping[str, str]) -> ActionEffe
         leaves=any(fact.predicate.gripper is Gripper.AT and not fact.value for fact in subgoal) and visits is None,
         lifts=grasps is not None
         and any(f.predicate.supports and not f.value and f.arguments[0] == grasps for f in subgoal),
-        stays=releases is not None and _known(of_robot(step.after, robot), Gripper.AT, releases) is True,
+        stays=releases is not None and _known(of_robot(after, robot), Gripper.AT, releases) is True,
         moved=tuple(dict.fromkeys(moved)),
-        turns=tuple(dict.fromkeys(fact.arguments[0] for fact in subgoal if _turns(fact, known_before))),
-        closes=_closes(subgoal),
-        after=step.after,
-        fresh=tuple(fact for fact in step.after if fact not in known_before),
+        turns=tuple(dict.fromkeys(turned)),
+        closes=any(fact.predicate.gripper is Gripper.OPEN and not fact.value for fact in subgoal),
+        after=after,
+        fresh=tuple(fact for fact in after if fact not in before),
         over=_only(subgoal, Gripper.OVER),
         robot=robot,
-        giver=_giver(step.subgoal, robot, grasps, all_held),
+        giver=_giver(all_of_subgoal, robot, grasps, all_held),
     )
-
-
-def _moves(fact: Fact) -> bool:
-    """Return whether a fact is made true by moving an object, not a gripper or a part of furniture."""
-    return not (fact.predicate.of_gripper or fact.predicate.of_joint)
-
-
-def _moved(fact: Fact, held: str | None) -> str:
-    """Return the object that moves when a fact is made true: the held one if it is an argument, else the subject."""
-    if held in fact.arguments and not fact.predicate.places:
-        return str(held)
-    return fact.arguments[fact.predicate.subject]
-
-
-def _turns(fact: Fact, old_facts: set[Fact]) -> bool:
-    """Return whether a fact about the opening of furniture is new."""
-    return fact.predicate.of_joint and fact not in old_facts
-
-
-def _closes(subgoal: Iterable[Fact]) -> bool:
-    """Return whether an action closes the gripper."""
-    return any(fact.predicate.gripper is Gripper.OPEN and not fact.value for fact in subgoal)
 
 
 def _only(state: Iterable[Fact], does: Gripper) -> str | None:
@@ -264,8 +246,3 @@ def _known(state: Iterable[Fact], does: Gripper, entity: str | None) -> bool | N
     """Return the value of a fact about a gripper and an object, None if it is unknown."""
     matching = (f.value for f in state if f.predicate.gripper is does and f.arguments[1] == entity)
     return next(matching, None)
-
-
-def _is_object(scene: Scene, entity: str) -> bool:
-    """Return whether an entity is an object: it has a shape, and is no robot, table or zone."""
-    return entity in scene.shapes and scene.shapes[entity].traits.body

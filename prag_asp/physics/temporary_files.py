@@ -41,25 +41,16 @@ def temporary_folder(files: Mapping[str, bytes]) -> Iterator[Path]:
         return
     try:
         rmtree(folder, ignore_errors=True)
-        _write(files, folder)
+        try:
+            folder.mkdir(mode=0o700)
+            for name, content in files.items():
+                (folder / name).write_bytes(content)
+        except OSError as error:
+            raise OutputError(f"{folder}: cannot be written: {error.strerror}; {REMEDY}") from None
         yield folder
     finally:
         with uninterrupted():
             rmtree(folder, ignore_errors=True)
-
-
-def _write(files: Mapping[str, bytes], folder: Path) -> None:
-    """Create a folder with files.
-
-    Raises:
-        OutputError: it cannot be written.
-    """
-    try:
-        folder.mkdir(mode=0o700)
-        for name, content in files.items():
-            (folder / name).write_bytes(content)
-    except OSError as error:
-        raise OutputError(f"{folder}: cannot be written: {error.strerror}; {REMEDY}") from None
 
 
 @cache

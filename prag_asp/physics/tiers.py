@@ -54,8 +54,12 @@ class TierPipeline:
 
         `staging` says how it is demonstrated, `seeds` what varies in that.
         """
-        if budget.includes(Tier.SETTLING) and (fault := self._settle(physical, witness)) is not None:
-            return TierOutcome(witness, fault)
+        if budget.includes(Tier.SETTLING):
+            if self._settling is None:
+                self._settling = self._resources.enter_context(open_settling(self._scene))
+            fault = self._settling.fault(physical, witness)
+            if fault is not None:
+                return TierOutcome(witness, fault)
         if budget.includes(Tier.TRANSIT) and not witness.has_transit:
             complete = with_transit(self._simulator, physical, witness)
             if complete is None:
@@ -63,25 +67,15 @@ class TierPipeline:
             witness = complete
         if not budget.includes(Tier.DEMONSTRATION):
             return TierOutcome(witness)
-        demonstration = self._perform(physical, witness, seeds, staging)
-        if not demonstration.success:
-            return TierOutcome(witness, PhysicsFault(demonstration.cause, text=demonstration.detail), demonstration)
-        return TierOutcome(
-            witness, None, film(demonstration, self._scene, staging) if staging.cameras else demonstration
-        )
-
-    def _settle(self, physical: PhysicalTask, witness: Witness) -> PhysicsFault | None:
-        if self._settling is None:
-            self._settling = self._resources.enter_context(open_settling(self._scene))
-        return self._settling.fault(physical, witness)
-
-    def _perform(
-        self, physical: PhysicalTask, witness: Witness, seeds: Sequence[int], staging: Staging
-    ) -> Demonstration:
         if self._performer is None:
             self._performer = self._resources.enter_context(open_performer(self._scene, self._simulator))
         variation = staging.sample_variation(self._scene.with_sizes(witness.sizes), physical.objects, seeds)
-        return self._performer.perform(physical, witness, variation)
+        demonstration = self._performer.perform(physical, witness, variation)
+        if not demonstration.success:
+            return TierOutcome(witness, PhysicsFault(demonstration.cause, text=demonstration.detail), demonstration)
+        if staging.cameras:
+            demonstration = film(demonstration, self._scene, staging)
+        return TierOutcome(witness, None, demonstration)
 
 
 @contextmanager

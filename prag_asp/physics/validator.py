@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -14,11 +16,20 @@ from prag_asp.errors import PragError, SceneError
 from prag_asp.physics.filming.episode_options import Staging
 from prag_asp.physics.proofs.prover import Prover
 from prag_asp.physics.search.action_effects import advance
-from prag_asp.physics.search.attempt import CAUSES, Exhausted, Failure, PhysicsFault, Search, Snapshot
+from prag_asp.physics.search.attempt import (
+    CAUSES,
+    EMPTY_VOLUME,
+    OBJECTS_COLLIDE,
+    Exhausted,
+    Failure,
+    PhysicsFault,
+    Search,
+    Snapshot,
+)
 from prag_asp.physics.search.foresight import foresee
 from prag_asp.physics.search.initial_state import sample_initial_state
 from prag_asp.physics.search.spans import foresee_spans
-from prag_asp.physics.symbolic_facts import ActionEffect, PhysicalTask, physical_task
+from prag_asp.physics.symbolic_facts import PhysicalTask, physical_task
 from prag_asp.physics.tiers import TierPipeline
 from prag_asp.physics.verdict import Budget, Detail, Status, Verdict
 from prag_asp.physics.witness import Waypoint, Witness
@@ -27,8 +38,15 @@ from prag_asp.processes.progress_events import stage
 from prag_asp.scene.scene import Scene, Size
 from prag_asp.task import Task
 
+Result = TypeVar("Result")
 ACTIVITY = "checking tasks by physics"
 """What validation is called where progress is shown."""
+
+CROWDED = frozenset((EMPTY_VOLUME, OBJECTS_COLLIDE))
+"""The causes of failed attempts that are a lack of room, for which tight packing may help."""
+
+PACKED = 4
+"""Restarts that pack the objects tightly, at most: each backtracks on its own, from a random corner."""
 
 LISTED = 8
 """Details of failed attempts that a verdict has at most."""
@@ -73,39 +91,57 @@ class Validator:
         """Search for a witness that passes the tiers of a budget."""
         faults = Counter[PhysicsFault]()
         status: Status = "not_found"
-        restarts, witness, demonstration = budget.restarts, None, None
-        for restart in range(budget.restarts):
-            search, sizes = self._sized(physical, search)
-            candidate = _attempt(physical, search, sizes, budget.samples, faults)
+        restarts, witness, demonstration = 0, None, None
+        for restarts, candidate in self._restarts(physical, search, budget, faults):
             if candidate is None:
                 continue
-            outcome = self._tiers.run(physical, candidate, budget, (*seeds, restart), staging)
+            outcome = self._tiers.run(physical, candidate, budget, (*seeds, restarts - 1), staging)
             if outcome.fault is None:
-                status, restarts, (witness, _, demonstration) = "feasible", restart + 1, outcome
+                status, (witness, _, demonstration) = "feasible", outcome
                 break
             faults[outcome.fault] += 1
+        counted: Counter[str] = Counter()
+        for fault, number in faults.items():
+            counted[fault.cause] += number
         return Verdict(
             status,
             budget,
             *seeds,
-            reason="" if witness is not None else _most_common(faults),
-            causes=_causes(faults),
+            # The cause that was met first breaks ties.
+            reason="" if witness is not None else counted.most_common(1)[0][0],
+            causes={cause: counted[cause] for cause in CAUSES if counted[cause]},
             restarts=restarts,
             witness=witness,
             demonstration=demonstration,
             details=_details(faults, self._scene),
         )
 
-    def _sized(self, physical: PhysicalTask, search: Search) -> tuple[Search, Mapping[str, Size]]:
-        """Return the search with random sizes of the objects that have a range of them, and these sizes in metres."""
+    def _restarts(
+        self, physical: PhysicalTask, search: Search, budget: Budget, faults: Counter[PhysicsFault]
+    ) -> Iterator[tuple[int, Witness | None]]:
+        """Yield the number of each restart, from 1, with its witness if it finds one.
+
+        Sizes with a range are sampled at each restart. If no restart of the budget finds an initial state, or all fail
+        for lack of room, up to `PACKED` further ones pack the objects tightly.
+        """
         ranges = {entity: self._scene.ranges[entity] for entity in physical.objects if entity in self._scene.ranges}
-        if not ranges:
-            return search, {}
-        drawn = {entity: shapes[int(search.rng.integers(len(shapes)))] for entity, shapes in ranges.items()}
-        scene = self._scene.with_shapes(drawn)
-        self._simulator.use(scene)
-        sizes = {entity: shape.size for entity, shape in drawn.items()}
-        return replace(search, foresight=foresee(physical, scene)), sizes
+        begun = False
+        for number in range(budget.restarts + min(budget.restarts, PACKED)):
+            if number == budget.restarts:
+                causes = {fault.cause for fault in faults}
+                if causes.isdisjoint(CROWDED) or (begun and not causes <= CROWDED):
+                    return
+                search = replace(search, packs=True)
+            drawn = {entity: shapes[int(search.rng.integers(len(shapes)))] for entity, shapes in ranges.items()}
+            if drawn:
+                scene = self._scene.with_shapes(drawn)
+                self._simulator.use(scene)
+                search = replace(search, foresight=foresee(physical, scene))
+            sizes = {entity: shape.size for entity, shape in drawn.items()}
+            initial = _initial_state(physical, search, budget.samples, faults)
+            begun = begun or initial is not None
+            follow = None if initial is None else _follow(physical, search, initial, sizes, budget.samples, faults)
+            yield number + 1, follow
 
 
 @contextmanager
@@ -143,64 +179,75 @@ def validate_task(
         return validator.validate(task, seed=seed, index=index, budget=budget, staging=staging)
 
 
-def _attempt(
-    physical: PhysicalTask, search: Search, sizes: Mapping[str, Size], samples: int, faults: Counter[PhysicsFault]
+def _initial_state(
+    physical: PhysicalTask, search: Search, samples: int, faults: Counter[PhysicsFault]
+) -> Snapshot | None:
+    """Return an initial state, None if all samples fail; a search that packs tries once, because it backtracks."""
+    trial = _retry(0, 1 if search.packs else samples, faults, lambda _: sample_initial_state(search, physical))
+    return None if trial is None else trial.result
+
+
+def _follow(
+    physical: PhysicalTask,
+    search: Search,
+    snapshot: Snapshot,
+    sizes: Mapping[str, Size],
+    samples: int,
+    faults: Counter[PhysicsFault],
 ) -> Witness | None:
-    """Return a witness from one initial state, None if all samples of an action fail."""
-    snapshot = _start(search, physical, samples, faults)
-    if snapshot is None:
+    """Return a witness from an initial state, None if all samples of an action fail.
+
+    If a body with a model cannot be moved or put down as it is held, the next of its grasps is tried.
+    """
+    snapshots, motions = [snapshot], list[tuple[Waypoint, ...]]()
+    tried = [0] * len(physical.effects)
+    while len(motions) < len(physical.effects):
+        k = len(motions)
+        trial = _retry(tried[k], samples, faults, partial(advance, search, snapshots[k], physical.effects[k]))
+        if trial is None:
+            grasped = _grasped_before(physical, k, search.scene)
+            if grasped is None:
+                return None
+            tried[grasped + 1 :] = [0] * (len(tried) - grasped - 1)
+            del snapshots[grasped + 1 :], motions[grasped:]
+            continue
+        tried[k] = trial.number + 1
+        snapshots.append(trial.result[0])
+        motions.append(trial.result[1])
+    return Witness(tuple(each.moment() for each in snapshots), tuple(motions), sizes)
+
+
+def _grasped_before(physical: PhysicalTask, k: int, scene: Scene) -> int | None:
+    """Return the action that grasped the body with a model which action `k` moves or puts down, None if there is none.
+
+    Primitives have few grasps, so their tasks start over.
+    """
+    entity = physical.effects[k].releases or physical.effects[k].holds
+    if entity is None or scene.shapes[entity].model is None:
         return None
-    moments, motions = [snapshot.moment()], []
-    for effect in physical.effects:
-        outcome = _step(search, snapshot, effect, samples, faults)
-        if outcome is None:
-            return None
-        snapshot, waypoints = outcome
-        moments.append(snapshot.moment())
-        motions.append(waypoints)
-    return Witness(tuple(moments), tuple(motions), sizes)
+    return max((i for i in range(k) if physical.effects[i].grasps == entity), default=None)
 
 
-def _start(search: Search, physical: PhysicalTask, samples: int, faults: Counter[PhysicsFault]) -> Snapshot | None:
-    """Return an initial state, None if all samples fail."""
-    for _ in range(samples):
+@dataclass(frozen=True)
+class _Trial(Generic[Result]):
+    """An attempt that succeeded: its number from 0, and its result."""
+
+    number: int
+    result: Result
+
+
+def _retry(
+    first: int, samples: int, faults: Counter[PhysicsFault], attempt: Callable[[int], Result]
+) -> _Trial[Result] | None:
+    """Return the first success of an attempt, which gets its number from `first` on; None if all `samples` fail."""
+    for number in range(first, samples):
         try:
-            return sample_initial_state(search, physical)
-        except Failure as failure:
-            faults[failure.fault] += 1
-    return None
-
-
-def _step(
-    search: Search, snapshot: Snapshot, effect: ActionEffect, samples: int, faults: Counter[PhysicsFault]
-) -> tuple[Snapshot, tuple[Waypoint, ...]] | None:
-    """Return the snapshot and the waypoints after an action, None if all samples fail."""
-    for attempt in range(samples):
-        try:
-            return advance(search, snapshot, effect, attempt)
+            return _Trial(number, attempt(number))
         except Exhausted:
             break
         except Failure as failure:
             faults[failure.fault] += 1
     return None
-
-
-def _causes(faults: Counter[PhysicsFault]) -> dict[str, int]:
-    """Return the number of failed attempts by cause, in the order of the checks."""
-    counted = _by_cause(faults)
-    return {cause: counted[cause] for cause in CAUSES if counted[cause]}
-
-
-def _most_common(faults: Counter[PhysicsFault]) -> str:
-    """Return the cause of most failed attempts; the first one met breaks ties."""
-    return _by_cause(faults).most_common(1)[0][0]
-
-
-def _by_cause(faults: Counter[PhysicsFault]) -> Counter[str]:
-    counted: Counter[str] = Counter()
-    for fault, number in faults.items():
-        counted[fault.cause] += number
-    return counted
 
 
 def _details(faults: Counter[PhysicsFault], scene: Scene) -> tuple[Detail, ...]:

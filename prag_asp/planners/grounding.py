@@ -14,7 +14,6 @@ import clingo
 
 from prag_asp.atom import Atom, symbol_of
 from prag_asp.errors import DomainError
-from prag_asp.planners.fact_pairs import MOST, FactPairs, Values
 from prag_asp.planners.ground_action import Case, ConditionalEffect, GroundAction, PlanningTask, Proposition
 from prag_asp.program.facts import Facts
 from prag_asp.program.invariants import FluentValue, entailed, invariant_graph
@@ -24,6 +23,11 @@ from prag_asp.task import Task
 
 NOT_OVER_TIME = ("closed_world", "ever", "canonical_names", "joint_names", "closed_invariants", "weights")
 """Rules of the encodings that do not restrict plans."""
+
+MOST = 400
+"""Maximum number of fluents for which pairs are computed; their number is four times its square."""
+
+Values = Mapping[clingo.Symbol, bool]
 
 Outcomes = Mapping[tuple[clingo.Symbol, clingo.Symbol], bool]
 """The values of unknown effects, by action and fluent."""
@@ -35,6 +39,63 @@ class _StripsAction(NamedTuple):
     term: clingo.Symbol
     precondition: Values
     effects: Values
+
+
+class FactPairs:
+    """The pairs of values that may be in one reachable state, an upper bound (h^2 of Haslum and Geffner).
+
+    A pair is reached if the initial state has it, or if a reachable action makes one of its values and makes or
+    preserves the other. Conditions that exclude unreachable pairs are redundant. Each value is a bit of an integer.
+    """
+
+    def __init__(self, state: Values, actions: Iterable[tuple[Values, Values]]) -> None:
+        self._number = {fluent: 2 * number for number, fluent in enumerate(state)}
+        start = sum(1 << bit for bit in self._bits(state))
+        self._with = [start if start >> bit & 1 else 0 for bit in range(2 * len(state))]
+        self._reached = start
+        masks = [
+            (self._bits(before), self._bits(after), sum(3 << self._number[fluent] for fluent in after))
+            for before, after in actions
+        ]
+        while sum(self._apply(*mask) for mask in masks):
+            pass
+
+    def excludes(self, before: Values, fluent: clingo.Symbol, value: bool) -> bool:
+        """Return whether a value of a fluent is mutex with one of some others."""
+        return not self._beside(self._bits(before)) >> self._bit(fluent, value) & 1
+
+    def _apply(self, before: list[int], after: list[int], changed: int) -> bool:
+        """Add the pairs that an action reaches, and return whether one is new."""
+        beside = self._beside(before)
+        if any(not beside >> bit & 1 for bit in before):
+            return False
+        added = sum(1 << bit for bit in after)
+        there = (beside & ~changed) | added
+        is_new = False
+        for bit in after:
+            new = there & ~self._with[bit]
+            if new:
+                is_new = True
+                self._with[bit] |= new
+                while new:
+                    lowest = new & -new
+                    self._with[lowest.bit_length() - 1] |= 1 << bit
+                    new ^= lowest
+        self._reached |= added
+        return is_new
+
+    def _beside(self, bits: Iterable[int]) -> int:
+        """Return the values that may hold together with each of some values."""
+        compatible = self._reached
+        for bit in bits:
+            compatible &= self._with[bit]
+        return compatible
+
+    def _bit(self, fluent: clingo.Symbol, value: bool) -> int:
+        return self._number[fluent] + value
+
+    def _bits(self, values: Values) -> list[int]:
+        return [self._bit(fluent, value) for fluent, value in values.items()]
 
 
 def ground_plain(facts: Facts, state: Values, goal: Values, outcomes: Outcomes | None = None) -> PlanningTask:
@@ -50,17 +111,23 @@ def ground_plain(facts: Facts, state: Values, goal: Values, outcomes: Outcomes |
     if len(facts.fluents) <= MOST:
         whole = {fluent: state.get(fluent, False) for fluent in facts.fluents}
         pairs = FactPairs(whole, [(each.precondition, each.effects) for each in actions])
-    graph, clauses = invariant_graph(facts, impossible=True), _clauses(facts)
-    safe = (each for stated in actions if (each := _safe(stated, graph, clauses, pairs)) is not None)
+    graph = invariant_graph(facts, impossible=True)
+    clauses: dict[FluentValue, list[FluentValue]] = {}
+    binary = [((f, False), (g, False)) for f, g in (*facts.exclusive, *facts.impossible)]
+    binary += [((f, False), (g, True)) for f, g in facts.implies if f != g]
+    for one, other in binary:
+        clauses.setdefault(one, []).append(other)
+        clauses.setdefault(other, []).append(one)
+    ground = []
+    for action in actions:
+        before = _safe_precondition(action, graph, clauses, pairs)
+        if before is not None:
+            stated = {Proposition(fluent): value for fluent, value in before.items()}
+            effects = (ConditionalEffect((), (Proposition(fluent), value)) for fluent, value in action.effects.items())
+            ground.append(GroundAction(action.term, (Case(stated, (), tuple(effects)),)))
     initial = frozenset(Proposition(fluent) for fluent, value in state.items() if value)
     goal_values = {Proposition(fluent): value for fluent, value in goal.items()}
-    return PlanningTask(tuple(map(Proposition, facts.fluents)), initial, tuple(map(_action, safe)), goal_values)
-
-
-def _action(stated: _StripsAction) -> GroundAction:
-    before = {Proposition(fluent): value for fluent, value in stated.precondition.items()}
-    effects = tuple(ConditionalEffect((), (Proposition(fluent), value)) for fluent, value in stated.effects.items())
-    return GroundAction(stated.term, (Case(before, (), effects),))
+    return PlanningTask(tuple(map(Proposition, facts.fluents)), initial, tuple(ground), goal_values)
 
 
 def outcomes_of(task: Task, facts: Facts) -> Outcomes:
@@ -97,17 +164,6 @@ def rules_over_time(program: Program) -> Iterator[tuple[Path, int]]:
             yield from ((each.path, each.line) for each in statements if each.timed and each.is_rule)
 
 
-def _clauses(facts: Facts) -> Mapping[FluentValue, list[FluentValue]]:
-    """Return for each value the values that an invariant requires if it does not hold."""
-    others: dict[FluentValue, list[FluentValue]] = {}
-    pairs = [((f, False), (g, False)) for f, g in (*facts.exclusive, *facts.impossible)]
-    pairs += [((f, False), (g, True)) for f, g in facts.implies if f != g]
-    for one, other in pairs:
-        others.setdefault(one, []).append(other)
-        others.setdefault(other, []).append(one)
-    return others
-
-
 def _strips_action(action: clingo.Symbol, facts: Facts, outcomes: Outcomes | None) -> _StripsAction | None:
     """Return an action as the domain states it, or None if it contradicts itself.
 
@@ -132,13 +188,16 @@ def _strips_action(action: clingo.Symbol, facts: Facts, outcomes: Outcomes | Non
     return _StripsAction(action, before, after)
 
 
-def _safe(
+def _safe_precondition(
     action: _StripsAction,
     graph: Mapping[FluentValue, tuple[FluentValue, ...]],
     clauses: Mapping[FluentValue, list[FluentValue]],
     pairs: FactPairs | None,
-) -> _StripsAction | None:
-    """Return an action with preconditions that preserve the invariants, or None if it always breaks one."""
+) -> Values | None:
+    """Return the precondition under which an action preserves the invariants, or None if it always breaks one.
+
+    `clauses` has for each value the values that an invariant requires if it does not hold.
+    """
     before = dict(action.precondition)
     known = entailed(before.items(), graph)
     for fluent, value in action.effects.items():
@@ -151,7 +210,7 @@ def _safe(
                 continue
             if before.setdefault(other, needed) != needed:
                 return None
-    return _StripsAction(action.term, before, action.effects)
+    return before
 
 
 def known_values(values: Iterable[tuple[clingo.Symbol, str]]) -> dict[clingo.Symbol, bool]:

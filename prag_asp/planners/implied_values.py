@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from itertools import product
 
 import clingo
 
@@ -55,21 +56,19 @@ class ImpliedValues:
             known = self._known(before.items())
             if conflict(known) is not None:
                 return before, ((),)
-            fails = {each: self._fails(each, before, known) for clause in left for each in _both(clause)}
+            # A value fails if it contradicts others, given the values of fluents that they entail.
+            fails = {}
+            for proposition, value in product({each for clause in left for each, _ in clause}, (True, False)):
+                meaning = self._meaning((proposition, value))
+                fails[proposition, value] = before.get(proposition, value) != value or (
+                    meaning is not None and (meaning[0], not meaning[1]) in known
+                )
             left = [clause for clause in left if not any(fails[one, not value] for one, value in clause)]
             left = [*dict.fromkeys(tuple(each for each in clause if not fails[each]) for clause in left)]
             new = dict(clause[0] for clause in left if len(clause) == 1)
             if () in left or not new:
                 return before, tuple(left)
             before |= new
-
-    def _fails(self, value: Value, before: Mapping[Proposition, bool], known: Collection[FluentValue]) -> bool:
-        """Return whether a value contradicts others, given the values of fluents that they entail."""
-        proposition, demanded = value
-        meaning = self._meaning(value)
-        return before.get(proposition, demanded) != demanded or (
-            meaning is not None and (meaning[0], not meaning[1]) in known
-        )
 
     def _known(self, values: Iterable[Value]) -> Mapping[FluentValue, FluentValue]:
         """Return the values of fluents that some values entail under the invariants."""
@@ -81,7 +80,3 @@ class ImpliedValues:
         if role == CARRIED or (term in self._unknown and not truth):
             return None
         return term, truth == (role == "")
-
-
-def _both(clause: Iterable[Value]) -> Iterable[Value]:
-    return ((each, value) for each, _ in clause for value in (True, False))

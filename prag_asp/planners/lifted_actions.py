@@ -92,11 +92,8 @@ def lift(instances: Sequence[Instance]) -> tuple[PddlCase, ...] | None:
     cases, names = _with_variables(model), [*map(variable, range(arity))]
     for instance in instances:
         images = [case.rename(dict(zip(names, instance.arguments, strict=True))) for case in cases]
-        if {case.key for case in images} != {case.key for case in instance.cases} or any(map(_collapsed, images)):
+        # Two effects coincide if two variables stand for the same object.
+        collapsed = any(len(set(case.effects)) < len(case.effects) for case in images)
+        if collapsed or {case.key for case in images} != {case.key for case in instance.cases}:
             return None
     return cases
-
-
-def _collapsed(case: PddlCase) -> bool:
-    """Return whether two effects coincide because two variables stand for the same object."""
-    return len(set(case.effects)) < len(case.effects)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 
 import clingo
 
 from prag_asp.domain.load import Domain
-from prag_asp.errors import DomainError
+from prag_asp.errors import DomainError, EngineError, LimitReached
 from prag_asp.logic.diagram.functions import FALSE, TRUE, Cube, Functions, Node, TooLarge
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.ground.program import with_facts
@@ -50,22 +51,31 @@ def ground_over_time(
     disjunctions: an action has a case for each combination of truth values of its conditions (Nebel 2000).
 
     Raises:
-        EngineError: a step is not a function of the state and the action.
-        DomainError: an action has too many cases, or depends on the state in too many ways.
+        DomainError: PDDL cannot express a rule, because a step is not a function of the state and the action; an action
+            has too many cases, or depends on the state in too many ways.
     """
     values = {fluent: stated.get(fluent, False) for fluent in domain.facts.fluents}
     initially = tuple((fluent, OPPOSITE[not value]) for fluent, value in values.items())
     program = with_facts(domain.program, [f"initially({fluent},{value})." for fluent, value in initially])
-    model = DomainLogic(replace(domain, program=program, facts=replace(domain.facts, initially=initially)))
     symbols = [holds(fluent, value) for fluent in values for value in OPPOSITE.values()]
-    transition = model.transition(tasks=False, labels=symbols)
     unknown: set[clingo.Symbol] = set()
-    while True:
-        step = _Step(domain, transition, frozenset(unknown))
-        task = step.ground(goal or {}, whole=whole)
-        if not step.unknown:
-            return task
-        unknown |= step.unknown
+    try:
+        model = DomainLogic(replace(domain, program=program, facts=replace(domain.facts, initially=initially)))
+        transition = model.transition(tasks=False, labels=symbols)
+        while True:
+            step = _Step(domain, transition, frozenset(unknown))
+            task = step.ground(goal or {}, whole=whole)
+            if not step.unknown:
+                return task
+            unknown |= step.unknown
+    except LimitReached:
+        raise
+    except EngineError as error:
+        places = [f"{path}:{line}" for path, line in rules_over_time(domain.program)]
+        place = error.place if error.place in places else places[0] if places else domain.name
+        why = error.what if error.place in ("", place) else f"{error.place}: {error.what}"
+        hint = "leave it out, or export without it"
+        raise DomainError(f"{place}: PDDL cannot say this rule over time: {why}; {hint}") from None
 
 
 class _Step:
@@ -77,10 +87,8 @@ class _Step:
         self._preconditions = domain.facts.preconditions
         self._functions = Functions(MOST_NODES)
         self._implied = ImpliedValues(domain.facts, unknown)
-        try:
+        with self._within_limits("a step"):
             self._step = StepFunctions(transition, unknown, self._functions)
-        except TooLarge:
-            raise self._too_large("a step") from None
         self._propositions = self._step.propositions
         self._numbers = {proposition: number for number, proposition in enumerate(self._propositions)}
         self.unknown: set[clingo.Symbol] = set()
@@ -90,12 +98,10 @@ class _Step:
         first = self._step.first
         initial = {self._propositions[number] for number, value in first.items() if value}
         propositions = [*self._propositions]
-        try:
+        with self._within_limits("the goal"):
             demands = [*self._clauses(self._step.refused_at_end())]
             opposed = (self._step.opposed(fluent, OPPOSITE[value]) for fluent, value in goal.items())
             demands += [(self._value(each),) for each in opposed if each is not None]
-        except TooLarge:
-            raise self._too_large("the goal") from None
         goal_values, clauses = self._implied.units(demands)
         end = None
         if whole and clauses:
@@ -105,17 +111,20 @@ class _Step:
             initial |= {REACHED} if self._functions.where(end, first) == TRUE else set()
         actions = []
         for letter, term in enumerate(self._terms):
-            try:
+            with self._within_limits(str(term)):
                 cases = tuple(self._cases(letter, end, whole=whole))
-            except TooLarge:
-                raise self._too_large(str(term)) from None
             if cases:
                 actions.append(GroundAction(term, cases))
         return PlanningTask(tuple(propositions), frozenset(initial), tuple(actions), goal_values, clauses)
 
-    def _too_large(self, what: str) -> DomainError:
-        problem = f"{what} depends on the state in more ways than can be written"
-        return DomainError(f"{self._place()}: {problem}; let its rules read fewer fluents at once")
+    @contextmanager
+    def _within_limits(self, what: str) -> Iterator[None]:
+        """Refuse a domain in which a part depends on the state in too many ways."""
+        try:
+            yield
+        except TooLarge:
+            problem = f"{what} depends on the state in more ways than can be written"
+            raise DomainError(f"{self._place()}: {problem}; let its rules read fewer fluents at once") from None
 
     def _place(self) -> str:
         """Return the line of the first rule over time, if any, because the rule at fault is unknown."""
@@ -135,7 +144,10 @@ class _Step:
         before = self._implied.needed(before, {(Proposition(fluent), value == "true") for fluent, value in stated})
         changes = [*self._changes(tried.after, fixed)]
         if end is not None:
-            changes += self._reaching(tried.after, end, fixed)
+            states = {number: self._step.becomes(number, tried.after) for number in self._functions.variables([end])}
+            reached = self._functions.where(self._functions.composed(end, states), fixed)
+            for value, where in ((True, reached), (False, self._functions.opposite(reached))):
+                changes.append(((REACHED, value), self._where(where, fixed)))
         changes = [(value, where) for value, where in changes if where != FALSE]
         if whole:
             yield from self._split(str(self._terms[letter]), before, clauses, changes)
@@ -181,13 +193,6 @@ class _Step:
                 gained, lost = functions.choice(own, FALSE, gained), functions.choice(own, lost, FALSE)
             yield (proposition, True), gained
             yield (proposition, False), lost
-
-    def _reaching(self, after: After, end: Node, fixed: Mapping[int, bool]) -> Iterator[Change]:
-        """Yield the states in which an action reaches the goal, the function `end`, and those in which it does not."""
-        states = {number: self._step.becomes(number, after) for number in self._functions.variables([end])}
-        reached = self._functions.where(self._functions.composed(end, states), fixed)
-        yield (REACHED, True), self._where(reached, fixed)
-        yield (REACHED, False), self._where(self._functions.opposite(reached), fixed)
 
     def _split(
         self,

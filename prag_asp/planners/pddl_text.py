@@ -38,12 +38,6 @@ class Spelling:
         return self._names[thing]
 
 
-def positive(literal: Literal, opposites: Mapping[str, str]) -> Literal:
-    """Return a literal with a negative one replaced by the predicate of the negation, if there is one."""
-    name, terms, value = literal
-    return literal if value or name not in opposites else (opposites[name], terms, True)
-
-
 def mirror(literals: Iterable[Literal], opposites: Mapping[str, str]) -> list[Literal]:
     """Return the literals of the predicates of negations, for predicates that have one."""
     return [(opposites[name], terms, not value) for name, terms, value in literals if name in opposites]
@@ -51,8 +45,14 @@ def mirror(literals: Iterable[Literal], opposites: Mapping[str, str]) -> list[Li
 
 def all_of(literals: Clause, clauses: Iterable[Clause], opposites: Mapping[str, str]) -> str:
     """Return literals and clauses as PDDL formulas, each after a blank."""
-    formulas = [[positive(each, opposites) for each in several] for several in (literals, *clauses)]
-    return as_text(formulas[0]) + "".join(f" (or{as_text(clause)})" for clause in formulas[1:])
+    formulas = [
+        as_text(
+            (opposites[name], terms, True) if not value and name in opposites else (name, terms, value)
+            for name, terms, value in several
+        )
+        for several in (literals, *clauses)
+    ]
+    return formulas[0] + "".join(f" (or{clause})" for clause in formulas[1:])
 
 
 def effects(case: PddlCase, opposites: Mapping[str, str]) -> str:

@@ -6,15 +6,16 @@ for which objects it exists; other actions are written without parameters.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import clingo
 
 from prag_asp.atom import symbol_of
 from prag_asp.domain.load import Domain
-from prag_asp.errors import DomainError, EngineError, LimitReached
-from prag_asp.planners.ground_action import Case, GroundAction, PlanningTask, Proposition, Value
+from prag_asp.errors import DomainError
+from prag_asp.planners.ground_action import GroundAction, PlanningTask, Proposition, Value
 from prag_asp.planners.grounding import (
     broken_invariant,
     ground_plain,
@@ -79,43 +80,16 @@ def write(domain: Domain, task: Task | None = None, *, negative: bool = True, co
         ground = ground_plain(facts, stated, goal, None if task is None else outcomes_of(task, facts))
         open_effects = any(value == "unknown" for values in facts.postconditions.values() for _, value in values)
     else:
-        ground, open_effects = _over_time(domain, stated, last, conditional=conditional), False
-    comment = _comment(len(facts.fluents) - len(stated), open_effects)
-    return _PddlWriter(name, facts, ground, negative).write(task, comment)
+        from prag_asp.planners.over_time import ground_over_time
 
-
-def _over_time(
-    domain: Domain,
-    stated: Mapping[clingo.Symbol, bool],
-    goal: Mapping[clingo.Symbol, bool] | None,
-    *,
-    conditional: bool,
-) -> PlanningTask:
-    """Return the planning task of a domain with rules over time.
-
-    Raises:
-        DomainError: PDDL cannot express a rule, or there are too many cases.
-    """
-    from prag_asp.planners.over_time import ground_over_time
-
-    try:
-        return ground_over_time(domain, stated, goal, whole=not conditional)
-    except LimitReached:
-        raise
-    except EngineError as error:
-        places = [f"{path}:{line}" for path, line in rules_over_time(domain.program)]
-        place = error.place if error.place in places else places[0] if places else domain.name
-        why = error.what if error.place in ("", place) else f"{error.place}: {error.what}"
-        hint = "leave it out, or export without it"
-        raise DomainError(f"{place}: PDDL cannot say this rule over time: {why}; {hint}") from None
-
-
-def _comment(left_open: int, open_effects: bool) -> str:
-    is_false = "is" if left_open == 1 else "are"
-    comment = f"; {plural(left_open, 'fluent')} that the task leaves open {is_false} false here.\n" if left_open else ""
+        ground, open_effects = ground_over_time(domain, stated, last, whole=not conditional), False
+    comment, left_open = "", len(facts.fluents) - len(stated)
+    if left_open:
+        is_false = "is" if left_open == 1 else "are"
+        comment = f"; {plural(left_open, 'fluent')} that the task leaves open {is_false} false here.\n"
     if open_effects:
         comment += "; Effects that the domain leaves open are what the task needs, and false otherwise.\n"
-    return comment
+    return _PddlWriter(name, facts, ground, negative).write(task, comment)
 
 
 class _PddlWriter:
@@ -142,13 +116,24 @@ class _PddlWriter:
     def write(self, task: Task | None, comment: str) -> PddlExport:
         """Return the texts for the whole domain, or for a task."""
         goal, clauses = self._literals(self._ground.goal.items()), self._clauses(self._ground.clauses)
-        negated = [] if self._negative else [name for name, _, so in self._conditions(goal, clauses) if not so]
+        conditions = chain(goal, *clauses, *(schema.case.conditions for schema in self._schemas))
+        negated = [] if self._negative else [name for name, _, value in conditions if not value]
         opposites = {name: self._spelling.name(("opposite", name), f"not-{name}") for name in negated}
         first = [(*literal[:2], proposition in self._ground.initial) for proposition, literal in self._positive.items()]
         initial = [literal for literal in (*first, *mirror(first, opposites)) if literal[2]]
-        steps = tuple(self._plan(map(symbol_of, task.actions))) if task is not None else ()
-        goal_text = all_of(goal, clauses, opposites)
-        return PddlExport(self._domain(opposites), self._problem([*initial, *self._allowed], goal_text, comment), steps)
+        plan = () if task is None else tuple(self._plan(map(symbol_of, task.actions)))
+        others = [name for name in self._entities if name not in self._terms]
+        lines = [
+            f"(define (problem {self._name}-task)",
+            f"  (:domain {self._name})",
+            *([f"  (:objects {' '.join(others)})"] if others else []),
+            "  (:init",
+            *(f"   {as_text([each])}" for each in (*initial, *self._allowed)),
+            "  )",
+            f"  (:goal (and{all_of(goal, clauses, opposites)}))",
+            ")",
+        ]
+        return PddlExport(self._domain(opposites), comment + "\n".join(lines) + "\n", plan)
 
     def _plan(self, actions: Iterable[clingo.Symbol]) -> Iterator[str]:
         """Yield the steps of a plan, with the case whose precondition holds for each action."""
@@ -159,19 +144,18 @@ class _PddlWriter:
 
         cases = {action.term: action.cases for action in self._ground.actions}
         for action in actions:
-            possible = [number for number, case in enumerate(cases[action]) if _possible(case, so)]
-            number = possible[0] if len(cases[action]) > 1 else 0
+            number = 0
+            if len(cases[action]) > 1:
+                number = next(
+                    number
+                    for number, case in enumerate(cases[action])
+                    if all(map(so, case.precondition.items())) and all(any(map(so, each)) for each in case.clauses)
+                )
             effects = cases[action][number].effects
             values = [effect.value for effect in effects if all(map(so, effect.condition))]
             state -= {each for each, _ in values}
             state |= {each for each, value in values if value}
             yield self._steps[action][number]
-
-    def _conditions(self, goal: Clause, clauses: Iterable[Clause]) -> Iterator[Literal]:
-        for each in (goal, *clauses):
-            yield from each
-        for schema in self._schemas:
-            yield from schema.case.conditions
 
     def _object(self, term: clingo.Symbol) -> str:
         return self._spelling.name(("object", term), str(term))
@@ -190,64 +174,58 @@ class _PddlWriter:
     def _clauses(self, clauses: Iterable[Sequence[Value]]) -> tuple[Clause, ...]:
         return tuple(sorted(map(self._literals, clauses)))
 
-    def _case(self, case: Case) -> PddlCase:
-        after = sorted((self._literals(each.condition), self._literal(*each.value)) for each in case.effects)
-        return PddlCase(self._literals(case.precondition.items()), self._clauses(case.clauses), tuple(after))
-
     def _schemas_of(self, key: tuple[str, int], actions: Sequence[GroundAction]) -> Iterator[_Schema]:
         """Yield the schemas of the actions of a name; actions with a common schema share it."""
-        instances = [
-            Instance(each.term, tuple(map(self._object, each.term.arguments)), tuple(map(self._case, each.cases)))
-            for each in actions
-        ]
-        for instance in instances:
-            self._terms.update(dict.fromkeys(instance.arguments))
+        instances = []
+        for action in actions:
+            arguments = tuple(map(self._object, action.term.arguments))
+            self._terms.update(dict.fromkeys(arguments))
+            renamed = []
+            for case in action.cases:
+                after = sorted((self._literals(each.condition), self._literal(*each.value)) for each in case.effects)
+                before = self._literals(case.precondition.items())
+                renamed.append(PddlCase(before, self._clauses(case.clauses), tuple(after)))
+            instances.append(Instance(action.term, arguments, tuple(renamed)))
         groups = group_alike(instances)
         for number, group in enumerate(groups):
             cases = lift(group)
             if cases is None or not key[1] or (len(group) == 1 < len(groups)):
-                for each in group:
-                    yield from self._ground_schemas(each)
+                for term, _, own in group:
+                    names = self._action_names((term,), str(term), own)
+                    self._steps[term] = tuple(f"({name})" for name in names)
+                    yield from (_Schema(name, (), case) for name, case in zip(names, own, strict=True))
                 continue
             allowed = self._spelling.name(("can", *key, number), f"can-{key[0]}")
             variables = tuple(map(variable, range(len(group[0].arguments))))
-            names = [self._spelling.name(("action", *key, number, which), _numbered(key[0], which, cases))
-                     for which in range(len(cases))]  # fmt: skip
+            names = self._action_names((*key, number), key[0], cases)
             for term, arguments, own in group:
                 self._allowed.append((allowed, arguments, True))
                 values = dict(zip(variables, arguments, strict=True))
                 which_of = {case.rename(values).key: name for case, name in zip(cases, names, strict=True)}
                 self._steps[term] = tuple(f"({' '.join([which_of[c.key], *arguments])})" for c in own)
-            for name, case in zip(names, cases, strict=True):
-                yield _Schema(name, variables, case, allowed)
+            yield from (_Schema(name, variables, case, allowed) for name, case in zip(names, cases, strict=True))
 
-    def _ground_schemas(self, instance: Instance) -> Iterator[_Schema]:
-        """Yield a schema without parameters for each case of an action."""
-        term, _, cases = instance
-        names = [self._spelling.name(("action", term, number), _numbered(str(term), number, cases))
-                 for number in range(len(cases))]  # fmt: skip
-        self._steps[term] = tuple(f"({name})" for name in names)
-        for name, case in zip(names, cases, strict=True):
-            yield _Schema(name, (), case)
-
-    def _requirements(self) -> str:
-        cases = [schema.case for schema in self._schemas]
-        requirements = [":strips"]
-        requirements += [":negative-preconditions"] * self._negative
-        requirements += [":disjunctive-preconditions"] * (
-            bool(self._ground.clauses) or any(case.clauses for case in cases)
-        )
-        requirements += [":conditional-effects"] * any(where for case in cases for where, _ in case.effects)
-        return " ".join(requirements)
+    def _action_names(self, key: tuple[Hashable, ...], text: str, cases: Sequence[PddlCase]) -> list[str]:
+        """Return the names of the cases of an action, which have numbers if there are several."""
+        texts = [text] if len(cases) == 1 else [f"{text}-{number + 1}" for number in range(len(cases))]
+        return [self._spelling.name(("action", *key, number), each) for number, each in enumerate(texts)]
 
     def _domain(self, opposites: Mapping[str, str]) -> str:
         """Return the text of the domain."""
         predicates = {name: len(terms) for name, terms, _ in self._positive.values()}
         own = {opposites[name]: arity for name, arity in predicates.items() if name in opposites}
         allowed = {schema.allowed: len(schema.variables) for schema in self._schemas if schema.allowed}
+        cases = [schema.case for schema in self._schemas]
+        disjunctive = bool(self._ground.clauses) or any(case.clauses for case in cases)
+        needed = {
+            ":strips": True,
+            ":negative-preconditions": self._negative,
+            ":disjunctive-preconditions": disjunctive,
+            ":conditional-effects": any(where for case in cases for where, _ in case.effects),
+        }
         lines = [
             f"(define (domain {self._name})",
-            f"  (:requirements {self._requirements()})",
+            f"  (:requirements {' '.join(name for name, used in needed.items() if used)})",
             *([f"  (:constants {' '.join(self._terms)})"] if self._terms else []),
             "  (:predicates",
             *(
@@ -263,25 +241,3 @@ class _PddlWriter:
             lines += ["", f"  (:action {schema.name}", f"    :parameters ({' '.join(schema.variables)})"]
             lines += [f"    :precondition (and{''.join(before)})", f"    :effect (and{effects(case, opposites)}))"]
         return "\n".join([*lines, ")"]) + "\n"
-
-    def _problem(self, initial: Iterable[Literal], goal_text: str, comment: str) -> str:
-        """Return the text of the problem."""
-        others = [name for name in self._entities if name not in self._terms]
-        lines = [
-            f"(define (problem {self._name}-task)",
-            f"  (:domain {self._name})",
-            *([f"  (:objects {' '.join(others)})"] if others else []),
-            "  (:init",
-            *(f"   {as_text([each])}" for each in initial),
-            "  )",
-            f"  (:goal (and{goal_text}))",
-        ]
-        return comment + "\n".join([*lines, ")"]) + "\n"
-
-
-def _possible(case: Case, so: Callable[[Value], bool]) -> bool:
-    return all(map(so, case.precondition.items())) and all(any(map(so, clause)) for clause in case.clauses)
-
-
-def _numbered(name: str, number: int, cases: Sequence[PddlCase]) -> str:
-    return name if len(cases) == 1 else f"{name}-{number + 1}"

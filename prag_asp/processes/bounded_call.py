@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 from prag_asp.errors import LimitReached, QueryError
 from prag_asp.processes.machine import family_of, memory_of, usual_memory
-from prag_asp.processes.workers import Worker, WorkerEnded, WorkerGroup
+from prag_asp.processes.workers import WorkerEnded, WorkerGroup
 from prag_asp.stop_reason import StopKind, StopReason
 
 POLL = 0.05
@@ -45,7 +45,16 @@ def bounded(
         try:
             worker = group.start()
             worker.send(pickle.dumps((function, arguments)))
-            value: Returned = _receive(worker, until, limit)
+            while True:
+                left = POLL if until is None else min(POLL, until - monotonic())
+                try:
+                    value: Returned = worker.receive(max(left, 0))
+                    return value
+                except TimeoutError:
+                    if until is not None and monotonic() > until:
+                        raise
+                if memory_of(family_of(worker.process.pid)) > limit:
+                    raise MemoryError
         except TimeoutError:
             reason = StopReason(StopKind.TIME, seconds)
             raise LimitReached(f"{reason.prose()} was reached; allow more seconds", 0, reason) from None
@@ -55,26 +64,6 @@ def bounded(
         except WorkerEnded as ended:
             what = f"the process ended {ended}: too little memory, or too deep a term"
             raise LimitReached(what, 0, StopReason(StopKind.CRASH)) from None
-    return value
-
-
-def _receive(worker: Worker, until: float | None, limit: int) -> Any:
-    """Return the answer of a worker.
-
-    Raises:
-        TimeoutError: there is none in time.
-        MemoryError: its processes take more bytes than the limit.
-        WorkerEnded: it is gone.
-    """
-    while True:
-        left = POLL if until is None else min(POLL, until - monotonic())
-        try:
-            return worker.receive(max(left, 0))
-        except TimeoutError:
-            if until is not None and monotonic() > until:
-                raise
-        if memory_of(family_of(worker.process.pid)) > limit:
-            raise MemoryError
 
 
 def answers(messages: Iterator[bytes]) -> Iterator[Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 
 SHARE = 80
@@ -23,13 +24,7 @@ def machine_memory() -> int:
         found = [os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")]
     except (ValueError, OSError):
         found = [FALLBACK]
-    found += _group_limits()
-    return min(found)
-
-
-def _group_limits() -> list[int]:
-    """Return the memory limits of the control groups (version 1 and 2) of this process, in bytes."""
-    found = []
+    # The control groups (version 1 and 2) of this process.
     for line in _lines("/proc/self/cgroup"):
         number, _, rest = line.partition(":")
         controllers, _, path = rest.partition(":")
@@ -44,7 +39,7 @@ def _group_limits() -> list[int]:
         for depth in range(len(parts) + 1):
             place = "/".join([root, *parts[:depth], name])
             found += [int(text) for text in _lines(place) if text.isdecimal() and int(text)]
-    return found
+    return min(found)
 
 
 def memory_of(processes: list[int]) -> int:
@@ -88,6 +83,14 @@ def family_of(process: int) -> list[int]:
             for line in _lines(f"/proc/{each}/task/{thread}/children"):
                 found += map(int, line.split())
     return found
+
+
+def signal_name(number: int) -> str:
+    """Return the name of a signal, such as SIGKILL, or its number if it has none."""
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"
 
 
 def _lines(path: str) -> list[str]:

@@ -56,7 +56,8 @@ def map_ordered(
                 yield function(index, item)
         return
     waiting: deque[_Chunk[Item, Result]] = deque()
-    chunks = _chunks(items, chunk)
+    iterator = iter(items)
+    chunks: Iterator[_Chunk[Item, Result]] = map(_Chunk, iter(lambda: tuple(islice(iterator, chunk)), ()))
     with WorkerGroup(__name__) as group:
         pool = _Pool(group, workers, opener)
         while True:
@@ -92,12 +93,6 @@ class _Chunk(Generic[Item, Result]):
     error: Exception | None = None
 
 
-def _chunks(items: Iterable[tuple[int, Item]], size: int) -> Iterator[_Chunk[Item, Any]]:
-    iterator = iter(items)
-    while group := tuple(islice(iterator, size)):
-        yield _Chunk(group)
-
-
 class _Pool(Generic[Item, Result]):
     """Workers, started when they are needed, each with the chunks that it was sent, in order."""
 
@@ -113,23 +108,29 @@ class _Pool(Generic[Item, Result]):
         """
         for chunk in waiting:
             if not chunk.sent and (worker := self._free_worker()) is not None:
-                self._send(chunk, worker)
+                chunk.sent = True
+                self._sent[worker].append(chunk)
+                try:
+                    worker.send(chunk.items)
+                except WorkerEnded as ended:
+                    self._replace(worker, ended)
         first = waiting[0]
         pending = first.sent and first.results is None and first.error is None
         for worker in ready_workers(self._sent, None if pending else 0):
-            self._receive(worker)
+            try:
+                self._sent[worker][0].results = worker.receive()
+                self._sent[worker].popleft()
+            except WorkerEnded as ended:
+                self._replace(worker, ended)
+            except Exception as error:  # it ended the worker, and belongs to the chunk that it worked on
+                self._sent[worker].popleft().error = error
+                self._release(worker)
 
     def _free_worker(self) -> Worker | None:
         """Return an idle worker, else a new one, else the one with the fewest chunks; None if all have enough."""
-        idle = [worker for worker, chunks in self._sent.items() if not chunks]
-        if idle:
-            return idle[0]
-        if len(self._sent) < self._workers:
-            return self._start()
-        least = min(self._sent, key=lambda worker: len(self._sent[worker]))
-        return least if len(self._sent[least]) < SENT_AHEAD else None
-
-    def _start(self) -> Worker:
+        least = min(self._sent, key=lambda worker: len(self._sent[worker]), default=None)
+        if least is not None and (not self._sent[least] or len(self._sent) == self._workers):
+            return least if len(self._sent[least]) < SENT_AHEAD else None
         try:
             worker = self._group.start()
         except WorkerEnded as ended:
@@ -138,26 +139,6 @@ class _Pool(Generic[Item, Result]):
         with suppress(WorkerEnded):  # sending the first chunk fails with it, too
             worker.send(self._opener)
         return worker
-
-    def _send(self, chunk: _Chunk[Item, Result], worker: Worker) -> None:
-        chunk.sent = True
-        self._sent[worker].append(chunk)
-        try:
-            worker.send(chunk.items)
-        except WorkerEnded as ended:
-            self._replace(worker, ended)
-
-    def _receive(self, worker: Worker) -> None:
-        """Receive the results of a worker's first chunk, or the error that ended it, which belongs to that chunk."""
-        try:
-            self._sent[worker][0].results = worker.receive()
-        except WorkerEnded as ended:
-            self._replace(worker, ended)
-        except Exception as error:
-            self._sent[worker].popleft().error = error
-            self._release(worker)
-        else:
-            self._sent[worker].popleft()
 
     def _replace(self, worker: Worker, ended: WorkerEnded) -> None:
         """Let other workers do the chunks of one that died.

@@ -28,6 +28,7 @@ from types import FrameType, TracebackType
 from typing import Any
 
 from prag_asp.processes.lifeline import hang_on, held_line
+from prag_asp.processes.machine import signal_name
 
 
 class WorkerEnded(Exception):
@@ -35,7 +36,7 @@ class WorkerEnded(Exception):
 
 
 class RemoteTraceback(Exception):
-    """The traceback of an error that was raised in a worker: the cause of that error here."""
+    """The traceback of an error in a worker; it becomes the `__cause__` of the error that the parent raises."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,10 +87,7 @@ class Worker:
             code = self.process.wait(timeout=10)
         except subprocess.TimeoutExpired:
             return "its line was cut"
-        try:
-            return f"by {signal.Signals(-code).name}" if code < 0 else f"with code {code}"
-        except ValueError:
-            return f"by signal {-code}"
+        return f"by {signal_name(-code)}" if code < 0 else f"with code {code}"
 
 
 class WorkerGroup:
@@ -198,17 +196,26 @@ def _sigint_blocked() -> Iterator[None]:
 
 
 def serve(descriptor: int, lifeline: int, module: str) -> None:
-    """Run a worker: answer messages until an error, which is sent to the parent; exit when the connection is closed."""
+    """Run a worker: answer messages until an error, which is sent to the parent; exit when the connection is closed.
+
+    An error that cannot be pickled becomes a `RuntimeError` with its text.
+    """
     hang_on(lifeline)
     connection = Connection(descriptor)
     os.set_inheritable(descriptor, False)
     messages: SimpleQueue[bytes] = SimpleQueue()
     Thread(target=_listen, args=(connection, messages), daemon=True).start()
     try:
-        for answer in import_module(module).answers(_unpacked(messages)):
+        for answer in import_module(module).answers(pickle.loads(each) for each in iter(messages.get, None)):
             _send(connection, pickle.dumps((answer, None, "")))
     except Exception as error:
-        _send(connection, _pickled(error, traceback.format_exc()))
+        place = traceback.format_exc()
+        try:
+            content = pickle.dumps((None, error, place))
+            pickle.loads(content)
+        except Exception:  # not every error can be pickled, or unpickled again
+            content = pickle.dumps((None, RuntimeError(f"{type(error).__name__}: {error}"), place))
+        _send(connection, content)
 
 
 def _listen(connection: Connection, messages: SimpleQueue[bytes]) -> None:
@@ -220,24 +227,9 @@ def _listen(connection: Connection, messages: SimpleQueue[bytes]) -> None:
         os._exit(1)
 
 
-def _unpacked(messages: SimpleQueue[bytes]) -> Iterator[Any]:
-    while True:
-        yield pickle.loads(messages.get())
-
-
 def _send(connection: Connection, content: bytes) -> None:
     """Send to the parent; exit if it is gone."""
     try:
         connection.send_bytes(content)
     except OSError:
         os._exit(1)
-
-
-def _pickled(error: Exception, place: str) -> bytes:
-    """Return an error pickled; one that cannot be unpickled again becomes a `RuntimeError` with its text."""
-    try:
-        content = pickle.dumps((None, error, place))
-        pickle.loads(content)
-    except Exception:
-        return pickle.dumps((None, RuntimeError(f"{type(error).__name__}: {error}"), place))
-    return content

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from prag_asp.physics.demonstration.acting import SQUEEZE
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.witness import Moment, Witness
+from prag_asp.physics.witness import Witness
 from prag_asp.physics.world.dynamics import TIME_STEP, ArmCommand, open_dynamics
 from prag_asp.rl.control import Control, motor_command
 from prag_asp.scene.boxes import Vector
@@ -48,12 +48,18 @@ class Arena:
         """
         moment = witness.moments[number]
         scene = self._scene.with_sizes(witness.sizes) if witness.sizes else self._scene
-        objects = _in_order(scene, moment)
+        # An order of the objects that depends on the scene alone, so that more tasks share a world.
+        places = {entity: place for place, entity in enumerate(scene.fixed)}
+        objects = tuple(sorted(moment.poses, key=lambda entity: (places.get(entity, len(places)), entity)))
         if self._begun != (scene, objects):
             self._world.begin(objects, moment, scene)
             self._begun = scene, objects
         self._world.restore(moment)
-        self._commands = {name: _holding(moment, name) for name in moment.arms}
+        # The motors drive to the pose that each arm has, and its fingers hold what they hold.
+        self._commands = {
+            name: ArmCommand(arm.joints, arm.width - (SQUEEZE if arm.held is not None else 0.0))
+            for name, arm in moment.arms.items()
+        }
         for robot, command in self._commands.items():
             self._world.drive(robot, command)
         self._tools, self._situation = {}, None
@@ -99,12 +105,6 @@ class Arena:
         return situation
 
 
-def _in_order(scene: Scene, moment: Moment) -> tuple[str, ...]:
-    """Return the objects of a moment in an order that depends on the scene alone, so that more tasks share a world."""
-    places = {entity: place for place, entity in enumerate(scene.fixed)}
-    return tuple(sorted(moment.poses, key=lambda entity: (places.get(entity, len(places)), entity)))
-
-
 def _after(last: Situation | None, now: Situation) -> Situation:
     """Return a situation that keeps the measurements of bodies that have not moved since the last one."""
     if last is None or last.scene is not now.scene or last.openings != now.openings:
@@ -117,12 +117,6 @@ def _after(last: Situation | None, now: Situation) -> Situation:
 def _driven(command: ArmCommand) -> Joints:
     """Return what the motors of an arm drive to: the joints in radians, and the opening in metres."""
     return (*command.joints, command.opening)
-
-
-def _holding(moment: Moment, robot: str) -> ArmCommand:
-    """Return what the motors of an arm drive to so that it stays as it is at a moment, and holds what it holds."""
-    arm = moment.arms[robot]
-    return ArmCommand(arm.joints, arm.width - (SQUEEZE if arm.held is not None else 0.0))
 
 
 def _speed(one: Sequence[float], two: Sequence[float]) -> Vector:

@@ -49,16 +49,15 @@ def subgoals_of(task: Task, scene: Scene) -> tuple[Subgoal, ...]:
     """Return the subgoals of a task as physics sees them, one for each action.
 
     Raises:
-        SceneError: the scene lacks the shape or the yaw of an entity that a spatial fluent speaks about.
+        SceneError: the scene lacks the shape or the yaw of an entity that a spatial fluent refers to.
     """
     subgoals = []
     for effect, fluents in zip(physical_task(task, scene).effects, task.subgoals, strict=True):
         achieved = facts(scene, fluents)
         unchanged = tuple(fact for fact in effect.after if fact not in achieved)
-        subgoals.append(Subgoal(achieved, unchanged, tuple(map(_name, (*achieved, *unchanged)))))
+        names = [
+            f"{'' if fact.value else '-'}{fact.predicate.name}({','.join(fact.arguments)})"
+            for fact in (*achieved, *unchanged)
+        ]
+        subgoals.append(Subgoal(achieved, unchanged, tuple(names)))
     return tuple(subgoals)
-
-
-def _name(fact: Fact) -> str:
-    """Return a fact as text."""
-    return f"{'' if fact.value else '-'}{fact.predicate.name}({','.join(fact.arguments)})"

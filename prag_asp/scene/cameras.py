@@ -6,9 +6,9 @@ Lengths are metres. The axes of a camera are those of pinhole models: x to the r
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 from prag_asp.scene.boxes import Vector
 
@@ -79,20 +79,8 @@ class Camera(NamedTuple):
         return placed
 
 
-class BasePosition(Protocol):
-    """The position of the base of a robot."""
-
-    @property
-    def x(self) -> float:
-        """Metres ahead."""
-
-    @property
-    def y(self) -> float:
-        """Metres to the left."""
-
-
 def usual_cameras(
-    workspace: tuple[float, float, float, float], robots: Mapping[str, BasePosition], fixed: Sequence[Vector] = ()
+    workspace: tuple[float, float, float, float], bases: Iterable[tuple[float, float]], fixed: Sequence[Vector] = ()
 ) -> dict[str, Camera]:
     """Return the default cameras of a scene: one in front.
 
@@ -100,8 +88,7 @@ def usual_cameras(
     """
     low_x, high_x, low_y, high_y = workspace
     corners = tuple((x, y, z) for x in (low_x, high_x) for y in (low_y, high_y) for z in (0.0, HAND_ROOM))
-    bases = tuple((mount.x, mount.y, 0.0) for mount in robots.values())
-    eye, target = fitted((*corners, *bases, *fixed), 1.0)
+    eye, target = fitted((*corners, *((x, y, 0.0) for x, y in bases), *fixed), 1.0)
     return {FRONT: Camera(eye, target)}
 
 

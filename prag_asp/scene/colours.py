@@ -26,10 +26,15 @@ LIGHTNESS, CHROMA = (28.0, 88.0), (28.0, 90.0)
 blue as a screen can be."""
 
 
+def rgb(color: str) -> tuple[int, int, int]:
+    """Return red, green and blue of a colour like ``#e4572e``, from 0 to 255."""
+    return int(color[1:3], 16), int(color[3:5], 16), int(color[5:7], 16)
+
+
 @lru_cache(maxsize=256)
 def to_lab(color: str) -> NDArray[np.float64]:
     """Return lightness, a and b of a colour like ``#e4572e``."""
-    lab: NDArray[np.float64] = _lab(np.array([[int(color[i : i + 2], 16) for i in (1, 3, 5)]]))[0]
+    lab: NDArray[np.float64] = _lab(np.array([rgb(color)]))[0]
     return lab
 
 
@@ -54,13 +59,13 @@ def more_colours(taken: Sequence[str], count: int) -> tuple[str, ...]:
 
     Gonzalez, "Clustering to minimize the maximum intercluster distance", 1985: the farthest point first.
     """
-    rgb = np.array([(red, green, blue) for red in LEVELS for green in LEVELS for blue in LEVELS])
-    lab = _lab(rgb)
+    colors = np.array([(red, green, blue) for red in LEVELS for green in LEVELS for blue in LEVELS])
+    lab = _lab(colors)
     chroma = np.hypot(lab[:, 1], lab[:, 2])
     fine = np.ones(len(lab), dtype=bool)
     for values, (low, high) in ((lab[:, 0], LIGHTNESS), (chroma, CHROMA)):
         fine &= (values >= low) & (values <= high)
-    rgb, lab = rgb[fine], lab[fine]
+    colors, lab = colors[fine], lab[fine]
     nearest = np.full(len(lab), np.inf)
     for color in taken:
         nearest = np.minimum(nearest, np.linalg.norm(lab - to_lab(color), axis=1))
@@ -68,14 +73,14 @@ def more_colours(taken: Sequence[str], count: int) -> tuple[str, ...]:
     for _ in range(count):
         best = int(nearest.argmax())
         nearest = np.minimum(nearest, np.linalg.norm(lab - lab[best], axis=1))
-        red, green, blue = rgb[best].tolist()
+        red, green, blue = colors[best].tolist()
         result.append(f"#{red:02x}{green:02x}{blue:02x}")
     return tuple(result)
 
 
-def _lab(rgb: NDArray[np.int64]) -> NDArray[np.float64]:
+def _lab(colors: NDArray[np.int64]) -> NDArray[np.float64]:
     """Return lightness, a and b of colours from 0 to 255, shape (N, 3)."""
-    bright = rgb / 255
+    bright = colors / 255
     linear = np.where(bright <= 0.04045, bright / 12.92, ((bright + 0.055) / 1.055) ** 2.4)
     xyz = linear @ TO_XYZ.T / WHITE
     bent = np.where(xyz > EDGE**3, np.cbrt(xyz), xyz / (3 * EDGE**2) + 4 / 29)

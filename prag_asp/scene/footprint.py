@@ -30,8 +30,11 @@ def corners(footprint: Footprint) -> Outline:
 
 def apart(one: Footprint, two: Footprint, touching: float) -> bool:
     """Return whether two bodies reach less than `touching` metres into each other, by separating axes."""
-    directions = [axis for footprint in (one, two) for axis in _axes(footprint, two if footprint is one else one)]
-    return any(_gap(one, two, direction) >= -touching for direction in directions)
+    for direction in (*_axes(one, two), *_axes(two, one)):
+        (low, high), (other_low, other_high) = _shadow(one, direction), _shadow(two, direction)
+        if max(other_low - high, low - other_high) >= -touching:
+            return True
+    return False
 
 
 def _axes(footprint: Footprint, other: Footprint) -> list[Point]:
@@ -45,12 +48,6 @@ def _axes(footprint: Footprint, other: Footprint) -> list[Point]:
         nearest = min(corners(other), key=lambda corner: math.dist(corner, (x, y)))
     length = math.dist(nearest, (x, y))
     return [((nearest[0] - x) / length, (nearest[1] - y) / length)] if length > 0.0 else []
-
-
-def _gap(one: Footprint, two: Footprint, direction: Point) -> float:
-    """Return how far two bodies are apart along a direction in metres, negative where they overlap."""
-    (low, high), (other_low, other_high) = _shadow(one, direction), _shadow(two, direction)
-    return max(other_low - high, low - other_high)
 
 
 def _shadow(footprint: Footprint, direction: Point) -> tuple[float, float]:

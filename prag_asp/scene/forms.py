@@ -14,8 +14,8 @@ from prag_asp.scene.boxes import Vector
 Point = tuple[float, float]
 Outline = tuple[Point, ...]
 
-CIRCLE_SIDES = 16
-"""Corners of the outline of a cylinder: it misses 2 percent of the radius at most."""
+CIRCLE = tuple(2 * math.pi * i / 16 for i in range(16))
+"""The headings of the corners of a cylinder's outline, in radians: it misses 2 percent of the radius at most."""
 
 
 class Primitive(NamedTuple):
@@ -37,47 +37,21 @@ def rectangle(x: float, y: float, half_x: float, half_y: float, yaw: float) -> O
     return tuple((x + cosine * a - sine * b, y + sine * a + cosine * b) for a, b in corners)
 
 
-def _box_reach(half: Vector, direction: Vector) -> float:
-    return abs(direction[0]) * half[0] + abs(direction[1]) * half[1] + abs(direction[2]) * half[2]
-
-
-def _box_outline(half: Vector, x: float, y: float, yaw: float) -> Outline:
-    return rectangle(x, y, half[0], half[1], yaw)
-
-
-def _box_volume(half: Vector) -> float:
-    return 8 * half[0] * half[1] * half[2]
-
-
-def _cylinder_reach(half: Vector, direction: Vector) -> float:
-    along = direction[2]
-    return abs(along) * half[2] + half[0] * math.sqrt(max(0.0, 1.0 - along * along))
-
-
-def _cylinder_outline(half: Vector, x: float, y: float, yaw: float) -> Outline:
-    angles = [2 * math.pi * i / CIRCLE_SIDES for i in range(CIRCLE_SIDES)]
-    return tuple((x + half[0] * math.cos(a), y + half[0] * math.sin(a)) for a in angles)
-
-
-def _cylinder_volume(half: Vector) -> float:
-    return math.pi * half[0] * half[0] * 2 * half[2]
-
-
-def _ball_reach(half: Vector, direction: Vector) -> float:
-    return half[0]
-
-
-def _ball_outline(half: Vector, x: float, y: float, yaw: float) -> Outline:
-    return ((x, y),)
-
-
-def _ball_volume(half: Vector) -> float:
-    return 4 * math.pi * half[0] ** 3 / 3
-
-
-BOX = Primitive(_box_reach, _box_outline, _box_volume)
-CYLINDER = Primitive(_cylinder_reach, _cylinder_outline, _cylinder_volume)
-BALL = Primitive(_ball_reach, _ball_outline, _ball_volume)
+BOX = Primitive(
+    reach=lambda half, to: abs(to[0]) * half[0] + abs(to[1]) * half[1] + abs(to[2]) * half[2],
+    outline=lambda half, x, y, yaw: rectangle(x, y, half[0], half[1], yaw),
+    volume=lambda half: 8 * half[0] * half[1] * half[2],
+)
+CYLINDER = Primitive(
+    reach=lambda half, to: abs(to[2]) * half[2] + half[0] * math.sqrt(max(0.0, 1.0 - to[2] * to[2])),
+    outline=lambda half, x, y, yaw: tuple((x + half[0] * math.cos(a), y + half[0] * math.sin(a)) for a in CIRCLE),
+    volume=lambda half: math.pi * half[0] * half[0] * 2 * half[2],
+)
+BALL = Primitive(
+    reach=lambda half, to: half[0],
+    outline=lambda half, x, y, yaw: ((x, y),),
+    volume=lambda half: 4 * math.pi * half[0] ** 3 / 3,
+)
 
 FORMS: Mapping[str, Primitive] = {"box": BOX, "cylinder": CYLINDER, "sphere": BALL}
 """The primitives that bodies are made of; a body from a URDF can have meshes, too."""

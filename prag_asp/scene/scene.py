@@ -1,7 +1,7 @@
-"""The scene of a domain: its bodies, where they stand, and the meaning of its fluents.
+"""The scene of a domain: its bodies, their places, and the meaning of its fluents.
 
-Lengths are metres, angles radians. The world's origin is the base of the robot on the table top: x points away
-from the robot, y to the robot's left, z up.
+Lengths are metres, angles radians. The origin is on the table top; a single robot has its base there by default. The x
+axis points away from this robot, y to its left, z up.
 """
 
 from __future__ import annotations
@@ -17,6 +17,9 @@ from prag_asp.scene.cameras import Camera, usual_cameras
 from prag_asp.scene.predicate_names import PREDICATE_ROLES
 from prag_asp.scene.shape_kinds import KINDS, Kind
 
+GREY = "#808080"
+"""The colour of an entity to which the scene gives none."""
+
 IGNORED = "none"
 """The value in ``scene.predicates`` of a fluent that physics ignores."""
 
@@ -24,14 +27,15 @@ Size = tuple[float, float, float]
 """The sides of a bounding box in metres."""
 
 SAME_SIZE = 1e-6
-"""The largest difference between equal sides, in metres: files have rounded decimals."""
+"""The tolerance for equal sides, in metres, because decimals in files are rounded."""
 
 
 class Solid(NamedTuple):
-    """A solid of a body: box, cylinder, sphere or mesh, its middle relative to that of the body's box.
+    """A solid of a body: box, cylinder, sphere or mesh.
 
-    `size` is the sides of a box, the diameter twice and the height of a cylinder, the diameter of a ball in metres, or
-    the scale of a mesh; `turn` is roll, pitch and yaw in radians; `mesh` is a file.
+    `size` has the sides of the bounding box in metres, or the scale of a mesh along each axis. `at` is the position of
+    the centre in the frame of the body, whose origin is the centre of its bounding box. `turn` is roll, pitch and yaw
+    in radians; `mesh` is the path of a file.
     """
 
     kind: str
@@ -42,16 +46,35 @@ class Solid(NamedTuple):
 
 
 class BodyModel(NamedTuple):
-    """The model of a body from a URDF: its collision solids, and its mass in kilograms."""
+    """The model of a body from a file, in the frame of the body, whose origin is the centre of its bounding box.
+
+    It has the collision solids, the `mass` in kilograms, the `centre` of mass in metres, and the principal `moments` of
+    inertia in kg m² about `axes`, a unit quaternion (x, y, z, w).
+
+    `base` and `crown` are the convex outlines, seen from above and counter-clockwise, of what it stands on and of what
+    stands on it: its lowest and its highest points. `settled` is by how many radians it was tilted from how its file
+    has it, because it does not rest like that.
+    """
 
     solids: tuple[Solid, ...]
     mass: float
+    centre: Size = (0.0, 0.0, 0.0)
+    moments: Size = (0.0, 0.0, 0.0)
+    axes: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+    base: tuple[tuple[float, float], ...] = ()
+    crown: tuple[tuple[float, float], ...] = ()
+    settled: float = 0.0
+
+    def with_mass(self, mass: float) -> BodyModel:
+        """Return the model with another mass in kilograms, distributed alike."""
+        x, y, z = (moment * mass / self.mass for moment in self.moments)
+        return self._replace(mass=mass, moments=(x, y, z))
 
 
 class Shape(NamedTuple):
-    """A body: its kind (of `KINDS`), the size of its bounding box and a container's wall in metres.
+    """The shape of a body: its kind (of `KINDS`), the sides of its bounding box, and the thickness of walls in metres.
 
-    One from a URDF has a `model`.
+    A shape from a file has a `model`.
     """
 
     kind: str
@@ -70,7 +93,7 @@ class Shape(NamedTuple):
         return (self.size[0] / 2, self.size[1] / 2, self.size[2] / 2)
 
     def breadth(self, widest: bool) -> float:
-        """Return its largest or smallest width upright, in metres."""
+        """Return the largest or the smallest horizontal width of the upright body, in metres."""
         x, y, _ = self.size
         if self.traits.round:
             return x
@@ -78,10 +101,10 @@ class Shape(NamedTuple):
 
 
 class Material(NamedTuple):
-    """The material of a body; the defaults are those of light wood, and of filled packages of cardboard.
+    """The material of a body; the defaults fit light wood, and full boxes of cardboard.
 
-    `density` in kilograms a cubic metre; what touches has the product of both coefficients of `friction`; `rolling` is
-    how far ahead of its centre a ball is supported when it rolls, in metres: fruit is not quite round.
+    `density` is in kilograms per cubic metre. A contact has the product of the coefficients of `friction` of both
+    bodies. `rolling` is the coefficient of rolling friction of a ball in metres: fruit is not quite round.
     """
 
     density: float = 400.0
@@ -93,7 +116,7 @@ STANDARD = Material()
 
 
 class BoxBounds(NamedTuple):
-    """A box by its lowest and its highest corner, in metres; infinite where nothing bounds it."""
+    """A box by its lowest and its highest corner in metres, which may be infinite."""
 
     low: tuple[float, float, float]
     high: tuple[float, float, float]
@@ -102,9 +125,9 @@ class BoxBounds(NamedTuple):
 class Own(NamedTuple):
     """A spatial predicate that a domain adds: the roles of its arguments, and its definition.
 
-    Either `boxes` around the second argument, or around the entity `around`, say where the first one has to be: its
-    centre in one of them, or all of it where `whole` is set; `sentence` is a template of it in plain words. Or `file`
-    is the path of a Python file that defines it.
+    It is defined either by `boxes`, or by the Python file of the path `file`. The boxes are around the second argument,
+    or around the entity `around`; the predicate holds if the centre of the first argument, or with `whole` all of it,
+    is in one of the boxes. `sentence` is a template of the predicate in plain words.
     """
 
     name: str
@@ -117,7 +140,7 @@ class Own(NamedTuple):
 
 
 class Mount(NamedTuple):
-    """Which robot an entity is, and where its base stands: x and y in metres, yaw in radians."""
+    """The kind of a robot, and the place of its base: x and y in metres, yaw in radians."""
 
     kind: str
     x: float = 0.0
@@ -128,9 +151,9 @@ class Mount(NamedTuple):
 class Ranges(NamedTuple):
     """The ranges of domain randomization.
 
-    `friction` and `mass` are factors; `light` the degrees by which the light is turned at most, `camera` how far a
-    camera and what it looks at are moved, as a share of what is between them, `colour` the Delta E in CIELAB by which a
-    colour is moved.
+    `friction` and `mass` are the smallest and the largest factor. The others are largest changes: `light` of the
+    direction to the light, in degrees; `camera` of the position of a camera and of its target, as a share of their
+    distance; `colour` of a colour, as Delta E in CIELAB.
     """
 
     friction: tuple[float, float] = (0.8, 1.2)
@@ -144,14 +167,14 @@ USUAL_RANGES = Ranges()
 
 
 def only_robot(shapes: Mapping[str, Shape], kind: str = "panda") -> dict[str, Mount]:
-    """Return the only robot of a scene, at the origin; without an entity it is named after its kind."""
+    """Return the mount of a single robot at the origin; it has the name of its entity, otherwise of its kind."""
     name = next((entity for entity, shape in shapes.items() if shape.kind == "robot"), kind)
     return {name: Mount(kind)}
 
 
 @dataclass(frozen=True)
 class TableTop:
-    """The table: sides along x and y in metres, centre of its top (at z = 0), colour."""
+    """The table: its sides along x and y in metres, the centre of its top (at z = 0), and its colour."""
 
     size: tuple[float, float] = (1.3, 1.6)
     centre: tuple[float, float] = (0.4, 0.0)
@@ -162,18 +185,17 @@ class TableTop:
 class Scene:
     """The scene of a domain.
 
-    `shapes` and `colors` (``#rrggbb``) belong to entities, `workspace` is the part of the table top where the search
-    puts objects (low x, high x, low y, high y), not a limit of where they can be, `fixed` holds x, y in metres and
-    yaw in radians of what never moves, `predicates` maps fluent names to spatial predicates, `rotations` names to
-    yaws in radians.
-    `materials` belong to entities; `ranges` hold all shapes, the smallest first, of those whose size is drawn for each
-    task, and `shapes` the largest of them.
-    `robots` says where each robot stands, by the names of their entities; where it is left out there is one panda, at
-    the origin.
-    With `frame` "robot" left is the left of the robot (+y) and in front is nearer to it; "viewer" is someone
-    who faces the robot. `own` are the spatial predicates that the domain adds, by their names; the Python files
-    among them are run only where `trusted` is set. `cameras` have names too; where they are left out there is one,
-    `front`. `vary` has the ranges of domain randomization.
+    Most fields map names of entities: to `shapes`, `colors` (``#rrggbb``), `materials`, for robots to their mounts in
+    `robots`, and for bodies that never move to their place in `fixed`, x, y in metres and yaw in radians. If the size
+    of an entity is sampled for each task, `ranges` has all its possible shapes, the smallest first, and `shapes` the
+    largest of them. By default there is one Panda, at the origin.
+
+    `workspace` is the part of the table top where the search places objects: low x, high x, low y, high y in metres.
+    It does not limit where they can be. `predicates` maps fluent names to spatial predicates, `rotations` names to yaws
+    in radians. `frame` is "robot", for which left is +y and in front is -x, or "viewer", who faces the robot.
+
+    `own` has the spatial predicates that the domain adds, by name; their Python files are run only if `trusted` is set.
+    `cameras` are named, too; by default there is one, `front`. `vary` has the ranges of domain randomization.
     """
 
     shapes: Mapping[str, Shape]
@@ -196,10 +218,11 @@ class Scene:
         if not self.robots:
             object.__setattr__(self, "robots", only_robot(self.shapes))
         if not self.cameras:
-            object.__setattr__(self, "cameras", usual_cameras(self.workspace, self.robots, self.fixed_corners()))
+            bases = [(mount.x, mount.y) for mount in self.robots.values()]
+            object.__setattr__(self, "cameras", usual_cameras(self.workspace, bases, self.fixed_corners()))
 
     def fixed_corners(self) -> tuple[Size, ...]:
-        """Return points on the table around what is fixed, and as high as that is, in metres."""
+        """Return the corners of boxes around the fixed bodies with any yaw, in metres."""
         corners = []
         for entity, (x, y, _) in self.fixed.items():
             size = self.shapes[entity].size if entity in self.shapes else (0.0, 0.0, 0.0)
@@ -209,25 +232,29 @@ class Scene:
 
     @property
     def shared(self) -> bool:
-        """Whether several robots work at the table: they keep out of each other's way, and instructions name them."""
+        """Whether several robots work at the table: they avoid each other, and sentences name them."""
         return len(self.robots) > 1
 
     def meaning(self, fluent: Atom) -> str | None:
-        """Return the name of the spatial predicate that `fluent` means, None where physics ignores it."""
+        """Return the name of the spatial predicate that a fluent means, None if physics ignores the fluent."""
         name = self.predicates.get(fluent.name, fluent.name)
         return name if name in PREDICATE_ROLES or name in self.own else None
 
     def roles(self, predicate: str) -> tuple[str, ...]:
-        """Return what each argument of a spatial predicate of this scene has to be."""
+        """Return the role of each argument of a spatial predicate of this scene."""
         own = self.own.get(predicate)
         return PREDICATE_ROLES[predicate] if own is None else own.roles
 
     def material(self, entity: str) -> Material:
-        """Return what an entity is made of."""
+        """Return the material of an entity."""
         return self.materials.get(entity, STANDARD)
 
+    def color(self, entity: str) -> str:
+        """Return the colour of an entity as ``#rrggbb``."""
+        return self.colors.get(entity, GREY)
+
     def with_shapes(self, shapes: Mapping[str, Shape]) -> Scene:
-        """Return the scene with the sampled shapes of a task; bodies without one have their largest shape."""
+        """Return the scene with the sampled shapes of a task; other bodies keep their largest shape."""
         return replace(self, shapes={**self.shapes, **shapes}, ranges={}) if self.ranges else self
 
     def with_sizes(self, sizes: Mapping[str, Size]) -> Scene:
@@ -236,12 +263,13 @@ class Scene:
         Raises:
             SceneError: an entity cannot have its size.
         """
-        return self.with_shapes({entity: self._shape(entity, size) for entity, size in sizes.items()})
-
-    def _shape(self, entity: str, size: Size) -> Shape:
-        """Return the shape of a size in the range of an entity."""
-        for shape in self.ranges.get(entity, ()):
-            if all(abs(side - other) < SAME_SIZE for side, other in zip(shape.size, size, strict=True)):
-                return shape
-        shown = " x ".join(f"{side:.4f}" for side in size)
-        raise SceneError(f"{entity} cannot have the size {shown} m; the scene gives it another range")
+        shapes = {}
+        for entity, size in sizes.items():
+            for shape in self.ranges.get(entity, ()):
+                if all(abs(side - other) < SAME_SIZE for side, other in zip(shape.size, size, strict=True)):
+                    shapes[entity] = shape
+                    break
+            else:
+                shown = " x ".join(f"{side:.4f}" for side in size)
+                raise SceneError(f"{entity} cannot have the size {shown} m; the scene gives it another range")
+        return self.with_shapes(shapes)

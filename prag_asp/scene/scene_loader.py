@@ -1,7 +1,4 @@
-"""The ``[scene]`` table of a domain: what the classes look like and how they stand before the robot.
-
-This module loads no simulator, so that the linter can use it.
-"""
+"""Load the ``[scene]`` table of a domain, or collect its problems for the linter, without a simulator."""
 
 from __future__ import annotations
 
@@ -14,7 +11,7 @@ from prag_asp.atom import Atom
 from prag_asp.errors import SceneError
 from prag_asp.scene.read.scene_reader import read_scene
 from prag_asp.scene.read.scene_values import DomainNames
-from prag_asp.scene.scene import IGNORED, Scene, Shape
+from prag_asp.scene.scene import IGNORED, Scene
 from prag_asp.scene.shape_kinds import KINDS
 from prag_asp.tables.report import Keys, TableEntry, TableProblem, TableReport, path_text
 from prag_asp.wording import did_you_mean, is_misspelt, plural
@@ -28,10 +25,10 @@ def parse_scene(
     folder: Path = Path(),
     trust: bool = False,
 ) -> Scene:
-    """Return the scene that the ``[scene]`` table describes, shapes looked up for every entity.
+    """Return the scene of a ``[scene]`` table, in which every entity has the shape of its class.
 
-    `classes` maps each class to its parents, `entities` each entity to its class. Paths begin at `folder`, that of the
-    domain; physics runs the Python files there only with `trust`.
+    `classes` maps each class to its parents, `entities` each entity to its class. Paths are relative to `folder`, that
+    of the domain. Physics runs the Python files of the domain only with `trust`.
 
     Raises:
         SceneError: the table has problems; the message has one line for each, with its key.
@@ -52,10 +49,15 @@ def scene_problems(
     *,
     folder: Path = Path(),
 ) -> list[TableProblem]:
-    """Return every problem of a ``[scene]`` table, and what the spatial ones of `fluents` lack in it."""
+    """Return all problems of a ``[scene]`` table; it has to define what the spatial ones among `fluents` need."""
     report, scene = _read(table, DomainNames(classes, entities, folder))
     fluents = list(fluents)
-    _check_misspelt_fluents(report, scene, fluents)
+    names = {fluent.name for fluent in fluents}
+    meant = sorted(name for name in names if scene.meaning(Atom(name, ())) is None and name not in scene.predicates)
+    for name in sorted(scene.predicates.keys() - names):
+        # A fluent that nothing grounds is not among the fluents, so a name that is unlike all others may be right.
+        if is_misspelt(name, meant):
+            report.add(("scene", "predicates", name), f"there is no fluent {name}; {did_you_mean(name, meant)}")
     for fluent in fluents:
         if report.doubtful.isdisjoint(fluent.arguments):
             _check_fluent(report, scene, entities, fluent)
@@ -65,21 +67,9 @@ def scene_problems(
 
 
 def _read(table: Mapping[str, Any], names: DomainNames) -> tuple[TableReport, Scene]:
-    """Return a scene with the report of its problems."""
+    """Return a scene, and the report of its problems."""
     report = TableReport()
     return report, read_scene(TableEntry(report, ("scene",), table), names)
-
-
-def _check_misspelt_fluents(report: TableReport, scene: Scene, fluents: Iterable[Atom]) -> None:
-    """Report names under ``scene.predicates`` that are no fluent's, but misspell that of one without meaning.
-
-    A fluent that nothing grounds is not seen here, so a name that is unlike all others may well be right.
-    """
-    names = {fluent.name for fluent in fluents}
-    meant = sorted(name for name in names if scene.meaning(Atom(name, ())) is None and name not in scene.predicates)
-    for name in sorted(scene.predicates.keys() - names):
-        if is_misspelt(name, meant):
-            report.add(("scene", "predicates", name), f"there is no fluent {name}; {did_you_mean(name, meant)}")
 
 
 def _require_objects(report: TableReport, scene: Scene) -> None:
@@ -90,7 +80,7 @@ def _require_objects(report: TableReport, scene: Scene) -> None:
 
 
 def _check_fluent(report: TableReport, scene: Scene, entities: Mapping[str, str], fluent: Atom) -> None:
-    """Report what a spatial fluent lacks in the scene: the right number of arguments, shapes, rotations."""
+    """Report a spatial fluent with a wrong number of arguments, or without the shapes or rotations that it needs."""
     meaning = scene.meaning(fluent)
     if meaning is None:
         return
@@ -113,8 +103,8 @@ def _check_fluent(report: TableReport, scene: Scene, entities: Mapping[str, str]
                 report.add(keys, f"{fluent} needs the yaw of {entity} in degrees; set {path_text(keys)}")
         elif shape is None:
             keys = ("scene", "shapes", kind)
-            report.add(keys, f"missing: {fluent} speaks about {entity}, a {kind}; set {path_text(keys)}")
-        elif not _plays(role, shape):
+            report.add(keys, f"missing: {fluent} names {entity}, a {kind}; set {path_text(keys)}")
+        elif not (shape.traits.furniture if role == "furniture" else (role == "robot") == (shape.kind == "robot")):
             furniture = " or ".join(name for name, each in KINDS.items() if each.furniture)
             needed = f"{fluent} needs {entity} to be of the kind {furniture if role == 'furniture' else role}"
             if fluent.name in scene.predicates:
@@ -122,10 +112,3 @@ def _check_fluent(report: TableReport, scene: Scene, entities: Mapping[str, str]
                 report.add(("scene", "predicates", fluent.name), f"{needed} where it means {meaning}; {hint}")
             else:
                 report.add(("scene", "shapes", kind, "kind"), f"{needed}; change it")
-
-
-def _plays(role: str, shape: Shape) -> bool:
-    """Return whether a body has the kind that an argument of a predicate needs."""
-    if role == "furniture":
-        return shape.traits.furniture
-    return (role == "robot") == (shape.kind == "robot")

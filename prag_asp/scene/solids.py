@@ -23,7 +23,9 @@ def solids(shape: Shape) -> tuple[Solid, ...]:
         parts = mechanism(shape)
         return (*boxes(parts.body), *boxes(parts.part))
     if shape.traits.hollow:
-        return boxes(_container(shape))
+        x, y, z = shape.half
+        thin = shape.wall / 2
+        return (*boxes([((0.0, 0.0, thin - z), (x, y, thin))]), *walls(shape, thin))
     return (Solid(shape.kind, shape.size),)
 
 
@@ -33,16 +35,16 @@ def weight(scene: Scene, entity: str) -> float:
     return scene.material(entity).density * volume(solids(shape)) if shape.model is None else shape.model.mass
 
 
-def walls(shape: Shape) -> tuple[Solid, ...]:
-    """Return the walls of a container, down to the ground: its visible part without a floor."""
+def walls(shape: Shape, above: float = 0.0) -> tuple[Solid, ...]:
+    """Return the walls of a container; they begin twice `above` metres over the ground, to leave room for a floor."""
     x, y, z = shape.half
-    thin, inner = shape.wall / 2, y - shape.wall
+    thin, inner, tall = shape.wall / 2, y - shape.wall, z - above
     return boxes(
         [
-            ((0.0, y - thin, 0.0), (x, thin, z)),
-            ((0.0, thin - y, 0.0), (x, thin, z)),
-            ((x - thin, 0.0, 0.0), (thin, inner, z)),
-            ((thin - x, 0.0, 0.0), (thin, inner, z)),
+            ((0.0, y - thin, above), (x, thin, tall)),
+            ((0.0, thin - y, above), (x, thin, tall)),
+            ((x - thin, 0.0, above), (thin, inner, tall)),
+            ((thin - x, 0.0, above), (thin, inner, tall)),
         ]
     )
 
@@ -50,17 +52,3 @@ def walls(shape: Shape) -> tuple[Solid, ...]:
 def volume(made_of: Iterable[Solid]) -> float:
     """Return the volume of solids in cubic metres, none of them a mesh."""
     return sum(FORMS[solid.kind].volume((solid.size[0] / 2, solid.size[1] / 2, solid.size[2] / 2)) for solid in made_of)
-
-
-def _container(shape: Shape) -> list[tuple[Vector, Vector]]:
-    """Return centre and half sides of a container's floor and four walls, in its own frame."""
-    x, y, z = shape.half
-    thin = shape.wall / 2
-    inner = y - shape.wall
-    return [
-        ((0.0, 0.0, thin - z), (x, y, thin)),
-        ((0.0, y - thin, thin), (x, thin, z - thin)),
-        ((0.0, thin - y, thin), (x, thin, z - thin)),
-        ((x - thin, 0.0, thin), (thin, inner, z - thin)),
-        ((thin - x, 0.0, thin), (thin, inner, z - thin)),
-    ]

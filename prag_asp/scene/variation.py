@@ -50,17 +50,15 @@ class Variation:
         for entity, kilograms in self.mass.items():
             shape = shapes.get(entity)
             if shape is not None and shape.model is not None:
-                shapes[entity] = shape._replace(model=shape.model._replace(mass=kilograms))
+                shapes[entity] = shape._replace(model=shape.model.with_mass(kilograms))
             elif shape is not None:
                 material = materials.get(entity, scene.material(entity))
                 density = material.density * kilograms / weight(scene, entity)
                 materials[entity] = material._replace(density=density)
-        cameras = {
-            name: camera._replace(at=self.cameras[name][0], look_at=self.cameras[name][1])
-            if name in self.cameras
-            else camera
-            for name, camera in scene.cameras.items()
-        }
+        cameras = dict(scene.cameras)
+        for name in self.cameras.keys() & cameras.keys():
+            at, look_at = self.cameras[name]
+            cameras[name] = cameras[name]._replace(at=at, look_at=look_at)
         colors, table = {**scene.colors, **self.colours}, scene.table
         if (entity := table_of(scene)) in self.colours:
             table = replace(table, color=self.colours[entity])
@@ -121,16 +119,31 @@ def variation_of(text: str) -> Variation:
 def draw_variation(scene: Scene, kinds: Iterable[str], objects: Sequence[str], seed: Sequence[int]) -> Variation:
     """Return a random variation of some `KINDS` for the objects of a task, within the ranges of the scene.
 
-    Entities are sampled in the order of their names.
+    Friction and colour also vary for the table, mass only for movable objects. Cameras and their targets are moved
+    within balls, and so are colours, in CIELAB. Entities are sampled in the order of their names.
     """
-    drawn = {kind: _DRAWERS[kind](scene, sorted(objects), [*seed, KINDS.index(kind)]) for kind in kinds}
-    return Variation(
-        friction=drawn.get("friction", {}),
-        mass=drawn.get("mass", {}),
-        light=drawn.get("light"),
-        cameras=drawn.get("camera", {}),
-        colours=drawn.get("colour", {}),
-    )
+    rngs = {kind: np.random.default_rng([*seed, KINDS.index(kind)]) for kind in kinds}
+    ranges, table = scene.vary, table_of(scene)
+    friction, mass, cameras, colours = {}, {}, {}, {}
+    if rng := rngs.get("friction"):
+        for entity in (*sorted(objects), *([table] if table in scene.shapes else [])):
+            friction[entity] = scene.material(entity).friction * float(rng.uniform(*ranges.friction))
+    if rng := rngs.get("mass"):
+        for entity in sorted(objects):
+            if entity not in scene.fixed and not scene.shapes[entity].traits.furniture:
+                mass[entity] = weight(scene, entity) * float(rng.uniform(*ranges.mass))
+    if rng := rngs.get("camera"):
+        for name in sorted(scene.cameras):
+            camera = scene.cameras[name]
+            most = ranges.camera * math.dist(camera.at, camera.look_at)
+            cameras[name] = (_moved(rng, camera.at, most), _moved(rng, camera.look_at, most))
+    if rng := rngs.get("colour"):
+        colors = {entity: scene.colors[entity] for entity in sorted(objects) if entity in scene.colors}
+        for entity, color in {**colors, table: scene.table.color}.items():
+            lightness, a, b = to_lab(color).tolist()
+            colours[entity] = from_lab(np.array(_moved(rng, (lightness, a, b), ranges.colour)))
+    light = _light(rngs["light"], ranges.light) if "light" in rngs else None
+    return Variation(friction, mass, light, cameras, colours)
 
 
 def table_of(scene: Scene) -> str:
@@ -138,54 +151,16 @@ def table_of(scene: Scene) -> str:
     return next((entity for entity, shape in scene.shapes.items() if shape.kind == "table"), "table")
 
 
-def _friction(scene: Scene, objects: Sequence[str], seed: Sequence[int]) -> dict[str, float]:
-    """Return coefficients of friction of the objects and the table."""
-    rng, table = np.random.default_rng(seed), table_of(scene)
-    entities = [*objects, *([table] if table in scene.shapes else [])]
-    return {entity: scene.material(entity).friction * float(rng.uniform(*scene.vary.friction)) for entity in entities}
-
-
-def _mass(scene: Scene, objects: Sequence[str], seed: Sequence[int]) -> dict[str, float]:
-    """Return masses of the movable objects, in kilograms."""
-    rng = np.random.default_rng(seed)
-    free = [entity for entity in objects if entity not in scene.fixed and not scene.shapes[entity].traits.furniture]
-    return {entity: weight(scene, entity) * float(rng.uniform(*scene.vary.mass)) for entity in free}
-
-
-def _light(scene: Scene, objects: Sequence[str], seed: Sequence[int]) -> Vector:
-    """Return a direction to the light, uniform on the spherical cap around the usual one."""
-    rng = np.random.default_rng(seed)
+def _light(rng: np.random.Generator, degrees: float) -> Vector:
+    """Return a direction to the light, uniform on the spherical cap of some degrees around the usual one."""
     usual = np.array(USUAL_LIGHT) / np.linalg.norm(USUAL_LIGHT)
     aside = np.cross(usual, (1.0, 0.0, 0.0))
     aside /= np.linalg.norm(aside)
-    cosine = float(rng.uniform(math.cos(math.radians(scene.vary.light)), 1.0))
+    cosine = float(rng.uniform(math.cos(math.radians(degrees)), 1.0))
     turn = float(rng.uniform(0.0, 2 * math.pi))
     around = math.cos(turn) * aside + math.sin(turn) * np.cross(usual, aside)
     x, y, z = (cosine * usual + math.sqrt(1 - cosine**2) * around).tolist()
     return (x, y, z)
-
-
-def _camera(scene: Scene, objects: Sequence[str], seed: Sequence[int]) -> dict[str, tuple[Vector, Vector]]:
-    """Return the position and the target of each camera, both moved within a ball."""
-    rng = np.random.default_rng(seed)
-    cameras = {}
-    for name in sorted(scene.cameras):
-        camera = scene.cameras[name]
-        most = scene.vary.camera * math.dist(camera.at, camera.look_at)
-        cameras[name] = (_moved(rng, camera.at, most), _moved(rng, camera.look_at, most))
-    return cameras
-
-
-def _colour(scene: Scene, objects: Sequence[str], seed: Sequence[int]) -> dict[str, str]:
-    """Return colours of the objects and the table, moved in CIELAB within a ball."""
-    rng = np.random.default_rng(seed)
-    colors = {entity: scene.colors[entity] for entity in objects if entity in scene.colors}
-    colors[table_of(scene)] = scene.table.color
-    colours = {}
-    for entity, color in colors.items():
-        lightness, a, b = to_lab(color).tolist()
-        colours[entity] = from_lab(np.array(_moved(rng, (lightness, a, b), scene.vary.colour)))
-    return colours
 
 
 def _moved(rng: np.random.Generator, point: Vector, most: float) -> Vector:
@@ -194,8 +169,3 @@ def _moved(rng: np.random.Generator, point: Vector, most: float) -> Vector:
     way *= most * float(rng.uniform()) ** (1 / 3) / np.linalg.norm(way)
     x, y, z = (np.array(point) + way).tolist()
     return (x, y, z)
-
-
-_DRAWERS: Mapping[str, Any] = {
-    "friction": _friction, "mass": _mass, "light": _light, "camera": _camera, "colour": _colour,
-}  # fmt: skip

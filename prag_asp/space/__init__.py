@@ -9,9 +9,9 @@ ENGINES: Mapping[str, str] = {
     "clingo": "prag_asp.space.engines.clingo_engine.ClingoEngine",
     "sat": "prag_asp.space.engines.sat_engine.SatEngine",
     "sharp": "prag_asp.space.engines.sharp_engine.SharpEngine",
-    "symbolic": "prag_asp.space.engines.symbolic_engine.SymbolicEngine",
+    "symbolic": "prag_asp.space.engines.symbolic_engine.symbolic_engine",
 }
-"""The class of each engine by its name, which implements `prag_asp.space.engines.engine.Engine`.
+"""The class of each engine, or a function that returns it; see `prag_asp.space.engines.engine.Engine`.
 
-Classes are loaded lazily, so that listing the names costs nothing.
+They are loaded lazily, so that listing the names costs nothing.
 """

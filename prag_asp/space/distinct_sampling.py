@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
-from itertools import accumulate, count
+from itertools import accumulate
 from math import lcm
 from typing import NamedTuple, Protocol
 
@@ -49,10 +49,6 @@ class TaskOrder(Protocol):
         """The number of tasks, including those of weight 0, which are never sampled."""
         ...
 
-    def draws(self, first: int = 0) -> Iterator[RankedDraw]:
-        """Yield the tasks from a number on."""
-        ...
-
     def pick(self, numbers: Iterable[int]) -> Iterator[RankedDraw]:
         """Yield the tasks of ascending numbers, until there are no more."""
         ...
@@ -74,10 +70,6 @@ class UniformOrder:
     def size(self) -> int:
         """The number of tasks."""
         return self.order.size
-
-    def draws(self, first: int = 0) -> Iterator[RankedDraw]:
-        """Yield the tasks from a number on."""
-        return self.pick(count(first))
 
     def pick(self, numbers: Iterable[int]) -> Iterator[RankedDraw]:
         """Yield the tasks of ascending numbers, until there are no more."""
@@ -118,10 +110,6 @@ class WeightedOrder:
     def __post_init__(self) -> None:
         self.sampling.batches(seed=self.seed)
 
-    def draws(self, first: int = 0) -> Iterator[RankedDraw]:
-        """Yield the tasks from a number on."""
-        return self.pick(count(first))
-
     def pick(self, numbers: Iterable[int]) -> Iterator[RankedDraw]:
         """Yield the tasks of ascending numbers; all tasks before the last one are sampled on the way."""
         requested = iter(numbers)
@@ -138,7 +126,7 @@ class WeightedOrder:
     def _draws(self) -> Iterator[tuple[int, Draw]]:
         """Yield all tasks of positive weight, with the index of their set."""
         seen: set[Letters] = set()
-        weight_seen, misses = Fraction(0), 0
+        weight_seen, unit, misses = 0, 1, 0  # probabilities add up to weight_seen / unit
         places = {words.length: place for place, words in enumerate(self.whole)}
         for draw in self.sampling.draws(seed=self.seed):
             place = places[len(draw.word)]
@@ -150,9 +138,12 @@ class WeightedOrder:
                 return
             misses = 0
             seen.add(draw.word)
-            weight_seen += draw.probability
+            if unit % draw.probability.denominator:
+                larger = lcm(unit, draw.probability.denominator)
+                weight_seen, unit = weight_seen * (larger // unit), larger
+            weight_seen += draw.probability.numerator * (unit // draw.probability.denominator)
             yield place, draw
-            if weight_seen == 1 or len(seen) == self.size:
+            if weight_seen == unit or len(seen) == self.size:
                 return
 
     def _remaining(self, seen: set[Letters]) -> Iterator[tuple[int, Draw]]:

@@ -47,28 +47,18 @@ class DomainEngines:
         """Return the engine of a level, for a length."""
         if length < self.fewest_actions:
             return NoWords(self.model, by)
-        name = CLINGO if length == 0 and self._needs_a_step else self.name
+        model, name = self.model, self.name
+        if length == 0 and name in ONE_STEP and not model.obstacles and model.ground.after_steps_alone:
+            name = CLINGO  # the others would check rules after a step on the plan without actions
         if (by, name) not in self._engines:
-            self._report_all_ground()
-            self._engines[by, name] = select(name, self.model, by, self.progress, self.limits)
+            if model.domain.irreducible and self.progress:
+                from prag_asp.reduction.reduction import is_large
+
+                if is_large(model.domain.facts):
+                    why = f"all entities are ground, though many are alike: {model.domain.irreducible}"
+                    self.progress(Note(f"note: {why}"))
+            self._engines[by, name] = select(name, model, by, self.progress, self.limits)
         return self._engines[by, name]
-
-    @cached_property
-    def _needs_a_step(self) -> bool:
-        """True if the engine would check rules after a step on the plan without actions."""
-        if self.name not in ONE_STEP or self.model.obstacles:
-            return False
-        return self.model.ground.after_steps_alone
-
-    def _report_all_ground(self) -> None:
-        """Report the statement that prevents the reduction of a large domain."""
-        domain = self.model.domain
-        if not domain.irreducible or not self.progress:
-            return
-        from prag_asp.reduction.reduction import is_large
-
-        if is_large(domain.facts):
-            self.progress(Note(f"note: all entities are ground, though many are alike: {domain.irreducible}"))
 
     def count(self, by: Level, length: int, prefix: Letters = ()) -> int:
         """Return the number of words, and cache it."""

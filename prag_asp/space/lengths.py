@@ -7,10 +7,11 @@ from collections.abc import Iterable
 
 from prag_asp.errors import QueryError
 
-RANGE = re.compile(r"\s*(?P<first>[0-9]{1,9})\s*(\.\.\s*(?P<last>[0-9]{1,9})\s*)?", re.ASCII)
+RANGE = re.compile(r"-[0-9]+|(?P<first>[0-9]{1,999})(\s*\.\.\s*(?P<last>[0-9]{1,999}))?")
+"""A number, or a range; Python does not convert numbers of arbitrarily many digits."""
 
-MOST = 100_000
-"""Maximum number of lengths of one space, on the command line and in suite tables as well."""
+MOST_LENGTHS = 1_000_000
+"""Maximum number of lengths in a range, because each takes memory."""
 
 
 def parse_lengths(length: int | str | Iterable[int]) -> tuple[int, ...]:
@@ -19,22 +20,43 @@ def parse_lengths(length: int | str | Iterable[int]) -> tuple[int, ...]:
     Raises:
         QueryError: there is none, one is no whole number of at least 0, or one is repeated.
     """
-    if isinstance(length, int):
-        return (checked_length(length),)
     if isinstance(length, str):
-        parts = RANGE.fullmatch(length)
-        if parts is None:
-            raise QueryError(f"length {length!r}: write a whole number, such as 4, or a range, such as 2..4")
-        first = int(parts["first"])
-        length = range(first, int(parts["last"] or first) + 1)
-        if len(length) > MOST:
-            raise QueryError(f"length {first}..{length[-1]}: more than {MOST:,} lengths; give fewer")
+        length = parse_range(length, f"length {length!r}")
     if not isinstance(length, Iterable):
         return (checked_length(length),)
     lengths = tuple(map(checked_length, length))
     if not lengths or len(set(lengths)) < len(lengths):
         raise QueryError(f"lengths {lengths}: give at least one, and each once")
     return lengths
+
+
+def parse_range(
+    text: str,
+    what: str,
+    *,
+    longest: int | None = None,
+    remedy: str = "write a whole number, such as 4, or A..B for all from A to B",
+) -> int | range:
+    """Return the length in a text such as ``4``, or all lengths of a range such as ``2..4``.
+
+    Errors begin with `what`; `remedy` says how to write lengths.
+
+    Raises:
+        QueryError: the text is neither, or a length is above `longest`.
+    """
+    match = RANGE.fullmatch(text.strip())
+    if match is None:
+        raise QueryError(f"{what}: {remedy}")
+    if match["first"] is None:
+        raise QueryError(f"{what}: a plan has at least 0 actions")
+    first, last = int(match["first"]), int(match["last"] or match["first"])
+    if first > last:
+        raise QueryError(f"{what}: the first is above the last; write {last}..{first}")
+    if longest is not None and last > longest:
+        raise QueryError(f"{what}: write whole numbers, none above {longest}")
+    if last - first >= MOST_LENGTHS:
+        raise QueryError(f"{what}: more than {MOST_LENGTHS:,} lengths; use a smaller range")
+    return first if match["last"] is None else range(first, last + 1)
 
 
 def checked_length(length: object) -> int:

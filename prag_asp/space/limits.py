@@ -36,17 +36,17 @@ class Limits:
     cached: bool = True
     since: float | None = None
 
-    def begin(self) -> Budget:
+    def begin(self) -> LimitClock:
         """Start the clock for one query."""
-        return Budget(self, monotonic() if self.since is None else self.since)
+        return LimitClock(self, monotonic() if self.since is None else self.since)
 
 
 UNLIMITED = Limits()
 
 
 @dataclass(frozen=True)
-class Budget:
-    """The limits of a query that began at a time of the monotonic clock."""
+class LimitClock:
+    """The limits of a query, and when it began on the monotonic clock; `closing` seconds are added for its end."""
 
     limits: Limits
     begun: float
@@ -66,20 +66,20 @@ class Budget:
         seconds = self.limits.seconds
         return None if seconds is None else max(self.begun + seconds - monotonic(), 0.0)
 
-    def to_close(self) -> Budget:
-        """Return the budget for counting partial results at a limit: the remaining time, and a little more.
+    def to_close(self) -> LimitClock:
+        """Return the clock for counting partial results at a limit: it has the remaining time, and a little more.
 
         It has no memory limit because counting needs little memory.
         """
         seconds = self.limits.seconds
         if seconds is None:
-            return Budget(UNLIMITED, self.begun)
+            return LimitClock(UNLIMITED, self.begun)
         extra = min(max(seconds / 20, LEAST_CLOSING), MOST_CLOSING)
         late = max(monotonic() - self.begun - seconds, 0)
-        return Budget(Limits(seconds=seconds), self.begun, late + extra)
+        return LimitClock(Limits(seconds=seconds), self.begun, late + extra)
 
-    def to_report(self) -> Budget:
-        """Return the budget of `to_close`, or `MOST_CLOSING` seconds if there is only a memory limit."""
+    def to_report(self) -> LimitClock:
+        """Return the clock of `to_close`, or `MOST_CLOSING` seconds if there is only a memory limit."""
         return Limits(seconds=MOST_CLOSING).begin() if self.limits.seconds is None else self.to_close()
 
 
@@ -89,9 +89,9 @@ def within(limits: Limits, words: Iterator[Item], level: str, length: int) -> It
     Raises:
         LimitReached: a limit is reached; the error has the number of words yielded so far.
     """
-    budget = limits.begin()
+    clock = limits.begin()
     for number, word in enumerate(words):
-        reason = budget.reached_limit()
+        reason = clock.reached_limit()
         if reason:
             raise limit_error(reason, number, level, length)
         yield word

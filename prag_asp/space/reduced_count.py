@@ -22,12 +22,10 @@ from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.entity_names import action_name
 from prag_asp.reduction.reduction import Reduction, named_in
-from prag_asp.space.automaton.automaton import count_words
 from prag_asp.space.automaton.bounded_count import count_within
-from prag_asp.space.automaton.merged_states import count_merged
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
-from prag_asp.space.engines.engine import Engine, Letters, Level, Progress, name_in_prefix
-from prag_asp.space.engines.reachability import Explorer, Reach
+from prag_asp.space.engines.engine import Engine, Letters, Level, Progress, name_in_prefix, prefix_sets
+from prag_asp.space.engines.reachability import Explorer
 from prag_asp.space.limits import Limits, limit_error
 from prag_asp.space.weights.weights import Weights
 from prag_asp.stop_reason import StopReason
@@ -52,30 +50,26 @@ class ReducedCounter:
         Raises:
             LimitReached: a limit ended the count; the error has the number of words counted so far.
         """
-        reduced = self._reduced(length)
-        if reduced is None or not reduced.takes(prefix) or reduced.whole_sizes is None:
+        sizes, groups = self.reduction.sizes(length), self.reduction.groups
+        if sizes not in self._models:
+            program_and_facts = self.reduction.reduced(length)
+            if program_and_facts is None:
+                return None
+            program, facts = program_and_facts
+            model = DomainLogic(replace(self.domain, program=program, facts=facts, reduction=None))
+            self._models = {sizes: ReducedModel(model, groups, self.engine, self.progress, self.limits)}
+            if self.progress:
+                pairs = zip(sizes, groups, strict=True)
+                numbers = ", ".join(f"{size} of {len(group):,} entities like {group[0]}" for size, group in pairs)
+                self.progress(f"{numbers} are ground: plans of length {length} need no more")
+        reduced = self._models[sizes]
+        if not reduced.takes(prefix) or reduced.whole_sizes is None:
             return None
         if by != "plan":
             return reduced.engine(by).count(length, prefix)
         if isinstance(reduced.engine("plan"), AutomatonEngine):
             return reduced.explored_plans(length, prefix)
         return reduced.listed_plans(length, prefix)
-
-    def _reduced(self, length: int) -> ReducedModel | None:
-        sizes = self.reduction.sizes(length)
-        if sizes not in self._models:
-            reduced = self.reduction.reduced(length)
-            if reduced is None:
-                return None
-            program, facts = reduced
-            model = DomainLogic(replace(self.domain, program=program, facts=facts, reduction=None))
-            groups = self.reduction.groups
-            self._models = {sizes: ReducedModel(model, groups, self.engine, self.progress, self.limits)}
-            if self.progress:
-                pairs = zip(sizes, groups, strict=True)
-                numbers = ", ".join(f"{size} of {len(group):,} entities like {group[0]}" for size, group in pairs)
-                self.progress(f"{numbers} are ground: plans of length {length} need no more")
-        return self._models[sizes]
 
 
 @dataclass
@@ -154,30 +148,24 @@ class ReducedModel:
         )
         assert unit == 1
         stage("counting")
-        weight, stop = self._weight(reach, length, prefix)
+        stop: StopReason | None = None
+        if prefix:
+            weight = reach.count(length, prefix_sets(prefix, {}, reach.names))
+        else:
+            weight, stop = count_within(reach.completions, length, self.limits.begin().reached_limit)
         reason = reach.stop or stop
         if reason:
             raise limit_error(reason, 0, "plan", length, reach.states)
         pairs = [(len(group), len(members)) for group, members in zip(self.groups, ground, strict=True)]
         return _renamed(weight, [*zip(pairs, places, strict=False)])
 
-    def _weight(self, reach: Reach, length: int, prefix: Letters) -> tuple[int, StopReason | None]:
-        """Return the weight of all words, and the limit that ended the sum, if any."""
-        if not prefix:
-            return count_within(reach.completions, length, self.limits.begin().reached_limit)
-        names = [name_in_prefix(item, ()) for item in prefix]
-        sets = [frozenset(letter for letter, text in enumerate(reach.names) if text == name) for name in names]
-        if reach.merged:
-            return count_merged(reach.merged, reach.completions, length, sets), None
-        return count_words(reach.completions, length, [letters.__contains__ for letters in sets]), None
-
     def listed_plans(self, length: int, prefix: Letters) -> int:
         """Return the number of plans of a length: enumerate the tasks and count the renamings of each."""
         actions = {str(action): action for action in self.model.domain.facts.actions}
-        plans = 0
+        members, plans = self.model.symmetries(0).entities, 0
         try:
             for word in self.engine("task").words(length, prefix):
-                named = set[clingo.Symbol]().union(*(named_in(actions[letter], self._members) for letter in word))
+                named = set[clingo.Symbol]().union(*(named_in(actions[letter], members) for letter in word))
                 plans += prod(
                     perm(size, len(named.intersection(group)))
                     for group, size in zip(self.alike, self.whole_sizes or (), strict=True)
@@ -188,10 +176,6 @@ class ReducedModel:
         except LimitReached as limit:
             raise limit_error(limit.reason, plans, "plan", length) from None
         return plans
-
-    @cached_property
-    def _members(self) -> frozenset[clingo.Symbol]:
-        return self.model.symmetries(0).entities
 
 
 def _renamed(weight: int, groups: Sequence[tuple[tuple[int, int], int]]) -> int:

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import copy
-from itertools import chain, islice
+from functools import cache
+from itertools import chain, count, islice
 from typing import TYPE_CHECKING, Any, overload
 
 from prag_asp.atom import Atom
@@ -19,7 +20,7 @@ from prag_asp.logic.symmetry.symmetries import Symmetries
 from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.domain_engines import DomainEngines
 from prag_asp.space.engines import Level
-from prag_asp.space.engines.engine import Progress
+from prag_asp.space.engines.engine import Letters, Progress
 from prag_asp.space.engines.prefix import Prefix, checked_level, engine_prefix, parse_plan
 from prag_asp.space.lengths import checked_length, parse_lengths, spelled_lengths
 from prag_asp.space.limits import UNLIMITED, Limits
@@ -77,10 +78,15 @@ class TaskSpace:
         space.__dict__.update(self.__dict__)
         return space
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Support pickling; the copy recomputes its results and reports no progress."""
+    def __getstate__(self) -> tuple[Any, ...]:
+        """Return what to pickle; the copy recomputes its results and reports no progress."""
         engines = self.engines
-        return _unpickled, (self.domain, self.lengths, engines.name, engines.limits, self.condition, self._part_of)
+        return self.domain, self.lengths, engines.name, engines.limits, self.condition, self._part_of
+
+    def __setstate__(self, state: tuple[Any, ...]) -> None:
+        domain, lengths, engine, limits, condition, part_of = state
+        space = TaskSpace(domain, lengths, engine=engine, limits=limits)._restricted([condition], part_of)
+        self.__dict__ = space.__dict__
 
     @property
     def length(self) -> int:
@@ -174,11 +180,13 @@ class TaskSpace:
             QueryError: there is no such level, or the prefix names no action of the domain.
             LimitReached: a limit ended the count of a length; the error has the number counted for that length.
         """
+        return sum(self.engines.count(by, length, first) for length, first in self._prefixes(by, prefix))
+
+    def _prefixes(self, by: Level, prefix: Prefix) -> list[tuple[int, Letters]]:
+        """Return each length with a prefix as its engine takes it."""
         checked_level(by)
-        return sum(
-            self.engines.count(by, length, engine_prefix(prefix, by, length, self.domain, self.engines.model))
-            for length in self.lengths
-        )
+        model = self.engines.model
+        return [(length, engine_prefix(prefix, by, length, self.domain, model)) for length in self.lengths]
 
     def estimate(
         self, by: Level = "task", prefix: Prefix = (), *, epsilon: float = 0.8, delta: float = 0.2, seed: int = 0
@@ -195,12 +203,11 @@ class TaskSpace:
         from prag_asp.logic.formula.approximate import Estimate, Tolerance
         from prag_asp.space.engines.sharp_engine import estimate_words
 
-        tolerance, engines = Tolerance(epsilon, delta), self.engines
-        level, length = checked_level(by), self.length
-        first = engine_prefix(prefix, by, length, self.domain, self.engines.model)
+        tolerance, engines, length = Tolerance(epsilon, delta), self.engines, self.length
+        ((_, first),) = self._prefixes(by, prefix)
         if length < engines.fewest_actions:
             return Estimate(0, tolerance)
-        return estimate_words(engines.model, level, length, first, tolerance, seed, engines.limits)
+        return estimate_words(engines.model, by, length, first, tolerance, seed, engines.limits)
 
     def enumerate(self, by: Level = "task", prefix: Prefix = ()) -> Iterator[tuple[str, ...]]:
         """Yield plans and tasks as texts of actions, skeletons as names, length by length in rank order, lazily.
@@ -208,11 +215,7 @@ class TaskSpace:
         Raises:
             QueryError: there is no such level, or the prefix names no action of the domain.
         """
-        checked_level(by)
-        prefixes = {
-            length: engine_prefix(prefix, by, length, self.domain, self.engines.model) for length in self.lengths
-        }
-        words = (self.engines.engine(by, length).words(length, first) for length, first in prefixes.items())
+        words = (self.engines.engine(by, length).words(length, first) for length, first in self._prefixes(by, prefix))
         return chain(next(words), chain.from_iterable(words))
 
     def tasks(self, prefix: Prefix = ()) -> Iterator[Task]:
@@ -245,7 +248,7 @@ class TaskSpace:
 
     def plan_at(self, rank: int) -> tuple[str, ...]:
         """Return the plan of the task of a rank from 0 to ``count() - 1`` as the texts of its actions."""
-        return self._tasks.word(rank)
+        return WordSet(self.engines, "task", self.length).word(rank)
 
     def index(self, task: Task | Sequence[str | Atom]) -> int:
         """Return the rank of a task or a plan; the names of interchangeable entities do not matter.
@@ -254,15 +257,11 @@ class TaskSpace:
             QueryError: it is no task of this space, or contains something that is no action.
         """
         plan = parse_plan(task.actions if isinstance(task, Task) else task, self.domain.facts)
-        rank = self._tasks.rank(tuple(map(str, plan)))
+        rank = WordSet(self.engines, "task", self.length).rank(tuple(map(str, plan)))
         if rank is None:
             message = f"no task of {self.title}: {' '.join(map(str, plan))}"
             raise QueryError(f"{message}; prag-asp explain says why it is no plan, where it is none")
         return rank
-
-    @property
-    def _tasks(self) -> WordSet:
-        return WordSet(self.engines, "task", self.length)
 
     def action_texts(self, by: Level = "task") -> tuple[str, ...]:
         """Return the texts of actions, or names for skeletons, that the numbers of ``sampling().array`` index."""
@@ -338,7 +337,7 @@ class TaskSpace:
             return chain.from_iterable(map(self.tasks_of_draws, sampling.batches(seed=seed)))
         from prag_asp.space.distinct_sampling import BATCH, distinct_order
 
-        draws = distinct_order(sampling, seed).draws()
+        draws = distinct_order(sampling, seed).pick(count())
         return chain.from_iterable(map(self.tasks_of_draws, growing_batches(draws, BATCH)))
 
     def sampling(
@@ -387,11 +386,14 @@ class TaskSpace:
         Raises:
             QueryError: the shares do not add up to 1.
         """
-        from prag_asp.space.parts.ranked_tasks import RankedTasks
-        from prag_asp.space.splits import split_ranks
+        from prag_asp.space.parts.ranked_tasks import RankedTasks, RankRange, ShuffledRanks
+        from prag_asp.space.parts.shares import divided, parse_shares
+        from prag_asp.space.parts.shuffle import Shuffle
 
         self.length  # noqa: B018  ranks are those of one length
-        return {name: RankedTasks(ranks, self) for name, ranks in split_ranks(self.count(), shares, seed).items()}
+        order = Shuffle(self.count(), seed)
+        parts = divided(order.size, parse_shares(shares))
+        return {name: RankedTasks(ShuffledRanks(order, RankRange(places)), self) for name, places in parts.items()}
 
     def split_skeletons(self, shares: Mapping[str, Number | float], *, seed: int = 0) -> dict[str, TaskSpace]:
         """Return disjoint random parts that share no skeleton, each a task space of this length.
@@ -402,9 +404,19 @@ class TaskSpace:
         Raises:
             QueryError: the shares do not add up to 1.
         """
-        from prag_asp.space.splits import split_skeletons
+        from prag_asp.space.conditions.whole_skeletons import LONGEST, MOST_SKELETONS, SPELLABLE, divide_skeletons
+        from prag_asp.space.parts.shares import parse_shares
 
-        return split_skeletons(self, shares, seed)
+        part = cache(self.part)
+
+        def tasks_by_skeleton() -> dict[tuple[str, ...], int] | None:
+            few = self.length <= LONGEST and self.count("skeleton") <= MOST_SKELETONS
+            if not few or not all(map(SPELLABLE.fullmatch, self.action_texts("skeleton"))):
+                return None
+            return {skeleton: self.count("task", skeleton) for skeleton in self.enumerate("skeleton")}
+
+        parts = divide_skeletons(parse_shares(shares), seed, lambda clause: part(clause).count(), tasks_by_skeleton)
+        return {name: part(condition) for name, condition in parts.items()}
 
     def hold_out(self, what: str) -> tuple[TaskSpace, TaskSpace]:
         """Return the tasks without and with `what`: an entity, a class, an action's name or a pair of names.
@@ -432,15 +444,3 @@ class TaskSpace:
 
         formula = word_formula(self.engines.model, checked_level(by), self.length)
         return dimacs(formula.cnf, [f"the {by}s of {self.title}, by prag_asp"])
-
-
-def _unpickled(
-    domain: Domain,
-    lengths: tuple[int, ...],
-    engine: str,
-    limits: Limits,
-    condition: Condition,
-    part_of: TaskSpace | None,
-) -> TaskSpace:
-    """Return a space from its pickled fields."""
-    return TaskSpace(domain, lengths, engine=engine, limits=limits)._restricted([condition], part_of)

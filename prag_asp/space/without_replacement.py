@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import count
 
 from prag_asp.batches import growing_batches
 from prag_asp.errors import QueryError
@@ -42,10 +41,6 @@ class DealtOrder:
     def size(self) -> int:
         """The number of tasks."""
         return self.deal.share(self.order.size)
-
-    def draws(self, first: int = 0) -> Iterator[RankedDraw]:
-        """Yield the tasks from a number on."""
-        return self.pick(count(first))
 
     def pick(self, numbers: Iterable[int]) -> Iterator[RankedDraw]:
         """Yield the tasks of ascending numbers, until there are no more."""
@@ -122,7 +117,8 @@ def ordered_parts(
             accepts = _acceptance(division, sets[name], order)
             parts[name] = WeightedOrder(sampling, whole, sets[name], seed, order.size, accepts)
         else:
-            probabilities = _probabilities([words.count() for words in whole], evenly=evenly)
+            sizes = [words.count() for words in whole]
+            probabilities = [Fraction(1, len(sizes) * size if evenly else sum(sizes)) for size in sizes]
             parts[name] = UniformOrder(whole, sets[name], order, probabilities)
     return {name: part if deal == ALL else DealtOrder(part, deal) for name, part in parts.items()}
 
@@ -160,11 +156,6 @@ def order_of(sizes: Sequence[int], division: Division, name: str, seed: int, *, 
         return ShuffledRanks(Shuffle(total, seed), RankRange(places))
 
     return EvenOrder(tuple(map(ranks, sizes))) if evenly else ShareOrder(tuple(sizes), ranks(sum(sizes)))
-
-
-def _probabilities(sizes: Sequence[int], *, evenly: bool) -> list[Fraction]:
-    """Return the probability that a single draw gives a task, for each length."""
-    return [Fraction(1, len(sizes) * size if evenly else sum(sizes)) for size in sizes]
 
 
 def _acceptance(

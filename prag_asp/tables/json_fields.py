@@ -48,7 +48,12 @@ def decoded(text: str) -> Any:
     except msgspec.ValidationError:
         why = "a number is out of range"
     except msgspec.DecodeError as error:
-        why = _with_column(str(error), text)
+        place = re.search(r" \(byte (\d+)\)", str(error))
+        if place is None:
+            why = "it ends too early"
+        else:
+            column = len(text.encode()[: int(place[1])].decode(errors="ignore")) + 1
+            why = f"{str(error)[: place.start()].removeprefix('JSON is malformed: ')} at column {column}"
     except RecursionError:
         raise QueryError("its values are nested too deeply") from None
     raise QueryError(f"it is not JSON: {why}")
@@ -85,7 +90,11 @@ def _problem(data: object, kind: type[object], message: str) -> TableProblem:
     if missing:
         return TableProblem((*keys, missing[1]), "is missing")
     if what.startswith("Invalid enum value"):
-        return TableProblem(keys, f"needs one of {', '.join(_options(kind, keys))}; got {shown(str(_at(data, keys)))}")
+        inner: Any = kind
+        for key in keys:
+            inner = get_type_hints(inner)[str(key)]
+        options = get_args(inner) or tuple(member.value for member in inner)  # of a `Literal`, or of an enumeration
+        return TableProblem(keys, f"needs one of {', '.join(options)}; got {shown(str(_at(data, keys)))}")
     return TableProblem(keys, f"needs {_needed(what)}; got {shown(_at(data, keys))}")
 
 
@@ -123,15 +132,6 @@ def one_of(options: Sequence[Option], value: str, name: str) -> Option:
     raise QueryError(f"{name}: needs one of {', '.join(options)}; got {shown(value)}")
 
 
-def _with_column(why: str, text: str) -> str:
-    """Return the reason why a text is not JSON, with its column instead of the number of the byte."""
-    match = re.search(r" \(byte (\d+)\)", why)
-    if match is None:
-        return "it ends too early"
-    column = len(text.encode()[: int(match[1])].decode(errors="ignore")) + 1
-    return f"{why[: match.start()].removeprefix('JSON is malformed: ')} at column {column}"
-
-
 def _needed(what: str) -> str:
     """Return the value that msgspec expected, in words."""
     match = re.match(r"Expected `([^`]+)`(?: of length (\d+)| >= (\d+)| <= (\d+))?", what)
@@ -142,13 +142,6 @@ def _needed(what: str) -> str:
         return f"a whole number from {least}" if least else f"a whole number up to {most}"
     words = " or ".join(WORDS.get(name, name) for name in kinds.split(" | "))
     return words if length is None else f"{words} of {length}"
-
-
-def _options(kind: Any, keys: Keys) -> tuple[str, ...]:
-    """Return the strings that a field of nested dataclasses may have, by its `Literal` or its enumeration."""
-    for key in keys:
-        kind = get_type_hints(kind)[str(key)]
-    return get_args(kind) or tuple(member.value for member in kind)
 
 
 def _keys(data: Any, kind: type[object], message: str, steps: Sequence[tuple[str, str]]) -> Keys:

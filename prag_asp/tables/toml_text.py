@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import Any
@@ -85,13 +86,10 @@ def _keys(text: str) -> Iterator[tuple[int, tuple[str, ...]]]:
 
 def _parts(name: str) -> tuple[str, ...]:
     """Return the parts of a dotted key, with quotes and escapes resolved."""
-    parts = re.findall(KEY_PART, name)
-    return tuple(without_blanks(_unescaped(quoted) + literal + bare) for quoted, literal, bare in parts)
-
-
-def _unescaped(text: str) -> str:
-    """Return the text between the quotes of a key with its escapes resolved."""
-    try:
-        return str(tomllib.loads(f'key = "{text}"')["key"]) if "\\" in text else text
-    except tomllib.TOMLDecodeError:
-        return text
+    parts = list[str]()
+    for quoted, literal, bare in re.findall(KEY_PART, name):
+        text = quoted
+        with suppress(tomllib.TOMLDecodeError):
+            text = str(tomllib.loads(f'key = "{quoted}"')["key"]) if "\\" in quoted else quoted
+        parts.append(without_blanks(text + literal + bare))
+    return tuple(parts)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tests.commands import ok, ok_apart, run, run_apart
+from tests.commands import ok, ok_apart, run
 
 CONFLICT = """\
 step 3, grasp(panda,apple_2), cannot follow:
@@ -17,7 +17,7 @@ no plan of this length has all of these steps:
 
 
 def test_explain_tells_reasons_and_conflict_and_ends_with_code_1() -> None:
-    done = run_apart("explain", "prag", "approach(panda, apple_1)", "grasp(panda,apple_1)", "grasp(panda,apple_2)")
+    done = run("explain", "prag", "approach(panda, apple_1)", "grasp(panda,apple_1)", "grasp(panda,apple_2)")
     assert (done.returncode, done.stdout, done.stderr) == (1, CONFLICT, "")
 
 
@@ -36,7 +36,7 @@ def test_explain_refuses_what_is_no_action() -> None:
 def test_explain_names_the_lines_that_leave_no_task_of_a_length(tmp_path: Path) -> None:
     domain = tmp_path / "lamp.lp"
     domain.write_text("fluent(lit). action(on). initially(lit,false).\npostcondition(on,lit,true).\ngoal(lit,false).\n")
-    done = run_apart("explain", str(domain), "--length", "1")
+    done = run("explain", str(domain), "--length", "1")
     told = ["there is no task of lamp of length 1", "these lines together exclude every task:"]
     told += [f"  {domain}:2: postcondition(on,lit,true).", f"  {domain}:3: goal(lit,false)."]
     assert (done.returncode, done.stdout.splitlines(), done.stderr) == (1, told, "")
@@ -93,7 +93,7 @@ def test_explain_refuses_what_does_not_go_together() -> None:
 def test_export_writes_the_same_bytes_again_for_each_level(tmp_path: Path) -> None:
     shown = {}
     for level in ("plan", "task", "skeleton"):
-        texts = [ok_apart("export", "blocks", "-n", "2", "--by", level) for _ in range(2)]
+        texts = [export("export", "blocks", "-n", "2", "--by", level) for export in (ok, ok_apart)]
         assert texts[0] == texts[1]
         assert texts[0].startswith(f"c the {level}s of blocks of length 2, by prag_asp\nc 2 ")
         lines = texts[0].splitlines()

@@ -11,21 +11,15 @@ import pytest
 from prag_asp import TaskSpace, load_domain, load_scene
 from prag_asp.dataset.jsonl import read_lines
 from prag_asp.physics import Witness, check_witness
-from tests.commands import PRAG, ok, ok_apart, run, run_apart
+from tests.commands import PRAG, ok, ok_apart, run
 from tests.processes import interrupt, interruptible, until_it_works
 
 
-def test_count_prints_the_integer_alone() -> None:
+def test_count_prints_the_integer_alone_and_a_table_upto_a_length() -> None:
     assert ok_apart("count", "prag", "--length", "15", "--by", "skeleton", "--prefix", "approach") == "191264896\n"
-    assert ok_apart("count", "prag", "-n", "15", "--by", "skeleton") == "4266036480\n"
-
-
-def test_a_count_of_thousands_of_digits_is_printed_whole() -> None:
-    text = ok_apart("count", "prag", "--length", "7000", "--by", "skeleton").strip()
-    assert len(text) > 4300 and text.isdigit()
-
-
-def test_upto_prints_a_table() -> None:
+    assert ok("count", "prag", "-n", "15", "--by", "skeleton") == "4266036480\n"
+    text = ok("count", "prag", "--length", "7000", "--by", "skeleton").strip()
+    assert len(text) > 4300 and text.isdigit(), "thousands of digits are printed"
     assert ok("count", "prag", "-n", "3", "--by", "skeleton", "--upto").split() == [
         "length", "skeletons", "1", "8", "2", "30", "3", "124",
     ]  # fmt: skip
@@ -61,17 +55,15 @@ def test_enumerate_writes_tasks_as_json() -> None:
 
 
 def test_sample_gives_the_same_bytes_with_one_worker_and_with_two(tmp_path: Path) -> None:
-    arguments = ["sample", "tabletop", "--length", "3", "--count", "6", "--seed", "7", "--format", "jsonl"]
-    one, two = (run_apart(*arguments, "--workers", workers) for workers in "12")
-    assert one.returncode == two.returncode == 0
-    assert one.stdout == two.stdout
-    assert one.stderr == two.stderr
-    assert "6 passed" in one.stderr and "budget" in one.stderr
+    arguments = ["sample", "tabletop", "--length", "3", "--count", "4", "--seed", "7", "--format", "jsonl"]
+    one, two = (run(*arguments, "--workers", workers) for workers in "12")
+    assert one == two and one.returncode == 0
+    assert "4 passed" in one.stderr and "budget" in one.stderr
     domain = load_domain("tabletop")
     scene = load_scene(domain)
     space = TaskSpace(domain, 3, engine="clingo")
     records = list(read_lines(one.stdout.splitlines(), "stdout"))
-    assert len(records) == 6
+    assert len(records) == 4
     for record in records:
         assert record.task in space
         assert record.verdict is not None and record.verdict["status"] == "feasible"
@@ -79,8 +71,8 @@ def test_sample_gives_the_same_bytes_with_one_worker_and_with_two(tmp_path: Path
         assert check_witness(record.task, Witness.from_json(record.witness), scene) == []
     file = tmp_path / "tasks.jsonl"
     file.write_text(one.stdout)
-    assert ok("validate", str(file), "--witness-only", cwd=tmp_path).count("feasible") == 6
-    assert ok_apart("validate", str(file), "--workers", "2", cwd=tmp_path).count("feasible") == 6
+    assert ok("validate", str(file), "--witness-only", "--workers", "2", cwd=tmp_path).count("feasible") == 4
+    assert ok("validate", str(file), cwd=tmp_path).count("feasible") == 4
 
 
 def test_validate_finds_an_invalid_plan_and_a_wrong_witness(tmp_path: Path) -> None:
@@ -110,7 +102,7 @@ def test_sample_without_physics_follows_weights_and_seed() -> None:
     assert ok_apart(*arguments) == text != ok(*arguments, "--seed", "1")
 
 
-def test_sample_speaks_the_language_of_the_domain() -> None:
+def test_sample_uses_the_language_of_the_domain() -> None:
     text = ok("sample", "prag", "-n", "1", "--no-physics", "--count", "30", "--format", "sentences")
     assert "grasp can 1" in text.splitlines() and "(" not in text
     assert ok("enumerate", "blocks", "-n", "1", "--limit", "1", "--format", "sentences") == "pick up a\n"
@@ -126,20 +118,9 @@ def test_tasks_are_told_to_somebody_who_sees_the_scene(tmp_path: Path) -> None:
     lines = ok("task", "tabletop", "-n", "2", "--index", "100", "--format", "instructions").splitlines()
     assert [line.split()[0] for line in lines] == ["vague", "default", "exact", "1", "2"]
     named = ok("task", "blocks", "-n", "1", "--index", "0", "--format", "instructions").splitlines()[-1]
-    assert named == "named    a: nothing that can be seen tells them from others"
+    assert named == "named    a: not visually distinguishable from other objects"
     ok(
-        "split",
-        "prag",
-        "a=0.5",
-        "b=0.5",
-        "-n",
-        "2",
-        "--count",
-        "2",
-        "--format",
-        "instructions",
-        "-o",
-        "parts",
+        *["split", "blocks", "a=0.5", "b=0.5", "-n", "3", "--count", "2", "--format", "instructions", "-o", "parts"],
         cwd=tmp_path,
     )
     assert len((tmp_path / "parts" / "a.txt").read_text().splitlines()) == 2
@@ -148,7 +129,10 @@ def test_tasks_are_told_to_somebody_who_sees_the_scene(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (["sample", "hanoi", "-n", "1", "--format", "instructions", "--language", "de"], "hanoi does not speak 'de'"),
+        (
+            ["sample", "hanoi", "-n", "1", "--format", "instructions", "--language", "de"],
+            "hanoi has no sentences in 'de'",
+        ),
         (["sample", "hanoi", "-n", "1", "--language", "de"], "--language de goes with --format instructions"),
         (["enumerate", "hanoi", "-n", "1", "--level", "exact"], "--level exact goes with --format instructions"),
         (["task", "hanoi", "-n", "1", "--index", "0", "--language", "en"], "got --format full"),
@@ -160,11 +144,11 @@ def test_a_language_that_is_not_spoken_is_told_in_one_line(arguments: list[str],
 
 
 def test_new_writes_a_domain_that_checks_counts_and_validates(tmp_path: Path) -> None:
-    ok_apart("new", "mine", cwd=tmp_path)
-    assert ok_apart("check", "mine", cwd=tmp_path).startswith("mine: ok")
+    ok("new", "mine", cwd=tmp_path)
+    assert ok("check", "mine", cwd=tmp_path).startswith("mine: ok")
     counts = {ok("count", "mine", "-n", "4", "--engine", engine, cwd=tmp_path) for engine in ("automaton", "clingo")}
     assert len(counts) == 1 and int(counts.pop()) > 0
-    assert len(ok_apart("sample", "mine", "-n", "4", "--count", "5", cwd=tmp_path).splitlines()) == 5
+    assert len(ok("sample", "mine", "-n", "4", "--count", "5", cwd=tmp_path).splitlines()) == 5
     again = run("new", "mine", cwd=tmp_path)
     assert again.returncode == 2 and len(again.stderr.splitlines()) == 1
 
@@ -236,27 +220,17 @@ def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
 def test_a_full_disk_ends_with_one_line() -> None:
-    done = run_apart("enumerate", "prag", "-n", "4", "-o", "/dev/full")
+    done = run("enumerate", "prag", "-n", "3", "-o", "/dev/full")
     assert done.returncode == 4 and done.stderr.count("\n") == 1 and "No space left" in done.stderr
     with Path("/dev/full").open("w") as full:
-        code = subprocess.run([*PRAG, "enumerate", "prag", "-n", "4"], stdout=full, stderr=subprocess.PIPE, check=False)
+        code = subprocess.run([*PRAG, "enumerate", "prag", "-n", "3"], stdout=full, stderr=subprocess.PIPE, check=False)
     assert code.returncode == 4 and b"Traceback" not in code.stderr and b"No space left" in code.stderr
-
-
-def test_a_closed_pipe_ends_quietly() -> None:
-    reader = subprocess.Popen(
-        ["sh", "-c", f"{' '.join(map(repr, PRAG))} enumerate prag -n 6 | head -n 2"],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
-    out, err = reader.communicate(timeout=120)
-    assert len(out.splitlines()) == 2 and err == ""
 
 
 @pytest.mark.parametrize(
     "arguments",
     [
         ["enumerate", "prag", "-n", "9", "-o", "out.txt"],
-        ["count", "tabletop", "-n", "6", "--engine", "clingo"],
         ["sample", "tabletop", "-n", "6", "--count", "100000", "--workers", "2", "-o", "out.txt"],
     ],
 )

@@ -20,9 +20,9 @@ WORKER = "a worker ended before it began: "
 REFUSED = """
 import _posixsubprocess, os, subprocess, sys
 from prag_asp.cli import main
-from prag_asp.dataset.pages import strips
+from prag_asp.dataset.pages import dataset_card
 
-strips.SIZE = (60, 52)  # as in the process of the tests
+dataset_card.STRIP_SIZE = (60, 52)  # as in the process of the tests
 
 number, started = int(sys.argv[1]), [0]
 sys.argv = ["prag-asp", *sys.argv[2:]]

@@ -96,6 +96,8 @@ def test_distinct_draws_no_task_twice_and_tells_when_none_is_left(tmp_path: Path
     assert len({*lines}) == 14 and ok(*sample, "--count", "5").splitlines() == lines[:5]
     done = run(*sample, "--count", "15", "-o", "few.txt", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (1, "only 14 of 15 tasks: there are no others\n")
+    done = run("sample", "blocks", "-n", "3", "--distinct", "--weight", "stack=0", "--count", "99", cwd=tmp_path)
+    assert done.returncode == 1 and done.stderr.endswith(" of 99 tasks: there are no others of positive weight\n")
     weighted = ok("sample", *KITCHEN, "--distinct", "--weight", "open=1000", "--count", "3").splitlines()
     assert len({*weighted}) == 3 and all(line.count("open") == 2 for line in weighted)
     feasible = ok("sample", "tabletop", "-n", "1", "--distinct", "--count", "3").splitlines()

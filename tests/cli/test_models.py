@@ -115,7 +115,7 @@ def test_a_closed_stdout_is_an_error_of_output(question: str, tmp_path: Path) ->
 
 
 def test_help_loads_no_solver() -> None:
-    done = run_apart("models", "count", "--help")
+    done = run("models", "count", "--help")
     assert done.returncode == 0 and "FILE" in done.stdout
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from tests.commands import ok, ok_apart, run
+from tests.commands import ok, run
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +35,7 @@ def frames(path: Path) -> int:
 
 
 def test_every_task_of_a_file_gets_a_strip_of_all_its_states(tasks: Path, tmp_path: Path) -> None:
-    assert ok_apart("render", str(tasks), "--size", "90x80", cwd=tmp_path).splitlines() == [
+    assert ok("render", str(tasks), "--size", "90x80", cwd=tmp_path).splitlines() == [
         "pictures/000001.png",
         "pictures/000002.png",
     ]

@@ -24,7 +24,7 @@ def test_conditions_are_all_satisfied_with_every_engine(engine: str) -> None:
 
 
 def test_a_task_is_shown_by_its_rank_and_found_again() -> None:
-    shown = ok_apart("task", "prag", "-n", "9", "--index", "123456789", "--format", "text").strip()
+    shown = ok("task", "prag", "-n", "9", "--index", "123456789", "--format", "text").strip()
     assert ok("task", "prag", "-n", "9", "--rank-of", shown) == "123456789\n"
     full = ok("task", "prag", "-n", "9", "--index", "123456789").splitlines()
     assert full[0] == "task 123456789 of 599973676"

@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 
 from prag_asp import TaskSpace, load_domain
-from tests.commands import ok, ok_apart, run
+from tests.commands import ok, run
 
 SPACE = TaskSpace(load_domain("prag"), 3)
 
 
 def test_tables_hold_the_decimals_of_the_exact_figures() -> None:
-    text = ok_apart("stats", "prag", "-n", "3", "--weight", "grasp=3")
+    text = ok("stats", "prag", "-n", "3", "--weight", "grasp=3")
     found = SPACE.statistics(weights={"grasp": 3})
     lines = {" ".join(line.split()[:-1]): line.split()[-1] for line in text.splitlines() if line}
     assert lines["tasks of length 3 that can be sampled"] == "2092"
@@ -39,7 +39,7 @@ def test_json_holds_the_exact_figures(tmp_path: Path) -> None:
 
 
 def test_a_count_of_hundreds_of_digits_is_shown_short() -> None:
-    text = ok_apart("stats", "prag", "-n", "300", "--by", "skeleton")
+    text = ok("stats", "prag", "-n", "300", "--by", "skeleton")
     assert "e+" in text and max(map(len, text.splitlines())) < 80
 
 

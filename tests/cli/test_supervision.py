@@ -14,6 +14,8 @@ from pathlib import Path
 
 import pytest
 
+from prag_asp.cli.exit_control import report_end
+from prag_asp.cli.exits import Exit
 from prag_asp.cli.supervision import POLL, SOON
 from tests.commands import PRAG, run, run_apart
 from tests.processes import family, gone, interrupt, interruptible, terminate, until_it_works
@@ -60,6 +62,11 @@ def working(work: str, *arguments: str) -> list[str]:
     return [sys.executable, "-c", DEAF.format(work=work), "domains", *arguments]
 
 
+def begun(process: subprocess.Popen[str]) -> None:
+    """Wait until a command has begun to work."""
+    assert process.stdout is not None and process.stdout.readline() == "begun\n"
+
+
 def ends(work: str, *arguments: str) -> tuple[int, str]:
     """Return with which code a command that does something ends, and what it says."""
     done = subprocess.run(working(work, *arguments), capture_output=True, text=True, timeout=300, check=False)
@@ -78,7 +85,7 @@ def test_a_grounding_of_hours_ends_at_the_limit_of_time_with_one_line(tmp_path: 
     pytest.fail(f"a machine that is so slow that it does not come to ground anything: {done.stderr}")
 
 
-@pytest.mark.parametrize("command", ["check", "count", "sample", "export", "stats"])
+@pytest.mark.parametrize("command", ["check", "sample", "export"])
 def test_memory_is_limited_in_every_command(command: str, tmp_path: Path) -> None:
     (tmp_path / "large.lp").write_text(PRODUCT)
     length = () if command == "check" else ("--length", "3")
@@ -100,10 +107,12 @@ def test_memory_of_all_processes_counts_and_is_never_far_above_the_limit() -> No
     assert (code, told) == (3, "the memory limit of 400 MB was reached while working; allow more with --memory\n")
 
 
-@pytest.mark.parametrize("engine", ["clingo", "sat"])
-@pytest.mark.parametrize("command", [("sample", "--no-physics"), ("stats",), ("enumerate", "-o", "out.txt")])
+@pytest.mark.parametrize(
+    ("engine", "command"),
+    [("sat", ("sample", "--no-physics")), ("clingo", ("stats",)), ("sat", ("enumerate", "-o", "out.txt"))],
+)
 def test_engines_that_search_obey_the_limit_of_time_in_all_they_do(
-    command: tuple[str, ...], engine: str, tmp_path: Path
+    engine: str, command: tuple[str, ...], tmp_path: Path
 ) -> None:
     (tmp_path / "lamp.lp").write_text(LAMP)
     done = run_apart(
@@ -115,8 +124,7 @@ def test_engines_that_search_obey_the_limit_of_time_in_all_they_do(
     assert not kept or (len(kept) == 1 and kept[0].startswith("out.txt.part keeps "))
 
 
-@pytest.mark.parametrize("engine", ["clingo", "sat"])
-@pytest.mark.parametrize("command", ["sample", "stats"])
+@pytest.mark.parametrize(("command", "engine"), [("count", "clingo"), ("sample", "sat"), ("stats", "clingo")])
 def test_ctrl_c_ends_engines_that_search_as_it_ends_everything(command: str, engine: str, tmp_path: Path) -> None:
     (tmp_path / "lamp.lp").write_text(LAMP)
     with interruptible([*PRAG, command, "lamp.lp", "--length", "30", "--engine", engine], tmp_path) as process:
@@ -141,7 +149,7 @@ def test_what_is_too_large_is_refused_before_any_work(command: tuple[str, ...], 
     (tmp_path / "intervals.lp").write_text(f"{LAMP}n(1..1000000000).")
     (tmp_path / "product.lp").write_text(f"{LAMP}#const k = 100000.\nn(-k+k..k,5) :- on. n(1..k,1..k).")
     (tmp_path / "deep.lp").write_text(f"{LAMP}n({'f(' * 20000}a{')' * 20000}).")
-    done = run_apart(*command, cwd=tmp_path)
+    done = run(*command, cwd=tmp_path)
     assert done.returncode == 2 and done.stderr.startswith(told)
     assert done.stderr.count("\n") == 1
 
@@ -154,18 +162,18 @@ def test_a_command_that_does_not_react_is_killed_soon(
     work: str, number: int, end: tuple[int, str], tmp_path: Path
 ) -> None:
     with interruptible(working(work), tmp_path) as process:
-        assert process.stdout is not None and process.stdout.readline() == "begun\n"
-        born, begun = family(process.pid), time.monotonic()
+        begun(process)
+        born, now = family(process.pid), time.monotonic()
         process.send_signal(number)
         said = process.communicate(timeout=120)[1]
-        assert time.monotonic() - begun < 100
+        assert time.monotonic() - now < 100
         assert (process.returncode, said.removeprefix("\n")) == end  # it may hear before it is deaf
         assert gone(born)
 
 
 def test_a_second_ctrl_c_kills() -> None:
     with interruptible(_waiting(600, SWALLOWS), Path()) as process:
-        assert process.stdout is not None and process.stdout.readline() == "begun\n"
+        begun(process)
         until = time.monotonic() + 300
         while process.poll() is None and time.monotonic() < until:
             # Where the machine stands still, what is sent before and after it comes at once, and is one wish.
@@ -186,7 +194,7 @@ def test_native_code_that_ends_the_process_after_a_signal_is_no_crash(tmp_path: 
     try: print('begun', flush=True); time.sleep(600)
     except KeyboardInterrupt: signal.raise_signal(signal.SIGABRT)"""
     with interruptible(working(work), tmp_path) as process:
-        assert process.stdout is not None and process.stdout.readline() == "begun\n"
+        begun(process)
         assert interrupt(process) == "interrupted\n"
     assert process.returncode == 130
 
@@ -194,7 +202,7 @@ def test_native_code_that_ends_the_process_after_a_signal_is_no_crash(tmp_path: 
 @pytest.mark.parametrize("work", [HOLDS_THE_INTERPRETER, LISTENS])
 def test_a_command_ends_with_its_supervisor_even_while_native_code_runs(work: str, tmp_path: Path) -> None:
     with interruptible(working(work), tmp_path) as process:
-        assert process.stdout is not None and process.stdout.readline() == "begun\n"
+        begun(process)
         born = family(process.pid)
         assert len(born) == 2
         process.kill()
@@ -210,7 +218,7 @@ def test_a_command_handles_a_signal_once_whoever_sends_it(
         time.sleep(0.5)
         print('tidied', flush=True)"""
     with interruptible(working(tidy), tmp_path) as process:
-        assert process.stdout is not None and process.stdout.readline() == "begun\n"
+        begun(process)
         pipe, process.stdout = process.stdout, None
         said = send(process)
         assert pipe.readline() == "tidied\n"
@@ -227,12 +235,16 @@ def _one(process: subprocess.Popen[str], number: int) -> str:
     ("work", "line"),
     [
         ("signal.raise_signal(signal.SIGSEGV)", "the command was killed by SIGSEGV while working; native code failed"),
-        ("signal.raise_signal(signal.SIGABRT)", "the command was killed by SIGABRT while working; native code failed"),
+        ("signal.raise_signal(signal.SIGRTMIN + 3)", f"the command was killed by signal {signal.SIGRTMIN + 3} while"),
         ("signal.raise_signal(signal.SIGKILL)", "the command was killed by SIGKILL while working; if the machine ran"),
         ("import os; os._exit(10)", "native code ended the command with code 10 while working; native code failed"),
         ("raise MemoryError", "out of memory while working; "),
         ("raise TypeError from MemoryError()", "out of memory while working; "),
         ("raise OSError(12, 'Cannot allocate memory', 'large.lp')", "out of memory while working; "),
+        (
+            "import resource; resource.setrlimit(resource.RLIMIT_AS, (10**9,) * 2); bytearray(10**10)",
+            "out of memory while working; ",
+        ),
     ],
 )
 def test_a_crash_is_one_line_and_a_code(work: str, line: str) -> None:
@@ -240,7 +252,7 @@ def test_a_crash_is_one_line_and_a_code(work: str, line: str) -> None:
     assert code == 3 and said.startswith(line) and said.count("\n") == 1
 
 
-@pytest.mark.parametrize("megabytes", [20, 60, 150])
+@pytest.mark.parametrize("megabytes", [20, 150])
 def test_too_few_addresses_for_the_libraries_are_reported_before_these_fail(megabytes: int) -> None:
     def allow() -> None:
         resource.setrlimit(resource.RLIMIT_AS, (megabytes << 20,) * 2)
@@ -252,15 +264,16 @@ def test_too_few_addresses_for_the_libraries_are_reported_before_these_fail(mega
     assert done.stderr.startswith("the system allows only ") and done.stderr.endswith("allow 200 MB or more\n")
 
 
-def test_an_array_that_the_system_has_no_addresses_for_is_one_line() -> None:
-    code, said = ends("""
-    import resource
-    resource.setrlimit(resource.RLIMIT_AS, (10**9,) * 2)
-    bytearray(10**10)""")
-    assert code == 3 and said.startswith("out of memory while working; ") and said.count("\n") == 1
+def test_causes_of_an_error_that_form_a_cycle_are_followed_once() -> None:
+    one, two = ValueError("one"), ValueError("two")
+    one.__cause__, two.__cause__ = two, one
+    with pytest.raises(ValueError, match="one"):
+        report_end(one)
+    two.__cause__ = MemoryError()
+    assert report_end(one) == Exit.LIMIT
 
 
-@pytest.mark.parametrize("command", [("enumerate",), ("sample", "--no-physics"), ("stats",), ("export",)])
+@pytest.mark.parametrize("command", [("sample", "--no-physics"), ("stats",), ("export",)])
 def test_without_memory_no_file_is_cut(
     command: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -277,12 +290,9 @@ def test_without_memory_no_file_is_cut(
     assert "Traceback" not in done.stderr and (tmp_path / "out.txt").read_text() == "before"
 
 
-def test_an_error_of_ours_is_a_traceback() -> None:
+def test_an_error_of_ours_is_a_traceback_and_too_deep_an_input_one_line() -> None:
     code, said = ends("raise TypeError('odd')")
     assert code == 1 and said.endswith("TypeError: odd\n")
-
-
-def test_what_is_nested_too_deeply_for_python_is_one_line() -> None:
     code, said = ends("again = lambda: again(); again()")
     assert (code, said) == (2, "the input is nested too deeply while working; make it flatter\n")
 
@@ -304,7 +314,7 @@ def test_an_interruption_while_a_value_is_freed_ends_the_command_in_the_end(tmp_
     Freed()
     time.sleep(600)"""
     with interruptible(working(dropped), tmp_path) as process:
-        assert process.stdout is not None and process.stdout.readline() == "begun\n"
+        begun(process)
         assert interrupt(process) == "interrupted\n"
     assert process.returncode == 130
 
@@ -375,7 +385,7 @@ def test_time_in_which_the_machine_stands_still_does_not_count() -> None:
     try: print("begun", flush=True); time.sleep(60)
     except KeyboardInterrupt: time.sleep(0.7); print("ended", flush=True); raise"""
     with interruptible(_waiting(3, work), Path()) as process:
-        assert process.stdout is not None and process.stdout.readline() == "begun\n"
+        begun(process)
         os.killpg(process.pid, signal.SIGINT)
         time.sleep(0.3)
         os.killpg(process.pid, signal.SIGSTOP)
@@ -387,7 +397,7 @@ def test_time_in_which_the_machine_stands_still_does_not_count() -> None:
 
 def test_a_supervisor_that_is_stopped_and_continued_ends_nothing() -> None:
     with interruptible(working(LISTENS), Path()) as process:
-        assert process.stdout is not None and process.stdout.readline() == "begun\n"
+        begun(process)
         for _ in range(20):
             process.send_signal(signal.SIGSTOP)
             time.sleep(2 * POLL)
@@ -409,7 +419,7 @@ def test_half_made_objects_that_an_interruption_leaves_print_nothing() -> None:
     assert "AttributeError: 'Half' object has no attribute 'rep'\n" in ends(work.format(made="return"))[1]
 
 
-@pytest.mark.parametrize("code", [0, 1, 2, 77])
+@pytest.mark.parametrize("code", [0, 77])
 def test_codes_and_streams_are_those_of_the_command(code: int) -> None:
     work = f"sys.stdout.write(sys.stdin.read() + 'out'); sys.stderr.write('err'); sys.exit({code})"
     done = subprocess.run(working(work), input="in ", capture_output=True, text=True, timeout=300, check=False)
@@ -430,22 +440,20 @@ def _with_closed(stream: int, *arguments: str, cwd: Path) -> subprocess.Complete
     return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=300, check=False)
 
 
-@pytest.mark.parametrize("command", [("count",), ("sample", "--no-physics"), ("enumerate",), ("stats",), ("export",)])
-def test_a_closed_stdout_cannot_be_written(command: tuple[str, ...], tmp_path: Path) -> None:
+@pytest.mark.parametrize("command", ["count", "enumerate"])
+def test_a_closed_stdout_cannot_be_written(command: str, tmp_path: Path) -> None:
     (tmp_path / "lamp.lp").write_text(LAMP)
-    done = _with_closed(1, command[0], "lamp.lp", "-n", "3", *command[1:], cwd=tmp_path)
+    done = _with_closed(1, command, "lamp.lp", "-n", "3", cwd=tmp_path)
     assert done.returncode == 4 and done.stderr.startswith("stdout: ") and done.stderr.count("\n") == 1
 
 
-def test_a_closed_stdout_matters_only_to_what_is_written_there(tmp_path: Path) -> None:
-    done = _with_closed(1, "enumerate", "prag", "-n", "1", "-o", "tasks.txt", cwd=tmp_path)
+def test_closed_streams_matter_only_to_what_is_written_there(tmp_path: Path) -> None:
+    (tmp_path / "lamp.lp").write_text(LAMP)
+    done = _with_closed(1, "enumerate", "lamp.lp", "-n", "1", "-o", "tasks.txt", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "") and (tmp_path / "tasks.txt").read_text()
-
-
-@pytest.mark.parametrize("closed", [0, 2])
-def test_other_closed_streams_do_not_matter(closed: int, tmp_path: Path) -> None:
-    done = _with_closed(closed, "count", "prag", "-n", "3", cwd=tmp_path)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "2092\n", "")
+    for closed in (0, 2):
+        done = _with_closed(closed, "count", "lamp.lp", "-n", "2", cwd=tmp_path)
+        assert (done.returncode, done.stdout, done.stderr) == (0, "4\n", "")
 
 
 def test_a_terminal_stops_a_command_and_lets_it_go_on(tmp_path: Path) -> None:

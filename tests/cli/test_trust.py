@@ -18,7 +18,7 @@ def test_without_trust_physics_ends_with_one_line(arguments: list[str]) -> None:
     done = run(*arguments)
     assert (done.returncode, done.stdout) == (2, "")
     (line,) = done.stderr.splitlines()
-    assert "predicates.py:1: defines looks_at in Python, which is run only where you trust it" in line
+    assert "predicates.py:1: defines looks_at in Python, which runs only if you trust the domain" in line
     assert "--trust" in line
 
 

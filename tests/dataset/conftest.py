@@ -2,42 +2,49 @@
 
 from __future__ import annotations
 
+import json
 import os
-from collections.abc import Iterator
+import shutil
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from prag_asp import Dataset, Domain, TaskSpace, load_domain
 from prag_asp.dataset import generate
-from prag_asp.dataset.pages import strips
+from prag_asp.dataset.pages import dataset_card
 from prag_asp.physics import Budget
-from tests.sharing import logic_shared, small_pictures
+from tests.sharing import shared_logic, small_pictures  # noqa: F401 - one is a fixture
 
 POOR = Budget(1, 1)
 """A budget with which some tasks are not found."""
 
+SHARES, HALVES = {"train": "3/4", "test": "1/4"}, {"train": "0.5", "test": "0.5"}
+SMALL = {"tasks": 12, "seed": 5, "split": SHARES, "starts": 2, "budget": POOR, "shard": 4}
+"""The request of the dataset `small`."""
+
+Change = Callable[[Path], object]
+"""Changes something in a folder."""
+
+
+def with_json(name: str, change: Callable[[Any], object]) -> Change:
+    """Return a function that changes the value of a JSON file in a folder."""
+
+    def write(folder: Path) -> None:
+        value = json.loads((folder / name).read_text())
+        change(value)
+        (folder / name).write_text(json.dumps(value))
+
+    return write
+
 
 @pytest.fixture(scope="package", autouse=True)
-def logic() -> Iterator[None]:
-    """Compute once what logic says of a domain."""
-    with logic_shared():
-        yield
-
-
-@pytest.fixture(scope="package", autouse=True)
-def few_pictures() -> Iterator[None]:
-    """Draw little."""
+def few_pictures_and_no_flush() -> Iterator[None]:
+    """Draw little, and leave it to the system when files reach the disk: no power is lost here."""
     with small_pictures(), pytest.MonkeyPatch.context() as patch:
-        patch.setattr(strips, "STRIPS", 1)
-        patch.setattr(strips, "STATES", 2)
-        yield
-
-
-@pytest.fixture(scope="package", autouse=True)
-def nothing_flushed() -> Iterator[None]:
-    """Leave it to the system when files reach the disk: no power is lost here."""
-    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(dataset_card, "STRIPS", 1)
+        patch.setattr(dataset_card, "STATES", 2)
         patch.setattr(os, "fsync", lambda descriptor: None)
         yield
 
@@ -56,13 +63,24 @@ def spaces(tabletop: Domain) -> TaskSpace:
 def small(spaces: TaskSpace, tmp_path_factory: pytest.TempPathFactory) -> Dataset:
     """Return 12 tasks in three shards and two parts, some of them refused, each from two initial states."""
     folder = tmp_path_factory.mktemp("data") / "small"
-    shares = {"train": "3/4", "test": "1/4"}
-    return generate(spaces, folder, tasks=12, seed=5, split=shares, starts=2, budget=POOR, shard=4)
+    return generate(spaces, folder, **SMALL)
+
+
+@pytest.fixture
+def copied(small: Dataset, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(small.folder, tmp_path / "copied"))
 
 
 @pytest.fixture(scope="package")
-def numbers(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def kitchen() -> TaskSpace:
+    space = TaskSpace(load_domain("kitchen"), range(1, 4))
+    assert space.count() == 14
+    return space
+
+
+@pytest.fixture(scope="package")
+def numbers(kitchen: TaskSpace, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the folder of a dataset without physics, of a domain that has weights."""
     folder = tmp_path_factory.mktemp("data") / "numbers"
-    generate(TaskSpace(load_domain("kitchen"), range(1, 4)), folder, tasks=6, seed=1, physics=False, shard=4)
+    generate(kitchen, folder, tasks=6, seed=1, physics=False, shard=4)
     return folder

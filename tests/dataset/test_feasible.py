@@ -7,14 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from prag_asp import Domain, OutputError, QueryError, SceneError, TaskSpace, load_domain
+from prag_asp import Domain, OutputError, QueryError, SceneError, TaskSpace, load_domain, load_scene
 from prag_asp.dataset import Record, Tally, feasible, read_tasks, recheck, write_line
 from prag_asp.physics import Budget, Demonstration, Witness, check_witness
-
-
-@pytest.fixture(scope="module")
-def tabletop() -> Domain:
-    return load_domain("tabletop")
 
 
 @pytest.fixture(scope="module")
@@ -30,8 +25,6 @@ def file(records: list[Record], tmp_path: Path) -> Path:
 
 
 def test_feasible_tasks_are_those_of_the_draw_that_pass_in_its_order(tabletop: Domain, records: list[Record]) -> None:
-    from prag_asp import load_scene
-
     drawn = iter(TaskSpace(tabletop, 2).stream(seed=3))
     for record in records:
         assert any(task == record.task for task in drawn)
@@ -39,14 +32,16 @@ def test_feasible_tasks_are_those_of_the_draw_that_pass_in_its_order(tabletop: D
         assert check_witness(record.task, Witness.from_json(record.witness or {}), load_scene(tabletop)) == []
 
 
-def test_so_many_draws_are_made_and_all_are_counted(tabletop: Domain) -> None:
-    tally = Tally()
-    found = list(feasible(TaskSpace(tabletop, 3), seed=1, budget=Budget(1, 1), draws=12, tally=tally))
-    assert tally.seen == 12 and tally.passed == len(found) < 12
+def test_draws_are_made_one_by_one_and_all_are_counted(tabletop: Domain) -> None:
+    tally, seen = Tally(), list[int]()
+    found = list(
+        feasible(
+            TaskSpace(tabletop, 3), seed=1, budget=Budget(1, 1), draws=12, tally=tally,
+            progress=lambda: seen.append(tally.seen),
+        )
+    )  # fmt: skip
+    assert tally.seen == 12 and tally.passed == len(found) < 12 and seen == [*range(1, 13)]
     assert sum(tally.reasons.values()) == 12 - len(found) and tally.causes
-
-
-def test_nothing_is_drawn_before_it_is_asked_for(tabletop: Domain) -> None:
     tally = Tally()
     endless = feasible(TaskSpace(tabletop, 2), seed=3, tally=tally)
     assert tally.seen == 0
@@ -55,7 +50,7 @@ def test_nothing_is_drawn_before_it_is_asked_for(tabletop: Domain) -> None:
     endless.close()
 
 
-def test_what_is_asked_for_wrongly_is_refused_at_once(tabletop: Domain) -> None:
+def test_a_wrong_request_is_refused_at_once(tabletop: Domain) -> None:
     with pytest.raises(QueryError, match="juggle"):
         feasible(TaskSpace(tabletop, 2), seed=3, weights={"juggle": 2})
     with pytest.raises(SceneError, match=r"no \[scene\]"):
@@ -78,7 +73,7 @@ def test_a_file_is_rechecked_without_naming_its_domain(file: Path, records: list
     assert [record.task for record in read_tasks(file)] == [record.task for record in records]
 
 
-def test_witnesses_alone_are_checked_and_a_false_one_is_told(file: Path) -> None:
+def test_witnesses_alone_are_checked_and_a_false_one_fails(file: Path) -> None:
     read = list(read_tasks(file))
     # The witness of one task is none of another.
     mixed = [read[0], Record(read[1].task, read[1].verdict, read[0].witness)]

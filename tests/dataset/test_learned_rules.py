@@ -13,28 +13,21 @@ from tests.commands import ok
 WAREHOUSE = Path(__file__).parents[2] / "examples" / "warehouse"
 
 
-def test_the_rules_are_those_that_the_command_prints() -> None:
+def test_the_rules_are_those_that_the_command_prints_and_are_learned_again() -> None:
     learned = learn(load_domain(WAREHOUSE))
     told = ok("learn", str(WAREHOUSE), "--length", "2", "--count", "0")
     assert told.startswith(f"{learned.text}\n% {learned}\n")
     assert (len(learned.rules), learned.proofs) == (4, 10)
     assert all(rule in learned.text for rule in learned.rules)
     assert TaskSpace(learned.domain, 4).count() == 188
-
-
-def test_a_domain_that_has_learned_all_learns_the_same_again() -> None:
-    learned = learn(load_domain(WAREHOUSE))
     again = learn(learned.domain)
     assert (again.rules, again.text) == (learned.rules, learned.text)
     assert again.domain.facts == learned.domain.facts
 
 
-def test_a_domain_of_which_nothing_is_impossible_stays_as_it_is() -> None:
+def test_a_domain_without_impossible_facts_stays_as_it_is_and_one_without_a_scene_is_refused() -> None:
     domain = load_domain("kitchen")
     learned = learn(domain)
     assert (learned.rules, str(learned), learned.domain) == ((), "0 rules state 0 proofs", domain)
-
-
-def test_a_domain_without_a_scene_is_refused() -> None:
     with pytest.raises(SceneError, match=r"has no \[scene\]"):
         learn(load_domain("hanoi"))

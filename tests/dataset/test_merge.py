@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
@@ -10,23 +9,16 @@ from typing import Any
 
 import pytest
 
-from prag_asp import Dataset, OutputError, QueryError, TaskSpace, load_domain
+from prag_asp import Dataset, OutputError, QueryError, TaskSpace
 from prag_asp.dataset import generate, merge, verify
 from prag_asp.dataset.making.executors import LocalExecutor
 from prag_asp.dataset.validation_jobs import JobResult, ValidationJob, ValidationSetup
 from prag_asp.errors import NotFound
-from tests.dataset.conftest import POOR
+from tests.dataset.conftest import HALVES, SMALL, with_json
 from tests.output.faults import Disk, content, killed
 
 SAMPLES = 2
 """At how many moments a merge is broken off, of all at which it asks something of the disk."""
-
-HALVES = {"train": "0.5", "test": "0.5"}
-
-
-@pytest.fixture(scope="module")
-def kitchen() -> TaskSpace:
-    return TaskSpace(load_domain("kitchen"), range(1, 4))
 
 
 Make = Callable[..., list[Path]]
@@ -82,15 +74,12 @@ def test_a_part_says_which_it_is_is_found_by_rank_and_verified_by_itself(
             assert kitchen.at(len(entry.task)).index(entry.task) == entry.rank
 
 
-def test_with_physics_only_what_no_part_has_looked_at_is_looked_at_once_more(
+def test_a_merge_validates_only_draws_that_no_part_has_validated(
     small: Dataset, spaces: TaskSpace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     parts = [tmp_path / str(number) for number in (1, 2, 3)]
-    shares = {"train": "3/4", "test": "1/4"}
     for number, folder in enumerate(parts, 1):
-        generate(
-            spaces, folder, tasks=12, seed=5, split=shares, starts=2, budget=POOR, shard=4, part=f"{number}/3",
-        )  # fmt: skip
+        generate(spaces, folder, **SMALL, part=f"{number}/3")
     looked: list[tuple[str, int]] = []
     really = LocalExecutor.run
 
@@ -138,16 +127,14 @@ def test_parts_that_grow_are_merged_into_the_same_folder(plain: Make, tmp_path: 
     assert content(tmp_path / "merged") == content(whole)
 
 
-def test_fewer_tasks_than_wanted_are_told_by_the_merge_and_not_by_parts_that_have_all_theirs(
-    plain: Make, tmp_path: Path
-) -> None:
+def test_a_merge_reports_missing_tasks_and_parts_that_are_complete_do_not(plain: Make, tmp_path: Path) -> None:
     parts = plain(tmp_path, 3, tasks=20)
     with pytest.raises(NotFound, match="only 7 of 10 tasks for train found in 7 draws, which are all that there are"):
         merge(parts, tmp_path / "merged")
     assert Dataset.open(tmp_path / "merged").count() == 14
 
 
-def test_what_cannot_be_merged_is_told_in_one_line(kitchen: TaskSpace, plain: Make, tmp_path: Path) -> None:
+def test_parts_that_cannot_be_merged_are_refused_in_one_line(kitchen: TaskSpace, plain: Make, tmp_path: Path) -> None:
     one, two, three = plain(tmp_path, 3)
     (whole,) = plain(tmp_path)
     (other,) = plain(tmp_path / "other", seed=4, only="2/3")
@@ -173,9 +160,7 @@ def test_what_cannot_be_merged_is_told_in_one_line(kitchen: TaskSpace, plain: Ma
     assert not (tmp_path / "merged").exists()
     shard.write_bytes(shard.read_bytes()[:-1] + b"?")
     refused("cannot be read|is not what dataset.json says", [one, two, three])
-    told = json.loads((two / "dataset.json").read_text())
-    told["spec"]["part"] = "4/3"
-    (two / "dataset.json").write_text(json.dumps(told))
+    with_json("dataset.json", lambda manifest: manifest["spec"].update(part="4/3"))(two)
     refused("part 4/3: write K/N", [one, two])
 
 

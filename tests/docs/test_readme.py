@@ -16,11 +16,7 @@ from prag_asp import TaskSpace, load_domain
 from prag_asp.dataset import instruction_writer_of
 from tests.docs.pages import DOCS, ROOT
 from tests.docs.test_examples import SETUP
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from tests.toml import tomllib
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 GENERATE = DOCS / "generate"

@@ -8,7 +8,7 @@ from collections import Counter
 from pathlib import Path
 from time import monotonic
 
-from tests.fuzz.campaign import Finding, Tried, keep, trials
+from tests.fuzz.campaign import Finding, keep, trials
 from tests.fuzz.isolated import Limits, warm
 from tests.fuzz.kinds import KINDS, mutant
 from tests.fuzz.shrink import shrunk
@@ -29,7 +29,7 @@ def main(arguments: list[str] | None = None) -> int:
     tried: Counter[str] = Counter()
     begun = monotonic()
     for done in trials(mutants, asked.jobs, limits):
-        _tally(done, tried)
+        tried.update({"mutants": 1, "commands": done.commands, "accepted": done.accepted, done.mutant.kind: 1})
         if done.finding:
             seen[done.finding.signature] += 1
             kept.setdefault(done.finding.signature, done.finding)
@@ -39,7 +39,12 @@ def main(arguments: list[str] | None = None) -> int:
                 keep(done.finding, asked.findings)
     for finding in kept.values():
         _show(finding if asked.as_found else shrunk(finding, limits), asked.findings)
-    print(_summary(tried, seen, asked.seed, monotonic() - begun))
+    kinds = ", ".join(f"{tried[kind]} {kind}" for kind in KINDS if tried[kind])
+    faults = ", ".join(f"{number} {signature}" for signature, number in seen.most_common()) or "nothing is wrong"
+    print(
+        f"\n{tried['mutants']} mutants of the seed {asked.seed} ({kinds}), {tried['commands']} commands, "
+        f"{tried['accepted']} accepted, {monotonic() - begun:.0f} s: {faults}"
+    )
     return 1 if seen else 0
 
 
@@ -59,13 +64,6 @@ def _parsed(arguments: list[str] | None) -> argparse.Namespace:
     return parser.parse_args(arguments)
 
 
-def _tally(done: Tried, tried: Counter[str]) -> None:
-    tried["mutants"] += 1
-    tried["commands"] += done.commands
-    tried["accepted"] += done.accepted
-    tried[done.mutant.kind] += 1
-
-
 def _show(finding: Finding, folder: Path) -> None:
     """Keep a finding, and print how to see it again."""
     own = keep(finding, folder)
@@ -79,15 +77,6 @@ def _show(finding: Finding, folder: Path) -> None:
         print(f"  -- {name}: {what}")
     err = finding.ran.err.decode("utf-8", "replace")[-SHOWN:]
     print("  -- stderr\n" + "\n".join(f"     {line!r}" for line in err.splitlines()[-8:]), flush=True)
-
-
-def _summary(tried: Counter[str], seen: Counter[str], seed: int, seconds: float) -> str:
-    kinds = ", ".join(f"{tried[kind]} {kind}" for kind in KINDS if tried[kind])
-    found = ", ".join(f"{number} {signature}" for signature, number in seen.most_common()) or "nothing is wrong"
-    return (
-        f"\n{tried['mutants']} mutants of the seed {seed} ({kinds}), {tried['commands']} commands, "
-        f"{tried['accepted']} accepted, {seconds:.0f} s: {found}"
-    )
 
 
 if __name__ == "__main__":

@@ -5,9 +5,11 @@ from __future__ import annotations
 import multiprocessing
 import os
 import re
+import shlex
 import shutil
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -62,15 +64,7 @@ def trials(mutants: Iterable[Mutant], jobs: int, limits: Limits) -> Iterator[Tri
         yield from (attempt(mutant, limits) for mutant in mutants)
         return
     with multiprocessing.get_context("fork").Pool(jobs) as pool:
-        yield from pool.imap_unordered(_Attempt(limits), mutants)
-
-
-@dataclass(frozen=True)
-class _Attempt:
-    limits: Limits
-
-    def __call__(self, mutant: Mutant) -> Tried:
-        return attempt(mutant, self.limits)
+        yield from pool.imap_unordered(partial(attempt, limits=limits), mutants)
 
 
 def attempt(mutant: Mutant, limits: Limits) -> Tried:
@@ -80,7 +74,9 @@ def attempt(mutant: Mutant, limits: Limits) -> Tried:
         try:
             return _attempt(mutant, folder, limits)
         finally:
-            _make_removable(folder)
+            for path, _, _ in os.walk(folder):  # so that it can be removed, whatever has been made in it
+                if not os.access(path, os.W_OK | os.X_OK):
+                    Path(path).chmod(0o700)
 
 
 def _attempt(mutant: Mutant, folder: Path, limits: Limits) -> Tried:
@@ -103,10 +99,9 @@ def _attempt(mutant: Mutant, folder: Path, limits: Limits) -> Tried:
                 what = "differ: " + " | ".join(f"{' '.join(each)}: {out.strip()}" for out, each in answers.items())
         if what:
             return Tried(mutant, number, accepted, seconds, Finding(mutant, arguments, ran, what))
-        if number == 1:
-            accepted = ran.code == 0
-            if not accepted:
-                break
+        accepted |= ran.code == 0
+        if not accepted:
+            break
     return Tried(mutant, number, accepted, seconds, None)
 
 
@@ -117,24 +112,16 @@ def limited(arguments: Command) -> Command:
     return (arguments[0], "--time", TIME, *arguments[1:])
 
 
-def _make_removable(folder: Path) -> None:
-    """Let a folder be removed whatever has been made in it."""
-    for path, _, _ in os.walk(folder):
-        if not os.access(path, os.W_OK | os.X_OK):
-            Path(path).chmod(0o700)
-
-
 def keep(finding: Finding, folder: Path) -> Path:
     """Write a finding into a folder of its own within a folder, so that it can be tried by hand, and return that."""
     own = folder / finding.mutant.name
     shutil.rmtree(own, ignore_errors=True)
     own.mkdir(parents=True)
     finding.mutant.write(own)
-    quoted = " ".join(map(_quoted, finding.arguments))
-    variables = "".join(f"{name}={_quoted(value)} " for name, value in finding.mutant.variables.items())
+    variables = "".join(f"{name}={shlex.quote(value)} " for name, value in finding.mutant.variables.items())
     redirect = " < ../given" if finding.mutant.given else ""
     (own / "run.sh").write_text(
-        f'cd "$(dirname "$0")/own" && {variables}prag-asp {quoted}{redirect}\n',
+        f'cd "$(dirname "$0")/own" && {variables}prag-asp {shlex.join(finding.arguments)}{redirect}\n',
         encoding="utf-8",
         errors="surrogateescape",
     )
@@ -142,9 +129,3 @@ def keep(finding: Finding, folder: Path) -> Path:
     for name, content in (("given", finding.mutant.given), ("stdout", finding.ran.out), ("stderr", finding.ran.err)):
         (own / name).write_bytes(content)
     return own
-
-
-def _quoted(word: str) -> str:
-    import shlex
-
-    return shlex.quote(word)

@@ -160,19 +160,12 @@ def _used(group: int) -> tuple[float, bool]:
 def _outlived(group: int) -> bool:
     """Tell whether somebody of a group of processes is left after its leader, and stays."""
     until = monotonic() + GRACE
-    while _group_is_there(group):
-        if monotonic() > until:
-            return True
-        sleep(0.01)
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        while monotonic() < until:
+            os.killpg(group, 0)
+            sleep(0.01)
+        return True
     return False
-
-
-def _group_is_there(group: int) -> bool:
-    try:
-        os.killpg(group, 0)
-    except (ProcessLookupError, PermissionError):
-        return False
-    return True
 
 
 def _end_group(group: int) -> None:
@@ -203,7 +196,8 @@ def _become(
         os.chdir(folder)
         os.environ.update(variables)
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        most = _size_now() + limits.memory_bytes
+        pages_now = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+        most = pages_now * resource.getpagesize() + limits.memory_bytes
         resource.setrlimit(resource.RLIMIT_AS, (most, most))
         work()
         code = 0
@@ -217,8 +211,3 @@ def _become(
         with contextlib.suppress(Exception):
             sys.stderr.flush()
         os._exit(code)
-
-
-def _size_now() -> int:
-    """Return the bytes of addresses that this process has."""
-    return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * resource.getpagesize()

@@ -14,7 +14,7 @@ No line on stderr is longer than 500 characters, or has a character that a termi
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from tests.fuzz.isolated import Ran
@@ -44,52 +44,47 @@ def fault(ran: Ran, arguments: Sequence[str], mutant: Mutant) -> str:
     """Return what is wrong with how a command answered, nothing where nothing is; its first word is the kind."""
     err = ran.err.decode("utf-8", "replace")
     lines = err.splitlines()
-    checks = (_ended_badly(ran, err), _says_badly(ran, err), _says_why(ran, lines, arguments, mutant))
-    return next(filter(None, checks), "")
+    return _first(_bad_ends(ran, err)) or _first(_bad_texts(ran, err)) or _lacks_reason(ran, lines, arguments, mutant)
 
 
-def _ended_badly(ran: Ran, err: str) -> str:
+def _first(checks: Mapping[str, bool]) -> str:
+    """Return the first fault that a check has found, if any."""
+    return next((what for what, is_so in checks.items() if is_so), "")
+
+
+def _bad_ends(ran: Ran, err: str) -> Mapping[str, bool]:
     last = (err.strip().splitlines() or [""])[-1]
-    found = {
+    places = re.findall(r'File ".*?/(prag_asp/[^"]*)", line (\d+)', err)
+    return {
         f"hang after {ran.seconds:.0f} s": ran.hung,
         f"memory {ran.peak_bytes / 1e9:.1f} GB": "MemoryError" in err or "bad_alloc" in err or ran.peak_bytes > MEMORY,
         f"signal {-ran.code}": ran.code < 0,
-        f"traceback {_last_place(err)} {last[:100]}": "Traceback (most recent call last)" in err,
+        f"traceback {':'.join(places[-1]) if places else ''} {last[:100]}": "Traceback (most recent call last)" in err,
         "outlived: a process is left over": ran.outlived,
         f"code {ran.code}": ran.code not in CODES,
     }
-    return next((what for what, is_so in found.items() if is_so), "")
 
 
-def _last_place(err: str) -> str:
-    """Return the last place of the package in a traceback."""
-    places = re.findall(r'File ".*?/(prag_asp/[^"]*)", line (\d+)', err)
-    return ":".join(places[-1]) if places else ""
+def _bad_texts(ran: Ran, err: str) -> Mapping[str, bool]:
+    obeyed, longest = OBEYED.search(err), max(map(len, err.split("\n")))
+    return {
+        f"control character {obeyed and obeyed[0]!r} on stderr": obeyed is not None,
+        f"long line of {longest} characters": longest > LONGEST_LINE,
+        "leak of what is outside of the folder": SECRET in err or SECRET.encode() in ran.out,
+    }
 
 
-def _says_badly(ran: Ran, err: str) -> str:
-    found = OBEYED.search(err)
-    if found:
-        return f"control character {found[0]!r} on stderr"
-    longest = max(map(len, err.split("\n")))
-    if longest > LONGEST_LINE:
-        return f"long line of {longest} characters"
-    if SECRET in err or SECRET.encode() in ran.out:
-        return "leak of what is outside of the folder"
-    return ""
-
-
-def _says_why(ran: Ran, lines: Sequence[str], arguments: Sequence[str], mutant: Mutant) -> str:
+def _lacks_reason(ran: Ran, lines: Sequence[str], arguments: Sequence[str], mutant: Mutant) -> str:
     if ran.code == 0:
         return "silence: accepted without output" if mutant.owes_output and not ran.out else ""
     if ran.code == 1 and arguments[0] in FIGURES and ran.out:
         return ""
     why = [line for line in lines if not BESIDE.fullmatch(line)]
     placed = [bool(PLACE.fullmatch(line)) for line in why]
-    found = {
+    checks = {
         f"silence: code {ran.code} without a word": not why,
         f"lines: {len(why)} where one is due, {why[:1]}": len(why) > 1 and not all(placed),
         "lines: the same one twice": len(set(why)) < len(why),
         f"placeless: no file and line, {why[:1]}": mutant.placed and ran.code == 2 and not all(placed),
     }
-    return next((what for what, is_so in found.items() if is_so), "")
+    return _first(checks)

@@ -1,14 +1,3 @@
 from __future__ import annotations
 
-from collections.abc import Iterator
-
-import pytest
-
-from tests.sharing import logic_shared
-
-
-@pytest.fixture(scope="package", autouse=True)
-def logic() -> Iterator[None]:
-    """Compute once what logic says of a domain."""
-    with logic_shared():
-        yield
+from tests.sharing import shared_logic  # noqa: F401 - a fixture

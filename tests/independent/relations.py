@@ -34,9 +34,6 @@ class Seen:
     def world(self) -> World:
         return self.layout.world
 
-    def tool(self, robot: str) -> Frame:
-        return self.tools[robot]
-
     def local(self, name: str, at: Array) -> Array:
         """Return a point in the axes of a body, a zone or the table."""
         pose = self.layout.pose(name)
@@ -230,17 +227,17 @@ def _beyond(seen: Seen, container: str, at: Array) -> Iterator[float]:
 
 
 def _height(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
-    """The tool between the body's top and 5 mm below its foot."""
+    """The tool between the body's top and 5 mm below its foot; at what is flat, fingertips 2 mm below the top."""
     low, high = seen.layout.span(arguments[1])
-    height = seen.tool(arguments[0]).at[2]
-    yield height - high[2]
+    height = seen.tools[arguments[0]].at[2]
+    yield min(height - high[2], max(height - low[2] - 0.011, height - 0.009 - high[2] + 0.002))
     yield low[2] - 0.005 - height
 
 
 def _at(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
     """The tool within 15 mm of the body's axis, between its top and 5 mm below its foot."""
     yield from _height(seen, arguments)
-    offset = seen.tool(arguments[0]).at - seen.layout.poses[arguments[1]].at
+    offset = seen.tools[arguments[0]].at - seen.layout.poses[arguments[1]].at
     yield float(np.linalg.norm(offset[:2])) - 0.015
 
 
@@ -249,11 +246,11 @@ def _holding(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
     robot, name = arguments
     if seen.world.kinds[name] == "box":
         yield from _height(seen, arguments)
-        local = np.abs(seen.local(name, seen.tool(robot).at)[:2])
+        local = np.abs(seen.local(name, seen.tools[robot].at)[:2])
         yield from local - np.maximum(0.015, seen.world.halves[name][:2] - 0.01)
     else:
         yield from _at(seen, arguments)
-    across = seen.tool(robot).turn[:, 1]
+    across = seen.tools[robot].turn[:, 1]
     wide = 2 * seen.wide(name, across)
     if seen.world.kinds[name] == "box":
         # Between two sides of a long box that is turned the pads meet less than all of it.
@@ -271,7 +268,7 @@ def _gripper_open(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
 
 def _over(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
     """The tool above the top of a body or a zone, within its sides."""
-    at = seen.tool(arguments[0]).at
+    at = seen.tools[arguments[0]].at
     yield seen.layout.span(arguments[1])[1][2] - at[2]
     yield from np.abs(seen.local(arguments[1], at)[:2]) - seen.layout.flat(arguments[1])
 

@@ -12,7 +12,6 @@ and `encoding` where its files are not UTF-8. The table [base] patches the base 
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -21,11 +20,7 @@ import pytest
 
 from prag_asp.domain.load import load_domain
 from prag_asp.errors import DomainError
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from tests.toml import tomllib
 
 FOLDER = Path(__file__).parent / "bad_domains"
 FAMILIES: dict[str, dict[str, Any]] = {

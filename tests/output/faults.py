@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import json
 import os
 import signal
 import warnings
@@ -69,17 +70,39 @@ class Disk:
 
 
 def killed(number: int, work: Callable[[], object]) -> bool:
-    """Do something in a process that is killed at the n-th thing that it asks of the disk; tell whether it was."""
+    """Do something in a process that is killed at its n-th request to the disk; return whether it was."""
+
+    def mortal() -> None:
+        with Disk(number, kills=True).working():
+            work()
+
+    status, _ = _fork(mortal)
+    return os.WIFSIGNALED(status)
+
+
+def forked(work: Callable[[], object]) -> Any:
+    """Return the JSON value that a function returns in a forked process."""
+    status, answer = _fork(work)
+    assert not status
+    return json.loads(answer)
+
+
+def _fork(work: Callable[[], object]) -> tuple[int, str]:
+    """Return the status with which a forked process ended, and the JSON value that `work` returned there."""
+    reading, writing = os.pipe()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # The child of a process with threads ends without them.
         child = os.fork()
     if not child:
         try:
-            with Disk(number, kills=True).working():
-                work()
+            value = work()
+            os.write(writing, json.dumps(value if isinstance(value, (tuple, int, str)) else None).encode())
         finally:
             os._exit(0)
-    return os.WIFSIGNALED(os.waitpid(child, 0)[1])
+    os.close(writing)
+    with os.fdopen(reading) as answer:
+        text = answer.read()
+    return os.waitpid(child, 0)[1], text
 
 
 def content(folder: Path) -> dict[str, bytes]:

@@ -32,25 +32,16 @@ TASKS = ("sample", "tabletop", "-n", "3", "--seed", "3", "--format", "jsonl")
 DATA = ("generate", "tabletop", "-n", "1..2", "--seed", "3", "--tasks", "10", "--budget", "2x2")
 COMMANDS: Mapping[str, tuple[str, ...]] = {
     "sample": (*TASKS, "--count", "12", "--demonstrate", "recorded", "-o", "drawn.jsonl"),
-    "enumerate": ("enumerate", "prag", "-n", "7", "--format", "jsonl", "--limit", "30000", "-o", "listed.jsonl"),
+    "enumerate": ("enumerate", "prag", "-n", "7", "--format", "jsonl", "--limit", "12000", "-o", "listed.jsonl"),
     "validate": ("validate", "tasks.jsonl", "-o", "report.txt"),
-    "split": ("split", "prag", "-n", "8", "train=0.8", "test=0.2", "--count", "15000", "-o", "parts"),
+    "split": ("split", "prag", "-n", "8", "train=0.8", "test=0.2", "--count", "6000", "-o", "parts"),
     "render": ("render", "tasks.jsonl", *map(str, range(1, 9)), "--size", "160x120", "-o", "pictures"),
     "generate": (
-        *DATA,
-        "--split",
-        "train=0.5,test=0.5",
-        "--shard",
-        "2",
-        "--starts",
-        "2",
-        "--demonstrate",
-        "-o",
-        "data",
+        *DATA, "--split", "train=0.5,test=0.5", "--shard", "2", "--starts", "2", "--demonstrate", "-o", "data",
     ),
     "merge": ("merge", "one", "two", "-o", "data"),
     "learn": ("learn", "mine", "-n", "2", "--count", "12", "--write"),
-}
+}  # fmt: skip
 GROWS = frozenset(["data/dataset.json"])
 """Files that say how far a run is: each is whole JSON at every moment, and has its last bytes at the end."""
 

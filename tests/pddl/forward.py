@@ -147,8 +147,10 @@ class Search:
         states: Counter[State] = Counter([self.start])
         steps: dict[State, list[State]] = {}
         counts = []
-        for _ in range(length + 1):
+        for left in reversed(range(length + 1)):
             counts.append(sum(n for state, n in states.items() if self.holds(self.goal, self.closed(state), {})))
+            if not left:
+                break
             following: Counter[State] = Counter()
             for state, number in states.items():
                 if state not in steps:

@@ -11,6 +11,7 @@ import pytest
 from prag_asp.errors import QueryError
 from prag_asp.pddl import read
 from prag_asp.pddl.costs import factor_of, weight_of_cost
+from tests.pddl.imports import written
 
 
 def test_weights_are_powers_of_the_factor() -> None:
@@ -18,7 +19,7 @@ def test_weights_are_powers_of_the_factor() -> None:
 
 
 @pytest.mark.parametrize(
-    ("factor", "cost", "told"),
+    ("factor", "cost", "message"),
     [
         (Fraction(1, 2), Decimal("0.5"), "cost 0.5: only integer costs become weights"),
         (Fraction(1, 2), Decimal(9999), "factor 1/2: its power 9999 has 9,999 digits, more than the limit of 2,000"),
@@ -26,8 +27,8 @@ def test_weights_are_powers_of_the_factor() -> None:
         (Fraction(1, 2), Decimal(10**20), "cost 1.00000e.20: costs above 10000 become no weights; divide all by one"),
     ],
 )
-def test_costs_that_are_no_exact_weights_are_refused(factor: Fraction, cost: Decimal, told: str) -> None:
-    with pytest.raises(QueryError, match=told):
+def test_costs_that_are_no_exact_weights_are_refused(factor: Fraction, cost: Decimal, message: str) -> None:
+    with pytest.raises(QueryError, match=message):
         weight_of_cost(factor, cost)
 
 
@@ -39,10 +40,7 @@ def test_a_factor_that_has_millions_of_digits_is_refused_before_it_is_computed(f
 
 def test_costs_with_many_digits_are_summed_exactly(tmp_path: Path) -> None:
     long, short = "1" + "0" * 40, "0." + "0" * 30 + "1"
-    (tmp_path / "d.pddl").write_text(
-        f"""(define (domain d) (:predicates (p)) (:functions (total-cost) (far))
+    domain = f"""(define (domain d) (:predicates (p)) (:functions (total-cost) (far))
         (:action go :effect (and (p) (increase (total-cost) {long}) (increase (total-cost) (far)))))"""
-    )
-    (tmp_path / "e.pddl").write_text(f"(define (problem e) (:domain d) (:init (= (far) {short})) (:goal (p)))")
-    found = read(tmp_path / "d.pddl", tmp_path / "e.pddl").cost("go", ())
-    assert Fraction(found) == 10**40 + Fraction(1, 10**31)
+    problem = f"(define (problem e) (:domain d) (:init (= (far) {short})) (:goal (p)))"
+    assert Fraction(read(*written(tmp_path, domain, problem)).cost("go", ())) == 10**40 + Fraction(1, 10**31)

@@ -10,6 +10,7 @@ from prag_asp.output.cache_files import read_cached, write_cached
 from prag_asp.pddl.syntax import lark_grammar as tables
 from prag_asp.pddl.syntax.nodes import Node
 from prag_asp.pddl.syntax.parsing import parse
+from tests.pddl.imports import written
 from tests.pddl.tasks import TASKS
 
 
@@ -19,41 +20,37 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "cache"
 
 
-def trees(tmp_path: Path) -> list[Node]:
-    """Return the syntax trees of all tasks, read by a parser of their own."""
+def trees(folder: Path, *names: str) -> list[Node]:
+    """Return the syntax trees of tasks, read by a parser of their own."""
     tables.grammar.cache_clear()
     found = []
-    for name, texts in TASKS.items():
-        for kind, text in zip(tables.KINDS, texts, strict=True):
-            path = tmp_path / f"{name}-{kind}.pddl"
-            path.write_text(text)
+    for name in names:
+        for path, kind in zip(written(folder, *TASKS[name]), tables.KINDS, strict=True):
             found.append(parse(path, kind))
     return found
 
 
-def test_kept_tables_read_the_same(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    first = trees(tmp_path)
-    (kept,) = folder.iterdir()
-    monkeypatch.setattr(tables, "_build_parser", lambda: pytest.fail("the tables were made anew"))
-    assert trees(tmp_path) == first
-    content = kept.read_bytes()
-    monkeypatch.undo()
-    monkeypatch.setenv("PRAG_ASP_CACHE", str(folder))
-    for wrong in (content[:-9], content.replace(b"action_def", b"action_fed"), b""):
-        kept.write_bytes(wrong)
-        assert trees(tmp_path) == first
-        assert read_cached(kept, tables.LARGEST), "what is damaged is made anew"
+def test_cached_tables_read_the_same(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    first = trees(tmp_path, *TASKS)
+    assert len(list(folder.iterdir())) == 1
+    monkeypatch.setattr(tables, "_build_parser", lambda: pytest.fail("the tables were built again"))
+    assert trees(tmp_path, *TASKS) == first
 
 
-@pytest.mark.parametrize("content", [b"{}", b"[]", b"null", b'{"data": {}, "memo": {}}', b"\xff", b"7"])
-def test_tables_of_another_form_are_made_anew(content: bytes, folder: Path, tmp_path: Path) -> None:
-    first = trees(tmp_path)
-    (path,) = folder.iterdir()
-    assert write_cached(path, content)
-    assert trees(tmp_path) == first
+def test_tables_that_are_damaged_or_of_another_form_are_built_again(folder: Path, tmp_path: Path) -> None:
+    first = trees(tmp_path, "blocks")
+    (cached,) = folder.iterdir()
+    content = cached.read_bytes()
+    for damaged in (content[:-9], content.replace(b"action_def", b"action_fed"), b""):
+        cached.write_bytes(damaged)
+        assert trees(tmp_path, "blocks") == first
+        assert read_cached(cached, tables.LARGEST)
+    for other in (b"{}", b"[]", b"null", b'{"data": {}, "memo": {}}', b"\xff", b"7"):
+        assert write_cached(cached, other)
+        assert trees(tmp_path, "blocks") == first
 
 
-def test_without_a_cache_nothing_is_kept(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_cache_nothing_is_written(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PRAG_ASP_CACHE", "")
-    assert trees(tmp_path)
+    assert trees(tmp_path, "blocks")
     assert not folder.exists()

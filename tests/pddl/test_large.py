@@ -15,13 +15,10 @@ from prag_asp.pddl import read, size
 from prag_asp.pddl.file_reader import read_files
 from prag_asp.pddl.translate import Translation
 from tests.chance import examples
-from tests.pddl.forward import Search
+from tests.pddl.imports import check_plans, counts, searched, with_goal, written
 from tests.pddl.random_tasks import random_task
 from tests.pddl.tasks import TASKS
-from tests.pddl.test_read import written
-from tests.spaces import with_engines
 
-RING = 30
 JOINED = """(define (domain ring) (:requirements :typing) (:types bead clasp - thing) (:predicates (next ?x ?y - thing))
  (:action turn :parameters (?a ?b ?c ?d ?e ?f - bead) :effect (and (not (next ?a ?b)) (not (next ?e ?f)) (next ?a ?f))
   :precondition (and (next ?a ?b) (next ?b ?c) (next ?c ?d) (next ?d ?e) (next ?e ?f))))"""
@@ -33,71 +30,54 @@ def ring(beads: int, links: int) -> str:
     return f"(define (problem p) (:domain ring) (:objects {' '.join(names)} - bead) (:init {linked}) (:goal (and)))"
 
 
-def test_what_conditions_join_is_made_though_types_alone_would_make_more_than_any_machine_holds(tmp_path: Path) -> None:
-    """Six beads of thirty are 729 million rows, of which the links that there are leave a few hundred."""
-    domain = load_domain(*written(tmp_path, JOINED, ring(RING, 20)))
+def test_joined_conditions_are_ground_where_types_alone_would_make_too_many_actions(tmp_path: Path) -> None:
+    """Six beads of sixteen are 17 million rows, of which the links that there are leave a few."""
+    domain = load_domain(*written(tmp_path, JOINED, ring(16, 12)))
     assert len(domain.facts.actions) < 1000
-    small = load_domain(*written(tmp_path, JOINED, ring(7, 6)))
-    for space in with_engines(small, "automaton", "clingo"):
-        assert [space.at(n).count(by="plan") for n in range(3)] == Search(JOINED, ring(7, 6)).count(2) == [1, 2, 0]
+    check_plans(tmp_path, JOINED, ring(7, 6), automaton=2, clingo=2)
+    assert searched(JOINED, ring(7, 6), 2) == [1, 2, 0]
 
 
 def test_parameters_that_no_predicate_binds_still_make_too_many(tmp_path: Path) -> None:
     free = JOINED.replace("(next ?b ?c) (next ?c ?d) (next ?d ?e) (next ?e ?f)", "")
-    told = (
+    message = (
         r"domain.pddl:2: turn makes at least 72,030,000 actions of 70 objects, and no more than 10,000,000 can be made"
     )
-    with pytest.raises(DomainError, match=told):
+    with pytest.raises(DomainError, match=message):
         load_domain(*written(tmp_path, free, ring(70, 3)))
 
 
+@pytest.mark.usefixtures("all_large")
 @pytest.mark.parametrize("name", TASKS)
-def test_all_plans_stay_where_every_action_looks_ahead(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(size, "LARGE", 0)
+def test_all_plans_stay_where_every_action_looks_ahead(name: str, tmp_path: Path) -> None:
     domain, problem = TASKS[name]
-    goalless = f"{problem[: problem.index('(:goal')]}(:goal (and)))"
-    for text in (problem, goalless):
-        loaded = load_domain(*written(tmp_path, domain, text))
-        counts = Search(domain, text).count(3)
-        for space, most in zip(with_engines(loaded, "automaton", "clingo"), (3, 2), strict=True):
-            assert [space.at(n).count(by="plan") for n in range(most + 1)] == counts[: most + 1]
+    for text in (problem, with_goal(problem, "(and)")):
+        check_plans(tmp_path, domain, text, automaton=3, clingo=2)
 
 
-@settings(max_examples=examples(40))
+@settings(max_examples=examples(20))
 @given(seed=integers(0, 10**6))
-def test_random_tasks_whose_actions_look_ahead_have_the_plans_of_a_forward_search(
-    seed: int, tmp_path_factory: pytest.TempPathFactory
-) -> None:
-    domain, problem = random_task(seed)
-    counts = Search(domain, problem).count(3)
+def test_random_tasks_whose_actions_look_ahead_have_the_plans_of_a_forward_search(seed: int, folder: Path) -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(size, "LARGE", 0)
-        paths = written(tmp_path_factory.mktemp("random"), domain, problem)
-        found = read(*paths).text
-        assert "#defined ever/1." in found
-        loaded = load_domain(*paths)
-        (space,) = with_engines(loaded, "automaton")
-        assert [space.at(n).count(by="plan") for n in range(4)] == counts, f"{seed}\n{domain}\n{problem}\n{found}"
+        check_plans(folder, *random_task(seed), automaton=3)
+        assert "#defined ever/1." in read(folder / "domain.pddl", folder / "problem.pddl").text
 
 
-@settings(max_examples=examples(40))
+@settings(max_examples=examples(20))
 @given(seed=integers(0, 10**6))
-def test_no_action_has_fewer_instances_than_are_said_to_be_made_at_least(
-    seed: int, tmp_path_factory: pytest.TempPathFactory
-) -> None:
-    paths = written(tmp_path_factory.mktemp("random"), *random_task(seed))
+def test_no_action_has_fewer_instances_than_are_said_to_be_made_at_least(seed: int, folder: Path) -> None:
+    paths = written(folder, *random_task(seed))
     files = read_files(*paths)
     words = Translation(*files)
     static = words.words.static
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(size, "LARGE", 0)
-        made = Counter(action.name for action in load_domain(*paths).facts.declared_actions)
+        instances = Counter(action.name for action in load_domain(*paths).facts.declared_actions)
     for action in files[0].actions:
         least = size.fewest_instances(action, *files, static, {*words.fluents(), *static})
-        there = made[words.actions[action.name]]
-        assert not there or least <= there, f"{action.name} of {seed}"
+        number = instances[words.actions[action.name]]
+        assert not number or least <= number, f"{action.name} of {seed}"
 
 
 UNARY = """(define (domain d) (:constants k) (:predicates (p ?x) (r) (lost))
@@ -139,21 +119,21 @@ JOINED_RULES = """(define (domain d) (:predicates (p ?x) (q ?x) (r))
 TWO = "(define (problem e) (:domain d) (:objects a b) (:init (p a)) (:goal (and)))"
 
 
-def test_what_a_joined_rule_makes_true_is_said_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_joined_rule_states_what_it_makes_true(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(size, "LARGE", 0)
     paths = written(tmp_path, JOINED_RULES, TWO)
     more = (
         "#program step(t).\nwet(q(X),t) :- occurs(make(X),t).\nholds(F,true,t) :- wet(F,t).\nchanged(F,t) :- wet(F,t)."
     )
-    told = r"<text>:3: this rule may make q\(a\) true, but ever does not say so, and .* missing; state ever\(q\(a\)\)"
-    with pytest.raises(DomainError, match=told):
+    message = (
+        r"<text>:3: this rule may make q\(a\) true, but ever does not say so, and .* missing; state ever\(q\(a\)\)"
+    )
+    with pytest.raises(DomainError, match=message):
         load_domain(*paths, text=more)
-    told = f"#program base.\never(q(X)) :- action(make(X)).\n{more}"
-    (space,) = with_engines(load_domain(*paths, text=told), "automaton")
+    stated = load_domain(*paths, text=f"#program base.\never(q(X)) :- action(make(X)).\n{more}")
     monkeypatch.setattr(size, "LARGE", 10**4)
-    (whole,) = with_engines(load_domain(*paths, text=more), "automaton")
-    counts = [whole.at(n).count(by="plan") for n in range(4)]
-    assert [space.at(n).count(by="plan") for n in range(4)] == counts == [1, 1, 1, 0]
+    whole = load_domain(*paths, text=more)
+    assert counts(stated, 3, "automaton") == counts(whole, 3, "automaton") == [1, 1, 1, 0]
 
 
 CHAIN = """(define (domain chain) (:requirements :adl) (:predicates (bond ?x ?y) (sharp) (hot ?x) (k ?x) (done))
@@ -176,34 +156,27 @@ CHAIN = """(define (domain chain) (:requirements :adl) (:predicates (bond ?x ?y)
         "(forall (?c) (when (and (hot ?c) (or (sharp) (hot ?a))) (and (bond ?c ?a) (not (bond ?a ?b)))))",
     ],
 )
-def test_conditional_effects_of_large_imports_say_enough(
-    effect: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.usefixtures("all_large")
+def test_conditional_effects_of_large_imports_say_enough(effect: str, tmp_path: Path) -> None:
     problem = "(define (problem e) (:domain chain) (:objects a b c) (:init (bond a b) (sharp) (k c)) (:goal (and)))"
-    domain = CHAIN.format(effect)
-    monkeypatch.setattr(size, "LARGE", 0)
-    loaded = load_domain(*written(tmp_path, domain, problem), strict=True)
-    for space in with_engines(loaded, "automaton", "clingo"):
-        assert [space.at(n).count(by="plan") for n in range(4)] == Search(domain, problem).count(3)
+    check_plans(tmp_path, CHAIN.format(effect), problem, automaton=3, clingo=3)
+    load_domain(tmp_path / "domain.pddl", tmp_path / "problem.pddl", strict=True)
 
 
-def test_a_large_import_in_which_nothing_is_true_at_the_start_warns_of_lines_that_there_are(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(size, "LARGE", 0)
+@pytest.mark.usefixtures("all_large")
+def test_a_large_import_in_which_nothing_is_true_at_the_start_warns_of_lines_that_there_are(tmp_path: Path) -> None:
     paths = written(tmp_path, JOINED_RULES, TWO.replace("(p a)", ""))
     warnings = load_domain(*paths).warnings
     assert {each.name for each in warnings} == {"never-holds", "no-plan"}
     assert {each.path for each in warnings} == {paths[0]}
 
 
-def test_fluents_may_follow_from_the_actions_of_a_large_import(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(size, "LARGE", 0)
+@pytest.mark.usefixtures("all_large")
+def test_fluents_may_follow_from_the_actions_of_a_large_import(tmp_path: Path) -> None:
     more = "fluent(done(A)) :- action(A). postcondition(A,done(A),true) :- action(A)."
     found = load_domain(*written(tmp_path, JOINED_RULES, TWO), text=more)
     assert sorted(map(str, found.facts.actions)) == ["make(a)"]
-    (space,) = with_engines(found, "automaton")
-    assert [space.at(n).count(by="plan") for n in range(3)] == [1, 1, 0]
+    assert counts(found, 2, "automaton") == [1, 1, 0]
 
 
 APART = """(define (domain d) (:types cup - thing lid - thing mug - cup) (:predicates (on ?x ?y - thing))
@@ -211,39 +184,30 @@ APART = """(define (domain d) (:types cup - thing lid - thing mug - cup) (:predi
   :effect (and (not (on ?c ?l)) (not (on ?l ?c)) (not (on ?c ?c)) (on ?m ?l))))"""
 
 
-def test_terms_whose_types_have_nothing_in_common_are_not_told_apart(tmp_path: Path) -> None:
+def test_terms_whose_types_have_nothing_in_common_are_not_compared(tmp_path: Path) -> None:
     problem = "(define (problem p) (:domain d) (:objects c - cup l - lid m - mug) (:init (on c l)) (:goal (and)))"
-    found = read(*written(tmp_path, APART, problem)).text
+    check_plans(tmp_path, APART, problem, automaton=3)
+    found = read(tmp_path / "domain.pddl", tmp_path / "problem.pddl").text
     deleted = [line for line in found.splitlines() if line.startswith("postcondition") and ", false)" in line]
     assert [line.partition(":- ")[2] for line in deleted] == ["action(swap(C,L,M)).", "action(swap(C,L,M)), C != M."]
     assert deleted[0].startswith("postcondition(swap(C,L,M), (on(L,C); on(C,C)), false)")
-    counts = Search(APART, problem).count(3)
-    (space,) = with_engines(load_domain(*written(tmp_path, APART, problem)), "automaton")
-    assert [space.at(n).count(by="plan") for n in range(4)] == counts
 
 
-def test_what_conditional_effects_alone_make_true_of_one_another_is_not_asked_of_an_author(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(size, "LARGE", 0)
+@pytest.mark.usefixtures("all_large")
+def test_conditional_effects_that_only_make_each_other_true_need_no_ever(tmp_path: Path) -> None:
     domain = """(define (domain d) (:predicates (on ?x ?y) (wet) (dry))
      (:action lift :parameters (?x ?y) :precondition (on ?x ?y)
       :effect (and (when (dry) (and (wet) (not (dry)))) (when (wet) (and (dry) (not (wet)))))))"""
     problem = "(define (problem e) (:domain d) (:objects a b) (:init (on a b)) (:goal (and)))"
-    (space,) = with_engines(load_domain(*written(tmp_path, domain, problem)), "automaton")
-    assert [space.at(n).count(by="plan") for n in range(4)] == [1, 1, 1, 1]
+    check_plans(tmp_path, domain, problem, automaton=3)
 
 
-def test_what_only_conditional_effects_make_true_may_ever_be_so(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(size, "LARGE", 0)
+@pytest.mark.usefixtures("all_large")
+def test_what_only_conditional_effects_make_true_may_ever_be_so(tmp_path: Path) -> None:
     domain = """(define (domain d) (:predicates (p ?x) (q ?x) (r))
      (:action make :parameters (?x) :effect (when (p ?x) (and (q ?x) (not (p ?x)))))
      (:action use :parameters (?x) :precondition (q ?x) :effect (r)))"""
     problem = "(define (problem e) (:domain d) (:objects a b) (:init (p a)) (:goal (r)))"
-    loaded = load_domain(*written(tmp_path, domain, problem))
+    loaded = check_plans(tmp_path, domain, problem, automaton=3)
     assert sorted(map(str, loaded.facts.actions)) == ["make(a)", "make(b)", "use(a)"]
-    (space,) = with_engines(loaded, "automaton")
-    assert [space.at(n).count(by="plan") for n in range(4)] == Search(domain, problem).count(3)
-    assert space.at(2).count(by="plan") == 1
+    assert searched(domain, problem, 3)[2] == 1

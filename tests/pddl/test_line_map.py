@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from pathlib import Path
 
-import pytest
 from hypothesis import given, settings
 from hypothesis.strategies import integers
 
@@ -14,8 +13,8 @@ from prag_asp.pddl import read
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.sources import Source
 from tests.chance import examples
+from tests.pddl.imports import written
 from tests.pddl.random_tasks import random_task
-from tests.pddl.test_read import written
 
 DOMAIN = """(define (domain d)
  (:types a
@@ -61,11 +60,11 @@ def test_warnings_and_reasons_name_lines_of_pddl(tmp_path: Path) -> None:
     ]
 
 
-@settings(max_examples=examples(20))
+@settings(max_examples=examples(10))
 @given(seed=integers(0, 10**6))
-def test_the_lines_hold_the_whole_program(seed: int, tmp_path_factory: pytest.TempPathFactory) -> None:
+def test_the_lines_hold_the_whole_program(seed: int, folder: Path) -> None:
     texts = random_task(seed)
-    domain, problem = written(tmp_path_factory.mktemp("places"), *texts)
+    domain, problem = written(folder, *texts)
     found = read(domain, problem)
     assert statements(found.sources[:-1]) == statements([Source(Path("all"), found.text.replace("#include", "%"))])
     assert {source.path for source in found.sources[:-1]} <= {domain, problem}

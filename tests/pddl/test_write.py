@@ -3,62 +3,52 @@
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis.strategies import integers
 
-from prag_asp import Domain, DomainError, Task, TaskSpace, load_domain, parse_atom
+from prag_asp import DomainError, TaskSpace, load_domain, parse_atom
 from prag_asp.planners import PddlExport, write
 from tests.brute_force import Toy
 from tests.chance import examples
 from tests.pddl.forward import Search, signed
+from tests.pddl.imports import check_plans, counts, searched, written
 from tests.pddl.random_tasks import random_task
 from tests.pddl.tasks import TASKS
-from tests.pddl.test_read import written
 from tests.strategies import toys
 
 
-def exported(
-    domain: Domain, task: Task | None = None, *, negative: bool = True, conditional: bool = True
-) -> PddlExport:
-    return write(domain, task, negative=negative, conditional=conditional)
+def counts_of(found: PddlExport, length: int) -> list[int]:
+    return searched(found.domain, found.problem, length)
 
 
-def counts(domain: Domain, most: int = 4) -> list[int]:
-    space = TaskSpace(domain, 0)
-    return [space.at(n).count(by="plan") for n in range(most + 1)]
-
-
-@pytest.mark.parametrize("negative", [True, False])
 @pytest.mark.parametrize("name", ["blocks", "hanoi", "kitchen"])
-def test_a_domain_that_goes_out_and_comes_in_again_has_the_same_plans(
-    name: str, negative: bool, tmp_path: Path
-) -> None:
+def test_a_domain_that_goes_out_and_comes_in_again_has_the_same_plans(name: str, tmp_path: Path) -> None:
     domain = load_domain(name, flat=True)
-    found = exported(domain, negative=negative)
-    assert counts(load_domain(*written(tmp_path, found.domain, found.problem))) == counts(domain)
-    assert negative or "(not (" not in "".join(line for line in found.domain.splitlines() if ":precondition" in line)
+    plans = counts(domain, 4)
+    for negative in (True, False):
+        found = write(domain, negative=negative)
+        assert counts(load_domain(*written(tmp_path, found.domain, found.problem)), 4) == plans
+        conditions = "".join(line for line in found.domain.splitlines() if ":precondition" in line)
+        assert negative or "(not (" not in conditions
 
 
 @pytest.mark.parametrize("name", TASKS)
 def test_pddl_that_comes_in_and_goes_out_again_has_the_same_plans(name: str, tmp_path: Path) -> None:
     domain = load_domain(*written(tmp_path, *TASKS[name]))
-    plans = Search(*TASKS[name]).count(4)
+    plans = searched(*TASKS[name], 4)
     for negative, conditional in ((True, True), (False, True), (True, False), (False, False)):
-        found = exported(domain, negative=negative, conditional=conditional)
-        assert Search(found.domain, found.problem).count(4) == plans
-        assert negative or all(positive for _, positive in asked(Search(found.domain, found.problem)))
+        found = write(domain, negative=negative, conditional=conditional)
+        assert counts_of(found, 4) == plans
+        assert negative or all(positive for _, positive in condition_literals(Search(found.domain, found.problem)))
         assert conditional or not any(each in found.domain + found.problem for each in ("(when ", "(or "))
-    again = load_domain(*written(tmp_path, found.domain, found.problem))
-    assert counts(again, 3) == plans[:4]
+    assert counts(load_domain(*written(tmp_path, found.domain, found.problem)), 3) == plans[:4]
 
 
-def asked(search: Search) -> Iterator[tuple[str, bool]]:
+def condition_literals(search: Search) -> Iterator[tuple[str, bool]]:
     """Yield the predicates of all conditions, and whether each is asserted."""
     yield from signed(search.goal)
     for _, parts in search.actions:
@@ -68,20 +58,15 @@ def asked(search: Search) -> Iterator[tuple[str, bool]]:
                 yield from signed(rest[0])
 
 
-@settings(max_examples=examples(20))
+@settings(max_examples=examples(10))
 @given(seed=integers(0, 10**6))
-def test_random_tasks_that_go_out_again_have_the_plans_of_a_forward_search(
-    seed: int, tmp_path_factory: pytest.TempPathFactory
-) -> None:
+def test_random_tasks_that_go_out_again_have_the_plans_of_a_forward_search(seed: int, folder: Path) -> None:
     task = random_task(seed)
-    paths = written(tmp_path_factory.mktemp("random"), *task)
-    domain, plans = load_domain(*paths), Search(*task).count(3)
+    domain, plans = load_domain(*written(folder, *task)), searched(*task, 3)
     for conditional in (True, False):
-        found = exported(domain, negative=conditional, conditional=conditional)
-        assert Search(found.domain, found.problem).count(3) == plans, f"{seed}\n{found.domain}\n{found.problem}"
-        again = load_domain(*written(paths[0].parent, found.domain, found.problem))
-        for engine, most in (("automaton", 2), ("clingo", 2), ("sat", 1)):
-            assert [TaskSpace(again, n, engine=engine).count(by="plan") for n in range(most + 1)] == plans[: most + 1]
+        found = write(domain, negative=conditional, conditional=conditional)
+        assert counts_of(found, 3) == plans, f"{seed}\n{found.domain}\n{found.problem}"
+        check_plans(folder, found.domain, found.problem, automaton=2, clingo=2, sat=1)
 
 
 OVER_TIME = """#include "rules/closed_world.lp".
@@ -107,22 +92,19 @@ fluent((f;g;h)). action((a;b;c)). postcondition(a,f,true). postcondition(b,f,fal
 )
 def test_rules_over_time_become_conditions_and_effects(rules: str) -> None:
     domain = load_domain(text=OVER_TIME + rules)
-    plans = [TaskSpace(domain, n, engine="clingo").count(by="plan") for n in range(6)]
+    plans = counts(domain, 5, "clingo")
     assert any(plans)
     for conditional in (True, False):
-        found = exported(domain, conditional=conditional)
-        assert Search(found.domain, found.problem).count(5) == plans
+        assert counts_of(write(domain, conditional=conditional), 5) == plans
 
 
 @pytest.mark.parametrize("rules", [("no_undo",), ("at_most(stack,1)", "at_most(pick_up,2)")])
 def test_rules_of_the_encodings_go_out_and_a_task_under_them_keeps_its_plan(rules: tuple[str, ...]) -> None:
     domain = load_domain("blocks", rules=rules)
-    found = exported(domain)
-    assert Search(found.domain, found.problem).count(4) == counts(domain)
+    assert counts_of(write(domain), 4) == counts(domain, 4)
     space = TaskSpace(domain, 4)
     for conditional in (True, False):
-        task = exported(domain, space[space.count() // 2], conditional=conditional)
-        assert reaches(task)
+        assert reaches(write(domain, space[space.count() // 2], conditional=conditional))
 
 
 def reaches(task: PddlExport) -> bool:
@@ -140,8 +122,7 @@ precondition(b,not'on,false). postcondition(b,not'on,true).
 
 
 def test_no_predicate_is_named_as_the_opposite_of_another() -> None:
-    found = exported(load_domain(text=CLASHING), negative=False)
-    assert Search(found.domain, found.problem).count(3) == [1, 2, 2, 0]
+    assert counts_of(write(load_domain(text=CLASHING), negative=False), 3) == [1, 2, 2, 0]
 
 
 def test_a_task_without_actions_goes_out_where_no_action_can_ever_occur() -> None:
@@ -150,14 +131,12 @@ def test_a_task_without_actions_goes_out_where_no_action_can_ever_occur() -> Non
     )
     (task,) = TaskSpace(domain, 0)
     for conditional in (True, False):
-        found = exported(domain, task, conditional=conditional)
-        assert Search(found.domain, found.problem).count(1) == [1, 0]
+        assert counts_of(write(domain, task, conditional=conditional), 1) == [1, 0]
 
 
 def test_actions_of_composites_go_out_with_what_may_come_next() -> None:
     domain = load_domain("kitchen")
-    found = exported(domain)
-    assert Search(found.domain, found.problem).count(2) == counts(domain, 2)
+    assert counts_of(write(domain), 2) == counts(domain, 2)
 
 
 def closed(toy: Toy) -> Toy:
@@ -171,7 +150,7 @@ def closed(toy: Toy) -> Toy:
 
 @settings(max_examples=examples(20))
 @given(toy=toys(closed=True))
-def test_random_domains_have_the_plans_of_the_definition(toy: Toy, tmp_path_factory: pytest.TempPathFactory) -> None:
+def test_random_domains_have_the_plans_of_the_definition(toy: Toy) -> None:
     toy = closed(toy)
     try:
         domain = load_domain(text=toy.text())
@@ -180,38 +159,32 @@ def test_random_domains_have_the_plans_of_the_definition(toy: Toy, tmp_path_fact
     plans = [len(list(toy.plans(n))) for n in range(4)]
     for negative in (True, False):
         try:
-            found = exported(domain, negative=negative)
+            found = write(domain, negative=negative)
         except DomainError as error:
             assert "breaks an invariant, so there is no plan" in str(error) and not any(plans)
             return
-        assert Search(found.domain, found.problem).count(3) == plans
+        assert counts_of(found, 3) == plans
 
 
+@pytest.mark.filterwarnings("ignore")  # those of the packages
 @pytest.mark.parametrize(("name", "length"), [("blocks", 4), ("prag", 3), ("two_arms", 3)])
 def test_other_planners_accept_solve_and_validate_a_task(name: str, length: int, tmp_path: Path) -> None:
     pytest.importorskip("unified_planning")
     domain = load_domain(name, flat=True)
     space = TaskSpace(domain, length)
     task = space[space.count() // 2]
-    found = exported(domain, task)
-    domain_file, problem_file = written(tmp_path, found.domain, found.problem)
-    (tmp_path / "plan").write_text("\n".join(found.plan))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # those packages' own
-        status, steps = judged(domain_file, problem_file, tmp_path / "plan")
-        import pddl
-
-        assert pddl.parse_domain(domain_file).name and pddl.parse_problem(problem_file).goal
-    assert status == "VALID"
-    if steps is None:
-        pytest.skip("Fast Downward is not installed: up-fast-downward")
-    again = load_domain(domain_file, problem_file)
-    plan = TaskSpace(again, len(steps))
-    assert len(steps) <= length and steps in {tuple(spelled(each) for each in one.actions) for one in plan}
+    found = write(domain, task)
+    files, steps = accepted(found, tmp_path)
+    plans = {
+        tuple((each.name, *each.arguments) for each in one.actions)
+        for one in TaskSpace(load_domain(*files), len(steps))
+    }
+    assert len(steps) <= length and steps in plans
     left_open = len(domain.facts.fluents) > len(task.initial)
     assert ("leaves open" in found.problem) == left_open
 
 
+@pytest.mark.filterwarnings("ignore")  # those of the packages
 @pytest.mark.parametrize("conditional", [True, False])
 def test_other_planners_accept_solve_and_validate_conditional_effects(conditional: bool, tmp_path: Path) -> None:
     pytest.importorskip("unified_planning")
@@ -221,47 +194,38 @@ def test_other_planners_accept_solve_and_validate_conditional_effects(conditiona
     domain = load_domain(text=OVER_TIME + rules)
     space = TaskSpace(domain, 5)
     task = next(each for each in space if str(each.actions[-1]) == "b" and each.states[-1][parse_atom("h")])
-    found = exported(domain, task, conditional=conditional)
-    files = written(tmp_path, found.domain, found.problem)
-    (tmp_path / "plan").write_text("\n".join(found.plan))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # those packages' own
-        status, steps = judged(*files, tmp_path / "plan")
-        import pddl
-
-        assert pddl.parse_domain(files[0]).name and pddl.parse_problem(files[1]).goal
-    assert status == "VALID" and ("(when " in found.domain) == conditional
-    if steps is None:
-        pytest.skip("Fast Downward is not installed: up-fast-downward")
+    found = write(domain, task, conditional=conditional)
+    assert ("(when " in found.domain) == conditional
+    _, steps = accepted(found, tmp_path)
     plan = tuple(re.sub(r"_\d+$", "", name) for name, *_ in steps)
     assert plan in {tuple(map(str, each.actions)) for each in TaskSpace(domain, len(plan))}
 
 
-def judged(domain: Path, problem: Path, plan: Path) -> tuple[str, tuple[tuple[str, ...], ...] | None]:
-    """Return what unified-planning says of a plan, and a plan of Fast Downward's, if there is one."""
+def accepted(found: PddlExport, folder: Path) -> tuple[tuple[Path, Path], tuple[tuple[str, ...], ...]]:
+    """Return the files of an export whose plan unified-planning finds valid, and a plan of Fast Downward."""
+    import pddl
     from unified_planning.exceptions import UPNoSuitableEngineAvailableException
     from unified_planning.io import PDDLReader
     from unified_planning.shortcuts import OneshotPlanner, PlanValidator, get_environment
 
+    domain, problem = files = written(folder, found.domain, found.problem)
+    (folder / "plan").write_text("\n".join(found.plan))
+    assert pddl.parse_domain(domain).name and pddl.parse_problem(problem).goal
     get_environment().credits_stream = None
     reader = PDDLReader()
     read = reader.parse_problem(str(domain), str(problem))
     with PlanValidator(name="sequential_plan_validator") as validator:
-        status = validator.validate(read, reader.parse_plan(read, str(plan))).status.name
+        assert validator.validate(read, reader.parse_plan(read, str(folder / "plan"))).status.name == "VALID"
     try:
         with OneshotPlanner(name="fast-downward") as planner:
-            found = planner.solve(read).plan
+            plan = planner.solve(read).plan
     except (UPNoSuitableEngineAvailableException, KeyError):
-        return status, None
-    steps = tuple((each.action.name, *map(str, each.actual_parameters)) for each in found.actions)
-    return status, tuple(tuple(word.replace("-", "_") for word in step) for step in steps)
+        pytest.skip("Fast Downward is not installed: up-fast-downward")
+    steps = ((each.action.name, *map(str, each.actual_parameters)) for each in plan.actions)
+    return files, tuple(tuple(word.replace("-", "_") for word in step) for step in steps)
 
 
-def spelled(action: Any) -> tuple[str, ...]:
-    return (action.name, *action.arguments)
-
-
-def test_what_pddl_cannot_say_is_refused(tmp_path: Path) -> None:
+def test_what_pddl_cannot_say_is_refused() -> None:
     rules = {
         "occurs/2 is read at a step other than t and t-1": ":- occurs(a,t), occurs(a,t-2).",
         "the rule reads the number of the step": ":- occurs(a,t), t > 3.",
@@ -272,18 +236,18 @@ def test_what_pddl_cannot_say_is_refused(tmp_path: Path) -> None:
     for told, rule in rules.items():
         text = f"fluent(f). initially(f,true). action(a). postcondition(a,f,false).\n#program step(t).\n{rule}\n"
         with pytest.raises(DomainError, match=f"^<text>:3: PDDL cannot say this rule over time: {re.escape(told)}; le"):
-            exported(load_domain(text=text))
+            write(load_domain(text=text))
     many = " ".join(f"fluent(f({n})). fluent(g({n}))." for n in range(12))
     text = f"""#include "rules/closed_world.lp". {many} action(a). action(b(N)) :- fluent(f(N)).
         postcondition(b(N),f(N),true) :- action(b(N)).
         #program step(t). holds(g(N),true,t) :- moved(N,t). changed(g(N),t) :- moved(N,t).
         moved(N,t) :- occurs(a,t), holds(f(N),true,t-1)."""
     with pytest.raises(DomainError, match=r"^<text>:3: a depends on 12 fluents, which makes more than 1,000 copies of"):
-        exported(load_domain(text=text), conditional=False)
+        write(load_domain(text=text), conditional=False)
     with pytest.raises(DomainError, match="unknown, which PDDL cannot say; let the action make it true or false"):
-        exported(load_domain(text="fluent(f). initially(f,true). action(a). postcondition(a,f,unknown).\n"))
+        write(load_domain(text="fluent(f). initially(f,true). action(a). postcondition(a,f,unknown).\n"))
     with pytest.raises(DomainError, match="prag: its world is open, so it has no initial state that PDDL can say"):
-        exported(load_domain("prag"))
+        write(load_domain("prag"))
 
 
 OPEN = """class(c). entity((on;behind),c). fluent(on(X)) :- entity(X,c). fluent(seen).
@@ -299,7 +263,7 @@ postcondition(take(X),seen,true) :- entity(X,c).
 def test_effects_that_are_open_are_what_the_task_needs_and_its_plan_is_one_in_pddl() -> None:
     domain = load_domain(text=OPEN)
     for task in TaskSpace(domain, 2):
-        found = exported(domain, task)
+        found = write(domain, task)
         assert reaches(found)
         assert "; Effects that the domain leaves open are what the task needs, and false otherwise." in found.problem
         assert "(on on-2)" in found.domain + found.problem

@@ -8,14 +8,7 @@ from prag_asp.physics import Validator, open_validator
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.scene.scene import Scene
 from tests.physics.random_tasks import shipped_scene
-from tests.sharing import logic_shared
-
-
-@pytest.fixture(scope="package", autouse=True)
-def logic() -> Iterator[None]:
-    """Compute once what logic says of a domain."""
-    with logic_shared():
-        yield
+from tests.sharing import shared_logic  # noqa: F401 - a fixture
 
 
 @pytest.fixture(scope="session")

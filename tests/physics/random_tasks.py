@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +14,7 @@ from prag_asp.atom import Atom
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.scene_loader import parse_scene
 from prag_asp.task import Task
-
-try:
-    import tomllib
-except ModuleNotFoundError:  # Python 3.10
-    import tomli as tomllib
+from tests.toml import tomllib
 
 ROOT = Path(__file__).parents[2]
 CLASSES = "is_a(E,C) :- entity(E,C). is_a(E,P) :- is_a(E,C), class(C,P)."
@@ -114,9 +111,15 @@ class Rules:
         return Task(name, tuple(actions), entities, states[0], tuple(states[1:]), tuple(subgoals), {})
 
 
+@cache
+def rules_of(name: str) -> Rules:
+    """Return the rules of a shipped domain, which nothing changes."""
+    return Rules(name)
+
+
 def random_tasks(name: str, length: int, seed: int) -> Iterator[Task]:
     """Yield random valid tasks of a shipped domain, without end."""
-    rules, rng = Rules(name), random.Random(seed)
+    rules, rng = rules_of(name), random.Random(seed)
     options = sorted(rules.before)
     while True:
         known = dict(rules.initially)
@@ -139,8 +142,14 @@ def random_tasks(name: str, length: int, seed: int) -> Iterator[Task]:
 
 def shipped_scene(name: str) -> Scene:
     """Return the scene of a shipped domain."""
-    rules = Rules(name)
-    return parse_scene(scene_table(name), rules.classes, rules.entities)
+    return scene_with(name, {})
+
+
+def scene_with(name: str, shapes: Mapping[str, object], *, folder: Path = Path(), **tables: object) -> Scene:
+    """Return the scene of a shipped domain with other shapes of classes, and other tables."""
+    table, rules = scene_table(name), rules_of(name)
+    changed = {**table, **tables, "shapes": {**table["shapes"], **shapes}}
+    return parse_scene(changed, rules.classes, rules.entities, folder=folder)
 
 
 def scene_table(name: str) -> dict[str, Any]:

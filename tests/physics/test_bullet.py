@@ -5,7 +5,7 @@ import os
 from prag_asp.physics.bullet import mute_output
 
 
-def test_a_descriptor_gets_its_voice_back_when_the_last_who_silenced_it_is_done() -> None:
+def test_a_descriptor_is_restored_when_the_last_context_that_muted_it_ends() -> None:
     heard, spoken = os.pipe()
     one, two = mute_output(spoken), mute_output(spoken)
     one.__enter__()

@@ -182,7 +182,7 @@ def test_furniture_of_which_nothing_is_known_is_open_or_closed(kitchen, validato
 
 
 def test_tasks_of_the_kitchen_pass_every_tier_short_of_performing(domain, kitchen, validator, chance):
-    tasks = TaskSpace(domain, 8).sample(4, seed=chance.seed(3))
+    tasks = TaskSpace(domain, 8).sample(3, seed=chance.seed(3))
     for i, made in enumerate(tasks):
         verdict = validator.validate(made, seed=chance.seed(3), index=i, budget=Budget(tier="settling"))
         assert verdict.feasible
@@ -225,23 +225,11 @@ def test_on_the_table_means_over_nothing_hollow_and_nothing_is_in_what_has_no_ca
     assert not any(PREDICATES[name].holds(within, ("apple_1", "cup_1")) for name in ("inside", "located"))
 
 
-@pytest.mark.parametrize(
-    ("table", "message"),
-    [
-        ({"fixed": {}}, "scene.fixed.it: missing; write where it stands, because a drawer"),
-        ({"shapes": {"box": {"kind": "drawer", "size": [0.05, 0.2, 0.1]}}}, "scene.shapes.box.size: needs one size"),
-        (
-            {"shapes": {"box": {"kind": "drawer", "size": {"low": [0.2, 0.2, 0.1], "high": [0.3, 0.2, 0.1]}}}},
-            "scene.shapes.box.size: needs one size of at least 0.12 x 0.12 x 0.06 m for a drawer",
-        ),
-    ],
-)
-def test_furniture_that_cannot_be_built_is_refused_with_its_key(table, message):
-    fine = {"shapes": {"box": {"kind": "drawer", "size": [0.26, 0.24, 0.1]}}, "fixed": {"it": [0.5, 0.0]}}
-    assert parse_scene(fine, {}, {"it": "box"}).shapes["it"].kind == "drawer"
-    with pytest.raises(SceneError) as caught:
-        parse_scene({**fine, **table}, {}, {"it": "box"})
-    assert message in str(caught.value)
+def test_furniture_without_a_place_is_refused():
+    table = {"shapes": {"box": {"kind": "drawer", "size": [0.26, 0.24, 0.1]}}, "fixed": {"it": [0.5, 0.0]}}
+    assert parse_scene(table, {}, {"it": "box"}).shapes["it"].kind == "drawer"
+    with pytest.raises(SceneError, match=r"scene\.fixed\.it: missing; write the place of it, because a drawer"):
+        parse_scene({**table, "fixed": {}}, {}, {"it": "box"})
 
 
 def test_only_furniture_can_be_open(domain):
@@ -255,16 +243,19 @@ def test_only_furniture_can_be_open(domain):
     ]
 
 
-def test_a_gripper_that_reaches_into_a_deep_container_is_not_at_it(chance):
+def test_a_gripper_that_reaches_into_a_deep_container_is_not_at_it():
     scene = shipped_scene("tabletop")
     bin_1 = scene.shapes["bin_1"]._replace(size=(0.26, 0.12, 0.14))
     deep = replace(scene, shapes={**scene.shapes, "bin_1": bin_1})
-    space = TaskSpace(load_domain("tabletop"), 2).where("uses bin_1", "has insert")
-    tasks = space.sample(30, seed=chance.seed(9))
-    verdicts = list(validate_tasks(tasks, deep, seed=chance.seed(9)))
-    inside = 0
-    for each, verdict in zip(tasks, verdicts, strict=True):
-        if verdict.witness is not None:
-            assert check_witness(each, verdict.witness, deep) == []
-            inside += 1
-    assert inside >= 12
+    tasks = [
+        task(
+            state(f"on_top({item},table_1)", f"-holding(panda,{item})"),
+            (f"pick(panda,{item},table_1)", state(f"holding(panda,{item})", f"-on_top({item},table_1)")),
+            (f"insert(panda,{item},bin_1)", state(f"-holding(panda,{item})", f"inside({item},bin_1)")),
+        )
+        for item in ("cube_1", "brick_1", "can_1") * 3
+    ]
+    witnesses = [verdict.witness for verdict in validate_tasks(tasks, deep, seed=9)]
+    found = [(each, witness) for each, witness in zip(tasks, witnesses, strict=True) if witness is not None]
+    assert all(check_witness(each, witness, deep) == [] for each, witness in found)
+    assert len(found) >= 4

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -14,11 +13,7 @@ from prag_asp.scene.scene import Scene
 from prag_asp.scene.scene_loader import parse_scene
 from prag_asp.task import Task
 from tests.physics.scenarios import state, task
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from tests.toml import tomllib
 
 FOLDER = Path(__file__).parent / "scenes"
 
@@ -54,10 +49,10 @@ def test_there_are_enough_scenes_of_each_kind() -> None:
 
 @pytest.mark.parametrize("given", FEASIBLE, ids=lambda given: given["name"].replace(" ", "_"))
 def test_what_can_be_done_is_done_and_stays_still(given: dict[str, Any]) -> None:
-    scene, asked = scene_of(given), task_of(given)
-    verdict = validate_task(asked, scene, seed=1, budget=Budget(10, 10, "settling"))
+    scene, request = scene_of(given), task_of(given)
+    verdict = validate_task(request, scene, seed=1, budget=Budget(10, 10, "settling"))
     assert (verdict.status, verdict.reason) == ("feasible", "")
-    assert verdict.witness is not None and check_witness(asked, verdict.witness, scene) == []
+    assert verdict.witness is not None and check_witness(request, verdict.witness, scene) == []
 
 
 @pytest.mark.parametrize("given", INFEASIBLE, ids=lambda given: given["name"].replace(" ", "_"))

@@ -132,7 +132,7 @@ def test_what_an_interruption_leaves_anywhere_bars_no_later_use(temporary: Path)
     assert line > 8
 
 
-def test_what_cannot_be_written_is_told_in_one_line_and_leaves_nothing(
+def test_what_cannot_be_written_is_reported_in_one_line_and_leaves_nothing(
     temporary: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def full(path: Path, content: bytes) -> int:

@@ -254,7 +254,7 @@ def test_robots_and_zones_are_read():
     [
         ("robots", {}, "scene.robots.left: missing; write { base = [x, y, yaw] }, in metres and degrees"),
         ("robots", {"left": ROBOTS["left"]}, "scene.robots.right: missing"),
-        ("robots", {**ROBOTS, "cube_1": {}}, "scene.robots.cube_1: is no entity with the shape of a robot"),
+        ("robots", {**ROBOTS, "cube_1": {}}, "scene.robots.cube_1: is not an entity with the shape of a robot"),
         ("robots", {**ROBOTS, "left": 3}, "scene.robots.left: needs a table like"),
         ("robots", {**ROBOTS, "left": {"bass": []}}, "scene.robots.left.bass: unknown key; did you mean base?"),
         ("robots", {**ROBOTS, "left": {"kind": "robby"}}, "scene.robots.left.kind: needs one of panda, kuka"),

@@ -24,32 +24,40 @@ from tests.processes import children, gone, interrupt, interruptible
 ROOT = Path(__file__).parents[2]
 
 
-def test_one_and_two_workers_give_the_same_verdicts_and_leave_nothing_behind(tabletop, chance, started):
-    tasks = list(islice(random_tasks("tabletop", 4, chance.seed(3)), 24))
-    alone = list(validate_tasks(tasks, tabletop, seed=chance.seed(7), workers=1))
-    together = list(validate_tasks(tasks, tabletop, seed=chance.seed(7), workers=2))
-    assert _lines(tasks, alone) == _lines(tasks, together)
-    assert [v.index for v in alone] == list(range(24))
-    assert sum(v.feasible for v in alone) > 20
+def test_workers_give_the_verdicts_of_one_process_even_if_they_are_killed_and_leave_nothing(
+    tabletop, chance, started, capfd
+):
+    tasks, seed = list(islice(random_tasks("tabletop", 4, chance.seed(3)), 24)), chance.seed(7)
+    alone = list(validate_tasks(tasks, tabletop, seed=seed, workers=1))
+    assert [verdict.index for verdict in alone] == list(range(24))
+    assert sum(verdict.feasible for verdict in alone) > 20
+    verdicts = validate_tasks(tasks, tabletop, seed=seed, workers=2)
+    found = [next(verdicts)]
+    os.kill(started()[0], signal.SIGKILL)
+    found += islice(verdicts, 12)
+    os.kill(started()[-1], signal.SIGKILL)
+    found += verdicts
+    assert _lines(tasks, found) == _lines(tasks, alone)
     assert not started()
+    assert capfd.readouterr().out == "", "results go to standard output, and nothing of the simulator"
 
 
 def _lines(tasks, verdicts):
     """Return the bytes that a file of these tasks has, witnesses and all."""
     found = [verdict.to_json() for verdict in verdicts]
-    records = [Record(task, told, told.pop("witness")) for task, told in zip(tasks, found, strict=True)]
+    records = [Record(task, data, data.pop("witness")) for task, data in zip(tasks, found, strict=True)]
     return "\n".join(map(write_line, records)).encode()
 
 
 @pytest.mark.parametrize("name", ["tabletop", "prag"])
 def test_the_order_of_the_tasks_does_not_change_a_byte(name, request, chance):
     scene, validator = request.getfixturevalue(name), request.getfixturevalue(f"{name}_validator")
-    tasks = list(islice(random_tasks(name, 4, chance.seed(9)), 20))
+    tasks = list(islice(random_tasks(name, 4, chance.seed(9)), 12))
     in_order = list(validate_tasks(tasks, scene, seed=chance.seed(5)))
     # The session's validator has seen many other tasks before.
-    for order in (range(19, -1, -1), chance.generator(1).sample(range(20), 20)):
+    for order in (range(11, -1, -1), chance.generator(1).sample(range(12), 12)):
         found = {index: validator.validate(tasks[index], seed=chance.seed(5), index=index) for index in order}
-        assert _lines(tasks, [found[index] for index in range(20)]) == _lines(tasks, in_order)
+        assert _lines(tasks, [found[index] for index in range(12)]) == _lines(tasks, in_order)
 
 
 def test_an_endless_stream_of_tasks_is_read_a_little_ahead_only(tabletop, started):
@@ -66,18 +74,6 @@ def test_an_endless_stream_of_tasks_is_read_a_little_ahead_only(tabletop, starte
         verdicts.close()
     assert next(read) < 60
     assert not started()
-
-
-def test_a_killed_worker_costs_nothing_but_time(tabletop, chance, started):
-    tasks = list(islice(random_tasks("tabletop", 3, chance.seed(5)), 30))
-    expected = _lines(tasks, validate_tasks(tasks, tabletop, seed=chance.seed(2)))
-    verdicts = validate_tasks(tasks, tabletop, seed=chance.seed(2), workers=2)
-    found = [next(verdicts)]
-    os.kill(started()[0], signal.SIGKILL)
-    found += islice(verdicts, 14)
-    os.kill(started()[-1], signal.SIGKILL)
-    found += verdicts
-    assert _lines(tasks, found) == expected
 
 
 @pytest.mark.parametrize(("last", "how"), [("exit 3", "with code 3"), ("kill -9 $$", "by SIGKILL")])
@@ -97,13 +93,6 @@ def test_a_worker_that_cannot_be_started_is_a_clear_error(tabletop, monkeypatch)
     monkeypatch.setattr(sys, "executable", "/no/such/python")
     with pytest.raises(WorkerError, match="a worker ended before it began: No such file or directory; is there"):
         list(validate_tasks([stacking()], tabletop, seed=0, workers=2))
-
-
-def test_an_error_of_a_task_reaches_the_caller_from_a_worker(tabletop):
-    unknown = task(state("on_top(apple_1,table_1)"), ("x(panda)", state("-on_top(apple_1,table_1)")))
-    for workers in (1, 2):
-        with pytest.raises(SceneError, match="apple_1"):
-            list(validate_tasks([unknown], tabletop, seed=0, workers=workers))
 
 
 def test_an_error_comes_after_the_verdicts_on_the_tasks_before_however_many_workers(tabletop, started):
@@ -127,9 +116,7 @@ def test_nothing_of_the_simulator_reaches_standard_output():
 from prag_asp.physics import validate_tasks
 from tests.physics.random_tasks import shipped_scene
 from tests.physics.scenarios import stacking
-for workers in (1, 2):
-    verdicts = validate_tasks([stacking()] * 5, shipped_scene("tabletop"), seed=0, workers=workers)
-    assert all(verdict.feasible for verdict in verdicts)
+assert all(verdict.feasible for verdict in validate_tasks([stacking()] * 2, shipped_scene("tabletop"), seed=0))
 """
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, check=True)
     assert done.stdout == b""
@@ -168,13 +155,9 @@ def test_a_scene_that_cannot_be_built_is_one_clear_error_however_many_workers(ta
             list(validate_tasks([stacking()] * 20, broken, seed=0, workers=workers))
         assert "cube_1" in str(caught.value) and "\n" not in str(caught.value)
     assert not started()
-
-
-def test_what_breaks_a_worker_at_its_start_is_told_and_not_tried_again(tabletop, started):
     unknown = replace(tabletop, robots={"panda": Mount("no_such_robot")})
     with pytest.raises(SceneError, match=r"the scene cannot be built: KeyError: 'no_such_robot'"):
-        list(validate_tasks([stacking()], unknown, seed=0, workers=2))
-    assert not started()
+        list(validate_tasks([stacking()], unknown, seed=0))
 
 
 def _hopeless():
@@ -184,7 +167,7 @@ def _hopeless():
     return task(initial, ("x(panda)", state("right_of(can_1,tray_1)")))
 
 
-@pytest.mark.parametrize("way", ["close", "abandon", "interrupt"])
+@pytest.mark.parametrize("way", ["close", "interrupt"])
 def test_an_iterator_that_is_left_ends_its_workers_at_once(tabletop, way, started):
     endless = chain([stacking()] * 4, repeat(_hopeless()))
     verdicts = validate_tasks(endless, tabletop, seed=0, workers=2, budget=Budget(100_000, 100))
@@ -193,8 +176,6 @@ def test_an_iterator_that_is_left_ends_its_workers_at_once(tabletop, way, starte
     begun = time.monotonic()
     if way == "close":
         verdicts.close()
-    elif way == "abandon":
-        del verdicts
     else:
         with pytest.raises(KeyboardInterrupt):
             _consume(verdicts)

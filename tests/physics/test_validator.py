@@ -5,6 +5,7 @@ from collections import Counter
 from dataclasses import replace
 from itertools import islice
 
+import pybullet
 import pytest
 
 from prag_asp.errors import QueryError, SceneError
@@ -18,13 +19,17 @@ from tests.physics.random_tasks import random_tasks
 from tests.physics.scenarios import carrying, stacking, state, task
 
 
-def test_a_cube_can_be_stacked_on_a_brick(tabletop, tabletop_validator):
+def test_a_cube_can_be_stacked_on_a_brick_and_nothing_else_moves(tabletop, tabletop_validator):
     verdict = tabletop_validator.validate(stacking(), seed=1)
     assert verdict.feasible
     assert verdict.witness.moments[1].held == {"cube_1"}
     names = [[waypoint.name for waypoint in motion] for motion in verdict.witness.motions]
     assert names == [["approach", "at", "at", "lift"], ["approach", "at", "at", "retreat"]]
     assert check_witness(stacking(), verdict.witness, tabletop) == []
+    first, second, third = (moment.poses for moment in verdict.witness.moments)
+    assert first["brick_1"] == second["brick_1"] == third["brick_1"]
+    assert first["cube_1"] != second["cube_1"] != third["cube_1"]
+    assert {"tray_1", "bin_1"} <= first.keys() & second.keys() & third.keys()
 
 
 def test_an_apple_can_be_carried_turned_and_dropped(prag, prag_validator):
@@ -34,13 +39,6 @@ def test_an_apple_can_be_carried_turned_and_dropped(prag, prag_validator):
     heights = [moment.poses["apple_1"].position[2] for moment in verdict.witness.moments]
     assert heights[2] == pytest.approx(0.034) and heights[3] > 0.1
     assert heights[5] == heights[6] == pytest.approx(0.04)
-
-
-def test_only_what_an_action_changes_moves(tabletop_validator):
-    verdict = tabletop_validator.validate(stacking(), seed=2)
-    first, second, third = verdict.witness.moments
-    assert first.poses["brick_1"] == second.poses["brick_1"] == third.poses["brick_1"]
-    assert first.poses["cube_1"] != second.poses["cube_1"] != third.poses["cube_1"]
 
 
 def test_a_held_object_at_the_start_is_in_the_gripper(prag, prag_validator):
@@ -68,14 +66,10 @@ def test_an_object_that_stands_on_nothing_at_the_start_is_held_in_the_air(tablet
     assert check_witness(placing, verdict.witness, tabletop) == []
 
 
-def test_what_never_moves_is_there_whether_a_task_names_it_or_not(tabletop, tabletop_validator):
-    verdict = tabletop_validator.validate(stacking(), seed=1)
-    for moment in verdict.witness.moments:
-        assert {"tray_1", "bin_1"} <= moment.poses.keys()
+def test_what_never_moves_is_an_obstacle_even_if_a_task_does_not_name_it(tabletop):
     crowded = replace(tabletop, fixed={**tabletop.fixed, "brick_2": (0.47, 0.0, 0.0)})
     crowded = replace(crowded, shapes={**tabletop.shapes, "brick_2": Shape("box", (0.60, 0.90, 0.30))})
-    budget = Budget(2, 5)
-    assert not validate_task(stacking(), crowded, seed=1, budget=budget).feasible
+    assert not validate_task(stacking(), crowded, seed=1, budget=Budget(2, 5)).feasible
 
 
 def test_what_stands_on_a_carried_object_is_carried_along(tabletop, tabletop_validator):
@@ -93,77 +87,37 @@ def test_what_stands_on_a_carried_object_is_carried_along(tabletop, tabletop_val
     assert second.poses["cube_1"].position[2] > first.poses["cube_1"].position[2] + 0.09
 
 
+LARGE = {"brick_1": Shape("box", (0.3, 0.3, 0.3))}
+IN_BIN = ["inside(brick_1,bin_1)", "inside(brick_2,bin_1)", "inside(cube_1,bin_1)", "inside(cube_2,bin_1)"]
+
+
 @pytest.mark.parametrize(
-    ("shapes", "initial", "step", "reason"),
+    ("shapes", "initial", "result", "reason"),
     [
-        (
-            {"cube_1": Shape("box", (0.09, 0.09, 0.09))},
-            ["-holding(panda,cube_1)"],
-            ("pick(panda,cube_1,table_1)", ["holding(panda,cube_1)"]),
-            "cube 1 is 90 mm wide, the gripper opens 80 mm",
-        ),
-        (
-            {"brick_1": Shape("box", (0.4, 0.07, 0.3))},
-            [],
-            ("insert(panda,brick_1,bin_1)", ["inside(brick_1,bin_1)"]),
-            None,
-        ),
-        (
-            {"brick_1": Shape("box", (0.4, 0.3, 0.3))},
-            [],
-            ("insert(panda,brick_1,bin_1)", ["inside(brick_1,bin_1)"]),
-            "brick 1 is larger than the cavity of bin 1",
-        ),
-        ({}, [], ("insert(panda,cube_1,brick_1)", ["inside(cube_1,brick_1)"]), "brick 1 is not a container"),
-        (
-            {},
-            ["left_of(cube_1,cube_2)", "left_of(cube_2,can_1)"],
-            ("x(panda)", ["right_of(cube_1,can_1)"]),
-            "the relations along y form a circle",
-        ),
-        (
-            {},
-            ["behind(cube_1,cube_2)"],
-            ("x(panda)", ["in_front_of(cube_1,cube_2)"]),
-            "along x form a circle",
-        ),
-        ({}, ["on_top(cube_1,cube_2)"], ("x(panda)", ["on_top(cube_2,cube_1)"]), "along z form a circle"),
-        (
-            {"cube_2": Shape("sphere", (0.05,) * 3)},
-            [],
-            ("x(panda)", ["on_top(cube_1,cube_2)"]),
-            "which is a ball",
-        ),
-        (
-            {},
-            ["holding(panda,cube_1)"],
-            ("x(panda)", ["holding(panda,cube_2)"]),
-            "the gripper cannot hold cube 1 and cube 2 at once",
-        ),
-        ({}, [], ("x(panda)", ["left_of(tray_1,bin_1)"]), "cannot hold, for nothing of it can move"),
-        (
-            {},
-            ["left_of(can_1,bin_1)", "right_of(can_1,tray_1)"],
-            ("x(panda)", ["on_top(cube_1,table_1)"]),
-            "there is no room along y for the row tray 1, can 1, bin 1",
-        ),
-        (
-            {"brick_1": Shape("box", (0.3, 0.3, 0.3))},
-            ["right_of(brick_1,tray_1)"],
-            ("x(panda)", ["right_of(can_1,brick_1)", "reachable(panda,can_1)"]),
-            "there is no room along y for the row tray 1, brick 1, can 1",
-        ),
-        (
-            {"brick_1": Shape("box", (0.3, 0.3, 0.3))},
-            ["right_of(brick_1,tray_1)"],
-            ("x(panda)", ["right_of(can_1,brick_1)", "on_top(can_1,table_1)"]),
-            None,
-        ),
+        ({"cube_1": Shape("box", (0.09,) * 3)}, ["-holding(panda,cube_1)"], ["holding(panda,cube_1)"],
+         "cube 1 is 90 mm wide, the gripper opens 80 mm"),
+        ({"brick_1": Shape("box", (0.4, 0.07, 0.3))}, [], ["inside(brick_1,bin_1)"], None),
+        ({"brick_1": Shape("box", (0.4, 0.3, 0.3))}, [], ["inside(brick_1,bin_1)"],
+         "brick 1 is larger than the cavity of bin 1"),
+        ({}, [], ["inside(cube_1,brick_1)"], "brick 1 is not a container"),
+        ({}, ["left_of(cube_1,cube_2)", "left_of(cube_2,can_1)"], ["right_of(cube_1,can_1)"],
+         "the relations along y form a circle"),
+        ({}, ["behind(cube_1,cube_2)"], ["in_front_of(cube_1,cube_2)"], "along x form a circle"),
+        ({}, ["on_top(cube_1,cube_2)"], ["on_top(cube_2,cube_1)"], "along z form a circle"),
+        ({"cube_2": Shape("sphere", (0.05,) * 3)}, [], ["on_top(cube_1,cube_2)"], "which is a ball"),
+        ({}, ["holding(panda,cube_1)"], ["holding(panda,cube_2)"], "the gripper cannot hold cube 1 and cube 2 at once"),
+        ({}, [], ["left_of(tray_1,bin_1)"], "cannot hold, for nothing of it can move"),
+        ({}, ["left_of(can_1,bin_1)", "right_of(can_1,tray_1)"], ["on_top(cube_1,table_1)"],
+         "there is no room along y for the row tray 1, can 1, bin 1"),
+        (LARGE, ["right_of(brick_1,tray_1)"], ["right_of(can_1,brick_1)", "reachable(panda,can_1)"],
+         "there is no room along y for the row tray 1, brick 1, can 1"),
+        (LARGE, ["right_of(brick_1,tray_1)"], ["right_of(can_1,brick_1)", "on_top(can_1,table_1)"], None),
     ],
-)
-def test_impossible_tasks_are_proved_infeasible_and_others_never(tabletop, shapes, initial, step, reason):
+)  # fmt: skip
+def test_impossible_tasks_are_proved_infeasible_and_others_never(tabletop, shapes, initial, result, reason):
     scene = replace(tabletop, shapes={**tabletop.shapes, **shapes})
-    verdict = validate_task(task(state(*initial), (step[0], state(*step[1]))), scene, seed=0, budget=Budget(2, 2))
+    made = task(state(*initial), ("x(panda)", state(*result)))
+    verdict = validate_task(made, scene, seed=0, budget=Budget(2, 2))
     if reason is None:
         assert verdict.status == "not_found"
     else:
@@ -172,34 +126,23 @@ def test_impossible_tasks_are_proved_infeasible_and_others_never(tabletop, shape
 
 
 @pytest.mark.parametrize(
-    ("initial", "step", "cause"),
+    ("initial", "result", "cause"),
     [
-        ([], ("pick(panda,cube_1,table_1)", ["holding(panda,cube_1)"]), "no arm configuration at the object"),
-        (
-            ["behind(brick_1,bin_1)", "behind(brick_2,brick_1)", "behind(can_1,brick_2)"],
-            ("x(panda)", ["on_top(cube_1,table_1)"]),
-            "no room where the relations want the object",
-        ),
-        (
-            [
-                "inside(brick_1,bin_1)",
-                "inside(brick_2,bin_1)",
-                "inside(cube_1,bin_1)",
-                "inside(cube_2,bin_1)",
-            ],
-            ("x(panda)", ["inside(can_1,bin_1)"]),
-            "objects collide",
-        ),
+        ([], "holding(panda,cube_1)", "no arm configuration at the object"),
+        (["behind(brick_1,bin_1)", "behind(brick_2,brick_1)", "behind(can_1,brick_2)"], "on_top(cube_1,table_1)",
+         "no room where the relations want the object"),
+        (IN_BIN, "inside(can_1,bin_1)", "objects collide"),
     ],
-)
-def test_what_is_not_found_says_why(tabletop, initial, step, cause):
+)  # fmt: skip
+def test_what_is_not_found_says_why(tabletop, initial, result, cause):
     scene = replace(
         tabletop,
         frame="robot",
         shapes={**tabletop.shapes, "bin_1": Shape("container", (0.17, 0.17, 0.06), 0.006)},
         fixed={**tabletop.fixed, "cube_1": (0.9, 0.3, 0.0)} if not initial else tabletop.fixed,
     )
-    verdict = validate_task(task(state(*initial), (step[0], state(*step[1]))), scene, seed=0, budget=Budget(3, 5))
+    made = task(state(*initial), ("x(panda)", state(result)))
+    verdict = validate_task(made, scene, seed=0, budget=Budget(3, 5))
     assert verdict.status == "not_found"
     assert verdict.reason == cause and verdict.causes[cause] > 0
     assert set(verdict.causes) <= set(CAUSES)
@@ -217,7 +160,7 @@ def test_a_relation_that_does_not_hold_is_named_with_its_entities(tabletop, tabl
 
 def test_details_of_failed_attempts_name_bodies_and_robots_of_the_scene(tabletop, tabletop_validator, chance):
     seen: Counter[str] = Counter()
-    for index, made in enumerate(islice(random_tasks("tabletop", 5, chance.seed(12)), chance.examples(20))):
+    for index, made in enumerate(islice(random_tasks("tabletop", 5, chance.seed(12)), chance.examples(12))):
         verdict = tabletop_validator.validate(made, seed=chance.seed(4), index=index, budget=Budget(2, 2))
         attempts: Counter[str] = Counter()
         for detail in verdict.details:
@@ -236,7 +179,7 @@ def test_random_tasks_of_the_shipped_domains_have_witnesses_that_pass(request, n
     scene, validator = request.getfixturevalue(name), request.getfixturevalue(f"{name}_validator")
     outcomes: Counter[str] = Counter()
     for length in (3, 6):
-        for index, made in enumerate(islice(random_tasks(name, length, chance.seed(11)), chance.examples(15))):
+        for index, made in enumerate(islice(random_tasks(name, length, chance.seed(11)), chance.examples(10))):
             verdict = validator.validate(made, seed=chance.seed(4), index=index)
             outcomes[verdict.status] += 1
             assert verdict.status != "infeasible"
@@ -254,18 +197,12 @@ def test_a_verdict_depends_on_the_seed_and_the_index_alone(tabletop, tabletop_va
     assert tabletop_validator.validate(made, seed=5, index=4).witness != first.witness
 
 
-def test_a_verdict_comes_back_from_json_as_it_was(tabletop_validator):
+def test_a_verdict_with_and_without_details_comes_back_from_json(tabletop_validator):
     apart = task(state("on_top(cube_1,brick_1)", "-near(cube_1,brick_1)"))
-    for verdict in (
-        tabletop_validator.validate(stacking(), seed=1),
-        tabletop_validator.validate(apart, seed=0, budget=Budget(1, 2)),
-    ):
+    failed = tabletop_validator.validate(apart, seed=0, budget=Budget(1, 2))
+    for verdict in (tabletop_validator.validate(stacking(), seed=1), failed):
         assert Verdict.from_json(json.loads(json.dumps(verdict.to_json()))) == verdict
-
-
-def test_a_verdict_without_details_comes_back_from_json(tabletop_validator):
-    apart = task(state("on_top(cube_1,brick_1)", "-near(cube_1,brick_1)"))
-    data = tabletop_validator.validate(apart, seed=0, budget=Budget(1, 2)).to_json()
+    data = failed.to_json()
     assert [{*each} for each in data["details"]] == [{"cause", "text", "fact", "value", "entities", "attempts"}]
     before = {name: value for name, value in data.items() if name != "details"}
     read = Verdict.from_json(before)
@@ -337,9 +274,6 @@ def test_poses_that_are_not_finite_never_reach_the_simulator(simulator):
 
 
 def test_simulators_are_closed(tabletop):
-    import pybullet
-
     with open_simulator(tabletop) as opened:
-        client = opened.client
-        assert pybullet.isConnected(client)
-    assert not pybullet.isConnected(client)
+        assert pybullet.isConnected(opened.client)
+    assert not pybullet.isConnected(opened.client)

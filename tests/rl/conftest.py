@@ -4,21 +4,15 @@ from collections.abc import Iterator, Mapping
 
 import pytest
 
-from prag_asp import Task, TaskSpace, load_domain
+from prag_asp import Dataset, Task, TaskSpace, load_domain
+from prag_asp.dataset import generate
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.physics import Witness, open_validator
 from prag_asp.scene.scene import Scene
-from tests.sharing import logic_shared
+from tests.sharing import shared_logic  # noqa: F401 - a fixture
 
 Given = tuple[Task, Witness]
 DOMAINS = ("tabletop", "prag", "kitchen", "two_arms")
-
-
-@pytest.fixture(scope="package", autouse=True)
-def logic() -> Iterator[None]:
-    """Compute once what logic says of a domain."""
-    with logic_shared():
-        yield
 
 
 @pytest.fixture(scope="session")
@@ -30,6 +24,13 @@ def scenes() -> Mapping[str, Scene]:
 def given(scenes: Mapping[str, Scene]) -> Mapping[str, list[Given]]:
     """Some tasks of four actions, with witnesses, of each domain."""
     return {name: list(feasible(name, scene)) for name, scene in scenes.items()}
+
+
+@pytest.fixture(scope="session")
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
+    """Four tasks of two actions, each with two witnesses."""
+    space = TaskSpace(load_domain("tabletop"), length=2)
+    return generate(space, tmp_path_factory.mktemp("rl") / "data", tasks=4, starts=2, seed=1)
 
 
 def feasible(name: str, scene: Scene, count: int = 6) -> Iterator[Given]:

@@ -1,11 +1,14 @@
 from __future__ import annotations
 
+import copy
 import json
 import math
 import os
+import pickle
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +19,10 @@ from gymnasium.utils.env_checker import check_env
 from numpy.typing import NDArray
 
 import prag_asp.rl
-from prag_asp import Task, TaskSpace, load_domain
-from prag_asp.dataset import generate
+from prag_asp import Dataset, Task, TaskSpace, load_domain
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Validator, Witness
-from prag_asp.rl import TaskEnv, oracle
+from prag_asp.rl import Adaptive, TaskEnv, oracle
 from prag_asp.rl.control import STRIDE
 from prag_asp.rl.goals import PLACES
 from prag_asp.rl.tasks import episode_sampler
@@ -45,8 +47,7 @@ def env(space: TaskSpace) -> Iterator[TaskEnv]:
 
 
 @pytest.mark.filterwarnings("ignore:.*infinity.*", "ignore:.*not within the observation space.*")
-@pytest.mark.parametrize("name", DOMAINS)
-@pytest.mark.parametrize("control", ["tool", "joints"])
+@pytest.mark.parametrize(("name", "control"), [*zip(DOMAINS, ("tool", "joints") * 2, strict=True)])
 def test_gymnasium_finds_nothing_wrong(name: str, control: Any, given: Mapping[str, list[Given]]) -> None:
     task, witness = given[name][0]
     env = TaskEnv(task=task, witness=witness, control=control, everything=control == "joints")
@@ -101,7 +102,7 @@ def test_compute_reward_is_what_a_step_earns_alone_and_in_batches(chance: Chance
 @pytest.mark.parametrize("name", DOMAINS)
 def test_the_oracle_reaches_the_subgoals_and_whole_tasks(name: str, given: Mapping[str, list[Given]]) -> None:
     ends = []
-    for task, witness in given[name][:4]:
+    for task, witness in given[name][:2]:
         env = TaskEnv(task=task, witness=witness, reward="sparse", steps=300)
         _, info = env.reset()
         total, ended = 0.0, False
@@ -114,7 +115,75 @@ def test_the_oracle_reaches_the_subgoals_and_whole_tasks(name: str, given: Mappi
         assert info["is_success"] is ended
         ends.append(ended)
         env.close()
-    assert sum(ends) >= 3
+    assert all(ends)
+
+
+def test_info_has_the_same_keys_at_a_reset_and_at_each_step_and_arrays_hold_it(space: TaskSpace) -> None:
+    env = TaskEnv(space, stage="any", curriculum=Adaptive(), steps=3)
+    _, info = env.reset(seed=1)
+    infos = [info, *(env.step(STILL)[4] for _ in range(8))]
+    assert all(set(each) == set(info) for each in infos) and {"task", "probability", "curriculum"} <= set(info)
+    assert [each["steps_left"] for each in infos] == [info["steps_left"] - i for i in range(9)]
+    assert {each["task"] for each in infos} == {str(env.task)}
+    for name in set(info) - {"rank", "curriculum"}:
+        assert np.asarray([each[name] for each in infos]).dtype.kind in "biufU", name
+    assert info["probability"] == Fraction(1, space.count()) == Fraction(str(info["probability"]))
+    infos[0]["curriculum"].clear()
+    assert env.step(STILL)[4]["curriculum"], "each info is the reader's own"
+    env.close()
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
+def test_a_copy_continues_the_episode_and_those_after_it_in_the_same_way(
+    chance: Chance, space: TaskSpace, copied: Callable[[Any], Any]
+) -> None:
+    env = gymnasium.make("prag_asp/Task-v0", space=space, stage="any", curriculum=Adaptive(), steps=20)
+    untouched = copied(env)
+    env.reset(seed=chance.seed(8))
+    env.action_space.seed(chance.seed(9))
+    for _ in range(9):
+        env.step(env.action_space.sample())
+    other = copied(env)
+
+    def continued(one: Any) -> list[Any]:
+        found: list[Any] = []
+        for _ in range(60):
+            observation, *rest = one.step(one.action_space.sample())
+            found += [observation[name].tobytes() for name in sorted(observation)] + rest
+            if rest[1] or rest[2]:
+                found.append(one.reset()[1])
+        return found
+
+    assert continued(other) == continued(env)
+    with pytest.raises(QueryError, match="no episode has begun"):
+        untouched.unwrapped.step(STILL)
+    env.close()
+    again = copied(env)
+    with pytest.raises(QueryError, match="no episode has begun"):
+        again.unwrapped.step(STILL)
+    for each in (untouched, other, again):
+        each.close()
+
+
+def test_compute_truncated_is_what_a_step_says_alone_and_in_batches(given: Mapping[str, list[Given]]) -> None:
+    task, witness = given["tabletop"][0]
+    env = TaskEnv(task=task, witness=witness, steps=2, until="subgoal")
+    env.reset()
+    rows = []
+    for _ in range(3):
+        observation, _, _, truncated, info = env.step(STILL)
+        goal = observation["achieved_goal"], observation["desired_goal"]
+        assert env.compute_truncated(*goal, info) is truncated
+        rows.append((*goal, info, truncated))
+    achieved, desired, infos, truncated = zip(*rows, strict=True)
+    stacked = np.stack(achieved), np.stack(desired)
+    assert truncated == (False, True, True)
+    assert env.compute_truncated(*stacked, infos).tolist() == [*truncated]
+    together = {"steps_left": np.array([info["steps_left"] for info in infos])}
+    assert env.compute_truncated(*stacked, together).tolist() == [*truncated]
+    assert not env.compute_truncated(*stacked, [{}] * 3).any(), "goals alone end nothing"
+    assert env.compute_truncated(achieved[2], achieved[2], infos[2]) is False, "it is reached"
+    env.close()
 
 
 def test_any_subgoal_can_be_begun_with_and_is_the_end_where_that_is_asked(given: Mapping[str, list[Given]]) -> None:
@@ -177,7 +246,7 @@ def moved_to(env: TaskEnv, place: Sequence[float]) -> tuple[float, NDArray[np.fl
     return total, observation["achieved_goal"]
 
 
-def test_to_push_what_the_subgoal_does_not_speak_of_earns_nothing(given: Mapping[str, list[Given]]) -> None:
+def test_to_push_what_the_subgoal_does_not_refer_to_earns_nothing(given: Mapping[str, list[Given]]) -> None:
     task, witness = given["tabletop"][0]
     env = TaskEnv(task=task, witness=witness, steps=1000)
     first, _ = env.reset()
@@ -199,30 +268,24 @@ def test_what_the_options_say_is_begun(space: TaskSpace, given: Mapping[str, lis
     assert info["task"] == str(space[100]) and info["rank"] == 100
     task, witness = given["tabletop"][1]
     _, info = env.reset(options={"task": task, "witness": witness, "stage": 2})
-    assert info["task"] == str(task) and info["stage"] == 2 and set(info["reached"])
+    assert info["task"] == str(task) and info["stage"] == 2 and info["reached"]
 
 
-@pytest.mark.parametrize(
-    ("options", "told"),
-    [
-        ({"stag": 1}, "stage"),
-        ({"stage": 2}, "0 to 1"),
-        ({"stage": "last"}, "0 to 1"),
-        ({"stage": True}, "0 to 1"),
-        ({"rank": 10**9}, "rank"),
-        (lambda: {"rank": 1, "task": next(iter(TaskSpace(load_domain("tabletop"), 1)))}, "one of them"),
-        (lambda: {"task": next(iter(TaskSpace(load_domain("prag"), 1)))}, "give a task of that domain"),
-        (5, "by name"),
-        ({1: 2}, "no option '1'"),
+def test_options_that_mean_nothing_are_refused_and_the_episode_goes_on(env: TaskEnv) -> None:
+    one, other = (next(iter(TaskSpace(load_domain(name), 1))) for name in ("tabletop", "prag"))
+    refused: list[tuple[Any, str]] = [
+        ({"stag": 1}, "stage"), ({"stage": 2}, "0 to 1"), ({"stage": "last"}, "0 to 1"), ({"stage": True}, "0 to 1"),
+        ({"rank": 10**9}, "rank"), ({"rank": 1, "task": one}, "one of them"),
+        ({"task": other}, "give a task of that domain"), (5, "by name"), ({1: 2}, "no option '1'"),
         ({"witness": None, "task": None, "rank": -1}, "rank"),
-    ],
-)
-def test_options_that_mean_nothing_are_refused_and_the_episode_goes_on(env: TaskEnv, options: Any, told: str) -> None:
+    ]  # fmt: skip
     _, info = env.reset(options={"rank": 100, "stage": 1})
-    with pytest.raises(QueryError, match=told):
-        env.reset(options=options() if callable(options) else options)
-    after = env.step(STILL)[4]
-    assert str(env.task) == info["task"] and after["action"] == info["action"] and after["reached"] == info["reached"]
+    for options, words in refused:
+        with pytest.raises(QueryError, match=words):
+            env.reset(options=options)
+        after = env.step(STILL)[4]
+        assert str(env.task) == info["task"]
+        assert (after["action"], after["reached"]) == (info["action"], info["reached"])
 
 
 @pytest.mark.parametrize(
@@ -264,8 +327,7 @@ def test_a_faded_reward_goes_from_dense_to_sparse_over_its_steps(given: Mapping[
     env.close()
 
 
-def test_tasks_of_a_data_set_are_begun_from_its_witnesses(space: TaskSpace, tmp_path: Path) -> None:
-    dataset = generate(space, tmp_path / "data", tasks=3, starts=2, seed=1)
+def test_tasks_of_a_dataset_are_begun_from_its_witnesses(dataset: Dataset) -> None:
     env = TaskEnv(dataset=dataset)
     found = {env.reset(seed=0 if i == 0 else None)[1]["task"] for i in range(20)}
     assert found == {str(task) for task in dataset.tasks()}
@@ -328,13 +390,15 @@ def test_witnesses_are_looked_for_within_the_budget(space: TaskSpace, monkeypatc
     env.close()
 
 
-def test_a_closed_environment_leaves_nothing_behind_and_prints_nothing(tmp_path: Path) -> None:
+def test_an_environment_loads_no_torch_and_leaves_nothing_behind_and_prints_nothing(tmp_path: Path) -> None:
     code = (
-        "import os, gymnasium, prag_asp.rl; from prag_asp import TaskSpace, load_domain\n"
+        "import os, sys, prag_asp.dataset, prag_asp.physics\n"
+        "assert 'gymnasium' not in sys.modules\n"
+        "import gymnasium, prag_asp.rl; from prag_asp import TaskSpace, load_domain\n"
         "env = gymnasium.make('prag_asp/Task-v0', space=TaskSpace(load_domain('tabletop'), length=1))\n"
         "env.reset(seed=0); env.step(env.action_space.sample())\n"
         f"assert os.listdir({str(tmp_path)!r}) == []; env.close(); env.close()\n"
-        f"assert os.listdir({str(tmp_path)!r}) == []\n"
+        f"assert os.listdir({str(tmp_path)!r}) == [] and 'torch' not in sys.modules\n"
     )
     environment = {**os.environ, "TMPDIR": str(tmp_path)}
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment)
@@ -352,12 +416,6 @@ def test_several_processes_act_at_once(space: TaskSpace) -> None:
     made.close()
 
 
-def test_neither_torch_nor_gymnasium_is_loaded_by_what_needs_none() -> None:
-    code = "import sys, prag_asp.dataset, prag_asp.physics; assert 'gymnasium' not in sys.modules; import prag_asp.rl"
-    code += "; import prag_asp.rl.environment; assert 'torch' not in sys.modules"
-    subprocess.run([sys.executable, "-c", code], check=True)
-
-
 def test_what_is_no_action_and_steps_outside_an_episode_are_refused(given: Mapping[str, list[Given]]) -> None:
     task, witness = given["tabletop"][0]
     env = TaskEnv(task=task, witness=witness)
@@ -371,6 +429,8 @@ def test_what_is_no_action_and_steps_outside_an_episode_are_refused(given: Mappi
         np.zeros(4),
         np.zeros((5, 1)),
         np.full(5, np.nan),
+        np.array([0.0, np.inf, 0.0, 0.0, 0.0]),
+        np.full(5, -np.inf, dtype=np.float32),
         "up",
         None,
         [[1], [1, 2]],
@@ -379,7 +439,7 @@ def test_what_is_no_action_and_steps_outside_an_episode_are_refused(given: Mappi
     ):
         with pytest.raises(QueryError, match=r"an action has the shape \(5,\) and finite numbers"):
             env.step(action)
-    assert env.step(np.full(5, np.inf))[0]["observation"].shape == (56,)
+    assert env.step(np.full(5, 1e300))[0]["observation"].shape == (56,)
     env.close()
     with pytest.raises(QueryError, match="no episode has begun"):
         env.step(STILL)
@@ -436,7 +496,7 @@ def test_a_task_with_its_witness_is_judged_once_and_only_so_many_are_kept(
 
 def test_environments_without_a_seed_draw_different_tasks(space: TaskSpace) -> None:
     drawn = set()
-    for _ in range(6):
+    for _ in range(3):
         env = TaskEnv(space)
         drawn.add(env.reset()[1]["task"])
         env.close()

@@ -7,15 +7,13 @@ import json
 import tracemalloc
 from collections.abc import Mapping
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 import gymnasium
 import numpy as np
 import pytest
 
-from prag_asp import Task, TaskSpace, load_domain
-from prag_asp.dataset import generate
+from prag_asp import Dataset, Task, TaskSpace, load_domain
 from prag_asp.errors import QueryError
 from prag_asp.physics import Witness
 from prag_asp.rl import Adaptive, Backwards, Bandit, Lengths, Novelty, TaskEnv
@@ -70,11 +68,10 @@ def test_an_environment_that_is_resumed_begins_the_same_episodes(curriculum: Any
     two.close()
 
 
-def test_an_environment_of_a_data_set_or_of_one_task_is_resumed(
-    space: TaskSpace, given: Mapping[str, list[Given]], tmp_path: Path
+def test_an_environment_of_a_dataset_or_of_one_task_is_resumed(
+    dataset: Dataset, given: Mapping[str, list[Given]]
 ) -> None:
     task, witness = given["tabletop"][0]
-    dataset = generate(space, tmp_path / "data", tasks=4, starts=2, seed=1)
     for asked in ({"dataset": dataset}, {"task": task, "witness": witness}):
         one, two = (TaskEnv(**asked, stage="any", steps=1) for _ in range(2))  # type: ignore[arg-type]
         begun(one, 5, seed=3)

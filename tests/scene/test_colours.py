@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from prag_asp.scene.colours import apart, from_lab, more_colours, to_lab
-from prag_asp.scene.read.materials import DISTINCT
+from prag_asp.scene.read.scene_reader import DISTINCT
 from prag_asp.scene.scene_loader import parse_scene
 
 

@@ -3,11 +3,12 @@ from __future__ import annotations
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from prag_asp.scene.footprint import Footprint, apart
 from prag_asp.scene.scene import Shape
+from tests.chance import examples
 
 SHAPES = (
     Shape("box", (0.2, 0.1, 0.05)),
@@ -30,17 +31,17 @@ def covers(footprint: Footprint, x: float, y: float) -> bool:
     return abs(along) < half_x and abs(across) < half_y
 
 
+@settings(max_examples=examples(60))
 @given(st.sampled_from(SHAPES), PLACES, st.sampled_from(SHAPES), PLACES)
 def test_bodies_that_share_a_point_are_not_apart_and_those_far_from_it_are(one, place, two, other_place):
     first, second = Footprint(one, place), Footprint(two, other_place)
-    span = [0.4 * (2 * i / GRID - 1) for i in range(GRID + 1)]
-    shared = any(covers(first, x, y) and covers(second, x, y) for x in span for y in span)
-    if shared:
+    points = [(0.4 * (2 * i / GRID - 1), 0.4 * (2 * j / GRID - 1)) for i in range(GRID + 1) for j in range(GRID + 1)]
+    if any(covers(first, *point) and covers(second, *point) for point in points):
         assert not apart(first, second, 0.0)
     grown = [
         f._replace(shape=f.shape._replace(size=tuple(side + 0.06 for side in f.shape.size))) for f in (first, second)
     ]
-    if not any(covers(grown[0], x, y) and covers(grown[1], x, y) for x in span for y in span):
+    if not any(covers(grown[0], *point) and covers(grown[1], *point) for point in points):
         assert apart(first, second, 0.0)
 
 

@@ -76,7 +76,7 @@ def test_what_was_drawn_is_what_the_scene_then_has(drawn):
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("[", "not JSON"),
         ('{"friction": {"cube_1": -1}}', r"varied\.friction\.cube_1: needs a positive number; got -1"),
@@ -91,8 +91,8 @@ def test_what_was_drawn_is_what_the_scene_then_has(drawn):
         ),
     ],
 )
-def test_a_text_of_another_form_is_told(text, told):
-    with pytest.raises(QueryError, match=told):
+def test_a_text_of_another_form_is_reported(text, message):
+    with pytest.raises(QueryError, match=message):
         variation_of(text)
 
 
@@ -103,7 +103,7 @@ def test_ranges_are_read_and_those_left_out_are_the_usual_ones():
 
 
 @pytest.mark.parametrize(
-    ("table", "told"),
+    ("table", "message"),
     [
         ({"friction": 1.1}, "scene.vary.friction: needs a low and a high factor from 0.05 to 20"),
         ({"friction": [1.2, 0.8]}, "scene.vary.friction: needs a low and a high factor"),
@@ -113,6 +113,6 @@ def test_ranges_are_read_and_those_left_out_are_the_usual_ones():
         ({"color": 3}, "scene.vary.color: unknown key; did you mean colour?"),
     ],
 )
-def test_one_mistake_in_the_ranges_gives_one_line(table, told):
+def test_one_mistake_in_the_ranges_gives_one_line(table, message):
     (fault,) = scene_problems({**FINE, "vary": table}, CLASSES, ENTITIES)
-    assert told in str(fault)
+    assert message in str(fault)

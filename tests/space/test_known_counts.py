@@ -14,10 +14,10 @@ from prag_asp.space.engines.engine import Level
 from tests.known_counts import known_counts
 from tests.spaces import with_engine
 
-ENUMERABLE, FOUND_ONE_BY_ONE = 3000, 500
+ENUMERABLE, FOUND_ONE_BY_ONE = 2000, 300
 """Above it, counting by enumeration, or by finding words one by one, takes too long for a test."""
 
-UNROLLED = 12
+UNROLLED = 8
 """Lengths up to which words are found one by one: each step more repeats what those before it say."""
 
 DIAGRAMS = 3

@@ -18,7 +18,7 @@ from prag_asp.space.limits import Limits
 from tests.sharing import logic_shared
 from tests.space.sampling.test_sampling import DOMAIN, KINDS, expected_weight
 
-DRAWS = 20_000
+DRAWS = 8_000
 SPACES = TaskSpace(DOMAIN, range(3))
 
 

@@ -267,7 +267,7 @@ def orbit_of_apples(plan: Plan) -> frozenset[Plan]:
     ("ask", "told"),
     [
         (lambda: TaskSpace("prag", 3), "'prag' is no domain; give load_domain('prag')"),
-        (lambda: TaskSpace(load_domain("blocks"), "3-4"), "length '3-4': write a whole number, such as 4, or a range"),
+        (lambda: TaskSpace(load_domain("blocks"), "3-4"), "length '3-4': write a whole number, such as 4, or A..B"),
         (lambda: TaskSpace(load_domain("blocks"), 2.5), "length 2.5: give a whole number"),
         (lambda: TaskSpace(load_domain("blocks"), 1).at(True), "length True: give a whole number"),
         (lambda: TaskSpace(load_domain("blocks"), 1).count(prefix="stack"), "prefix 'stack': give a list, such as"),

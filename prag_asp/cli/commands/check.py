@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING
@@ -30,6 +30,7 @@ def check(*, request: DomainOptions, symmetries: bool) -> None:
     suspicious; the comment `% lint: allow NAME` on its line silences one.
     """
     from prag_asp.program.problem import first_of_each, raise_problems
+    from prag_asp.reduction.reduction import is_large
 
     domain = request.domain(tell=False)
     if "own" in domain.settings.scene:
@@ -44,7 +45,11 @@ def check(*, request: DomainOptions, symmetries: bool) -> None:
         tell_line(str(warning))
     reduction = domain.reduction
     facts, total = (reduction.facts_with_all_entities, reduction.total) if reduction else (domain.facts, len)
-    _print_reduction(domain)
+    if domain.irreducible and is_large(domain.facts):
+        tell_line(f"all entities are grounded, although many are alike: {domain.irreducible}")
+    for group, bound in zip(reduction.groups, reduction.bounds, strict=True) if reduction else ():
+        needed = f"{bound.action} N + {bound.invariant} of them, at least {bound.least}"
+        tell_line(f"{group[0]}, ... {group[-1]}: {len(group):,} entities are alike; counts at length N need {needed}")
     possible = f"{total(facts.tried)} of " if len(facts.tried) < len(facts.declared_actions) else ""
     world = "closed" if facts.closed else "open"
     scene = "with a scene" if domain.settings.scene else "no scene"
@@ -58,32 +63,21 @@ def check(*, request: DomainOptions, symmetries: bool) -> None:
         scene,
     ]
     say(f"{domain.label}: ok; {', '.join(parts)}")
-    for line in _interchangeable(domain) if symmetries else ():
-        say(line)
+    if domain.settings.scene:
+        from prag_asp.cli.body_summary import body_lines
+        from prag_asp.dataset.scenes import scene_of
 
+        for line in body_lines(scene_of(domain)):
+            say(line)
+    if symmetries:
+        from prag_asp.space.task_space import TaskSpace
 
-def _interchangeable(domain: Domain) -> Iterator[str]:
-    """Yield lines that list the entities up to whose renaming tasks are counted."""
-    from prag_asp.space.task_space import TaskSpace
-
-    symmetries = TaskSpace(domain, 0).symmetries
-    for group in symmetries.groups:
-        yield f"interchangeable: {', '.join(map(str, group))}"
-    for units in symmetries.joint:
-        texts = ("(" + ", ".join(map(str, unit)) + ")" for unit in units)
-        yield f"interchangeable together: {', '.join(texts)}"
-
-
-def _print_reduction(domain: Domain) -> None:
-    """Print how many entities counts need with the small-model reduction, or why a large domain has none."""
-    from prag_asp.reduction.reduction import is_large
-
-    if domain.irreducible and is_large(domain.facts):
-        tell_line(f"all entities are grounded, although many are alike: {domain.irreducible}")
-    reduction = domain.reduction
-    for group, bound in zip(reduction.groups, reduction.bounds, strict=True) if reduction else ():
-        needed = f"{bound.action} N + {bound.invariant} of them, at least {bound.least}"
-        tell_line(f"{group[0]}, ... {group[-1]}: {len(group):,} entities are alike; counts at length N need {needed}")
+        alike = TaskSpace(domain, 0).symmetries
+        for group in alike.groups:
+            say(f"interchangeable: {', '.join(map(str, group))}")
+        for units in alike.joint:
+            texts = ("(" + ", ".join(map(str, unit)) + ")" for unit in units)
+            say(f"interchangeable together: {', '.join(texts)}")
 
 
 def _check_learned(domain: Domain) -> None:
@@ -109,16 +103,17 @@ def _check_learned(domain: Domain) -> None:
 
 
 def _scene_warnings(domain: Domain) -> Iterable[Problem]:
-    """Return warnings about grasps and places of the domain that are impossible in its scene."""
+    """Return warnings about the bodies of a scene, and about grasps and places that are impossible in it."""
     if not domain.settings.scene:
         return ()
     if domain.reduction:
         domain = replace(domain, facts=domain.reduction.facts_with_all_entities)
+    from prag_asp.cli.body_summary import tilted
     from prag_asp.dataset.scenes import scene_of
     from prag_asp.domain.load import shown_warnings
     from prag_asp.physics.proofs.grips import never_gripped
     from prag_asp.physics.proofs.reaching import out_of_reach
 
     scene = scene_of(domain)
-    warnings = (*never_gripped(domain, scene), *out_of_reach(domain, scene))
+    warnings = (*never_gripped(domain, scene), *out_of_reach(domain, scene), *tilted(domain, scene))
     return shown_warnings(warnings, domain.settings)

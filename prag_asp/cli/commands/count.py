@@ -31,8 +31,13 @@ def count(*, request: DomainOptions, by: Any, prefix: str | None, upto: bool, ap
     """
     first = split_actions(prefix or "")
     estimate = approximation.arguments(request.engine)
-    lengths = _lengths(request.length, upto)
-    table = upto or isinstance(request.length, range)
+    if isinstance(request.length, int):
+        lengths, table = range(1 if upto else request.length, request.length + 1), upto
+    elif upto:
+        limits = f"{request.length[0]}..{request.length[-1]}"
+        raise QueryError(f"--upto counts lengths from 1; leave it out with --length {limits}")
+    else:
+        lengths, table = request.length, True
     width = max(len(str(lengths[-1])), len("length")) if table and lengths else 0
     label = ""
     try:
@@ -49,16 +54,3 @@ def count(*, request: DomainOptions, by: Any, prefix: str | None, upto: bool, ap
         say(f"{label}at least {digits_of(limit.at_least)}")
         tell_line(str(limit))
         raise click.exceptions.Exit(Exit.LIMIT) from None
-
-
-def _lengths(length: int | range, upto: bool) -> range:
-    """Return the lengths to count.
-
-    Raises:
-        QueryError: --upto is given with a range.
-    """
-    if isinstance(length, int):
-        return range(1 if upto else length, length + 1)
-    if upto:
-        raise QueryError(f"--upto counts lengths from 1; leave it out with --length {length[0]}..{length[-1]}")
-    return length

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -18,7 +18,6 @@ from prag_asp.cli.terminal import say
 from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
-    from prag_asp.logic.formula.explanation import Explanation
     from prag_asp.space.task_space import TaskSpace
 
 
@@ -94,8 +93,21 @@ def _explain_plan(request: DomainOptions, words: tuple[str, ...]) -> None:
     if explanation is None:
         say(f"a plan of {domain.label}")
         return
-    for line in _describe(explanation, actions):
-        say(line)
+    if not explanation.step:
+        say("no initial state is possible:")
+    elif explanation.step > len(actions):
+        say("every step can occur, but the final state is not allowed:")
+    else:
+        impossible = "follow" if explanation.step > 1 else "come first"
+        say(f"step {explanation.step}, {actions[explanation.step - 1]}, cannot {impossible}:")
+    for reason in explanation.reasons:
+        say(f"  {reason}")
+    if not explanation.conflict:
+        say("there is no plan of this length")
+    else:
+        say("no plan of this length has all of these steps:")
+        for step in explanation.conflict:
+            say(f"  step {step}, {actions[step - 1]}")
     raise click.exceptions.Exit(Exit.NOT_FOUND)
 
 
@@ -139,19 +151,3 @@ def _describe_request(space: TaskSpace, action: str | None, step: int | None) ->
     """Return the request in words."""
     having = "" if action is None else f" with {action}{'' if step is None else f' as step {step}'}"
     return f"{space.title}{having}"
-
-
-def _describe(explanation: Explanation, plan: Sequence[str]) -> Iterator[str]:
-    if not explanation.step:
-        yield "no initial state is possible:"
-    elif explanation.step > len(plan):
-        yield "every step can occur, but the final state is not allowed:"
-    else:
-        impossible = "follow" if explanation.step > 1 else "come first"
-        yield f"step {explanation.step}, {plan[explanation.step - 1]}, cannot {impossible}:"
-    yield from (f"  {reason}" for reason in explanation.reasons)
-    if not explanation.conflict:
-        yield "there is no plan of this length"
-        return
-    yield "no plan of this length has all of these steps:"
-    yield from (f"  step {step}, {plan[step - 1]}" for step in explanation.conflict)

@@ -22,7 +22,6 @@ from prag_asp.output import file_in, replace_file
 
 if TYPE_CHECKING:
     from prag_asp.dataset.pass_rates import Tally
-    from prag_asp.domain.load import Domain
     from prag_asp.scene.scene import Scene
     from prag_asp.space.task_space import TaskSpace
 
@@ -61,7 +60,16 @@ def learn(*, request: DomainOptions, number: int, seed: int, validation: Physics
     require_physics()
     with progress() as tell:
         before = replace(request, learned=False).space(tell)
-        path = _file(request, before.domain) if write else Path(LEARNED)
+        path = Path(LEARNED)
+        if write:
+            if before.domain.folder is None:
+                what = f"--write writes {LEARNED} into a domain's folder"
+                raise QueryError(f"{what}, but {before.domain.name} has none; give a folder")
+            for option, given in (("--const", request.constants), ("--settings", request.settings)):
+                if given:
+                    raise QueryError(f"--write writes rules for the unchanged folder; leave {option} out")
+            path = file_in(before.domain.folder, LEARNED)
+            require_writable(str(path))
         rules = learn_rules(before.domain, path=path, progress=tell)
         after = request.space(tell, rules.domain) if rules.rules else before
         figures = _figures(before, after, scene_of(before.domain), number, seed, validation, tell)
@@ -73,25 +81,6 @@ def learn(*, request: DomainOptions, number: int, seed: int, validation: Physics
         say(rules.text)
     for line in lines:
         say(line if write else f"% {line}".rstrip())
-
-
-def _file(request: DomainOptions, domain: Domain) -> Path:
-    """Return the file to write the rules to.
-
-    Raises:
-        QueryError: the domain has no folder, or options change what the folder says.
-        OutputError: the file cannot be written.
-    """
-    from prag_asp.domain.load import LEARNED
-
-    if domain.folder is None:
-        raise QueryError(f"--write writes {LEARNED} into a domain's folder, but {domain.name} has none; give a folder")
-    for option, given in (("--const", request.constants), ("--settings", request.settings)):
-        if given:
-            raise QueryError(f"--write writes rules for the unchanged folder; leave {option} out")
-    path = file_in(domain.folder, LEARNED)
-    require_writable(str(path))
-    return path
 
 
 def _figures(

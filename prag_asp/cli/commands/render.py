@@ -93,10 +93,16 @@ def render(
     --recordings has an episode of it.
     """
     from prag_asp.dataset.jsonl import read_lines
+    from prag_asp.dataset.language import instruction_writer_of
     from prag_asp.physics import require_physics
 
-    _check_options(form, state, speed)
-    pixels = SIZES[form] if size is None else _pixels(size)
+    if state is not None and form != "state":
+        raise QueryError(f"--state {state} goes with --as state; got --as {form}")
+    if not 1 / FASTEST <= speed <= FASTEST:
+        raise QueryError(f"--speed {speed:g}: write a positive number up to {FASTEST}, such as 2 for twice as fast")
+    pixels = SIZES[form] if size is None else parse_pixels(size)
+    if not all(SMALLEST <= side <= LARGEST for side in pixels):
+        raise QueryError(f"--size {size}: a picture has {SMALLEST} to {LARGEST} pixels a side")
     drawing = _Renderer(form, state, pixels, columns, speed, seed, None if recordings is None else Path(recordings))
     _check_output(Path(output), form)
     require_physics()
@@ -109,33 +115,22 @@ def render(
         if number > len(records):
             raise QueryError(f"{file}: it has {plural(len(records), 'task')}, so none has the number {number}")
     targets = _targets(Path(output), chosen, form)
-    tellers: dict[str, InstructionWriter] = {}
+    writers: dict[str, InstructionWriter] = {}
     with progress() as show:
         for done, number in enumerate(chosen):
             record = records[number - 1]
             named = repr((record.task.domain, record.task.constants))
-            if named not in tellers:
-                tellers[named] = _teller(request, record, Path(file).parent)
+            if named not in writers:
+                domain = request.of(record, Path(file).parent).domain()
+                with errors_with_place(record, domain):
+                    writers[named] = instruction_writer_of(domain)
 
             def tell(share: float, done: int = done) -> None:
                 show("pictures", done + share, len(chosen))
 
-            drawing.draw(record, number, tellers[named], targets[number], tell)
+            drawing.draw(record, number, writers[named], targets[number], tell)
             tell(1.0)
             say(targets[number])
-
-
-def _teller(request: DomainOptions, record: Record, folder: Path) -> InstructionWriter:
-    """Return the teller of captions for the domain of a record.
-
-    Raises:
-        PragError: the domain cannot be loaded, or has no words for captions.
-    """
-    from prag_asp.dataset.language import instruction_writer_of
-
-    domain = request.of(record, folder).domain()
-    with errors_with_place(record, domain):
-        return instruction_writer_of(domain)
 
 
 @dataclass(frozen=True)
@@ -151,7 +146,7 @@ class _Renderer:
     recordings: Path | None
 
     def draw(
-        self, record: Record, number: int, teller: InstructionWriter, path: Path, tell: Callable[[float], None]
+        self, record: Record, number: int, writer: InstructionWriter, path: Path, tell: Callable[[float], None]
     ) -> None:
         """Draw one task into a file; `tell` receives the share that is done.
 
@@ -160,24 +155,27 @@ class _Renderer:
             OutputError: the file cannot be written.
         """
         from prag_asp.dataset.scenes import scene_of
-        from prag_asp.physics import Demonstration, animate, film_strip, still
+        from prag_asp.physics import Demonstration, Witness, animate, demonstrate, film_strip, still
         from prag_asp.physics.pictures.saving import save_picture
 
-        domain, task = teller.lexicon.domain, record.task
+        domain, task = writer.lexicon.domain, record.task
         scene = scene_of(domain)
         animated = self.form in ANIMATED
         stage("drawing pictures")
         with errors_with_place(record, domain):
-            told = teller.captions(task)
+            captions = writer.captions(task)
             shown = self._shown(record, number, scene)
-            if animated:
-                shown = self._performed(record, shown, scene)
+            if animated and isinstance(shown, Witness):
+                shown = demonstrate(task, shown, scene)
+                if not shown.success:
+                    text = f"the robot fails to execute it: {shown.detail}; draw its states with --as strip"
+                    raise QueryError(text)
             state = len(task.actions) if self.state is None else self.state
             if state > len(task.actions):
                 raise QueryError(f"--state {state}: the states of the task are 0 to {len(task.actions)}")
         with errors_with_place(record, domain, MEND if self.recordings is None else RECORD):
             if self.form == "strip":
-                image = film_strip(task, shown, scene, columns=self.columns, captions=told, size=self.size)
+                image = film_strip(task, shown, scene, columns=self.columns, captions=captions, size=self.size)
             elif self.form == "state":
                 image = still(task, shown, scene, state, size=self.size)
             else:
@@ -189,7 +187,7 @@ class _Renderer:
                     path,
                     size=self.size,
                     speed=self.speed,
-                    headings=[heading.partition(". ")[2] for heading, _ in told[1:]],
+                    headings=[heading.partition(". ")[2] for heading, _ in captions[1:]],
                     progress=lambda done, total: tell(done / total),
                 )
                 return
@@ -219,29 +217,6 @@ class _Renderer:
         if verdict.witness is None:
             raise QueryError(f"{verdict.status.replace('_', ' ')}: {verdict.reason}; only feasible tasks can be drawn")
         return verdict.witness
-
-    def _performed(self, record: Record, shown: Witness | Demonstration, scene: Scene) -> Demonstration:
-        """Return the episode of the robot executing a task."""
-        from prag_asp.physics import Witness, demonstrate
-
-        if not isinstance(shown, Witness):
-            return shown
-        demonstration = demonstrate(record.task, shown, scene)
-        if not demonstration.success:
-            raise QueryError(f"the robot fails to execute it: {demonstration.detail}; draw its states with --as strip")
-        return demonstration
-
-
-def _check_options(form: str, state: int | None, speed: float) -> None:
-    """Check that the options fit each other, before anything is loaded.
-
-    Raises:
-        QueryError: they do not.
-    """
-    if state is not None and form != "state":
-        raise QueryError(f"--state {state} goes with --as state; got --as {form}")
-    if not 1 / FASTEST <= speed <= FASTEST:
-        raise QueryError(f"--speed {speed:g}: write a positive number up to {FASTEST}, such as 2 for twice as fast")
 
 
 def _suffixes(form: str) -> tuple[str, ...]:
@@ -285,15 +260,3 @@ def _targets(output: Path, numbers: Sequence[int], form: str) -> dict[int, Path]
         return {numbers[0]: output}
     make_folder(output)
     return {number: file_in(output, f"{number:06d}{suffix}") for number in numbers}
-
-
-def _pixels(text: str) -> tuple[int, int]:
-    """Return the width and height that an option states.
-
-    Raises:
-        QueryError: it is not of the form WxH, or a side is not from `SMALLEST` to `LARGEST`.
-    """
-    found = parse_pixels(text)
-    if not all(SMALLEST <= side <= LARGEST for side in found):
-        raise QueryError(f"--size {text}: a picture has {SMALLEST} to {LARGEST} pixels a side")
-    return found

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from contextlib import closing
-from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
@@ -88,7 +87,10 @@ def sample(
 
             require_physics(f"the scene of {space.domain.name} needs physics (--no-physics samples without it)")
         line = task_format.line(space.domain, seed)
-        drawing = _distinct(over, by) if distinct else {"by": by, "over": over}
+        if distinct and (over is not None or by != "task"):
+            given = f"--over {over}" if over is not None else f"--by {by}"
+            raise QueryError(f"--distinct samples tasks without replacement; leave {given} out")
+        drawing: dict[str, Any] = {"distinct": True} if distinct else {"by": by, "over": over}
         drawing.update(weighting.arguments(space.domain))
         if not physics:
             validation.refuse_without_physics({"--max-draws": max_draws is not None})
@@ -99,68 +101,43 @@ def sample(
                     out.write(line(Record(task)))
                     found += 1
             if found < requested_count:
-                raise NotFound(f"only {found} of {plural(requested_count, 'task')}: there are no others")
+                others = "others of positive weight" if space.count() > found else "others"
+                raise NotFound(f"only {found} of {plural(requested_count, 'task')}: there are no {others}")
             return
         from prag_asp.dataset.scenes import scene_of
 
-        staging, limit = filming.staging(scene_of(space.domain)), max_draws or DRAWS_PER_TASK * requested_count
-        sample_request = _SampleRequest(space, requested_count, limit, seed, {**drawing, "staging": staging})
-        _feasible(sample_request, validation, output, line, tell)
+        drawing |= {"seed": seed, "staging": filming.staging(scene_of(space.domain))}
+        drawing["draws"] = max_draws or DRAWS_PER_TASK * requested_count
+        _write_feasible(space, drawing, requested_count, validation, output, line, tell)
 
 
-def _distinct(over: str | None, by: str) -> dict[str, Any]:
-    """Return the arguments for sampling without replacement.
-
-    Raises:
-        QueryError: something other than tasks is to be sampled.
-    """
-    if over is not None or by != "task":
-        given = f"--over {over}" if over is not None else f"--by {by}"
-        raise QueryError(f"--distinct samples tasks without replacement; leave {given} out")
-    return {"distinct": True}
-
-
-@dataclass(frozen=True)
-class _SampleRequest:
-    """What to sample, how many feasible tasks, and from at most how many sampled tasks."""
-
-    space: TaskSpace
-    requested_count: int
-    limit: int
-    seed: int
-    how: Mapping[str, Any]
-
-
-def _feasible(
-    drawing: _SampleRequest, validation: PhysicsOptions, output: str | None,
+def _write_feasible(
+    space: TaskSpace, drawing: Mapping[str, Any], requested_count: int, validation: PhysicsOptions, output: str | None,
     line: Callable[[Record], str], tell: Tell,
 ) -> None:  # fmt: skip
-    """Write the feasible ones of sampled tasks.
+    """Write the feasible ones of sampled tasks; `drawing` are arguments of `feasible`.
 
     Raises:
         NotFound: there are too few.
     """
     from prag_asp.cli.summary import tallied, tally_line
     from prag_asp.dataset.pass_rates import Tally
-    from prag_asp.dataset.physics_filter import validated_draws
+    from prag_asp.dataset.physics_filter import feasible
 
-    tally, requested_count, limit = Tally(), drawing.requested_count, drawing.limit
+    tally = Tally()
 
     def summary() -> str:
         return tally_line(tally, ("sampled", "sampled"), f"budget {validation.parse_budget()}")
 
     with tallied(tally, summary), recordings_folder(validation.demonstrate) as folder, writer(output) as out:
         arguments = {**validation.arguments(), "demonstrate": folder}
-        validated = validated_draws(
-            drawing.space, seed=drawing.seed, draws=limit, tally=tally, **arguments, **drawing.how
-        )
-        with closing(validated):
-            for record in validated if tally.passed < requested_count else ():
-                if record is not None:
-                    out.write(line(record), flush=True)
-                tell(summary(), tally.passed, requested_count)
-                if tally.passed == requested_count:
-                    break
+        records = feasible(
+            space, tally=tally, **arguments, **drawing,
+            progress=lambda: tell(summary(), tally.passed, requested_count),
+        )  # fmt: skip
+        with closing(records):
+            for record in islice(records, requested_count):
+                out.write(line(record), flush=True)
     if tally.passed < requested_count:
         found = f"only {tally.passed} of {plural(requested_count, 'task')} found in {plural(tally.seen, 'draw')}"
-        raise NotFound(f"{found}; raise --max-draws" if tally.seen == limit else found)
+        raise NotFound(f"{found}; raise --max-draws" if tally.seen == drawing["draws"] else found)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -23,7 +22,6 @@ from prag_asp.output import file_in, make_folder
 if TYPE_CHECKING:
     from prag_asp.space.parts.ranked_tasks import RankedTasks
     from prag_asp.space.task_space import TaskSpace
-    from prag_asp.task import Task
 
 
 @click.command()
@@ -58,6 +56,7 @@ def split(
     writes them to DIR/NAME.txt or .jsonl; these files are replaced together at the end.
     """
     from prag_asp.dataset.jsonl import Record
+    from prag_asp.space.task_space import TaskSpace
 
     task_format.check()
     names, shares = domain_and_others(words)
@@ -78,7 +77,8 @@ def split(
             for name, part in parts.items():
                 file = file_in(folder, f"{name}.{'jsonl' if task_format.form == 'jsonl' else 'txt'}")
                 out = files.enter_context(writer(str(file)))
-                for task in _sampled(part, min(requested_count, part.count()), seed):
+                weights: dict[str, Any] = {"weights": {}} if isinstance(part, TaskSpace) else {}  # uniformly
+                for task in part.sample(min(requested_count, part.count()), seed=seed, distinct=True, **weights):
                     out.write(line(Record(task)))
 
 
@@ -100,12 +100,3 @@ def _parts(
     for each in caught:
         tell_line(f"warning: {each.message}")
     return parts
-
-
-def _sampled(part: TaskSpace | RankedTasks, count: int, seed: int) -> Iterator[Task]:
-    from prag_asp.space.task_space import TaskSpace
-
-    if isinstance(part, TaskSpace):
-        yield from part.sample(count, seed=seed, weights={}, distinct=True)
-    else:
-        yield from part.sample(count, seed=seed, distinct=True)

@@ -58,13 +58,21 @@ def task(*, request: DomainOptions, index: int | None, plan: str | None, task_fo
         if task_format.form == "full":
             say("\n".join(_described(found, space)))
         elif task_format.form == INSTRUCTIONS and task_format.level is None:
-            say("\n".join(_told_to_somebody(found, space, task_format.language or ENGLISH, seed)))
+            from prag_asp.dataset.language import instruction_writer_of
+
+            texts = instruction_writer_of(space.domain, task_format.language or ENGLISH).instructions(found, seed)
+            for level in LEVELS:
+                say(f"{level:<9}{getattr(texts, level)}".rstrip())
+            for number, sentence in enumerate(texts.subgoals, 1):
+                say(f"{number:>5}    {sentence}")
+            if texts.named:
+                say(f"named    {', '.join(texts.named)}: not visually distinguishable from other objects")
         else:
             say(task_format.line(space.domain, seed)(Record(found)))
 
 
 def _described(found: Task, space: TaskSpace) -> list[str]:
-    """Return the lines that tell a task: its rank, its start, what each action makes true, its goal, its readings."""
+    """Return lines with the rank of a task, its initial state, the effects of its actions, its goal, its readings."""
     fluents = len(space.domain.facts.fluents)
     lines = [f"task {space.index(found)} of {space.count()}", f"start  {_state(found.initial, fluents)}"]
     width = max((len(str(action)) for action in found.actions), default=0)
@@ -76,18 +84,6 @@ def _described(found: Task, space: TaskSpace) -> list[str]:
         lines += [f"read   {' '.join(map(str, reading))}" for reading in islice(readings, READINGS_SHOWN)]
         if readings.count() > READINGS_SHOWN:
             lines.append(f"       and {plural(readings.count() - READINGS_SHOWN, 'more reading')}")
-    return lines
-
-
-def _told_to_somebody(found: Task, space: TaskSpace, language: str, seed: int) -> list[str]:
-    """Return the lines that tell a task to somebody who sees the scene: its levels, and its subgoals one by one."""
-    from prag_asp.dataset.language import instruction_writer_of
-
-    told = instruction_writer_of(space.domain, language).instructions(found, seed)
-    lines = [f"{level:<9}{getattr(told, level)}".rstrip() for level in LEVELS]
-    lines += [f"{number:>5}    {sentence}" for number, sentence in enumerate(told.subgoals, 1)]
-    if told.named:
-        lines.append(f"named    {', '.join(told.named)}: nothing that can be seen tells them from others")
     return lines
 
 

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from prag_asp.atom import Atom
     from prag_asp.dataset.store.entry import DatasetEntry
     from prag_asp.physics import Witness
-    from prag_asp.scene.geometry import Pose
 
 BRACKETS = str.maketrans("()", "[]")
 """Replaces the parentheses of a term such as ``disc(1)``, which BDDL would parse as an expression."""
@@ -81,7 +80,12 @@ def problem(source: EpisodeSource, entry: DatasetEntry, witness: Witness | None 
         QueryError: a name is invalid in BDDL.
     """
     task = entry.task
-    fixtures = _fixtures(source, entry)
+    fixtures = {}  # robots, the table, zones, and entities with a fixed pose in the scene
+    if source.data.domain.settings.scene:
+        scene = source.scene
+        still = {name for name, shape in scene.shapes.items() if name in scene.fixed or not shape.traits.body}
+        fixtures = {table_of(scene): "table"}
+        fixtures |= {name: kind for name, kind in task.entities.items() if name in still | {*scene.robots}}
     objects = {name: kind for name, kind in task.entities.items() if name not in fixtures}
     of_interest = [name for name in objects if any(name in fluent.arguments for fluent in task.goal)]
     init = [f"    {_fact(fluent, value)}" for fluent, value in task.initial.items()]
@@ -113,44 +117,28 @@ def problem(source: EpisodeSource, entry: DatasetEntry, witness: Witness | None 
     return "\n".join(lines) + "\n"
 
 
-def _fixtures(source: EpisodeSource, entry: DatasetEntry) -> dict[str, str]:
-    """Return the fixtures and their classes: robots, the table, zones, and entities with a fixed pose in the scene."""
-    if not source.data.domain.settings.scene:
-        return {}
-    scene = source.scene
-    still = [name for name, shape in scene.shapes.items() if name in scene.fixed or not shape.traits.body]
-    named = {name: kind for name, kind in entry.task.entities.items() if name in {*still, *scene.robots}}
-    return {table_of(scene): "table", **named}
-
-
 def _regions(source: EpisodeSource, witness: Witness | None) -> Iterator[str]:
     """Yield the lines of the regions: zones of the table, and the initial positions of objects."""
     if not source.data.domain.settings.scene:
         return
-    table = _word(table_of(source.scene))
-    for name, sides, yaw in (*_zones(source), *_places(witness.moments[0].poses if witness else {})):
-        numbers = " ".join(f"{side:.6g}" for side in sides)
-        yield f"    ({_word(name)}"
-        yield f"      (:target {table})"
-        yield f"      (:ranges (({numbers})))"
-        yield f"      (:yaw_rotation (({yaw:.6g} {yaw:.6g})))"
-        yield "    )"
-
-
-def _zones(source: EpisodeSource) -> Iterator[Region]:
+    table, regions = _word(table_of(source.scene)), list[Region]()
     for name, (x, y, yaw) in source.scene.fixed.items():
         shape = source.scene.shapes.get(name)
         if shape is not None and shape.traits.surface:
             long, wide, _ = shape.half
             along, across = abs(math.cos(yaw)), abs(math.sin(yaw))
             right, far = long * along + wide * across, long * across + wide * along
-            yield name, (x - right, y - far, x + right, y + far), 0.0
-
-
-def _places(poses: Mapping[str, Pose]) -> Iterator[Region]:
-    for name, pose in poses.items():
+            regions.append((name, (x - right, y - far, x + right, y + far), 0.0))
+    for name, pose in witness.moments[0].poses.items() if witness else ():
         x, y, _ = pose.position
-        yield f"{name}_init_region", (x, y, x, y), yaw_of(pose.quaternion)
+        regions.append((f"{name}_init_region", (x, y, x, y), yaw_of(pose.quaternion)))
+    for name, sides, yaw in regions:
+        numbers = " ".join(f"{side:.6g}" for side in sides)
+        yield f"    ({_word(name)}"
+        yield f"      (:target {table})"
+        yield f"      (:ranges (({numbers})))"
+        yield f"      (:yaw_rotation (({yaw:.6g} {yaw:.6g})))"
+        yield "    )"
 
 
 def _typed(entities: Mapping[str, str]) -> list[str]:
@@ -166,11 +154,7 @@ def _fact(fluent: Atom, value: bool) -> str:
 
 
 def _word(text: str) -> str:
-    """Return a name as a word of BDDL.
-
-    Raises:
-        QueryError: it has capital letters, blanks or ``;``.
-    """
+    """Return a name as a word of BDDL."""
     word = text.translate(BRACKETS)
     if not WORD.fullmatch(word):
         raise QueryError(f"BDDL has no name {text}: it reads small letters alone, and no blanks or ;; rename it")

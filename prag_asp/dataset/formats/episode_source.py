@@ -186,8 +186,20 @@ class EpisodeSource:
         """
         empty = True
         for entry, start, demonstration in self.data.demonstrations():
-            empty = False
-            yield self._episode(entry, start, demonstration)
+            empty, footage = False, demonstration.footage
+            name = f"{self.data.folder}: the recording of task {entry.number} of {entry.part}"
+            entities = (*demonstration.objects, *(footage.legend if footage else ()))
+            unknown = [entity for entity in entities if entity not in self.legend]
+            if demonstration.robots != self.robots or unknown:
+                what = unknown[0] if unknown else ", ".join(demonstration.robots)
+                raise QueryError(f"{name}: has {what}, of which the scene knows nothing; copy the dataset once more")
+            if len(demonstration.ends) != len(entry.task) + 1 or len(entry.subgoals) != len(entry.task):
+                raise QueryError(f"{name}: does not show the states of its task; copy the dataset once more")
+            sizes = {camera: film.size for camera, film in footage.films.items()} if footage else {}
+            if sizes != dict(self.cameras):
+                raise QueryError(f"{name}: is not of the cameras that dataset.json names; copy the dataset once more")
+            frames = footage.frames if footage else np.arange(len(demonstration.times))
+            yield ExportEpisode(entry, start, self.instruction(entry), demonstration, frames.astype(np.int64))
         if empty:
             raise QueryError(f"{self.data.folder}: {NO_TASK}")
 
@@ -219,19 +231,3 @@ class EpisodeSource:
         numbers = np.array([self.legend.index(entity) for entity in footage.legend], dtype=self.segmentation_type)
         result: NDArray[np.unsignedinteger] = numbers[episode.films[camera].segmentation]
         return result
-
-    def _episode(self, entry: DatasetEntry, start: int, demonstration: Demonstration) -> ExportEpisode:
-        footage = demonstration.footage
-        name = f"{self.data.folder}: the recording of task {entry.number} of {entry.part}"
-        entities = (*demonstration.objects, *(footage.legend if footage else ()))
-        unknown = [entity for entity in entities if entity not in self.legend]
-        if demonstration.robots != self.robots or unknown:
-            what = unknown[0] if unknown else ", ".join(demonstration.robots)
-            raise QueryError(f"{name}: has {what}, of which the scene knows nothing; copy the dataset once more")
-        if len(demonstration.ends) != len(entry.task) + 1 or len(entry.subgoals) != len(entry.task):
-            raise QueryError(f"{name}: does not show the states of its task; copy the dataset once more")
-        sizes = {camera: film.size for camera, film in footage.films.items()} if footage else {}
-        if sizes != dict(self.cameras):
-            raise QueryError(f"{name}: is not of the cameras that dataset.json names; copy the dataset once more")
-        frames = footage.frames if footage else np.arange(len(demonstration.times))
-        return ExportEpisode(entry, start, self.instruction(entry), demonstration, frames.astype(np.int64))

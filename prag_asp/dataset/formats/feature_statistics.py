@@ -42,21 +42,17 @@ class Colours:
 
     def statistics(self) -> Statistics:
         """Return the statistics of each channel from 0 to 1, over all pixels, each of shape (3, 1, 1)."""
-        channels = [_of_histogram(counts) for counts in self._counts]
+        levels, channels = np.arange(LEVELS) / (LEVELS - 1), []
+        for counts in self._counts:
+            occurring, total, cumulative = np.flatnonzero(counts), counts.sum(), counts.cumsum()
+            mean = float(counts @ levels / total)
+            result = {"min": float(levels[occurring[0]]), "max": float(levels[occurring[-1]]), "mean": mean}
+            result["std"] = float(np.sqrt(counts @ (levels - mean) ** 2 / total))
+            for name, share in zip(NAMES[-len(QUANTILES) :], QUANTILES, strict=True):
+                result[name] = float(levels[np.searchsorted(cumulative, share * (total - 1), side="right")])
+            channels.append(result)
         values = {name: np.array([each[name] for each in channels]).reshape(3, 1, 1) for name in channels[0]}
         return {name: values[name] if name in values else np.array([self._pictures]) for name in NAMES}
-
-
-def _of_histogram(counts: NDArray[np.int64]) -> dict[str, float]:
-    """Return the statistics of values from 0 to 1, given the count of each of the `LEVELS` levels."""
-    levels = np.arange(LEVELS) / (LEVELS - 1)
-    occurring, total, cumulative = np.flatnonzero(counts), counts.sum(), counts.cumsum()
-    mean = float(counts @ levels / total)
-    result = {"min": float(levels[occurring[0]]), "max": float(levels[occurring[-1]]), "mean": mean}
-    result["std"] = float(np.sqrt(counts @ (levels - mean) ** 2 / total))
-    for name, share in zip(NAMES[-len(QUANTILES) :], QUANTILES, strict=True):
-        result[name] = float(levels[np.searchsorted(cumulative, share * (total - 1), side="right")])
-    return result
 
 
 class Aggregate:

@@ -86,7 +86,12 @@ class _LeRobotWriter:
         self._splits: dict[str, tuple[int, int]] = {}
         self._statistics: dict[str, Aggregate] = {}
         self._features = _features(source)
-        self._data = ChunkedTable(folder, DATA, _frame_schema(self._features), form.data_megabytes)
+        columns = []  # of the table of frames: all features except videos
+        for name, feature in self._features.items():
+            if feature["dtype"] != "video":
+                kind, (size,) = pa.type_for_alias(feature["dtype"]), feature["shape"]
+                columns.append((name, kind if feature["names"] is None else pa.list_(kind, size)))
+        self._data = ChunkedTable(folder, DATA, pa.schema(columns), form.data_megabytes)
         self._rows = ChunkedTable(folder, EPISODES, _episode_schema(self._features), form.data_megabytes)
         self._videos = {
             f"observation.images.{name}": _VideoFeature(form, source, folder, name) for name in source.cameras
@@ -96,7 +101,15 @@ class _LeRobotWriter:
         """Write an episode."""
         values = self._values(episode)
         statistics: dict[str, Statistics] = {name: statistics_of(value) for name, value in values.items()}
-        chunk, file = self._data.add(_table(values, self._data.schema))
+        arrays = []
+        for column in self._data.schema:
+            value = values[column.name]
+            if value.ndim == 1:
+                arrays.append(pa.array(value, column.type))
+            else:
+                flat = pa.array(value.ravel(), column.type.value_type)
+                arrays.append(pa.FixedSizeListArray.from_arrays(flat, value.shape[1]))
+        chunk, file = self._data.add(pa.Table.from_arrays(arrays, schema=self._data.schema))
         row: dict[str, Any] = {
             "episode_index": self.episodes,
             "tasks": [episode.instruction],
@@ -110,7 +123,9 @@ class _LeRobotWriter:
             place, statistics[key] = video.add(episode)
             row |= {f"videos/{key}/{name}": value for name, value in place.items()}
         row |= flattened(statistics)
-        self._rows.add_row({**row, **_origin(episode)})
+        entry = episode.entry  # the origin of the episode, an addition to the format
+        row |= {"prag_asp/part": entry.part, "prag_asp/task": entry.number, "prag_asp/start": episode.start}
+        self._rows.add_row({**row, "prag_asp/rank": str(entry.rank), "prag_asp/plan": episode.plan})
         for name, each in statistics.items():
             self._statistics.setdefault(name, Aggregate()).add(each)
         begin, _ = self._splits.get(episode.entry.part, (self.episodes, 0))
@@ -238,16 +253,6 @@ def _features(source: EpisodeSource) -> dict[str, Any]:
     return features
 
 
-def _frame_schema(features: Mapping[str, Any]) -> pa.Schema:
-    """Return the schema of the table of frames: all features except videos."""
-    columns = []
-    for name, feature in features.items():
-        if feature["dtype"] != "video":
-            kind, (size,) = pa.type_for_alias(feature["dtype"]), feature["shape"]
-            columns.append((name, kind if feature["names"] is None else pa.list_(kind, size)))
-    return pa.schema(columns)
-
-
 def _episode_schema(features: Mapping[str, Any]) -> pa.Schema:
     """Return the schema of the table of episodes."""
     numbers, texts = ("episode_index", "length", "dataset_from_index", "dataset_to_index"), pa.list_(pa.string())
@@ -265,31 +270,6 @@ def _episode_schema(features: Mapping[str, Any]) -> pa.Schema:
     columns += [(f"prag_asp/{name}", pa.int64()) for name in ("task", "start")]
     columns += [(f"prag_asp/{name}", pa.string()) for name in ("part", "rank")]
     return pa.schema([*columns, ("prag_asp/plan", texts)])
-
-
-def _table(values: Mapping[str, NDArray[Any]], schema: pa.Schema) -> pa.Table:
-    """Return the frames of an episode as rows."""
-    arrays = []
-    for column in schema:
-        value = values[column.name]
-        if value.ndim == 1:
-            arrays.append(pa.array(value, column.type))
-        else:
-            flat = pa.array(value.ravel(), column.type.value_type)
-            arrays.append(pa.FixedSizeListArray.from_arrays(flat, value.shape[1]))
-    return pa.Table.from_arrays(arrays, schema=schema)
-
-
-def _origin(episode: ExportEpisode) -> dict[str, Any]:
-    """Return the columns with the origin of an episode, an addition to the format."""
-    entry = episode.entry
-    return {
-        "prag_asp/part": entry.part,
-        "prag_asp/task": entry.number,
-        "prag_asp/start": episode.start,
-        "prag_asp/rank": str(entry.rank),
-        "prag_asp/plan": episode.plan,
-    }
 
 
 def _write_json(path: Path, value: Any) -> None:

@@ -63,19 +63,15 @@ def _write(demo: h5py.Group, source: EpisodeSource, episode: ExportEpisode) -> i
     put(demo, "rewards", episode.rewards[1:])
     put(demo, "dones", (np.arange(steps) == steps - 1).astype(np.int64))
     put(demo, "subgoals", episode.subgoal[:-1])
-    put(demo, "states", np.concatenate([each.reshape(episode.length, -1) for each in _states(source, episode)], 1)[:-1])
+    numbers = numbers_of(source, episode)
+    states = [numbers[name] for name in ("state", "objects", "openings") if name in numbers]
+    put(demo, "states", np.concatenate([each.reshape(episode.length, -1) for each in states], 1)[:-1])
     for name, values in _observed(source, episode):
         put(demo, f"obs/{name}", values[:-1])
         put(demo, f"next_obs/{name}", values[1:])
     origins = json.dumps({"lang": episode.instruction, **origin(episode)}, ensure_ascii=False)
     note(demo, {"num_samples": steps, "ep_meta": origins})
     return steps
-
-
-def _states(source: EpisodeSource, episode: ExportEpisode) -> Iterator[NDArray[np.float32]]:
-    """Yield the arrays that are concatenated to the state of the environment."""
-    numbers = numbers_of(source, episode)
-    yield from (numbers[name] for name in ("state", "objects", "openings") if name in numbers)
 
 
 def _observed(source: EpisodeSource, episode: ExportEpisode) -> Iterator[tuple[str, NDArray[Any]]]:

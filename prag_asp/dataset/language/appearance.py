@@ -6,11 +6,11 @@ words are in doubt, so that neither distinguishes it from a thing of the other c
 
 from __future__ import annotations
 
-import math
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
+from math import dist, prod
 from typing import TYPE_CHECKING
 
 from prag_asp.domain.load import load_scene
@@ -18,7 +18,6 @@ from prag_asp.grammar.reader import Grammar, plain
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
-    from prag_asp.scene.scene import Scene, Shape
 
 Lab = tuple[float, float, float]
 
@@ -91,19 +90,31 @@ def appearance_of(domain: Domain, grammar: Grammar, colors: Mapping[str, str] | 
         )
         for entity, kind in entities.items()
     }
-    names = _names(entities, nouns)
+    short = {entity: plain(entity.removeprefix(kind).lstrip("_(") or entity) for entity, kind in entities.items()}
+    spelled = {entity: (nouns[entity][:1], name) for entity, name in short.items()}
+    taken = Counter(spelled.values())
+    names = {entity: name if taken[spelled[entity]] == 1 else entity for entity, name in short.items()}
     if not domain.settings.scene:
         return Appearance(nouns, names)
     scene = load_scene(domain)
-    shown = {**dict(_colors(scene)), **(colors or {})}
+    shown = {  # a robot has its own colours
+        entity: scene.table.color if shape.kind == "table" else scene.colors[entity]
+        for entity, shape in scene.shapes.items()
+        if shape.kind == "table" or (shape.kind != "robot" and entity in scene.colors)
+    }
+    shown |= colors or {}
     bodies = {entity: shape for entity, shape in scene.shapes.items() if entity in entities and shape.traits.body}
     still = {entity for entity, shape in scene.shapes.items() if entity in scene.fixed or not shape.traits.body}
     return Appearance(
         nouns,
         names,
         colors={entity: color_terms(color) for entity, color in shown.items() if entity in entities},
-        sizes={entity: _extent(shape) for entity, shape in bodies.items() if entity not in scene.ranges},
-        places={entity: _place(scene, entity) for entity in scene.fixed if entity in entities},
+        sizes={entity: prod(shape.size) ** (1 / 3) for entity, shape in bodies.items() if entity not in scene.ranges},
+        places={  # metres to the right and to the back, for the viewer of the frame
+            entity: (y, -x) if scene.frame == "viewer" else (-y, x)
+            for entity, (x, y, _) in scene.fixed.items()
+            if entity in entities
+        },
         seen=frozenset(still & set(entities)),
         pictured=True,
         robots=frozenset(scene.robots) & set(entities),
@@ -119,39 +130,11 @@ def _line(entity: str, kind: str, parents: Mapping[str, tuple[str, ...]]) -> lis
     return found
 
 
-def _names(entities: Mapping[str, str], nouns: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
-    """Return the name of each entity without that of its class before it."""
-    short = {entity: plain(entity.removeprefix(kind).lstrip("_(") or entity) for entity, kind in entities.items()}
-    spelled = {entity: (nouns[entity][:1], name) for entity, name in short.items()}
-    taken = Counter(spelled.values())
-    return {entity: name if taken[spelled[entity]] == 1 else entity for entity, name in short.items()}
-
-
-def _colors(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield the entities with their colours in pictures; a robot has its own."""
-    for entity, shape in scene.shapes.items():
-        if shape.kind == "table":
-            yield entity, scene.table.color
-        elif shape.kind != "robot" and entity in scene.colors:
-            yield entity, scene.colors[entity]
-
-
-def _extent(shape: Shape) -> float:
-    x, y, z = shape.size
-    return float((x * y * z) ** (1 / 3))
-
-
-def _place(scene: Scene, entity: str) -> tuple[float, float]:
-    """Return how far to the right and to the back an entity stands, for the viewer of the frame, in metres."""
-    x, y, _ = scene.fixed[entity]
-    return (y, -x) if scene.frame == "viewer" else (-y, x)
-
-
 @lru_cache(maxsize=4096)
 def color_terms(color: str) -> Mapping[str, bool]:
     """Return the basic terms for a colour: the nearest one is true, those that are nearly as near are in doubt."""
     here = lab(color)
-    distances = {term: min(_distance(here, lab(each)) for each in colors) for term, colors in BASIC.items()}
+    distances = {term: min(dist(here, lab(each)) for each in colors) for term, colors in BASIC.items()}
     nearest = min(distances, key=distances.__getitem__)
     doubtful = {term: False for term, far in distances.items() if far <= distances[nearest] + DOUBT}
     return {nearest: True, **{term: sure for term, sure in doubtful.items() if term != nearest}}
@@ -160,21 +143,10 @@ def color_terms(color: str) -> Mapping[str, bool]:
 @lru_cache(maxsize=4096)
 def lab(color: str) -> Lab:
     """Return a colour ``#rrggbb`` in CIELAB, for the white of sRGB (IEC 61966-2-1, CIE 15)."""
-    red, green, blue = (_linear(int(color[i : i + 2], 16) / 255) for i in (1, 3, 5))
+    channels = [int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    red, green, blue = (each / 12.92 if each <= 0.04045 else ((each + 0.055) / 1.055) ** 2.4 for each in channels)
     x = (0.4124 * red + 0.3576 * green + 0.1805 * blue) / 0.95047
     y = 0.2126 * red + 0.7152 * green + 0.0722 * blue
     z = (0.0193 * red + 0.1192 * green + 0.9505 * blue) / 1.08883
-    fx, fy, fz = map(_cube_root, (x, y, z))
+    fx, fy, fz = (each ** (1 / 3) if each > 216 / 24389 else (24389 / 27 * each + 16) / 116 for each in (x, y, z))
     return 116 * fy - 16, 500 * (fx - fy), 200 * (fy - fz)
-
-
-def _linear(value: float) -> float:
-    return value / 12.92 if value <= 0.04045 else float(((value + 0.055) / 1.055) ** 2.4)
-
-
-def _cube_root(value: float) -> float:
-    return float(value ** (1 / 3)) if value > 216 / 24389 else (24389 / 27 * value + 16) / 116
-
-
-def _distance(one: Lab, other: Lab) -> float:
-    return math.dist(one, other)

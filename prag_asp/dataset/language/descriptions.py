@@ -233,28 +233,20 @@ class View:
             return self.context.meant(what)
         fitting = []
         for entity in self.context.entities:
-            related = self._related(relation, entity)
+            related = False if entity in relation.others else self.state.get(relation.about(entity))
             if related is not False and self.context.fits(what, entity) is not False:
                 fitting.append((entity, related and self.context.fits(what, entity)))
         return fitting[0][0] if len(fitting) == 1 and fitting[0][1] else None
-
-    def _related(self, relation: Relation, entity: str) -> bool | None:
-        if entity in relation.others:
-            return False
-        return self.state.get(relation.about(entity))
 
     @cached_property
     def relations(self) -> Mapping[str, tuple[Relation, ...]]:
         """The known relations of each entity to things that have a description without a relation."""
         found: dict[str, list[Relation]] = {}
+        nouns, best = self.context.appearance.nouns, self.context.best
         for fluent in sorted(fluent for fluent, value in self.state.items() if value):
             for subject in sorted(self._subjects.get((fluent.name, len(fluent.arguments)), ())):
                 others = (*fluent.arguments[:subject], *fluent.arguments[subject + 1 :])
                 relation = Relation(fluent.name, subject, others)
-                if all(map(self._is_plain, others)) and self._can_say(relation):
+                if all(each not in nouns or best(each) is not None for each in others) and self._can_say(relation):
                     found.setdefault(fluent.arguments[subject], []).append(relation)
         return {entity: tuple(relations) for entity, relations in found.items()}
-
-    def _is_plain(self, other: str) -> bool:
-        """Return whether an argument is a value, or an entity with a description without a relation."""
-        return other not in self.context.appearance.nouns or self.context.best(other) is not None

@@ -7,7 +7,7 @@ that fits no thing, or may fit two, is refused, and so is a sentence that could 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice, product
 from typing import TYPE_CHECKING, NamedTuple
@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, NamedTuple
 from prag_asp.atom import Atom, symbol_of
 from prag_asp.dataset.language.descriptions import InstructionContext, View
 from prag_asp.dataset.language.lexicon import Lexicon
-from prag_asp.dataset.language.sentences import Sentence
 from prag_asp.errors import QueryError
 from prag_asp.grammar.template import Template, parse_template
 from prag_asp.task import FrozenDict, Task
@@ -64,15 +63,15 @@ class InstructionReader:
         self._vague = tuple(map(_frame, frames["vague"]))
         self._default = tuple(map(_frame, (*frames["default"], frames["subgoal"])))
         self._exact = tuple(map(_frame, frames["exact"]))
-        self._joints = {kind: _alternatives(lexicon.words.joints(kind)) for kind in ("sentences", "facts")}
-        self._reach = {kind: self._breaks_within(joint) for kind, joint in self._joints.items()}
-        self._parsed: dict[tuple[object, str, str | None, bool], frozenset[ParsedSentence]] = {}
-
-    def _breaks_within(self, joint: re.Pattern[str]) -> int:
-        """Return how many joints are tried as the end of a sentence: more than two where sentences contain them."""
         texts = [text for clause in (*self._actions, *self._facts) for text in clause.template.texts]
-        texts += self.lexicon.phrases.vocabulary()
-        return 6 if any(joint.search(f" {text} ") for text in texts) else 2
+        texts += lexicon.phrases.vocabulary()
+        self._joints, self._reach = dict[str, re.Pattern[str]](), dict[str, int]()
+        for kind in ("sentences", "facts"):
+            joints = sorted(lexicon.words.joints(kind), key=len, reverse=True)
+            self._joints[kind] = joint = re.compile("|".join(map(re.escape, joints)))
+            # How many joints are tried as the end of a sentence: more than two where sentences contain them.
+            self._reach[kind] = 6 if any(joint.search(f" {text} ") for text in texts) else 2
+        self._parsed: dict[tuple[object, str, str | None, bool], frozenset[ParsedSentence]] = {}
 
     def read(self, start: InstructionContext, text: str) -> Reading:
         """Return the meaning of an instruction in a context.
@@ -92,7 +91,12 @@ class InstructionReader:
                 break
         if len(found) == 1:
             reading = next(iter(found.values()))
-            self._refuse_contradictions(reading)
+            for action, aims in zip(reading.actions, reading.aims, strict=False):
+                effects = self.lexicon.domain.facts.postconditions.get(symbol_of(action), ())
+                made = {str(fluent): value for fluent, value in effects}
+                for fluent, value in aims.items():
+                    if made.get(str(fluent)) not in (str(value).lower(), None):
+                        raise QueryError(f"{action} does not make {fluent} {str(value).lower()}; fix the instruction")
             return reading
         if found:
             plans = [
@@ -147,7 +151,9 @@ class InstructionReader:
         In a list of facts "it" has the same meaning in each of them.
         """
         begun: dict[int, list[_Path]] = {0: [_Path(None, topic, None)]}
-        breaks = self._breaks(text, kind)
+        breaks = [
+            found.span() for found in self._joints[kind].finditer(text) if found.start() > 0 and found.end() < len(text)
+        ]
         for place in range(len(breaks) + 1):
             begin = breaks[place - 1][1] if place else 0
             paths = begun.pop(begin, [])
@@ -161,12 +167,6 @@ class InstructionReader:
                             found.append(_Path(parsed, parsed.topic if kind == "sentences" else topic, path))
         yield from (path.sentences() for path in begun.get(len(text), ()))
 
-    def _breaks(self, text: str, kind: str) -> list[tuple[int, int]]:
-        """Return the positions where a sentence of a list can end and the next one begin."""
-        return [
-            found.span() for found in self._joints[kind].finditer(text) if found.start() > 0 and found.end() < len(text)
-        ]
-
     def sentence(self, view: View, text: str, topic: str | None, *, of_actions: bool) -> frozenset[ParsedSentence]:
         """Return the meanings of a sentence in a state, where "it" means `topic`."""
         return self.parse_sentence(view, text, topic, of_actions=of_actions)[0]
@@ -179,18 +179,6 @@ class InstructionReader:
         known = self._parsed.get(key)
         if known is not None:
             return known, False
-        parsed, of_state = self._sentence(view, text, topic, self._actions if of_actions else self._facts)
-        known = frozenset(parsed)
-        if not of_state:
-            if len(self._parsed) > LONGEST:
-                self._parsed.clear()
-            self._parsed[key] = known
-        return known, of_state
-
-    def _sentence(
-        self, view: View, text: str, topic: str | None, sentences: Sequence[Sentence]
-    ) -> tuple[set[ParsedSentence], bool]:
-        """Return the meanings of a sentence by some templates, and whether they depend on the state."""
         found, of_state = set[ParsedSentence](), False
 
         def fits(word: str) -> bool:
@@ -199,13 +187,18 @@ class InstructionReader:
             of_state |= related
             return bool(meant)
 
-        for sentence in sentences:
+        for sentence in self._actions if of_actions else self._facts:
             for spelled in (text, text[:1].lower() + text[1:]) if text[:1].isupper() else (text,):
                 for words in sentence.template.find(spelled, fits):
                     for arguments in product(*(self.phrase(view, word, topic)[0] for word in words)):
                         for atom in sentence.meant(tuple(arguments)):
                             found.add(ParsedSentence(atom, sentence.value, self.topic(arguments)))
-        return found, of_state
+        known = frozenset(found)
+        if not of_state:
+            if len(self._parsed) > LONGEST:
+                self._parsed.clear()
+            self._parsed[key] = known
+        return known, of_state
 
     def phrase(self, view: View, text: str, topic: str | None) -> tuple[frozenset[str], bool]:
         """Return what a phrase can mean, and whether that depends on the state."""
@@ -221,19 +214,6 @@ class InstructionReader:
         appearance = self.lexicon.appearance
         return next((each for each in arguments if each in appearance.nouns and each not in appearance.seen), None)
 
-    def _refuse_contradictions(self, reading: Reading) -> None:
-        """Refuse a step with an aim that its action does not bring about.
-
-        Raises:
-            QueryError: there is one.
-        """
-        known = self.lexicon.domain.facts.postconditions
-        for action, aims in zip(reading.actions, reading.aims, strict=False):
-            effects = {str(fluent): value for fluent, value in known.get(symbol_of(action), ())}
-            for fluent, value in aims.items():
-                if effects.get(str(fluent)) not in (str(value).lower(), None):
-                    raise QueryError(f"{action} does not make {fluent} {str(value).lower()}; fix the instruction")
-
     def _why(self, view: View, text: str) -> str:
         """Return why a text has no meaning: a thing that it names, or a sentence."""
         known = f"of {self.lexicon.domain.name} in {self.lexicon.words.name}"
@@ -241,7 +221,9 @@ class InstructionReader:
         first = self.lexicon.words.number(1)
         for frame in (*(self._exact if text.casefold().startswith(first.casefold()) else ()), *frames):
             for inner in frame.find(text):
-                for part in self._parts(inner[1] if frame in self._exact else inner[0]):
+                clauses = self._joints["sentences"].split(inner[1] if frame in self._exact else inner[0])
+                for clause in (each for text in clauses for each in self._joints["facts"].split(text)):
+                    part = clause[:LONGEST_SENTENCE]
                     problem = self._unclear(view, part)
                     if problem:
                         return problem
@@ -260,11 +242,6 @@ class InstructionReader:
                             return f"{word!r} fits nothing that there is; name another thing"
                         return f"{word!r} may be {' or '.join(things)}; say its colour, its size or where it is"
         return None
-
-    def _parts(self, text: str) -> list[str]:
-        """Return the parts of a text between joints, cut to the length of the longest sentence."""
-        parts = [each for part in self._joints["sentences"].split(text) for each in self._joints["facts"].split(part)]
-        return [part[:LONGEST_SENTENCE] for part in parts]
 
 
 class _Path(NamedTuple):
@@ -310,11 +287,6 @@ def capital(text: str) -> str:
 def shortened(text: str, most: int = 60) -> str:
     """Return a text in a length that fits into a message."""
     return text if len(text) <= most else f"{text[:most]}..."
-
-
-def _alternatives(texts: Iterable[str]) -> re.Pattern[str]:
-    """Return a pattern of some texts, the longest first."""
-    return re.compile("|".join(map(re.escape, sorted(texts, key=len, reverse=True))))
 
 
 def _frame(text: str) -> Template:

@@ -1,23 +1,22 @@
 """Write instructions of tasks at three levels, a sentence for each subgoal, and captions.
 
-Each sentence is parsed back before it is used: an ambiguous one is replaced by another wording.
+A `SentenceWriter` writes the sentences; here they are chosen, ordered and joined.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from prag_asp.atom import Atom
 from prag_asp.dataset.language.descriptions import InstructionContext, View
 from prag_asp.dataset.language.instruction_reader import InstructionReader, Reading, capital, context_of
 from prag_asp.dataset.language.lexicon import Lexicon
-from prag_asp.dataset.language.phrase_rng import PhraseRng
 from prag_asp.dataset.language.plain import sentence
-from prag_asp.dataset.language.sentences import Sentence
+from prag_asp.dataset.language.sentence_writer import PhraseRng, SentenceWriter
 from prag_asp.errors import QueryError
 from prag_asp.grammar.phrasings import Phrasings
 from prag_asp.task import FrozenDict, State, Task
@@ -29,11 +28,8 @@ START_FACTS, CAPTION_FACTS = 4, 2
 """The most facts in the caption of the initial state, and in those of the others."""
 
 COLOR = re.compile(r"#[0-9a-fA-F]{6}")
-VARIANTS = (0, 1)
-"""Wordings of a relation, the shorter one first."""
-
 CACHED = 1 << 16
-"""Sentences that are cached: tasks of one space share most of them."""
+"""Aims of actions that are cached: tasks of one space share most of them."""
 
 
 @dataclass(frozen=True)
@@ -50,31 +46,6 @@ class Instructions:
     exact: str
     subgoals: tuple[str, ...]
     named: tuple[str, ...] = ()
-
-
-ClearSentence = tuple[str, str | None]
-"""An unambiguous sentence and its topic."""
-
-
-@dataclass(frozen=True)
-class _Paraphrases:
-    """The sentences for an action or a fluent: those `given`, and `spare` ones for where all of them are ambiguous.
-
-    `things` are the entities in it, `known` is set where the domain has it at all, and `clear` caches the unambiguous
-    sentence for each way in which the things are described.
-    """
-
-    given: tuple[Sentence, ...]
-    spare: tuple[Sentence, ...]
-    things: tuple[str, ...]
-    known: bool
-    clear: dict[object, ClearSentence | None] = field(default_factory=dict)
-
-    def ways(self, first: int) -> Iterator[tuple[Sentence, int]]:
-        """Yield the sentences with each wording of relations, beginning with the sentence of number `first`."""
-        for variant in VARIANTS:
-            for clause in (*self.given[first:], *self.given[:first], *self.spare):
-                yield clause, variant
 
 
 class InstructionWriter:
@@ -94,12 +65,7 @@ class InstructionWriter:
         self.reader = InstructionReader(self.lexicon)
         self.phrasings = Phrasings.parse(phrasings)
         self.phrasings.require(self.lexicon.grammar.actions, self.lexicon.words.frames, language)
-        self._reset_cache()
-
-    def _reset_cache(self) -> None:
-        """Create empty caches; `_cached` counts the sentences in them."""
-        self._sentences: dict[tuple[Atom, bool, bool], _Paraphrases] = {}
-        self._cached = 0
+        self._sentences = SentenceWriter(self.reader, self.phrasings)
         self._aims: dict[State, State] = {}
 
     def recoloured(self, colors: Mapping[str, str]) -> InstructionWriter:
@@ -109,7 +75,7 @@ class InstructionWriter:
         other = copy(self)
         other.lexicon = self.lexicon.recoloured(colors)
         other.reader = InstructionReader(other.lexicon)
-        other._reset_cache()
+        other._sentences, other._aims = SentenceWriter(other.reader, self.phrasings), {}
         return other
 
     def instructions(self, task: Task, seed: int = 0) -> Instructions:
@@ -124,19 +90,29 @@ class InstructionWriter:
         )
         view = self.lexicon.view(initial)
         named: dict[str, None] = {}
-        written = self.lexicon.words.contracted
+        written, frames = self.lexicon.words.contracted, self.lexicon.words.frames
         subgoals = []
         for number, action in enumerate(task.actions):
             here = self.lexicon.view(initial.at(task.states[number - 1]) if number else initial)
-            clause, _ = self._sentence(here, action, True, None, each)
-            subgoals.append(written(capital(self._frame("subgoal").format(action=clause))))
+            clause, _ = self._sentences.write(here, action, None, each)
+            subgoals.append(written(capital(str(frames["subgoal"]).format(action=clause))))
             self._note(here, [action], named)
-        goal = self.goal(task)
-        aims = list(map(self._aim, task.subgoals))
+        goal, aims = self.goal(task), []
+        for subgoal in task.subgoals:
+            frozen = subgoal if isinstance(subgoal, FrozenDict) else FrozenDict(subgoal)
+            if frozen not in self._aims:
+                if len(self._aims) > CACHED:
+                    self._aims.clear()
+                self._aims[frozen] = notable_facts(frozen, self.lexicon)
+            aims.append(self._aims[frozen])
         self._note(view, [*task.actions, *goal, *(fluent for aim in aims for fluent in aim)], named)
+        clauses, topic = [], None
+        for action in task.actions:  # "it" is the topic of the sentence before
+            clause, topic = self._sentences.write(view, action, topic, default)
+            clauses.append(clause)
         return Instructions(
-            written(self._vague(view, goal, vague)),
-            written(self._default(view, task.actions, default)),
+            written(self._framed("vague", "facts", self._sentences.facts(view, goal, None, vague), vague)),
+            written(self._framed("default", "sentences", clauses, default)),
             written(self._exact(view, task.actions, aims, exact)),
             tuple(subgoals),
             tuple(sorted(named)),
@@ -151,38 +127,26 @@ class InstructionWriter:
         handled = {argument for action in task.actions for argument in action.arguments} - self.lexicon.appearance.seen
         known = {fluent: True for fluent, value in task.initial.items() if value}
         view = self.lexicon.view(context_of(task))
-        shown = [
-            fluent
-            for fluent in notable_facts(known, self.lexicon)
-            if not handled.isdisjoint(fluent.arguments) and fluent not in self._said_by_names(view, fluent)
-        ]
-        captions = [(self._frame("start"), self._caption(view, dict.fromkeys(shown[:START_FACTS], True), None))]
+        shown = []
+        for fluent in notable_facts(known, self.lexicon):
+            things = [each for each in fluent.arguments if each in self.lexicon.appearance.nouns]
+            relations = [(thing, view.describe(thing).relation) for thing in things]
+            described = [relation.about(thing) for thing, relation in relations if relation is not None]
+            if not handled.isdisjoint(fluent.arguments) and fluent not in described:
+                shown.append(fluent)
+        start = self._sentences.facts(view, dict.fromkeys(shown[:START_FACTS], True))
+        captions = [(str(self.lexicon.words.frames["start"]), start)]
         for number, (action, subgoal) in enumerate(zip(task.actions, task.subgoals, strict=True), 1):
             before = self.lexicon.view(context_of(task, number - 1))
-            heading, topic = self._heading(before, action)
+            try:
+                heading, topic = self._sentences.write(before, action, None, None)
+            except QueryError:  # all sentences are ambiguous: the plain one has the names of things
+                heading, topic = sentence(action, self.lexicon.domain.settings.language), None
             made = dict(list(notable_facts(subgoal, self.lexicon).items())[:CAPTION_FACTS])
             moved = topic is not None and before.describe(topic).relation is not None
-            captions.append((f"{number}. {heading}", self._caption(before, made, topic if moved else None)))
+            captions.append((f"{number}. {heading}", self._sentences.facts(before, made, topic if moved else None)))
         written = self.lexicon.words.contracted
-        return [(written(heading), written(caption)) for heading, caption in captions]
-
-    def _heading(self, view: View, action: Atom) -> tuple[str, str | None]:
-        """Return the sentence of an action; where all are ambiguous, the plain one with the names of things."""
-        try:
-            return self._sentence(view, action, True, None, None)
-        except QueryError:
-            return sentence(action, self.lexicon.domain.settings.language), None
-
-    def _said_by_names(self, view: View, fluent: Atom) -> Iterator[Atom]:
-        """Yield the relations that are already in the descriptions of a fluent's things."""
-        for thing in fluent.arguments:
-            relation = view.describe(thing).relation if thing in self.lexicon.appearance.nouns else None
-            if relation is not None:
-                yield relation.about(thing)
-
-    def _caption(self, view: View, facts: State, topic: str | None) -> str:
-        texts = [text for fluent, value in facts.items() for text in self._fact_texts(view, fluent, value, topic, None)]
-        return ", ".join(texts)
+        return [(written(heading), written(", ".join(facts))) for heading, facts in captions]
 
     def read(self, start: InstructionContext | Task, text: str) -> Reading:
         """Return the meaning of an instruction at the start of a task, or in another context.
@@ -207,15 +171,6 @@ class InstructionWriter:
         notable = notable_facts(changed, self.lexicon)
         return notable or notable_facts(task.subgoals[-1] if task.subgoals else {}, self.lexicon)
 
-    def _aim(self, subgoal: State) -> State:
-        """Return the notable effects of an action, cached: tasks of one space share them."""
-        frozen = subgoal if isinstance(subgoal, FrozenDict) else FrozenDict(subgoal)
-        if frozen not in self._aims:
-            if len(self._aims) > CACHED:
-                self._aims.clear()
-            self._aims[frozen] = notable_facts(frozen, self.lexicon)
-        return self._aims[frozen]
-
     def _note(self, view: View, atoms: Sequence[Atom], named: dict[str, None]) -> None:
         """Record the entities that are referred to by name."""
         certain = view.context.certain
@@ -225,39 +180,21 @@ class InstructionWriter:
                     if argument in self.lexicon.appearance.nouns and view.describe(argument).name:
                         named[argument] = None
 
-    def _frame(self, level: str) -> str:
-        return str(self.lexicon.words.frames[level])
-
-    def _vague(self, view: View, goal: Mapping[Atom, bool], rng: PhraseRng) -> str:
-        """Return the vague instruction: the goal."""
-        clauses = [
-            clause for fluent, value in goal.items() for clause in self._fact_texts(view, fluent, value, None, rng)
-        ]
+    def _framed(self, level: str, kind: str, clauses: Sequence[str], rng: PhraseRng) -> str:
+        """Return sentences joined in a frame of a level, an empty text if there are none."""
         if not clauses:
             return ""
-        frame = rng.pick(self.phrasings.of(self.lexicon.words.frames["vague"]))
-        return capital(frame.format(facts=self._joined(clauses, "facts", rng)))
-
-    def _default(self, view: View, actions: Sequence[Atom], rng: PhraseRng) -> str:
-        """Return the default instruction: the actions, with "it" for the topic of the sentence before."""
-        clauses, topic = [], None
-        for action in actions:
-            clause, topic = self._sentence(view, action, True, topic, rng)
-            clauses.append(clause)
-        if not clauses:
-            return ""
-        frame = rng.pick(self.phrasings.of(self.lexicon.words.frames["default"]))
-        return capital(frame.format(actions=self._joined(clauses, "sentences", rng)))
+        frame = rng.pick(self.phrasings.of(self.lexicon.words.frames[level]))
+        text = self._joined(clauses, kind, rng)
+        return capital(frame.format(facts=text, actions=text))
 
     def _exact(self, view: View, actions: Sequence[Atom], aims: Sequence[State], rng: PhraseRng) -> str:
         """Return the exact instruction: the actions and the aim of each."""
         words, steps = self.lexicon.words, []
         alone, aimed = words.frames["exact"]
         for number, (action, aim) in enumerate(zip(actions, aims, strict=True), 1):
-            clause, topic = self._sentence(view, action, True, None, rng)
-            facts = [
-                text for fluent, value in aim.items() for text in self._fact_texts(view, fluent, value, topic, rng)
-            ]
+            clause, topic = self._sentences.write(view, action, None, rng)
+            facts = self._sentences.facts(view, aim, topic, rng)
             frame = aimed if facts else alone
             step = frame.format(
                 number=words.number(number), action=clause, facts=self._joined(facts, "facts", rng) if facts else ""
@@ -272,110 +209,6 @@ class InstructionWriter:
             joint = rng.pick([each for each in joints if each != joint] or joints)
             text += joint + clause
         return text
-
-    def _fact_texts(self, view: View, fluent: Atom, value: bool, topic: str | None, rng: PhraseRng | None) -> list[str]:
-        """Return the sentence of a fact in a list, which is empty where no sentence is unambiguous."""
-        try:
-            return [self._sentence(view, fluent, value, topic, rng, of_actions=False)[0]]
-        except QueryError:
-            return []
-
-    def _sentence(
-        self, view: View, atom: Atom, value: bool, topic: str | None, rng: PhraseRng | None, *, of_actions: bool = True
-    ) -> ClearSentence:
-        """Return an unambiguous sentence of an action, or of a fluent and its value, and its topic.
-
-        Raises:
-            QueryError: there is none.
-        """
-        sentences = self._paraphrases_of(atom, value, of_actions)
-        first = rng.number(len(sentences.given)) if sentences.given and rng else 0
-        key = (view.context, topic, first, view.related(sentences.things))
-        try:
-            found = sentences.clear[key]
-        except KeyError:
-            found, of_state = self._search(view, sentences.ways(first), (atom, value, of_actions), topic)
-            if not of_state:
-                self._keep(sentences, key, found)
-        if found is not None:
-            return found
-        where = "actions" if of_actions else "facts"
-        if not sentences.known:
-            kind = "action" if of_actions else "fluent"
-            raise QueryError(f"{atom} is no {kind} of {self.lexicon.domain.name}; give tasks of that domain")
-        raise QueryError(
-            f"no sentence for {atom} that means nothing else; write one that names all that it speaks of "
-            f"under [language.{self.lexicon.language}.{where}]"
-        )
-
-    def _keep(self, sentences: _Paraphrases, key: object, found: ClearSentence | None) -> None:
-        """Cache an unambiguous sentence; clear the caches where there are too many."""
-        if self._cached > CACHED:
-            for each in self._sentences.values():
-                each.clear.clear()
-            self._cached = 0
-        sentences.clear[key] = found
-        self._cached += 1
-
-    def _search(
-        self, view: View, ways: Iterator[tuple[Sentence, int]], what: tuple[Atom, bool, bool], topic: str | None
-    ) -> tuple[ClearSentence | None, bool]:
-        """Return the first unambiguous sentence of some, and whether that depends on the state.
-
-        It does not where it depends on the descriptions of the things alone.
-        """
-        (atom, value, of_actions), of_state = what, False
-        for clause, variant in ways:
-            text = self._written(view, clause, atom, topic, variant)
-            meanings, unsure = self.reader.parse_sentence(view, text, topic, of_actions=of_actions)
-            of_state |= unsure
-            if len(meanings) == 1:
-                (parsed,) = meanings
-                if (parsed.atom, parsed.value) == (atom, value):
-                    return (text, parsed.topic), of_state
-        return None, of_state
-
-    def _paraphrases_of(self, atom: Atom, value: bool, of_actions: bool) -> _Paraphrases:
-        """Return the sentences of an action, or of a fluent and its value."""
-        key = (atom, value, of_actions)
-        found = self._sentences.get(key)
-        if found is None:
-            found = self._sentences[key] = self._find_paraphrases(atom, value, of_actions)
-        return found
-
-    def _find_paraphrases(self, atom: Atom, value: bool, of_actions: bool) -> _Paraphrases:
-        """Collect the sentences; where only some phrasings are written, an action has no other ones."""
-        clauses = self.lexicon.sentences.actions if of_actions else self.lexicon.sentences.facts
-        known = [each for each in clauses.get((atom.name, len(atom.arguments)), ()) if each.value == value]
-        gender = self._gender
-        usable = [each for each in known if not each.template.genders or gender(each, atom) in each.template.genders]
-        given = [each for each in usable if not each.spare and each.identifies(atom, self.lexicon.appearance.robots)]
-        if not of_actions:  # with one robot it needs no mention
-            fewest = min((len(each.template.slots) for each in given), default=0)
-            given = [each for each in given if len(each.template.slots) == fewest]
-        chosen = [each for each in given if self.phrasings.has(each.template.phrasing)]
-        if chosen or of_actions:
-            given = chosen
-        spare = [] if of_actions and self.phrasings.all > 1 else [each for each in usable if each.spare]
-        things = tuple(each for each in atom.arguments if each in self.lexicon.appearance.nouns)
-        return _Paraphrases(tuple(given), tuple(spare), things, any(atom in clause.atoms for clause in known))
-
-    def _gender(self, clause: Sentence, atom: Atom) -> str:
-        """Return the gender of the first thing in a sentence."""
-        return (
-            self.lexicon.phrases.gender(atom.arguments[clause.template.arguments[0]]) if clause.template.slots else ""
-        )
-
-    def _written(self, view: View, clause: Sentence, atom: Atom, topic: str | None, variant: int) -> str:
-        """Return the text of a sentence with phrases for its things."""
-        phrases, words = self.lexicon.phrases, []
-        for slot in clause.template.slots:
-            value = atom.arguments[slot.argument]
-            if value == topic:
-                words.append(phrases.pronoun(value, slot.case))
-            else:
-                words.append(phrases.write(view, value, slot.case, variant))
-        return clause.template.fill(words)
 
 
 def instruction_writer_of(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import copy
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING
 
 from prag_asp.dataset.language.appearance import appearance_of
@@ -57,7 +57,7 @@ class Lexicon:
 
     def _reset_caches(self) -> None:
         """Create empty caches of contexts and states."""
-        self._context = lru_cache(maxsize=CACHED)(self._new_context)
+        self._context = lru_cache(maxsize=CACHED)(partial(ContextSet, self.appearance))
         self._context_of = lru_cache(maxsize=CACHED)(self._known_context)
         self._view = lru_cache(maxsize=CACHED)(self._new_view)
 
@@ -82,22 +82,15 @@ class Lexicon:
             raise QueryError(f"{self.domain.name} has no entity {min(unknown)}; {hint}")
         return self._context(entities | self.appearance.seen if self.appearance.pictured else self._entities)
 
-    def _new_context(self, entities: frozenset[str]) -> ContextSet:
-        return ContextSet(self.appearance, entities)
-
 
 def _reader(domain: Domain, language: str) -> GrammarReader:
-    """Return the reader of the language's tables of a domain.
-
-    Raises:
-        QueryError: the language has no words, or the domain has no sentences in it.
-    """
+    """Return the reader of the language's tables of a domain."""
     known = languages(domain.settings)
     if language not in known:
         if language not in shipped_languages():
-            raise QueryError(f"{domain.name} does not speak {language!r}; it speaks {listed(known)}")
+            raise QueryError(f"{domain.name} has no sentences in {language!r}; it has those in {listed(known)}")
         raise QueryError(
-            f"{domain.name} does not speak {language!r}; write its sentences under [language.{language}.actions], "
+            f"{domain.name} has no sentences in {language!r}; write its sentences under [language.{language}.actions], "
             f"or take {listed(known)}"
         )
     reader = GrammarReader(domain.settings, domain.facts, language)

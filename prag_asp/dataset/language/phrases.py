@@ -51,7 +51,11 @@ class NounPhrases:
             return self.plain(what, case)
         gender = self.gender(value)
         modifier = next(self._modifiers(what.relation, gender))
-        where = self._where(view.context, what.relation, modifier)
+        words = []
+        for other, slot in zip(modifier.arguments(what.relation), modifier.template.slots, strict=True):
+            best = view.context.best(other) if other in self.appearance.nouns else None
+            words.append(self.plain(best, slot.case or self.words.cases[0]) if best else self.value(other))
+        where = modifier.template.fill(words)
         forms = [each for each in self._modified if not each.genders or gender in each.genders]
         if modifier.template.genders:  # it is a sentence with a verb
             variant = 0
@@ -63,32 +67,24 @@ class NounPhrases:
 
     def plain(self, what: Description, case: str) -> str:
         """Return the noun phrase of a description without a relation."""
-        text = self._written.get((what, case))
-        if text is None:
-            text = self._written[what, case] = self._plain(what, case)
-        return text
-
-    def _plain(self, what: Description, case: str) -> str:
+        known = self._written.get((what, case))
+        if known is not None:
+            return known
         noun = self._nouns.get(what.noun)
         gender = noun.gender if noun else self.words.genders[0]
         word = noun.forms[case] if noun else ""
         the = self.words.agreeing("the", gender, case)
         if what.name:
             name = self.appearance.names.get(what.name, plain(what.name))
-            return " ".join(str(self.words.table["named"]).format(the=the, noun=word, name=name).split())
-        parts = {"the": the, "noun": word}
-        for part in ("color", "size", "place"):
-            term = getattr(what, part)
-            parts[part] = self.words.adjective(f"{part}s", term, gender, case) if term else ""
-        return " ".join(parts[part] for part in self.words.table["phrase"] if parts[part])
-
-    def _where(self, context: ContextSet, relation: Relation, modifier: Modifier) -> str:
-        """Return the modifier of a relation; its other things have descriptions without relations."""
-        words = []
-        for value, slot in zip(modifier.arguments(relation), modifier.template.slots, strict=True):
-            best = context.best(value) if value in self.appearance.nouns else None
-            words.append(self.plain(best, slot.case or self.words.cases[0]) if best else self.value(value))
-        return modifier.template.fill(words)
+            parts = str(self.words.table["named"]).format(the=the, noun=word, name=name).split()
+        else:
+            by_kind = {"the": the, "noun": word}
+            for kind in ("color", "size", "place"):
+                term = getattr(what, kind)
+                by_kind[kind] = self.words.adjective(f"{kind}s", term, gender, case) if term else ""
+            parts = [by_kind[kind] for kind in self.words.table["phrase"] if by_kind[kind]]
+        self._written[what, case] = " ".join(parts)
+        return self._written[what, case]
 
     def _modifiers(self, relation: Relation, gender: str = "") -> Iterator[Modifier]:
         """Yield the modifiers that mean a relation alone, for subjects of a gender."""

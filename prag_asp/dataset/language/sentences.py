@@ -40,13 +40,11 @@ class Sentence:
 
         A sentence that leaves the robot open is only for scenes with one robot.
         """
-        if len(robots) > 1 and not robots.isdisjoint(self._unnamed(atom)):
+        named = self.template.arguments
+        unnamed = (argument for index, argument in enumerate(atom.arguments) if index not in named)
+        if len(robots) > 1 and not robots.isdisjoint(unnamed):
             return False
         return self.meant(self.arguments(atom)) == (atom,)
-
-    def _unnamed(self, atom: Atom) -> Iterator[str]:
-        named = self.template.arguments
-        return (argument for index, argument in enumerate(atom.arguments) if index not in named)
 
 
 class Modifier:

@@ -55,7 +55,7 @@ class LocalExecutor:
         from prag_asp.processes.worker_pool import map_ordered
 
         numbered = ((job.search, job) for job in jobs)
-        chunk = max(CHUNK // setup.starts, 1)
+        chunk = max(CHUNK // setup.spec.starts, 1)
         opened = partial(open_job_validator, setup)
         with closing(map_ordered(numbered, opened, self.workers, activity=ACTIVITY, chunk=chunk)) as results:
             yield from results

@@ -23,7 +23,7 @@ from typing import Any
 from prag_asp.dataset.validation_jobs import JobResult, ValidationJob, ValidationSetup, open_draw_validator
 from prag_asp.errors import WorkerError
 from prag_asp.processes.progress_events import stage
-from prag_asp.processes.workers import Worker, WorkerEnded, WorkerGroup, uninterrupted
+from prag_asp.processes.workers import WorkerEnded, WorkerGroup, uninterrupted
 
 AHEAD = 2
 """Ray tasks submitted per processor: the one that runs, and one more, so that no processor has to wait."""
@@ -84,18 +84,12 @@ class RayExecutor:
                                 each._replace(row=RowReference(table, place)) for place, each in enumerate(results)
                             )
                 finally:
-                    with uninterrupted():
-                        _terminate(client)
+                    with uninterrupted(), suppress(subprocess.TimeoutExpired):
+                        client.process.terminate()  # a kill would leave agents of a local cluster behind
+                        client.process.wait(PARTING)
             except WorkerEnded as ended:
                 message = f"the process that talks to Ray ended {ended}; is there enough memory? Run it again"
                 raise WorkerError(message) from None
-
-
-def _terminate(client: Worker) -> None:
-    """Terminate the client, and let Ray end our work; if it were killed, a local cluster would leave agents behind."""
-    client.process.terminate()
-    with suppress(subprocess.TimeoutExpired):
-        client.process.wait(PARTING)
 
 
 def answers(messages: Iterator[Any]) -> Iterator[int | bytes | None]:
@@ -125,7 +119,13 @@ def answers(messages: Iterator[Any]) -> Iterator[int | bytes | None]:
             waiting.extend((remote.remote(run, setup, group), len(group)) for group in groups)
             continue
         reference, number = waiting.popleft()
-        results, seconds = _answer(ray, reference)
+        try:
+            results, error, seconds = ray.get(reference)
+        except ray.exceptions.RayError as failure:
+            problem = f"the Ray cluster gave tasks up: {_line(failure)}"
+            raise WorkerError(f"{problem}; see its nodes, and run it again") from None
+        if error is not None:
+            raise error
         target = int(number * SECONDS / max(seconds, 1e-6))
         size = max(1, min(target, GROWTH * max(number, size), LARGEST))
         yield results
@@ -133,60 +133,27 @@ def answers(messages: Iterator[Any]) -> Iterator[int | bytes | None]:
 
 
 def _begin(ray: Any) -> None:
-    """Connect to the cluster of ``RAY_ADDRESS``, or start one on this machine.
-
-    Raises:
-        WorkerError: there is no cluster at the address.
-    """
+    """Connect to the cluster of ``RAY_ADDRESS``, or start one on this machine."""
     os.environ.update(QUIET)
     address = os.environ.get("RAY_ADDRESS") or "local"
     options = {"include_dashboard": False} if address == "local" else {}
     try:
-        _require_listener(address)
+        place = re.fullmatch(r"\[?([^/\[\]]+)\]?:([0-9]{1,5})", address)
+        if place is not None:  # Ray itself retries for minutes if nothing listens there
+            socket.create_connection((place[1], int(place[2])), timeout=PATIENCE).close()
         ray.init(address=address, log_to_driver=False, **options)
     except Exception as error:  # Ray has no common error class for this
         raise WorkerError(f"no Ray cluster at {address}: {_line(error)}; see RAY_ADDRESS") from None
 
 
-def _require_listener(address: str) -> None:
-    """Check that something listens at HOST:PORT, because Ray itself retries for minutes.
-
-    Raises:
-        OSError: nothing does.
-    """
-    match = re.fullmatch(r"\[?([^/\[\]]+)\]?:([0-9]{1,5})", address)
-    if match is not None:
-        socket.create_connection((match[1], int(match[2])), timeout=PATIENCE).close()
-
-
 def _processors(ray: Any) -> int:
-    """Return the number of processors of the cluster, and wait for a first one.
-
-    Raises:
-        WorkerError: none appears within `PATIENCE`.
-    """
+    """Return the number of processors of the cluster, and wait for a first one."""
     until = monotonic() + PATIENCE
     while not (number := int(ray.cluster_resources().get("CPU", 0))):
         if monotonic() > until:
             raise WorkerError("the Ray cluster has no processor; start a node of it: ray start --address=HOST:PORT")
         sleep(POLL)
     return number
-
-
-def _answer(ray: Any, reference: Any) -> tuple[bytes, float]:
-    """Return the pickled results of a Ray task, and its duration in seconds.
-
-    Raises:
-        WorkerError: Ray gave the task up.
-        Exception: the error that the task raised.
-    """
-    try:
-        results, error, seconds = ray.get(reference)
-    except ray.exceptions.RayError as failure:
-        raise WorkerError(f"the Ray cluster gave tasks up: {_line(failure)}; see its nodes, and run it again") from None
-    if error is not None:
-        raise error
-    return results, seconds
 
 
 def _line(error: BaseException) -> str:
@@ -213,8 +180,7 @@ def validated(run: str, setup: ValidationSetup, jobs: list[ValidationJob]) -> tu
         if _NODE.run != run:
             _NODE.resources.close()
             _NODE.run, _NODE.resources = "", ExitStack()
-            assert setup.captions is not None
-            _NODE.validate, _NODE.run = _NODE.resources.enter_context(open_draw_validator(setup, setup.captions)), run
+            _NODE.validate, _NODE.run = _NODE.resources.enter_context(open_draw_validator(setup)), run
             begun = monotonic()
         return pickle.dumps(_NODE.validate(jobs)), None, monotonic() - begun
     except Exception as error:

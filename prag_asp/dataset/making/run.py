@@ -17,7 +17,6 @@ from prag_asp.dataset.dataset_spec import DatasetSpec
 from prag_asp.dataset.episode_files import name_of, remove_after
 from prag_asp.dataset.making.draw_plan import DrawPlan
 from prag_asp.dataset.making.executors import Executor
-from prag_asp.dataset.making.preconditions import JOURNAL, difference, require_dataset_folder, too_few
 from prag_asp.dataset.pages.dataset_card import write_card
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.dataset.store.domain_snapshot import MEND, DomainSnapshot, write_snapshot
@@ -32,7 +31,7 @@ from prag_asp.dataset.store.manifest import (
     request_of,
     write_manifest,
 )
-from prag_asp.dataset.validation_jobs import CaptionSetup, JobResult, ValidationJob, ValidationSetup
+from prag_asp.dataset.validation_jobs import JobResult, ValidationJob, ValidationSetup
 from prag_asp.errors import NotFound, OutputError, QueryError
 from prag_asp.integers import digits_of, number_of
 from prag_asp.output import Journal, file_in, make_folder, replace_file
@@ -40,6 +39,7 @@ from prag_asp.processes.workers import uninterrupted
 from prag_asp.safe_reading import read_bytes
 from prag_asp.space.distinct_sampling import TaskOrder
 from prag_asp.space.without_replacement import ordered_parts, with_tasks
+from prag_asp.tables.report import shown
 from prag_asp.versions import versions
 from prag_asp.wording import plural
 
@@ -52,6 +52,9 @@ if TYPE_CHECKING:
 
 RECORDINGS = "demonstrations"
 """The folder of the recordings in a dataset."""
+
+JOURNAL = "journal.part"
+"""The file with the results of the draws since the last shard, to resume an interrupted run; removed at the end."""
 
 Progress = Callable[[str, int, int], None]
 """Reports progress: a message, the number of tasks so far, and the number requested."""
@@ -99,13 +102,23 @@ class DatasetRun:
         """
         spec = self._spec
         self._captioner = captioner_of(self._space.domain, spec.language, spec.seed, spec.phrasings)
-        require_dataset_folder(self._folder)
+        DATASET.require_folder(self._folder, JOURNAL)
         parts = ordered_parts(
             self._space, spec.division, seed=spec.seed, weights=self._space.weights(spec.weights, spec.temperature),
             evenly=spec.evenly, deal=spec.deal,
         )  # fmt: skip
         make_folder(self._folder)
-        request = self._new_manifest(parts)
+        values, spaces = request_of(self._space, spec), {each: self._space.at(each) for each in self._space.lengths}
+        request = Manifest(
+            complete=False,
+            identity=identity_of(self._snapshot, values),
+            spec=spec,
+            lengths=values["lengths"],
+            where=values["where"],
+            domain=self._snapshot,
+            spaces=[SpaceSize(length, digits_of(space.count())) for length, space in spaces.items()],
+            parts=[PartManifest(name, digits_of(part.size), 0) for name, part in parts.items()],
+        )
         self._journal = Journal(self._folder / JOURNAL, request.identity)
         try:
             self._manifest = self._resumed(request)
@@ -126,27 +139,8 @@ class DatasetRun:
         """Return the number of draws after which sampling for a part stops."""
         return self._spec.draws_of(self._shares[name], self._max_draws)
 
-    def _new_manifest(self, parts: Mapping[str, TaskOrder]) -> Manifest:
-        """Return the manifest of the dataset before any draws."""
-        request = request_of(self._space, self._spec)
-        return Manifest(
-            complete=False,
-            identity=identity_of(self._snapshot, request),
-            spec=self._spec,
-            lengths=request["lengths"],
-            where=request["where"],
-            domain=self._snapshot,
-            spaces=[SpaceSize(length, digits_of(self._space.at(length).count())) for length in request["lengths"]],
-            parts=[PartManifest(name, digits_of(part.size), 0) for name, part in parts.items()],
-        )
-
     def _resumed(self, request: Manifest) -> Manifest:
-        """Return the manifest that the run continues; it is complete if there is nothing to do.
-
-        Raises:
-            OutputError: the folder contains another dataset.
-            QueryError: the dataset is damaged, or has more tasks than requested.
-        """
+        """Return the manifest that the run continues; it is complete if there is nothing to do."""
         spec, shares = self._spec, self._shares
         manifest = DATASET.read(self._folder) or request
         if manifest.identity != request.identity:
@@ -175,7 +169,10 @@ class DatasetRun:
         from prag_asp.dataset.store.shard_writer import PartWriter
 
         spec = self._spec
-        results = list(self._journaled_results())
+        results = []  # of draws that an interrupted run has written to the journal since the last shard
+        for line in self._journal.lines:
+            with suppress(msgspec.MsgspecError):
+                results.append(msgspec.json.decode(line, type=DrawResult))
         for note in self._manifest.parts:
             writer = PartWriter(self._folder, note, spec.shard)
             self._fill(writer, parts[note.name], [result for result in results if result.part == note.name])
@@ -186,12 +183,6 @@ class DatasetRun:
         write_card(self._folder, self._manifest, self._space.domain)
         self._manifest.complete = True
         write_manifest(self._folder, self._manifest)
-
-    def _journaled_results(self) -> Iterator[DrawResult]:
-        """Yield the results of draws that an interrupted run has written to the journal since the last shard."""
-        for line in self._journal.lines:
-            with suppress(msgspec.MsgspecError):
-                yield msgspec.json.decode(line, type=DrawResult)
 
     def _fill(self, writer: PartWriter, part: TaskOrder, journaled: list[DrawResult]) -> None:
         """Add draws to a part until it has the requested tasks, or the limit of draws is reached."""
@@ -206,24 +197,27 @@ class DatasetRun:
                     copies = [self._copy_recording(writer, row, parts.folder(holder)) for row in rows.recordings]
                     writer.take(rows._replace(recordings=copies))
                 elif (record := next(records, None)) is not None:
-                    result = self._write_to_journal(writer, record)
+                    result, job_result = record.result, record.job_result
+                    if job_result is not None:
+                        for number, (start, content) in enumerate(
+                            zip(result.starts, job_result.recordings, strict=False)
+                        ):
+                            if start.recording is not None and content is not None:
+                                start.recording.file = self._write_recording(writer, number, content)
+                        self._journal.write(result.to_json() if any(job_result.recordings) else job_result.result)
                     if record.task is not None:
                         writer.add(record.placed, record.task[0], result, record.task[1])
-                    elif record.job_result is not None and record.job_result.row is not None:
-                        writer.add_row(record.placed, record.job_result.row, result)
+                    elif job_result is not None and job_result.row is not None:
+                        writer.add_row(record.placed, job_result.row, result)
                 else:
                     return
-                self._after_draw(writer)
-
-    def _after_draw(self, writer: PartWriter) -> None:
-        """Report progress after a draw, and write the shard if it is full."""
-        done = sum(note.rows("tasks") for note in self._manifest.parts if note is not writer.note) + writer.tasks
-        words = f"{plural(done, 'task')} of {plural(writer.next, 'draw')}"
-        self._progress(words, done, sum(note.requested for note in self._manifest.parts))
-        if writer.full:
-            writer.write()
-            write_manifest(self._folder, self._manifest)
-            self._journal.clear()
+                done = sum(each.rows("tasks") for each in self._manifest.parts if each is not note) + writer.tasks
+                words = f"{plural(done, 'task')} of {plural(writer.next, 'draw')}"
+                self._progress(words, done, sum(each.requested for each in self._manifest.parts))
+                if writer.full:
+                    writer.write()
+                    write_manifest(self._folder, self._manifest)
+                    self._journal.clear()
 
     def _records(
         self, writer: PartWriter, part: TaskOrder, plan: DrawPlan, journaled: list[DrawResult], limit: int
@@ -241,6 +235,8 @@ class DatasetRun:
         self, name: str, plan: DrawPlan, drawn: Iterator[tuple[int, RankedDraw]]
     ) -> Generator[DrawRecord, None, None]:
         """Yield numbered draws of a part, validated by the executor."""
+        from prag_asp.dataset.scenes import scene_of
+
         submitted: deque[tuple[RankedDraw, Task | None]] = deque()
 
         def jobs() -> Iterator[ValidationJob]:
@@ -254,7 +250,12 @@ class DatasetRun:
                 submitted.append((placed, task))
                 yield ValidationJob(number, plan.search_index(number), task)
 
-        with closing(self._executor.run(jobs(), self._setup(name))) as results:
+        domain, lengths = self._space.domain, self._space.lengths
+        clauses = tuple(str(clause) for clause in self._space.condition.clauses)
+        scene = None if self._spec.budget is None else scene_of(domain)
+        decoded = (domain, lengths, clauses) if self._executor.captions else None
+        setup = ValidationSetup(name, self._spec, scene, decoded)
+        with closing(self._executor.run(jobs(), setup)) as results:
             for each in results:
                 placed, task = submitted.popleft()
                 result = msgspec.json.decode(each.result, type=DrawResult)
@@ -265,33 +266,6 @@ class DatasetRun:
         """Yield the tasks of draws; their states are computed in batches."""
         return (task for _, task in with_tasks(self._space, placed))
 
-    def _setup(self, part: str) -> ValidationSetup:
-        """Return the options to validate the draws of a part.
-
-        Raises:
-            SceneError: the domain has no scene, or one of its Python files is not trusted or fails.
-        """
-        from prag_asp.dataset.scenes import scene_of
-
-        spec, space = self._spec, self._space
-        domain, where = space.domain, tuple(str(clause) for clause in space.condition.clauses)
-        scene = None if spec.budget is None else scene_of(domain)
-        captions = None
-        if self._executor.captions:
-            captions = CaptionSetup(domain, space.lengths, where, spec.language, spec.seed, spec.phrasings)
-        return ValidationSetup(part, spec.seed, spec.budget, scene, spec.starts, spec.staging, captions)
-
-    def _write_to_journal(self, writer: PartWriter, record: DrawRecord) -> DrawResult:
-        """Write the recordings of a draw and its result, unless it comes from the journal; return the result."""
-        result, job_result = record.result, record.job_result
-        if job_result is None:
-            return result
-        for number, (start, recording) in enumerate(zip(result.starts, job_result.recordings, strict=False)):
-            if start.recording is not None and recording is not None:
-                start.recording.file = self._write_recording(writer, number, recording)
-        self._journal.write(msgspec.json.encode(result) if any(job_result.recordings) else job_result.result)
-        return result
-
     def _write_recording(self, writer: PartWriter, start: int, content: bytes) -> str:
         """Write the recording from an initial state of the next task, and return the path of its file."""
         folder = f"{RECORDINGS}/{writer.note.name}"
@@ -300,11 +274,7 @@ class DatasetRun:
         return f"{folder}/{name}"
 
     def _copy_recording(self, writer: PartWriter, row: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
-        """Copy the recording from an initial state of the next task, and return its row.
-
-        Raises:
-            QueryError: it cannot be read, or differs from its record in the table.
-        """
+        """Copy the recording from an initial state of the next task, and return its row."""
         path = folder / str(row["file"])
         try:
             content = read_bytes(path, within=folder)
@@ -313,3 +283,25 @@ class DatasetRun:
         if sha256(content).hexdigest() != row["sha256"]:
             raise QueryError(f"{path}: is not the file that was written; {MEND}")
         return {**row, "file": self._write_recording(writer, row["start"], content)}
+
+
+def difference(one: Manifest, other: Manifest) -> str:
+    """Return the first difference between two manifests with different identities, as a message."""
+    if one.domain.name != other.domain.name:
+        return f"is a dataset of {one.domain.name}, not of {other.domain.name}"
+    before = one.request
+    for name, value in other.request.items():
+        if before[name] != value:
+            return f"is a dataset made with other {name.replace('_', ' ')} ({shown(before[name])})"
+    return "is a dataset of another state of the domain or of the encodings"
+
+
+def too_few(part: PartManifest, available: TaskOrder, limit: int) -> str:
+    """Return the message for a part with fewer tasks than requested, with the reason."""
+    draws = plural(part.draws, "draw")
+    summary = f"only {part.tasks} of {plural(part.requested, 'task')} for {part.name} found in {draws}"
+    if part.draws >= limit:
+        return f"{summary}; raise --max-draws"
+    if part.draws >= available.size:
+        return f"{summary}, which are all that there are"
+    return f"{summary}; those left weigh next to nothing: give other weights, or --uniform"

@@ -4,22 +4,25 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from prag_asp.dataset.pages.strips import write_strips
-from prag_asp.dataset.store.manifest import Manifest, PartManifest, summed
+from prag_asp.dataset.language import sentence
+from prag_asp.dataset.store.dataset import Dataset
+from prag_asp.dataset.store.domain_snapshot import FileRecord
+from prag_asp.dataset.store.manifest import FOLDERS, Manifest, summed
+from prag_asp.errors import PicturesMissingError
 from prag_asp.integers import grouped, number_of
-from prag_asp.output import file_in, replace_file
+from prag_asp.output import file_in, make_folder, replace_file
+from prag_asp.processes.progress_events import stage
+from prag_asp.safe_reading import read_bytes
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
 
 NAME = "README.md"
-TABLES = {"tasks": "data", "witnesses": "witnesses", "refused": "refused", "recordings": "recordings"}
-"""The folder of each table, in the order in which a hub offers them."""
-
 ABOUT = {
     "tasks": "tasks: plan, initial state, subgoals, goal, instructions, verdict",
     "witnesses": "how a robot does each of them, from each initial state, as JSON: `task` and `start` number them",
@@ -30,6 +33,23 @@ SIZES = (
     (1_000, "n<1K"), (10_000, "1K<n<10K"), (100_000, "10K<n<100K"), (1_000_000, "100K<n<1M"), (10_000_000, "1M<n<10M"),
 )  # fmt: skip
 LARGEST_SIZE = "n>10M"
+
+EXAMPLE = """```python
+from datasets import load_dataset
+load_dataset("NAME OR FOLDER OF THIS DATASET", "tasks")["{part}"][0]["instruction"]
+
+from prag_asp import Dataset
+dataset = Dataset.open("FOLDER")
+dataset.task(0), dataset.domain.name
+```
+"""
+
+PICTURES = "pictures"
+STRIPS, STATES = 2, 4
+"""The number of film strips, and of states in each: rendering a state takes as long as some dozen verdicts."""
+
+STRIP_SIZE = (240, 210)
+"""The width and height in pixels of the picture of a state."""
 
 
 def write_card(folder: Path, manifest: Manifest, domain: Domain) -> None:
@@ -42,6 +62,37 @@ def write_card(folder: Path, manifest: Manifest, domain: Domain) -> None:
     replace_file(file_in(folder, NAME), card_text(manifest, domain), follow=False)
 
 
+def write_strips(folder: Path, manifest: Manifest, domain: Domain) -> list[FileRecord]:
+    """Write film strips of the first tasks if the dataset has witnesses; none if Pillow is not installed.
+
+    Raises:
+        OutputError: a picture cannot be written.
+    """
+    if not manifest.rows("witnesses"):
+        return []
+    from prag_asp.dataset.scenes import scene_of
+    from prag_asp.physics import film_strip
+    from prag_asp.physics.pictures.saving import save_picture
+
+    stage("drawing pictures")
+    data = Dataset(folder, manifest, parts=tuple(part.name for part in manifest.parts))
+    scene, language, records = scene_of(domain), domain.settings.language, []
+    for number in range(min(STRIPS, data.count())):
+        task = data.task(number)
+        headings = [sentence(action, language) if action.name in language else None for action in task.actions]
+        try:
+            strip = film_strip(
+                task, data.witness(number), scene, frames=STATES, columns=STATES, size=STRIP_SIZE, headings=headings
+            )
+        except PicturesMissingError:
+            return []
+        name = f"{PICTURES}/{number:03d}.png"
+        save_picture(strip, make_folder(folder / PICTURES) / Path(name).name)
+        content = read_bytes(folder / name)
+        records.append(FileRecord(name, len(content), sha256(content).hexdigest()))
+    return records
+
+
 def card_text(manifest: Manifest, domain: Domain) -> bytes:
     """Return the content of the card of a dataset."""
     lines = [*_front(manifest, domain), *_text(manifest, domain, [each.path for each in manifest.pictures])]
@@ -51,17 +102,11 @@ def card_text(manifest: Manifest, domain: Domain) -> bytes:
 def _front(manifest: Manifest, domain: Domain) -> Iterator[str]:
     """Yield the front matter for hubs and loaders, with the files of each table by part."""
     tasks = manifest.rows("tasks")
-    yield "---"
-    yield f"pretty_name: {json.dumps(_title(manifest, domain))}"
-    yield "task_categories:"
-    yield "- robotics"
-    yield "tags:"
-    for tag in ("robotics", "task-planning", "prag_asp"):
-        yield f"- {tag}"
+    yield from front_matter(_title(manifest, domain), "robotics", "task-planning", "prag_asp")
     yield "size_categories:"
     yield f"- {next((name for bound, name in SIZES if tasks < bound), LARGEST_SIZE)}"
     yield "configs:"
-    for table, below in TABLES.items():
+    for table, below in FOLDERS.items():
         parts = [part.name for part in manifest.parts if part.rows(table)]
         if not parts:
             continue
@@ -73,6 +118,16 @@ def _front(manifest: Manifest, domain: Domain) -> Iterator[str]:
             yield f"  - split: {name}"
             yield f"    path: {below}/{name}-*.parquet"
     yield "---"
+
+
+def front_matter(title: str, *tags: str) -> Iterator[str]:
+    """Yield the first lines of the front matter of a card."""
+    yield "---"
+    yield f"pretty_name: {json.dumps(title)}"
+    yield "task_categories:"
+    yield "- robotics"
+    yield "tags:"
+    yield from (f"- {tag}" for tag in tags)
 
 
 def _text(manifest: Manifest, domain: Domain, pictures: list[str]) -> Iterator[str]:
@@ -101,16 +156,18 @@ def _text(manifest: Manifest, domain: Domain, pictures: list[str]) -> Iterator[s
     yield "| part | tasks | draws | of all tasks of the part |"
     yield "|---|---|---|---|"
     for part in manifest.parts:
-        yield f"| {part.name} | {part.tasks:,} | {part.draws:,} | {_share(part)} of {grouped(number_of(part.size))} |"
+        assert part.covered is not None
+        share = f"{_percent(part.covered.value)} of {grouped(number_of(part.size))}"
+        yield f"| {part.name} | {part.tasks:,} | {part.draws:,} | {share} |"
     yield ""
     yield from _by_length(manifest)
     yield "| table | rows | what |"
     yield "|---|---|---|"
-    for table, below in TABLES.items():
+    for table, below in FOLDERS.items():
         if manifest.rows(table):
             yield f"| `{below}/` | {manifest.rows(table):,} | {ABOUT[table]} |"
     yield ""
-    yield from _reading(manifest)
+    yield EXAMPLE.format(part=manifest.parts[0].name)
     yield f"Made by {manifest.versions}. `dataset.json` has all figures, exactly, and the hashes of all files;"
     yield "`domain/` and `encodings/` are the logic program that the tasks are of."
 
@@ -133,26 +190,8 @@ def _by_length(manifest: Manifest) -> Iterator[str]:
     yield ""
 
 
-def _reading(manifest: Manifest) -> Iterator[str]:
-    """Yield code examples that load the dataset."""
-    yield "```python"
-    yield "from datasets import load_dataset"
-    yield f'load_dataset("NAME OR FOLDER OF THIS DATASET", "tasks")["{manifest.parts[0].name}"][0]["instruction"]'
-    yield ""
-    yield "from prag_asp import Dataset"
-    yield 'dataset = Dataset.open("FOLDER")'
-    yield "dataset.task(0), dataset.domain.name"
-    yield "```"
-    yield ""
-
-
 def _title(manifest: Manifest, domain: Domain) -> str:
     return f"{domain.settings.title or domain.label}: {plural(manifest.rows('tasks'), 'task')}"
-
-
-def _share(part: PartManifest) -> str:
-    assert part.covered is not None
-    return _percent(part.covered.value)
 
 
 def _percent(share: float) -> str:

@@ -177,11 +177,7 @@ class Dataset:
         return entry_of(row, note.name, self.manifest.domain.constants)
 
     def _row(self, number: int) -> tuple[PartManifest, Mapping[str, Any]]:
-        """Return the part and the row of a task by its number.
-
-        Raises:
-            IndexError: there is no such task.
-        """
+        """Return the part and the row of a task by its number."""
         if self.conditions:
             number = self._chosen[number]
         size = sum(note.rows("tasks") for note in self._notes)
@@ -246,11 +242,7 @@ class Dataset:
         return {space.length: number_of(space.tasks) for space in self.manifest.spaces}
 
     def _start(self, table: str, number: int, start: int) -> Mapping[str, Any]:
-        """Return the row of an initial state of a task.
-
-        Raises:
-            QueryError: there is no such row.
-        """
+        """Return the row of an initial state of a task."""
         note, task = self._row(number)
         for row in self._tables.starts(note, table, task):
             if row["start"] == start:

@@ -85,7 +85,7 @@ def load_snapshot(folder: Path, snapshot: DomainSnapshot, *, trust: bool = False
     Raises:
         DomainError: a file is missing, differs from its record in dataset.json, or is read without a record there.
     """
-    from prag_asp.domain.load import load_domain
+    from prag_asp.domain.load import load_domain, scene_files
 
     for name in (DOMAIN, ENCODINGS):
         if not is_inside(folder / name, folder):
@@ -102,20 +102,13 @@ def load_snapshot(folder: Path, snapshot: DomainSnapshot, *, trust: bool = False
         folder / DOMAIN, constants=snapshot.constants, encodings=folder / ENCODINGS, flat=snapshot.flat, trust=trust
     )
     recorded = {(folder / file.path).resolve() for file in (*snapshot.files, *snapshot.encodings)}
-    for path in _files_read(domain):
+    settings = domain.settings
+    files = [source.path for source in domain.program.sources]
+    files += [settings.path] if settings.text else []
+    for path in (*files, *scene_files(settings.scene, settings.path.parent)):
         if path.resolve() not in recorded:
             raise DomainError(f"{path}: is none of the files that dataset.json names; {MEND}")
     return replace(domain, name=snapshot.name)
-
-
-def _files_read(domain: Domain) -> Iterator[Path]:
-    """Yield the files that a domain was read from."""
-    from prag_asp.domain.load import scene_files
-
-    yield from (source.path for source in domain.program.sources)
-    if domain.settings.text:
-        yield domain.settings.path
-    yield from scene_files(domain.settings.scene, domain.settings.path.parent)
 
 
 def digest_of(path: Path, *, at_most: int | None = None) -> str:
@@ -145,14 +138,6 @@ def _own_sources(domain: Domain) -> list[Source]:
     return [source for source in domain.program.sources if source.path.resolve() not in core]
 
 
-def _portable_text(source: Source, encodings: Path) -> str:
-    """Return the text of a source; a rule of the encodings, whose predicates are reserved, is included by its name."""
-    path, folder = source.path.resolve(), encodings.resolve()
-    if path.is_relative_to(folder):
-        return f'#include "{path.relative_to(folder).as_posix()}".\n'
-    return f"#program base.\n{source.text}\n"
-
-
 def _own_files(domain: Domain) -> Iterator[tuple[str, bytes]]:
     """Yield the files of a folder that defines the same domain; if the domain is a folder, they are its own."""
     from prag_asp.domain.load import LEARNED, scene_files
@@ -165,7 +150,13 @@ def _own_files(domain: Domain) -> Iterator[tuple[str, bytes]]:
         for source in logic:
             yield source.path.resolve().relative_to(folder).as_posix(), read_bytes(source.path)
     else:
-        yield "domain.lp", "".join(_portable_text(source, domain.encodings) for source in logic).encode()
+        text, rules = "", domain.encodings.resolve()
+        for source in logic:  # the predicates of a rule of the encodings are reserved: it is included by its name
+            path = source.path.resolve()
+            is_rule = path.is_relative_to(rules)
+            include = f'#include "{path.relative_to(rules).as_posix()}".\n' if is_rule else ""
+            text += include or f"#program base.\n{source.text}\n"
+        yield "domain.lp", text.encode()
     for source in learned:
         yield LEARNED, source.text.encode()
     settings = domain.settings

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import msgspec
+
+from prag_asp.physics.verdict import Verdict
 
 NOTHING = msgspec.Raw(b"null")
 
@@ -36,17 +37,17 @@ class StartResult(msgspec.Struct):
 
 
 class DrawResult(msgspec.Struct):
-    """The result of a draw: its verdict, without the witness, and the result from each initial state."""
+    """The result of a draw: its verdict, without a witness, and the result from each initial state."""
 
     part: str
     draw: int
-    verdict: dict[str, Any] | None
+    verdict: Verdict | None
     starts: list[StartResult]
 
     @property
     def passed(self) -> bool:
         """Whether the task was accepted, not refused."""
-        return self.verdict is None or self.verdict["status"] == "feasible"
+        return self.verdict is None or self.verdict.feasible
 
     @property
     def witnesses(self) -> int:
@@ -58,3 +59,10 @@ class DrawResult(msgspec.Struct):
         """The colours that the texts of the task describe: those of the first recording, if not the scene's."""
         recording = self.starts[0].recording if self.starts else None
         return {} if recording is None else recording.colours
+
+    def to_json(self) -> bytes:
+        """Return the result as JSON, for the journal and for other processes."""
+        verdict = None if self.verdict is None else self.verdict.to_json()
+        if verdict is not None:
+            del verdict["witness"]
+        return msgspec.json.encode({**msgspec.structs.asdict(self), "verdict": verdict})

@@ -46,34 +46,27 @@ def entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) ->
     Raises:
         QueryError: a value is missing or invalid.
     """
+    from prag_asp.physics.verdict import Verdict
+
     with _row_errors(row):
-        return _entry_of(row, part, constants)
-
-
-def _entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) -> DatasetEntry:
-    return DatasetEntry(
-        part,
-        row.get("task"),
-        row["draw"],
-        _rank(row["rank"]),
-        _task_of(row, constants),
-        None if row["verdict"] is None else _verdict(row["verdict"]),
-        {each["level"]: each["text"] for each in row["instruction"]},
-        tuple(row["subgoal_instructions"]),
-        tuple(row["named"]),
-        row.get("starts", 0),
-    )
-
-
-def _rank(text: str) -> int:
-    """Return a rank, which may outgrow 64 bits.
-
-    Raises:
-        ValueError: it is no number, or has more digits than any count of tasks.
-    """
-    if len(text) > MOST_DIGITS or not text.isascii() or not text.isdecimal():
-        raise ValueError("the rank is no number")
-    return number_of(text)
+        rank, verdict = row["rank"], None
+        if len(rank) > MOST_DIGITS or not rank.isascii() or not rank.isdecimal():
+            raise ValueError("the rank is no number")
+        if row["verdict"] is not None:
+            causes = {each["cause"]: each["count"] for each in row["verdict"]["causes"]}
+            verdict = Verdict.from_json({**row["verdict"], "causes": causes, "witness": None})
+        return DatasetEntry(
+            part,
+            row.get("task"),
+            row["draw"],
+            number_of(rank),
+            task_of(row, constants),
+            verdict,
+            {each["level"]: each["text"] for each in row["instruction"]},
+            tuple(row["subgoal_instructions"]),
+            tuple(row["named"]),
+            row.get("starts", 0),
+        )
 
 
 def task_of(row: Mapping[str, Any], constants: Mapping[str, str]) -> Task:
@@ -83,7 +76,17 @@ def task_of(row: Mapping[str, Any], constants: Mapping[str, str]) -> Task:
         QueryError: a value is missing or invalid.
     """
     with _row_errors(row):
-        return _task_of(row, constants)
+        return Task(
+            domain=row["domain"],
+            actions=tuple(map(parse_atom, row["plan"])),
+            entities=FrozenDict({each["entity"]: each["class"] for each in row["entities"]}),
+            initial=_state(row["initial"]),
+            states=tuple(map(_state, row["states"])),
+            subgoals=tuple(map(_state, row["subgoals"])),
+            goal=_state(row["goal"]),
+            log_probability=row["log_probability"],
+            constants=FrozenDict(constants),
+        )
 
 
 @contextmanager
@@ -95,26 +98,5 @@ def _row_errors(row: Mapping[str, Any]) -> Iterator[None]:
         raise QueryError(f"draw {row.get('draw')}: a value of the row is none of a task: {error}") from None
 
 
-def _task_of(row: Mapping[str, Any], constants: Mapping[str, str]) -> Task:
-    return Task(
-        domain=row["domain"],
-        actions=tuple(map(parse_atom, row["plan"])),
-        entities=FrozenDict({each["entity"]: each["class"] for each in row["entities"]}),
-        initial=_state(row["initial"]),
-        states=tuple(map(_state, row["states"])),
-        subgoals=tuple(map(_state, row["subgoals"])),
-        goal=_state(row["goal"]),
-        log_probability=row["log_probability"],
-        constants=FrozenDict(constants),
-    )
-
-
 def _state(facts: Sequence[Mapping[str, Any]]) -> FrozenDict[Atom, bool]:
     return FrozenDict({parse_atom(fact["fluent"]): fact["value"] for fact in facts})
-
-
-def _verdict(row: Mapping[str, Any]) -> Verdict:
-    from prag_asp.physics.verdict import Verdict
-
-    causes = {each["cause"]: each["count"] for each in row["causes"]}
-    return Verdict.from_json({**row, "causes": causes, "witness": None})

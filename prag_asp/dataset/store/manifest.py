@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 NAME = "dataset.json"
 
+FOLDERS = {"tasks": "data", "witnesses": "witnesses", "refused": "refused", "recordings": "recordings"}
+"""The folder of each table inside a dataset, in the order in which a hub offers the tables."""
+
 MOST_DIGITS = 1_000_000
 """The most digits of a count of tasks: the time to parse a number grows with the square of its digits."""
 
@@ -200,6 +203,22 @@ def summed(tallies: Iterable[LengthTally]) -> list[LengthTally]:
             reasons[reason.status, reason.reason] = reasons.get((reason.status, reason.reason), 0) + reason.count
         into.reasons = [RefusalCount(*key, count) for key, count in sorted(reasons.items())]
     return [sums[length] for length in sorted(sums)]
+
+
+def tally_of_draw(length: int, verdict: Mapping[str, Any] | None, witnesses: int = 0) -> LengthTally:
+    """Return the tally of a single draw, given its verdict as a row has it."""
+    verdict = verdict or {"status": "feasible", "causes": [], "reason": ""}
+    status = verdict["status"]
+    return LengthTally(
+        length,
+        drawn=1,
+        feasible=status == "feasible",
+        not_found=status == "not_found",
+        infeasible=status == "infeasible",
+        witnesses=witnesses,
+        causes=[CauseCount(each["cause"], each["count"]) for each in verdict["causes"]],
+        reasons=[] if status == "feasible" else [RefusalCount(status, verdict["reason"], 1)],
+    )
 
 
 def derive(manifest: Manifest) -> None:

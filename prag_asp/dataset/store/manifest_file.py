@@ -9,7 +9,7 @@ from typing import Generic, TypeVar
 
 import msgspec
 
-from prag_asp.errors import QueryError
+from prag_asp.errors import OutputError, QueryError
 from prag_asp.output import file_in, replace_file
 from prag_asp.safe_reading import read_bytes
 from prag_asp.tables.json_fields import decoded, read
@@ -63,3 +63,16 @@ class ManifestFile(Generic[Contents]):
             return read(values, self.contents, "")
         except QueryError as error:
             raise QueryError(f"{path}: {error}") from None
+
+    def require_folder(self, folder: Path, *others: str) -> None:
+        """Check that a folder is new, empty, or has this file, before anything is written; `others` may be in it.
+
+        Raises:
+            OutputError: it contains something else.
+        """
+        if folder.exists() and not folder.is_dir():
+            raise OutputError(f"{folder}: is no folder; give a new one")
+        if folder.is_dir() and not (folder / self.name).is_file():
+            found = sorted({path.name for path in folder.iterdir()} - {f"{self.name}.part", *others})
+            if found:
+                raise OutputError(f"{folder}: holds {found[0]}, and is not a {self.what}; give a new folder")

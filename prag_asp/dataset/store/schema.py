@@ -80,13 +80,5 @@ SCHEMAS: Mapping[str, pa.Schema] = {
 }
 """The schema of each table."""
 
-FOLDERS: Mapping[str, str] = {
-    "tasks": "data",
-    "refused": "refused",
-    "witnesses": "witnesses",
-    "recordings": "recordings",
-}
-"""The folder of each table inside a dataset."""
-
 ROW_GROUP: Mapping[str, int] = {"tasks": 256, "refused": 256, "witnesses": 64, "recordings": 1024}
 """Rows in a row group of each table, the least that can be read."""

@@ -2,29 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pyarrow as pa
 
-from prag_asp.dataset.store.domain_snapshot import MEND, digest_of
+from prag_asp.dataset.store.domain_snapshot import MEND
+from prag_asp.dataset.store.manifest import tally_of_draw
 from prag_asp.dataset.store.schema import ROW_GROUP
-from prag_asp.dataset.store.shards import open_shard
+from prag_asp.dataset.store.shards import row_groups
 from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.store.manifest import PartManifest, Shard
+    from prag_asp.dataset.store.manifest import LengthTally, PartManifest, Shard
 
 
 class DrawRows(NamedTuple):
-    """A draw of another dataset: its row, some values decoded from it, and the rows of its initial states."""
+    """A draw of another dataset: its row, its tally, and the rows of its initial states."""
 
     passed: bool
     row: pa.Table
-    length: int
-    verdict: Mapping[str, Any] | None
-    starts: int
+    tally: LengthTally
     witnesses: pa.Table | None
     recordings: Sequence[Mapping[str, Any]]
     versions: str
@@ -61,30 +60,26 @@ class PartReader:
         for table in ("tasks", "refused"):
             row = self._tables[table].rows("draw", number)
             if row is not None:
-                return self._draw_rows(table == "tasks", row, shard)
-        raise QueryError(f"{self._folder}: has no row of the draw {number} of {self._note.name}; {MEND}")
-
-    def _draw_rows(self, passed: bool, row: pa.Table, shard: Shard) -> DrawRows:
+                break
+        else:
+            raise QueryError(f"{self._folder}: has no row of the draw {number} of {self._note.name}; {MEND}")
         values = row.select(["length", "verdict"]).to_pylist()[0]
-        verdict = values["verdict"]
-        if verdict is not None:
-            verdict = {**verdict, "causes": {each["cause"]: each["count"] for each in verdict["causes"]}}
-        witnesses: pa.Table | None = None
-        recordings: list[Mapping[str, Any]] = []
-        if passed:
+        witnesses, recordings = None, list[Mapping[str, Any]]()
+        if table == "tasks":
             task = row["task"][0].as_py()
             witnesses = self._tables["witnesses"].rows("task", task)
             rows = self._tables["recordings"].rows("task", task)
             recordings = [] if rows is None else rows.to_pylist()
         starts = 0 if witnesses is None else witnesses.num_rows
-        return DrawRows(passed, row, values["length"], verdict, starts, witnesses, recordings, shard.versions)
+        tally = tally_of_draw(values["length"], values["verdict"], starts)
+        return DrawRows(table == "tasks", row, tally, witnesses, recordings, shard.versions)
 
 
 class _Cursor:
     """A cursor over the rows of a table in a shard, which are sorted by a numeric column."""
 
     def __init__(self, folder: Path, table: str, shard: Shard) -> None:
-        self._groups = _groups(folder, table, shard)
+        self._groups = row_groups(folder, table, shard, digest=True)
         self._rows: pa.Table | None = None
         self._keys: list[int] = []
         self._place = 0
@@ -113,20 +108,3 @@ class _Cursor:
                 return False
             self._keys, self._place = self._rows[column].to_pylist(), 0
         return True
-
-
-def _groups(folder: Path, table: str, shard: Shard) -> Iterator[pa.Table]:
-    """Yield the row groups of a table in a shard; no file stays open between them.
-
-    Raises:
-        QueryError: the file differs from its record in dataset.json.
-    """
-    file = shard.files.get(table)
-    if file is None:
-        return
-    for group in range(-(-file.rows // ROW_GROUP[table])):
-        with open_shard(folder, table, file) as opened:
-            if not group and digest_of(folder / file.path) != file.sha256:
-                raise QueryError(f"{folder / file.path}: is not what dataset.json says; {MEND}")
-            rows = opened.read_row_group(group)
-        yield rows

@@ -11,8 +11,8 @@ import pyarrow as pa
 
 from prag_asp.dataset.store.columns import RowReference, TableBuilder
 from prag_asp.dataset.store.domain_snapshot import digest_of
-from prag_asp.dataset.store.draw_results import DrawResult, StartResult
-from prag_asp.dataset.store.manifest import CauseCount, LengthTally, PartManifest, RefusalCount, Shard, summed
+from prag_asp.dataset.store.draw_results import DrawResult
+from prag_asp.dataset.store.manifest import LengthTally, PartManifest, Shard, summed, tally_of_draw
 from prag_asp.dataset.store.schema import SCHEMAS
 from prag_asp.dataset.store.shards import open_shard, write_shard
 from prag_asp.errors import PragError
@@ -24,6 +24,7 @@ from prag_asp.versions import versions
 if TYPE_CHECKING:
     from prag_asp.dataset.store.instructions import TaskTexts
     from prag_asp.dataset.store.shard_reader import DrawRows
+    from prag_asp.physics.verdict import Verdict
     from prag_asp.space.distinct_sampling import RankedDraw
     from prag_asp.task import Task
 
@@ -44,7 +45,8 @@ class PartWriter:
         """Continue after the existing shards of a part; a full shard has at most `shard` tasks."""
         self._folder, self._limit, self.note, self._ours = folder, shard, note, versions()
         self._begin()
-        self._take_up(note.tail)
+        if note.tail is not None:
+            self._continue(note.tail)
 
     @property
     def next(self) -> int:
@@ -86,8 +88,12 @@ class PartWriter:
     def _add_result(self, result: DrawResult, length: int) -> None:
         """Add the initial states of the draw whose row was added last, and count the draw."""
         for start, each in enumerate(result.starts) if result.passed else ():
-            self._add_start(self.tasks - 1, start, each)
-        self._tally(_tally(length, result.verdict, result.witnesses), self._ours)
+            key, text = {"task": self.tasks - 1, "start": start}, each.text
+            if text is not None:
+                self._rows["witnesses"].add({**key, "index": each.index, "witness": text})
+            if each.recording is not None:
+                self._rows["recordings"].add({**key, **msgspec.structs.asdict(each.recording)})
+        self._tally(tally_of_draw(length, _verdict_row(result.verdict), result.witnesses), self._ours)
         self._draws += 1
 
     def take(self, source: DrawRows) -> None:
@@ -101,7 +107,7 @@ class PartWriter:
                 self._rows["recordings"].add({**row, "task": number})
         else:
             self._rows["refused"].take(RowReference(source.row, 0), draw=self.next)
-        self._tally(_tally(source.length, source.verdict, source.starts), source.versions)
+        self._tally(source.tally, source.versions)
         self._draws += 1
 
     def write(self) -> None:
@@ -131,10 +137,8 @@ class PartWriter:
         self._tallies: list[LengthTally] = []
         self._versions: set[str] = set()
 
-    def _take_up(self, tail: Shard | None) -> None:
+    def _continue(self, tail: Shard) -> None:
         """Continue a shard that was not full, if its files match their records in dataset.json."""
-        if tail is None:
-            return
         try:
             if any(digest_of(self._folder / file.path) != file.sha256 for file in tail.files.values()):
                 return  # a killed run has written more rows, without updating dataset.json
@@ -147,14 +151,6 @@ class PartWriter:
         self._rows = {table: TableBuilder(table, before.get(table)) for table in SCHEMAS}
         self._draws, self._tallies = tail.end - tail.first, list(tail.tally)
         self._versions = {*tail.versions.split(TOGETHER)}
-
-    def _add_start(self, task: int, start: int, result: StartResult) -> None:
-        """Add the rows of an initial state of a task."""
-        key, text = {"task": task, "start": start}, result.text
-        if text is not None:
-            self._rows["witnesses"].add({**key, "index": result.index, "witness": text})
-        if result.recording is not None:
-            self._rows["recordings"].add({**key, **msgspec.structs.asdict(result.recording)})
 
     def _tally(self, tally: LengthTally, made_by: str) -> None:
         """Count a draw, and note the version that validated it."""
@@ -182,27 +178,13 @@ def row_of(placed: RankedDraw, task: Task, result: DrawResult, words: TaskTexts)
         "instruction": [{"level": level, "text": text} for level, text in words.whole],
         "subgoal_instructions": words.subgoals,
         "named": words.named,
-        "verdict": None if result.verdict is None else _verdict_row(result.verdict),
+        "verdict": _verdict_row(result.verdict),
     }
 
 
-def _tally(length: int, verdict: Mapping[str, Any] | None, witnesses: int) -> LengthTally:
-    """Return the tally of a single draw."""
-    verdict = verdict or {"status": "feasible", "causes": {}, "reason": ""}
-    status, reason = verdict["status"], verdict["reason"]
-    return LengthTally(
-        length,
-        drawn=1,
-        feasible=status == "feasible",
-        not_found=status == "not_found",
-        infeasible=status == "infeasible",
-        witnesses=witnesses,
-        causes=[CauseCount(cause, count) for cause, count in verdict["causes"].items()],
-        reasons=[] if status == "feasible" else [RefusalCount(status, reason, 1)],
-    )
-
-
-def _verdict_row(verdict: Mapping[str, Any]) -> dict[str, Any]:
+def _verdict_row(verdict: Verdict | None) -> dict[str, Any] | None:
     """Return a verdict as a value of its column."""
-    causes = [{"cause": cause, "count": count} for cause, count in verdict["causes"].items()]
-    return {**verdict, "causes": causes, "details": verdict.get("details", [])}
+    if verdict is None:
+        return None
+    causes = [{"cause": cause, "count": count} for cause, count in verdict.causes.items()]
+    return {"details": [], **verdict.to_json(), "causes": causes}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from hashlib import sha256
 from pathlib import Path
@@ -10,9 +10,9 @@ from pathlib import Path
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from prag_asp.dataset.store.domain_snapshot import MEND
-from prag_asp.dataset.store.manifest import ShardFile
-from prag_asp.dataset.store.schema import FOLDERS, ROW_GROUP, SCHEMAS
+from prag_asp.dataset.store.domain_snapshot import MEND, digest_of
+from prag_asp.dataset.store.manifest import FOLDERS, Shard, ShardFile
+from prag_asp.dataset.store.schema import ROW_GROUP, SCHEMAS
 from prag_asp.errors import QueryError
 from prag_asp.output import file_in, make_folder, replace_file
 from prag_asp.safe_reading import is_inside, open_binary
@@ -40,21 +40,6 @@ def write_shard(folder: Path, table: str, part: str, number: int, rows: pa.Table
     return ShardFile(name, rows.num_rows, len(content), sha256(content).hexdigest())
 
 
-def _require_groups(file: Path, metadata: pq.FileMetaData, rows: int) -> None:
-    """Check the sizes of the row groups of a file: their rows, and their bytes once unpacked.
-
-    Raises:
-        QueryError: a size is wrong.
-    """
-    groups = [metadata.row_group(number) for number in range(metadata.num_row_groups)]
-    if [group.num_rows for group in groups] != [
-        min(rows, metadata.num_rows - at) for at in range(0, metadata.num_rows, rows)
-    ]:
-        raise QueryError(f"{file}: its rows are not in groups of {rows}; {MEND}")
-    if max((group.total_byte_size for group in groups), default=0) > LARGEST_GROUP:
-        raise QueryError(f"{file}: {rows} of its rows are larger than {LARGEST_GROUP / 10**6:,.0f} MB; {MEND}")
-
-
 @contextmanager
 def open_shard(folder: Path, table: str, shard: ShardFile) -> Iterator[pq.ParquetFile]:
     """Open a shard without reading its rows.
@@ -74,8 +59,31 @@ def open_shard(folder: Path, table: str, shard: ShardFile) -> Iterator[pq.Parque
             if opened.metadata.num_rows != shard.rows:
                 rows = opened.metadata.num_rows
                 raise QueryError(f"{file}: has {rows} rows, but dataset.json says {shard.rows}; {MEND}")
-            _require_groups(file, opened.metadata, ROW_GROUP[table])
+            size, groups = ROW_GROUP[table], [opened.metadata.row_group(at) for at in range(opened.num_row_groups)]
+            if [group.num_rows for group in groups] != [
+                min(size, shard.rows - at) for at in range(0, shard.rows, size)
+            ]:
+                raise QueryError(f"{file}: its rows are not in groups of {size}; {MEND}")
+            if max((group.total_byte_size for group in groups), default=0) > LARGEST_GROUP:
+                raise QueryError(f"{file}: {size} of its rows are larger than {LARGEST_GROUP / 10**6:,.0f} MB; {MEND}")
             yield opened
     except (OSError, pa.ArrowException) as error:
         why = getattr(error, "strerror", None) or " ".join(str(error).split())
         raise QueryError(f"{file}: cannot be read: {why}; {MEND}") from None
+
+
+def row_groups(
+    folder: Path, table: str, shard: Shard, columns: Sequence[str] | None = None, *, digest: bool = False
+) -> Iterator[pa.Table]:
+    """Yield the row groups of a table in a shard; no file stays open between them.
+
+    Raises:
+        QueryError: the file is missing or damaged, or, with `digest`, has other bytes than dataset.json says.
+    """
+    for group in range(-(-shard.rows(table) // ROW_GROUP[table])):
+        file = shard.files[table]
+        with open_shard(folder, table, file) as opened:
+            if digest and not group and digest_of(folder / file.path) != file.sha256:
+                raise QueryError(f"{folder / file.path}: is not what dataset.json says; {MEND}")
+            rows = opened.read_row_group(group, columns=None if columns is None else [*columns])
+        yield rows

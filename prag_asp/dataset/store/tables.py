@@ -10,12 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from prag_asp.dataset.store.domain_snapshot import MEND
 from prag_asp.dataset.store.schema import ROW_GROUP
-from prag_asp.dataset.store.shards import open_shard
+from prag_asp.dataset.store.shards import open_shard, row_groups
 from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
-    import pyarrow as pa
-
     from prag_asp.dataset.store.manifest import PartManifest, Shard
 
 Row = Mapping[str, Any]
@@ -48,7 +46,7 @@ class TableReader:
 
     def of_shard(self, table: str, shard: Shard, columns: Sequence[str] | None = None) -> Iterator[Row]:
         """Yield the rows of a shard."""
-        for _, rows in self._groups(table, shard, columns):
+        for rows in row_groups(self.folder, table, shard, columns):
             yield from rows.to_pylist()
 
     def by_rank(self, note: PartManifest, length: int, rank: int, draw: int | None) -> Iterator[Row]:
@@ -86,18 +84,9 @@ class TableReader:
         if place == len(note.shards):
             raise QueryError(f"{self.folder}: has no shard of the draw {task['draw']} of {note.name}; {MEND}")
         shard = note.shards[place]
-        for first, keys in self._groups(table, shard, ["task"]):
+        for group, keys in enumerate(row_groups(self.folder, table, shard, ["task"])):
             for place in _places(keys["task"].to_pylist(), task["task"]):
-                yield self.row(table, shard, first + place)
-
-    def _groups(self, table: str, shard: Shard, columns: Sequence[str] | None = None) -> Iterator[tuple[int, pa.Table]]:
-        """Yield the row groups of a shard, each with the position of its first row; no file stays open between them."""
-        if not shard.rows(table):
-            return
-        for group in range(-(-shard.rows(table) // ROW_GROUP[table])):
-            with open_shard(self.folder, table, shard.files[table]) as file:
-                rows = file.read_row_group(group, columns=None if columns is None else [*columns])
-            yield group * ROW_GROUP[table], rows
+                yield self.row(table, shard, group * ROW_GROUP[table] + place)
 
 
 def _places(values: Sequence[object], selection: object) -> Iterator[int]:

@@ -69,9 +69,9 @@ class Figures:
         return tuple(each for each in self.shared if each.tasks and not each.declared)
 
 
-def space_of(suite: Suite, part: SuitePart, *, limits: Limits = UNLIMITED, engine: str = "auto") -> TaskSpace:
+def space_of(suite: Suite, part: SuitePart, *, limits: Limits = UNLIMITED) -> TaskSpace:
     """Return the space of a part."""
-    return _space(suite, part.where, part.lengths, limits, engine)
+    return TaskSpace(suite.domain, part.lengths, limits=limits).where(*part.where)
 
 
 def count_suite(
@@ -89,7 +89,7 @@ def count_suite(
         sizes[name] = count.by_length(name, part.where, part.lengths)
         total = sum(sizes[name].values())
         if total < part.tasks:
-            problem = f"{name} wants {plural(part.tasks, 'task')}, but there are {total}"
+            problem = f"{plural(part.tasks, 'task')} requested for {name}, but its space has {total}"
             raise QueryError(
                 f"{suite.place('parts', name, 'tasks')}: {problem}; ask for fewer, or give other conditions"
             )
@@ -130,17 +130,10 @@ class _SuiteCounter:
             # Exploring the longest plans covers shorter ones, too, also of other parts with these conditions.
             lengths_needed = self._lengths.get(conditions, set()).union(lengths)
             missing = sorted(length for length in lengths_needed if (conditions, length) not in self._counts)
-            space = _space(self._suite, tuple(dict.fromkeys(clauses)), missing, self._limits)
+            space = TaskSpace(self._suite.domain, missing, limits=self._limits).where(*dict.fromkeys(clauses))
             for length in reversed(missing):
                 self._counts[conditions, length] = space.at(length).count()
         return {length: self._counts[conditions, length] for length in lengths}
-
-
-def _space(
-    suite: Suite, clauses: Sequence[str], lengths: Sequence[int], limits: Limits, engine: str = "auto"
-) -> TaskSpace:
-    """Return the space of the tasks of some lengths that satisfy all of some conditions."""
-    return TaskSpace(suite.domain, lengths, engine=engine, limits=limits).where(*clauses)
 
 
 def refuse_leaks(suite: Suite, figures: Figures) -> None:

@@ -15,11 +15,9 @@ from prag_asp.dataset.suites.counting import count_suite, refuse_leaks, space_of
 from prag_asp.dataset.suites.suite_card import NAME as CARD
 from prag_asp.dataset.suites.suite_card import card_text
 from prag_asp.dataset.suites.suite_manifest import (
-    NAME,
     SPELLED,
     SUITE,
     SuiteManifest,
-    SuitePartManifest,
     manifest_of,
     record_part,
 )
@@ -63,40 +61,37 @@ def generate_suite(
         require_physics()
     path = Path(folder)
     identity = identity_of(suite)
-    _require_suite_folder(path, suite, identity)
+    SUITE.require_folder(path)
+    before = SUITE.read(path)
+    if before is not None:
+        if before.identity != identity or {part.name for part in before.parts} != {*suite.parts}:
+            raise OutputError(f"{path}: is another suite, or one of another state of its domain; give a new folder")
+        for part in before.parts:
+            if part.tasks > suite.parts[part.name].tasks:
+                problem = f"has {plural(part.tasks, 'task')} already; ask for at least as many, or give a new folder"
+                raise QueryError(f"{path / part.name}: {problem}")
     figures = count_suite(suite, limits=limits, progress=progress)
     refuse_leaks(suite, figures)
-    for part in suite.parts.values():
-        suite.dataset_spec(part)  # report contradictions before anything is written
+    for each in suite.parts.values():
+        suite.dataset_spec(each)  # report contradictions before anything is written
     note = manifest_of(suite, figures, identity, versions())
     make_folder(path)
     SUITE.write(path, note)
     replace_file(file_in(path, SPELLED), suite.text.encode(), follow=False)
-    lacking = [line for part in note.parts for line in _generate_part(suite, part, path, workers, limits, progress)]
+    lacking = list[str]()
+    for part in note.parts:
+        space, spec = space_of(suite, suite.parts[part.name], limits=limits), suite.dataset_spec(suite.parts[part.name])
+        try:
+            generate(space, path / part.name, spec, workers=workers, progress=progress_of_part(part.name, progress))
+        except NotFound as error:
+            lacking += [f"{path / part.name}: {line}" for line in error.lines]
+        record_part(path, part)
     replace_file(file_in(path, CARD), card_text(note), follow=False)
     note.complete = True
     SUITE.write(path, note)
     if lacking:
         raise NotFound(*lacking)
     return note
-
-
-def _generate_part(
-    suite: Suite, note: SuitePartManifest, folder: Path, workers: int, limits: Limits, progress: Progress
-) -> tuple[str, ...]:
-    """Write the dataset of a part, record it, and return the messages about missing tasks."""
-    part, lacking = suite.parts[note.name], tuple[str, ...]()
-
-    def report(words: str, done: int, total: int) -> None:
-        progress(f"{note.name}: {words}", done, total)
-
-    space = space_of(suite, part, limits=limits)
-    try:
-        generate(space, folder / note.name, suite.dataset_spec(part), workers=workers, progress=report)
-    except NotFound as error:
-        lacking = tuple(f"{folder / note.name}: {line}" for line in error.lines)
-    record_part(folder, note)
-    return lacking
 
 
 def identity_of(suite: Suite) -> str:
@@ -107,24 +102,6 @@ def identity_of(suite: Suite) -> str:
     return digest([msgspec.to_builtins(snapshot), parts])
 
 
-def _require_suite_folder(folder: Path, suite: Suite, identity: str) -> None:
-    """Check that a folder is new, empty, or contains this suite with no more tasks, before anything is written.
-
-    Raises:
-        OutputError: it contains something else.
-        QueryError: the suite in it has more tasks.
-    """
-    if folder.exists() and not folder.is_dir():
-        raise OutputError(f"{folder}: is no folder; give a new one")
-    before = SUITE.read(folder) if folder.is_dir() else None
-    if before is None:
-        other = sorted(path.name for path in folder.iterdir() if path.name != f"{NAME}.part") if folder.is_dir() else []
-        if other:
-            raise OutputError(f"{folder}: holds {other[0]}, and is not a suite; give a new folder")
-    elif before.identity != identity or {part.name for part in before.parts} != {*suite.parts}:
-        raise OutputError(f"{folder}: is another suite, or one of another state of its domain; give a new folder")
-    else:
-        for part in before.parts:
-            if part.tasks > suite.parts[part.name].tasks:
-                problem = f"has {plural(part.tasks, 'task')} already; ask for at least as many, or give a new folder"
-                raise QueryError(f"{folder / part.name}: {problem}")
+def progress_of_part(name: str, progress: Progress) -> Progress:
+    """Return a progress function that adds the name of a part to each message."""
+    return lambda words, done, total: progress(f"{name}: {words}", done, total)

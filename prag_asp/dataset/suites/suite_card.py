@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 
-from prag_asp.dataset.pages.dataset_card import TABLES
-from prag_asp.dataset.store.manifest import rate_of
-from prag_asp.dataset.suites.suite_manifest import SuiteManifest, SuitePartManifest
+from prag_asp.dataset.pages.dataset_card import front_matter
+from prag_asp.dataset.store.manifest import FOLDERS, rate_of
+from prag_asp.dataset.suites.suite_manifest import SuiteManifest
 from prag_asp.integers import grouped, number_of
 from prag_asp.wording import plural
 
@@ -21,24 +20,18 @@ def card_text(note: SuiteManifest) -> bytes:
 
 def _front(note: SuiteManifest) -> Iterator[str]:
     """Yield the front matter for hubs and loaders, with each part as a configuration."""
-    yield "---"
-    yield f"pretty_name: {json.dumps(_title(note))}"
-    yield "task_categories:"
-    yield "- robotics"
-    yield "tags:"
-    for tag in ("robotics", "task-planning", "benchmark", "prag_asp"):
-        yield f"- {tag}"
+    yield from front_matter(note.title or note.name, "robotics", "task-planning", "benchmark", "prag_asp")
     yield "configs:"
     for part in note.parts:
         if part.tasks:
             yield f"- config_name: {part.name}"
-            yield f"  data_files: {part.name}/{TABLES['tasks']}/*.parquet"
+            yield f"  data_files: {part.name}/{FOLDERS['tasks']}/*.parquet"
     yield "---"
 
 
 def _text(note: SuiteManifest) -> Iterator[str]:
     """Yield the lines for readers."""
-    yield f"# {_title(note)}"
+    yield f"# {note.title or note.name}"
     yield ""
     if note.description:
         yield note.description
@@ -48,8 +41,9 @@ def _text(note: SuiteManifest) -> Iterator[str]:
     for part in note.parts:
         share = f"{rate_of(100 * part.tasks, number_of(part.size)):.3g} % of {grouped(number_of(part.size))}"
         words = f"{part.language} {part.phrasings}".strip()
+        lengths = " to ".join(dict.fromkeys([str(part.spaces[0].length), str(part.spaces[-1].length)]))
         link = f"[{part.name}]({part.name}/README.md)"
-        yield f"| {link} | {part.about} | {_lengths(part)} | {part.tasks:,} | {share} | {words} |"
+        yield f"| {link} | {part.about} | {lengths} | {part.tasks:,} | {share} | {words} |"
     yield ""
     yield "## Conditions"
     yield ""
@@ -83,12 +77,3 @@ def _apart(note: SuiteManifest) -> Iterator[str]:
         for every in note.unseen:
             yield f"| `{every.what}` | {every.part} | {grouped(every.tasks)} |"
         yield ""
-
-
-def _lengths(part: SuitePartManifest) -> str:
-    numbers = [space.length for space in part.spaces]
-    return f"{numbers[0]}" if len(numbers) == 1 else f"{numbers[0]} to {numbers[-1]}"
-
-
-def _title(note: SuiteManifest) -> str:
-    return note.title or note.name

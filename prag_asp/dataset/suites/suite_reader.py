@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, TypeVar
 from prag_asp.atom import split_terms
 from prag_asp.dataset.suites.suite_spec import HeldOut, Suite, SuitePart
 from prag_asp.dataset.suites.suite_tables import (
+    LONGEST,
     OWN_OF_COPIES,
     PartTable,
     PhysicsTable,
     SuiteTable,
-    lengths_of,
     texts,
 )  # fmt: skip
 from prag_asp.domain.load import load_domain
@@ -24,6 +24,7 @@ from prag_asp.grammar.phrasings import Phrasings
 from prag_asp.program.paths import shipped_domains, suite_file
 from prag_asp.program.sources import Source, read_text
 from prag_asp.space.conditions.condition import Condition
+from prag_asp.space.lengths import parse_range
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.space.without_replacement import Division
 from prag_asp.tables.json_fields import read_entry
@@ -96,11 +97,7 @@ class _SuiteReader:
         return read_entry(entry, kind)
 
     def _raise_problems(self) -> None:
-        """Raise the problems collected so far.
-
-        Raises:
-            QueryError: there are problems.
-        """
+        """Raise the problems collected so far."""
         self._report.raise_problems(QueryError, self._source.path, self._source.text)
 
     def suite(self, domain: Domain | None) -> Suite:
@@ -110,7 +107,13 @@ class _SuiteReader:
             QueryError: the file has problems; the message has a line for each.
             DomainError: something is wrong with the domain.
         """
-        self._domain = domain or self._load_domain()
+        name = self._table.domain
+        path = Path(name) if name in shipped_domains() else self._source.path.parent / name
+        if domain is None and name not in shipped_domains() and not (name and path.exists()):
+            hint = did_you_mean(name, shipped_domains(), "name a shipped domain, or a folder or file beside the suite")
+            self._report.add(("domain",), f"no domain {name!r}; {hint}")
+        self._raise_problems()
+        self._domain = domain or load_domain(path, trust=self._trust)
         with self._report.errors_at("phrasings"):
             Phrasings.parse(self._table.phrasings)
         budget, staging, demonstrate = self._physics()
@@ -134,21 +137,6 @@ class _SuiteReader:
             self._table.description, self._table.uniform, budget, staging, demonstrate, tuple(held.values()),
             self._source.path, self._source.text,
         )  # fmt: skip
-
-    def _load_domain(self) -> Domain:
-        """Return the domain that the suite names: a shipped one, or one next to its file.
-
-        Raises:
-            QueryError: there is no such domain.
-            DomainError: something is wrong with it.
-        """
-        name = self._table.domain
-        path = Path(name) if name in shipped_domains() else self._source.path.parent / name
-        if name not in shipped_domains() and not (name and path.exists()):
-            hint = did_you_mean(name, shipped_domains(), "name a shipped domain, or a folder or file beside the suite")
-            self._report.add(("domain",), f"no domain {name!r}; {hint}")
-        self._raise_problems()
-        return load_domain(path, trust=self._trust)
 
     def _physics(self) -> tuple[Budget | None, Staging | None, bool]:
         """Return the budget of physics, its staging, and whether it demonstrates; without a budget, physics is off.
@@ -176,7 +164,13 @@ class _SuiteReader:
             if not table.demonstrate:
                 raise QueryError("cameras film demonstrations; add demonstrate = true")
             rate = {} if table.rate is None else {"rate": table.rate}
-            staging = Staging(tuple(table.cameras), _pixels(table.size), vary=tuple(table.vary), **rate)
+            size = None
+            if table.size is not None:
+                width, _, height = table.size.partition("x")
+                if not (width.isdecimal() and height.isdecimal() and len(table.size) <= LONGEST_SIZE):
+                    raise QueryError(f"size {table.size!r}: write WIDTHxHEIGHT in pixels, such as 480x420")
+                size = int(width), int(height)
+            staging = Staging(tuple(table.cameras), size, vary=tuple(table.vary), **rate)
         return budget, staging, True
 
     def _held_outs(self) -> dict[str, HeldOut]:
@@ -190,11 +184,7 @@ class _SuiteReader:
         return held
 
     def _held_out(self, what: str, space: TaskSpace) -> HeldOut:
-        """Return the conditions for something to hold out: an initial value, or an argument of `TaskSpace.hold_out`.
-
-        Raises:
-            QueryError: it cannot be held out.
-        """
+        """Return the conditions for something to hold out: an initial value, or an argument of `TaskSpace.hold_out`."""
         if what.startswith(STARTS):
             fluent = what.removeprefix(STARTS).strip()
             if len(split_terms(fluent)) > 1:
@@ -214,7 +204,8 @@ class _SuiteReader:
         with self._report.errors_at(*(("lengths",) if of_suite else ("parts", name, "lengths"))):
             if lengths is None:
                 raise QueryError("missing; write lengths = '1..3', for this part or for all")
-            return lengths_of(lengths)
+            found = parse_range(str(lengths), f"lengths {lengths!r}", longest=LONGEST)
+            return range(found, found + 1) if isinstance(found, int) else found
         return None
 
     def _part(self, name: str, table: PartTable, held: Mapping[str, HeldOut], *, checked: bool) -> SuitePart | None:
@@ -241,7 +232,7 @@ class _SuiteReader:
         with report.errors_at(*keys, "split" if shares else "skeletons"):
             Division.parse(shares, skeletons=table.skeletons)
         if table.evenly and self._domain.settings.weights and not self._table.uniform:
-            text = "lengths come evenly where tasks are drawn uniformly; add uniform = true to the suite"
+            text = "evenly needs uniform sampling; add uniform = true to the suite"
             report.add((*keys, "evenly"), text)
         if table.starts > 1 and not checked:
             report.add((*keys, "starts"), f"starts = {table.starts} needs physics; leave it out, or add a scene")
@@ -252,11 +243,7 @@ class _SuiteReader:
         return self._with_phrasings(part, table, self._table.language, self._table.phrasings)
 
     def _copy(self, name: str, table: PartTable, of: str, parts: Mapping[str, SuitePart]) -> Iterator[SuitePart]:
-        """Yield a part with the tasks of another one in other words; nothing if that part has problems.
-
-        Raises:
-            QueryError: the part changes the tasks, or shares phrasings with the other.
-        """
+        """Yield a part with the tasks of another one in other words; nothing if that part has problems."""
         if of not in self._parts or self._parts[of].of is not None:
             raise QueryError(f"{unknown(of, self._parts, 'part')}, with tasks of its own")
         if of not in parts:
@@ -270,7 +257,7 @@ class _SuiteReader:
         part = replace(source, name=name, tasks=table.tasks, of=source.name, about=table.about, shares=())
         part = self._with_phrasings(part, table, source.language, source.phrasings)
         if not part.apart(source):
-            text = f"{name} has the tasks of {source.name}, and phrasings that it has, too"
+            text = f"{name} has the tasks of {source.name}, but shares phrasings with it"
             raise QueryError(f"{text}; write phrasings = '1 of 2' for one and '2 of 2' for the other")
         yield part
 
@@ -286,17 +273,3 @@ class _SuiteReader:
             instruction_writer_of(self._domain, language, phrasings=normalized)
             return replace(part, language=language, phrasings=normalized)
         return part
-
-
-def _pixels(text: str | None) -> tuple[int, int] | None:
-    """Return the width and the height in a text such as ``480x420``, None without a text.
-
-    Raises:
-        QueryError: the text has another form.
-    """
-    if text is None:
-        return None
-    width, _, height = text.partition("x")
-    if not (width.isdecimal() and height.isdecimal() and len(text) <= LONGEST_SIZE):
-        raise QueryError(f"size {text!r}: write WIDTHxHEIGHT in pixels, such as 480x420")
-    return int(width), int(height)

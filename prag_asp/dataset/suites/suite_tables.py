@@ -7,7 +7,6 @@ from typing import Annotated, Any
 import msgspec
 
 from prag_asp.dataset.dataset_spec import LARGEST_SEED, MOST_STARTS
-from prag_asp.errors import QueryError
 
 Positive = Annotated[int, msgspec.Meta(ge=1)]
 Seed = Annotated[int, msgspec.Meta(ge=0, le=LARGEST_SEED)]
@@ -72,18 +71,3 @@ OWN_OF_COPIES = ("tasks", "about", "of", "language", "phrasings")
 def texts(value: Words) -> tuple[str, ...]:
     """Return one text, or several, as a tuple."""
     return (value,) if isinstance(value, str) else tuple(value)
-
-
-def lengths_of(value: str | int) -> range:
-    """Return the lengths in a value such as ``3`` or ``1..3``.
-
-    Raises:
-        QueryError: the value has another form, or is too large.
-    """
-    first, dots, last = str(value).partition("..")
-    if not first.strip().isdecimal() or (dots and not last.strip().isdecimal()) or len(str(value)) > LONGEST:
-        raise QueryError(f"lengths {value!r}: write a number such as 4, or a range such as '1..3'")
-    low, high = int(first), int(last) if dots else int(first)
-    if low > high or high > LONGEST:
-        raise QueryError(f"lengths {value!r}: write the smaller number first, and none above {LONGEST}")
-    return range(low, high + 1)

@@ -7,7 +7,7 @@ from copy import deepcopy
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from prag_asp.dataset.store.manifest import NAME, Manifest, PartManifest, Shard, derive, identity_of
+from prag_asp.dataset.store.manifest import NAME, Manifest, PartManifest, derive, identity_of
 from prag_asp.dataset.verification.finding import Finding
 from prag_asp.integers import grouped, number_of
 
@@ -41,26 +41,23 @@ def _wrong_shards(part: PartManifest) -> Iterator[Finding]:
     for number, shard in enumerate(part.shards):
         if shard.number != number:
             yield Finding(NAME, None, f"parts, {part.name}: shard {number} has the number {shard.number}")
-        yield from _wrong_shard(part, shard)
+        tallied = {
+            "tasks": sum(each.feasible for each in shard.tally),
+            "refused": sum(each.not_found + each.infeasible for each in shard.tally),
+            "witnesses": sum(each.witnesses for each in shard.tally),
+            "draws": sum(each.drawn for each in shard.tally),
+        }
+        for what, tally in tallied.items():
+            there = shard.end - shard.first if what == "draws" else shard.rows(what)
+            if tally != there:
+                problem = f"the tally of shard {shard.number} has {tally} {what}; there are {there}"
+                yield Finding(NAME, None, f"parts, {part.name}: {problem}")
     for one, other in pairwise(part.shards):
         if one.end != other.first:
             yield Finding(NAME, None, f"parts, {part.name}: shard {other.number} begins at draw {other.first}, not "
                                       f"at {one.end}, where the one before it ends")  # fmt: skip
     if part.shards and part.shards[0].first:
         yield Finding(NAME, None, f"parts, {part.name}: the first shard begins at draw {part.shards[0].first}")
-
-
-def _wrong_shard(part: PartManifest, shard: Shard) -> Iterator[Finding]:
-    """Yield the figures in the tally of a shard that differ from its files."""
-    passed = sum(each.feasible for each in shard.tally)
-    refused = sum(each.not_found + each.infeasible for each in shard.tally)
-    drawn, witnesses = sum(each.drawn for each in shard.tally), sum(each.witnesses for each in shard.tally)
-    tallied = {"tasks": passed, "refused": refused, "witnesses": witnesses, "draws": drawn}
-    rows = {table: shard.rows(table) for table in ("tasks", "refused", "witnesses")}
-    for what, number in {**rows, "draws": shard.end - shard.first}.items():
-        if tallied[what] != number:
-            problem = f"the tally of shard {shard.number} has {tallied[what]} {what}; there are {number}"
-            yield Finding(NAME, None, f"parts, {part.name}: {problem}")
 
 
 def wrong_sizes(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 from copy import deepcopy
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -25,13 +25,15 @@ UNSEEN = (".git", ".cache", ".gitattributes")
 """Files and folders that hubs add to a dataset."""
 
 
-def wrong_files(folder: Path, manifest: Manifest, recordings: frozenset[str]) -> Iterator[Finding]:
+def wrong_files(folder: Path, manifest: Manifest, recordings: Set[str]) -> Iterator[Finding]:
     """Yield findings about the files that dataset.json lists, and about files that do not belong to the dataset.
 
     `recordings` are the files in the tables of recordings, which have their digests.
     """
     expected = {NAME, CARD, *recordings}
-    for file in _listed_files(manifest):
+    listed: list[FileRecord | ShardFile] = [*manifest.domain.files, *manifest.domain.encodings, *manifest.pictures]
+    listed += [file for part in manifest.parts for shard in part.shards for file in shard.files.values()]
+    for file in listed:
         expected.add(file.path)
         yield from wrong_file(folder, file.path, file.sha256, file.bytes)
     for path in sorted(folder.rglob("*")):
@@ -70,12 +72,3 @@ def wrong_card(folder: Path, manifest: Manifest, domain: Domain) -> Iterator[Fin
     derive(derived)
     if card != card_text(derived, domain):
         yield Finding(CARD, None, "does not say what dataset.json says")
-
-
-def _listed_files(manifest: Manifest) -> Iterator[FileRecord | ShardFile]:
-    yield from manifest.domain.files
-    yield from manifest.domain.encodings
-    yield from manifest.pictures
-    for part in manifest.parts:
-        for shard in part.shards:
-            yield from shard.files.values()

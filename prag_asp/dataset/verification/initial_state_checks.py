@@ -60,7 +60,8 @@ class InitialStateChecks:
         for shard in note.shards:
             try:
                 rows, witnesses, recordings = (
-                    self._whole(name, shard) for name in ("tasks", "witnesses", "recordings")
+                    whole_rows("", self._tables.of_shard(name, shard))[0]
+                    for name in ("tasks", "witnesses", "recordings")
                 )
                 tasks = {row["task"]: entry_of(row, "", self._manifest.domain.constants).task for _, row in rows}
             except (PragError, ValueError, TypeError, KeyError):
@@ -70,9 +71,6 @@ class InitialStateChecks:
             yield from self._wrong_recordings(shard, tasks, recordings)
             self._done += len(rows)
             self._progress("witnesses", self._done, self._manifest.rows("tasks"))
-
-    def _whole(self, table: str, shard: Shard) -> list[Row]:
-        return whole_rows("", self._tables.of_shard(table, shard))[0]
 
     def _wrong_numbers(self, shard: Shard, rows: list[Row], witnesses: list[Row]) -> Iterator[Finding]:
         """Yield the tasks whose number of witnesses differs from their rows, and witnesses of wrong searches."""

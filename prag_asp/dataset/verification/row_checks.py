@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from prag_asp.dataset.language import instruction_writer_of
@@ -13,13 +13,12 @@ from prag_asp.dataset.store.entry import entry_of
 from prag_asp.dataset.store.instructions import PLAIN, captioner_with
 from prag_asp.dataset.store.manifest import (
     NAME,
-    CauseCount,
     LengthTally,
     Manifest,
     PartManifest,
-    RefusalCount,
     Shard,
     summed,
+    tally_of_draw,
 )
 from prag_asp.dataset.verification.finding import Finding, Progress
 from prag_asp.dataset.verification.untrusted_rows import Row, whole_rows
@@ -74,8 +73,11 @@ class RowChecks:
         """Yield findings about the rows of a part, given its draws sampled again."""
         tasks = 0
         for shard in note.shards:
+            tables = dict[str, tuple[list[Row], list[Finding]]]()
             try:
-                tables = {name: self._whole(name, shard) for name in ("tasks", "refused", "witnesses")}
+                for name in ("tasks", "refused", "witnesses"):
+                    file = shard.files[name].path if name in shard.files else ""
+                    tables[name] = whole_rows(file, self.tables.of_shard(name, shard))
             except PragError as error:
                 yield Finding(_file(shard), None, f"its shard cannot be read: {error}")
                 tables = {}
@@ -102,10 +104,6 @@ class RowChecks:
                 yield Finding(NAME, None, problem)
             self.done += shard.rows("tasks")
             self.progress("rows", self.done, self.manifest.rows("tasks"))
-
-    def _whole(self, table: str, shard: Shard) -> tuple[list[Row], list[Finding]]:
-        file = shard.files[table].path if table in shard.files else ""
-        return whole_rows(file, self.tables.of_shard(table, shard))
 
     def _wrong_draws(
         self, shard: Shard, passed: list[Row], refused: list[Row], draws: list[tuple[RankedDraw, Task] | None]
@@ -151,7 +149,8 @@ class RowChecks:
             yield f"holds no task: {error}"
             return
         plan = row["plan"]
-        if not self._is_plan(plan):
+        space = self._clingo.get(len(plan))  # independent of the sampler
+        if space is None or plan not in space:
             yield f"its plan is none of {self.domain.name}: {' '.join(plan)}"
         fixed = {
             "domain": (row["domain"], task.domain), "length": (row["length"], len(task)),
@@ -159,16 +158,12 @@ class RowChecks:
             "log_probability": (row["log_probability"], log_probability(placed.probability)),
         }  # fmt: skip
         wrong = [name for name, (actual, right) in fixed.items() if actual != right]
-        wrong += [column for name, column in VALUES.items() if getattr(entry.task, name) != _value(task, name, placed)]
+        right_task = replace(task, log_probability=log_probability(placed.probability))
+        wrong += [column for name, column in VALUES.items() if getattr(entry.task, name) != getattr(right_task, name)]
         if wrong:
             yield f"its {', '.join(dict.fromkeys(wrong))} are not those of draw {row['draw']}"
         yield from self._wrong_texts(entry, task, self._colours.get(row.get("task", -1), {}))
         yield from self._wrong_verdict(table, entry)
-
-    def _is_plan(self, plan: list[str]) -> bool:
-        """Return whether clingo, which is independent of the sampler, accepts a plan."""
-        space = self._clingo.get(len(plan))
-        return space is not None and plan in space
 
     def _wrong_texts(self, entry: DatasetEntry, task: Task, colours: Mapping[str, str]) -> Iterator[str]:
         """Yield the faults of the texts: they equal those of the seed, and instructions parse to the plan.
@@ -235,21 +230,6 @@ def clingo_spaces(manifest: Manifest, domain: Domain) -> dict[int, TaskSpace]:
 def tally_of(passed: list[Row], refused: list[Row], starts: list[Mapping[str, Any]]) -> list[LengthTally]:
     """Return the tally of the draws of a shard by its rows."""
     lengths = {row["task"]: row["length"] for _, row in passed}
-    tallies = [_tally(row) for _, row in (*passed, *refused)]
+    tallies = [tally_of_draw(row["length"], row["verdict"]) for _, row in (*passed, *refused)]
     tallies += [LengthTally(lengths[start["task"]], witnesses=1) for start in starts if start["task"] in lengths]
     return summed(tallies)
-
-
-def _tally(row: Mapping[str, Any]) -> LengthTally:
-    verdict = row["verdict"] or {"status": "feasible", "causes": [], "reason": ""}
-    status, reason = verdict["status"], verdict["reason"]
-    causes = [CauseCount(each["cause"], each["count"]) for each in verdict["causes"]]
-    return LengthTally(
-        row["length"], drawn=1, feasible=status == "feasible", not_found=status == "not_found",
-        infeasible=status == "infeasible", causes=causes,
-        reasons=[] if status == "feasible" else [RefusalCount(status, reason, 1)],
-    )  # fmt: skip
-
-
-def _value(task: Task, name: str, placed: RankedDraw) -> object:
-    return log_probability(placed.probability) if name == "log_probability" else getattr(task, name)

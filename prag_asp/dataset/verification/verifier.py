@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,7 +29,11 @@ def wrong_dataset(folder: Path, trust: bool, physics: bool, workers: int, progre
     data = Dataset.open(folder, trust=trust)
     manifest, tables = data.manifest, TableReader(data.folder)
     progress("files", 0, 1)
-    yield from wrong_files(data.folder, manifest, _recordings(manifest, tables))
+    recordings = set[str]()
+    for shard in (shard for part in manifest.parts for shard in part.shards):
+        with suppress(PragError):  # of a table that cannot be read
+            recordings |= {row["file"] for row in tables.of_shard("recordings", shard, ["file"])}
+    yield from wrong_files(data.folder, manifest, recordings)
     yield from wrong_figures(manifest)
     try:
         domain = data.domain
@@ -37,19 +43,12 @@ def wrong_dataset(folder: Path, trust: bool, physics: bool, workers: int, progre
     yield from wrong_card(data.folder, manifest, domain)
     yield from _wrong_tasks(manifest, domain, tables, progress)
     if physics and manifest.spec.budget is not None:
-        yield from _wrong_starts(data.folder, manifest, domain, tables, workers, progress)
+        require_physics()
+        from prag_asp.dataset.verification.initial_state_checks import InitialStateChecks
 
-
-def _recordings(manifest: Manifest, tables: TableReader) -> frozenset[str]:
-    """Return the files named by the readable tables of recordings."""
-    files = set[str]()
-    for part in manifest.parts:
-        for shard in part.shards:
-            try:
-                files |= {row["file"] for row in tables.of_shard("recordings", shard, ["file"])}
-            except PragError:
-                continue
-    return frozenset(files)
+        starts = InitialStateChecks(data.folder, manifest, domain, tables, workers, progress)
+        for note in manifest.parts:
+            yield from starts.wrong(note)
 
 
 def _wrong_tasks(manifest: Manifest, domain: Domain, tables: TableReader, progress: Progress) -> Iterator[Finding]:
@@ -70,16 +69,4 @@ def _wrong_tasks(manifest: Manifest, domain: Domain, tables: TableReader, progre
     yield from wrong_sizes(manifest, {length: space.at(length) for length in lengths}, parts)
     rows = RowChecks(manifest, domain, tables, progress)
     for note in manifest.parts:
-        yield from rows.wrong(note, with_tasks(space, parts[note.name].draws()))
-
-
-def _wrong_starts(
-    folder: Path, manifest: Manifest, domain: Domain, tables: TableReader, workers: int, progress: Progress
-) -> Iterator[Finding]:
-    """Yield findings about witnesses and recordings."""
-    require_physics()
-    from prag_asp.dataset.verification.initial_state_checks import InitialStateChecks
-
-    starts = InitialStateChecks(folder, manifest, domain, tables, workers, progress)
-    for note in manifest.parts:
-        yield from starts.wrong(note)
+        yield from rows.wrong(note, with_tasks(space, parts[note.name].pick(count())))

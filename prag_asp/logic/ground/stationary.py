@@ -148,9 +148,10 @@ def read_step(program: Program) -> StepReads:
 
 
 def _acting(rules: Sequence[_TimedRule]) -> Iterator[Obstacle]:
-    """Yield the rules other than that of the shipped ``step.lp`` by which actions occur."""
+    """Yield the choices of encodings other than that of the shipped ``step.lp`` by which actions occur."""
     for rule in rules:
-        if rule.statement.text not in (ONE_ACTION, ANY_ACTION):
+        chooses = not rule.statement.own and rule.statement.node.head.ast_type != ASTType.Literal
+        if chooses and rule.statement.text not in (ONE_ACTION, ANY_ACTION):
             what = "this rule lets actions occur otherwise than in step.lp, where each step has exactly one"
             yield rule.obstacle(what, "choose the engine clingo, or restore that rule")
 

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import json
 import pickle
+from contextlib import suppress
 from functools import cache
 from io import BytesIO
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from prag_asp.missing import require_pddl
 from prag_asp.output.cache_files import cache_folder, read_cached, write_cached
@@ -35,20 +36,27 @@ def grammar() -> Lark:
         PddlMissingError: the package pddl is not installed.
     """
     require_pddl()
-    import lark
+    from lark import Lark, __version__
     from pddl.parser import PARSERS_DIRECTORY
 
     folder = cache_folder()
     if folder is None:
         return _build_parser()
     texts = [path.read_text(encoding="utf-8") for path in sorted(PARSERS_DIRECTORY.glob("*.lark"))]
-    key = digest([lark.__version__, *texts])
+    key = digest([__version__, *texts])
     path = folder / f"{key}.grammar"
     cached = read_cached(path, LARGEST)
-    parser = None if cached is None else _read(cached)
-    if parser is None:
-        parser = _build_parser()
-        write_cached(path, _written(parser))
+    if cached is not None:
+        with suppress(*MISMATCHED):
+            # JSON stores integer keys as strings.
+            tables = json.loads(
+                cached, object_hook=lambda table: {int(k) if k.isdecimal() else k: each for k, each in table.items()}
+            )
+            return Lark.load(BytesIO(pickle.dumps(tables)))
+    parser, buffer = _build_parser(), BytesIO()
+    parser.save(buffer, exclude_options=["import_paths"])
+    # Lark writes a pickle of plain values.
+    write_cached(path, json.dumps(pickle.loads(buffer.getvalue())).encode())
     return parser
 
 
@@ -63,24 +71,3 @@ def _build_parser() -> Lark:
         start=list(KINDS),
         propagate_positions=True,
     )
-
-
-def _written(parser: Lark) -> bytes:
-    """Return the tables of a parser as JSON; lark itself writes them as a pickle of plain values."""
-    buffer = BytesIO()
-    parser.save(buffer, exclude_options=["import_paths"])
-    return json.dumps(pickle.loads(buffer.getvalue())).encode()
-
-
-def _read(content: bytes) -> Lark | None:
-    from lark import Lark
-
-    try:
-        return Lark.load(BytesIO(pickle.dumps(json.loads(content, object_hook=_numbered))))
-    except MISMATCHED:
-        return None
-
-
-def _numbered(table: dict[str, Any]) -> dict[Any, Any]:
-    """Return a mapping with integer keys restored, which JSON stores as strings."""
-    return {int(key) if key.isdecimal() else key: value for key, value in table.items()}

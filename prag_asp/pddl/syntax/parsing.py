@@ -56,7 +56,12 @@ def parse(path: Path, kind: str) -> Node:
         PddlMissingError: the package pddl is not installed.
     """
     text = COMMENT.sub(lambda found: " " * len(found[0]), read_text(path).lower())
-    _check_kind(path, text, kind)
+    begin = BEGIN.match(text)
+    if begin is None:
+        raise DomainError(f"{path}:1: not a PDDL {kind}; begin it with (define ({kind} NAME) ...")
+    if begin[1] != kind and begin[1] in KINDS:
+        hint = "give the domain first, then its problem: DOMAIN.pddl PROBLEM.pddl"
+        raise DomainError(f"{path}:1: this is a {begin[1]}, but a {kind} is needed; {hint}")
     _check_parentheses(path, text)
     ends = [found.start() for found in re.finditer("\n", text)]
 
@@ -117,20 +122,6 @@ def _message(text: str, at: int, kind: str) -> str:  # noqa: PLR0911 - one for e
     if re.match(r"[\d_]|[^\W\d_a-z]", words[0]):
         return f"{words[0]!r} is not a name; write a letter from a to z first, then letters, digits, '-' and '_'"
     return f"{words[0]!r} is not expected here; look for a misspelt word or a missing parenthesis before it"
-
-
-def _check_kind(path: Path, text: str, kind: str) -> None:
-    """Check that a text begins as a file of its kind.
-
-    Raises:
-        DomainError: it does not.
-    """
-    begin = BEGIN.match(text)
-    if begin is None:
-        raise DomainError(f"{path}:1: not a PDDL {kind}; begin it with (define ({kind} NAME) ...")
-    if begin[1] != kind and begin[1] in KINDS:
-        hint = "give the domain first, then its problem: DOMAIN.pddl PROBLEM.pddl"
-        raise DomainError(f"{path}:1: this is a {begin[1]}, but a {kind} is needed; {hint}")
 
 
 def _check_parentheses(path: Path, text: str) -> None:

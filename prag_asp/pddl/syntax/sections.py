@@ -7,6 +7,7 @@ from bisect import bisect
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from itertools import islice
+from operator import itemgetter
 from typing import NoReturn
 
 TOKEN = re.compile(r"[()]|[^\s()]+")
@@ -35,34 +36,27 @@ class Arranged:
     """A text composed of pieces of a source text, with the position of each piece in the source."""
 
     _source: str
-    _pieces: list[str] = field(default_factory=list)
-    _starts: list[int] = field(default_factory=list)
-    _origins: list[int] = field(default_factory=list)
-    _length: int = 0
+    _pieces: list[tuple[int, int, str]] = field(default_factory=list)
+    """The pieces: position in this text, position in the source, text."""
 
     @property
     def text(self) -> str:
         """The text."""
-        return "".join(self._pieces)
+        return "".join(text for _, _, text in self._pieces)
 
     def take(self, start: int, end: int) -> None:
         """Append a piece of the source."""
-        self._add(self._source[start:end], start)
+        self.insert(self._source[start:end], start)
 
     def insert(self, text: str, at: int) -> None:
-        """Append text that the source lacks; its position is `at` in the source."""
-        self._add(text, at)
+        """Append text whose position in the source is `at`, also if the source lacks it."""
+        start = self._pieces[-1][0] + len(self._pieces[-1][2]) if self._pieces else 0
+        self._pieces.append((start, at, f"{text} "))
 
     def origin(self, position: int) -> int:
         """Return the position in the source of a character of this text."""
-        piece = max(bisect(self._starts, position) - 1, 0)
-        return self._origins[piece] + min(position - self._starts[piece], len(self._pieces[piece]))
-
-    def _add(self, text: str, origin: int) -> None:
-        self._pieces.append(f"{text} ")
-        self._starts.append(self._length)
-        self._origins.append(origin)
-        self._length += len(text) + 1
+        start, at, text = self._pieces[max(bisect(self._pieces, position, key=itemgetter(0)) - 1, 0)]
+        return at + min(position - start, len(text))
 
 
 def arranged(text: str, kind: str, refuse: Refuse) -> Arranged:
@@ -76,7 +70,8 @@ def arranged(text: str, kind: str, refuse: Refuse) -> Arranged:
     spans: dict[str, Span] = {}
     others: list[tuple[str, Span]] = []
     for span in sections:
-        head = _head(text, span)
+        word = TOKEN.search(text, span[0] + 1, span[1]) if text[span[0]] == "(" else None
+        head = word[0] if word else ""
         if head not in ORDER[kind]:
             others.append((head, span))
         elif spans.setdefault(head, span) != span:
@@ -87,21 +82,16 @@ def arranged(text: str, kind: str, refuse: Refuse) -> Arranged:
     result = Arranged(text)
     result.take(start, name[1])
     for head, span in [*((head, spans[head]) for head in ORDER[kind] if head in spans), *others]:
-        _arrange(result, text, head, span, refuse)
+        parts = list(_items(text, span[0] + 1, span[1] - 1))
+        if head == ":action":
+            _arrange_action(result, text, span, parts, refuse)
+        elif head == ":goal" and len(parts) == 2 and not list(_items(text, parts[1][0] + 1, parts[1][1] - 1)):
+            result.insert("(:goal (and))", span[0])
+        elif head not in DROPPED and (len(parts) > 1 or head not in NOT_EMPTY):
+            result.take(*span)
     for span in ((end - 1, end), *after):
         result.take(*span)
     return result
-
-
-def _arrange(result: Arranged, text: str, head: str, span: Span, refuse: Refuse) -> None:
-    """Append a section."""
-    parts = list(_items(text, span[0] + 1, span[1] - 1))
-    if head == ":action":
-        _arrange_action(result, text, span, parts, refuse)
-    elif head == ":goal" and len(parts) == 2 and not list(_items(text, parts[1][0] + 1, parts[1][1] - 1)):
-        result.insert("(:goal (and))", span[0])
-    elif head not in DROPPED and (len(parts) > 1 or head not in NOT_EMPTY):
-        result.take(*span)
 
 
 def _arrange_action(result: Arranged, text: str, span: Span, parts: list[Span], refuse: Refuse) -> None:
@@ -157,9 +147,3 @@ def _items(text: str, start: int, end: int) -> Iterator[Span]:
                 yield begin, token.end()
         elif not depth:
             yield token.span()
-
-
-def _head(text: str, span: Span) -> str:
-    """Return the first word of a parenthesized expression, or "" for anything else."""
-    word = TOKEN.search(text, span[0] + 1, span[1]) if text[span[0]] == "(" else None
-    return word[0] if word else ""

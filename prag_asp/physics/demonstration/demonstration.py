@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,16 +15,18 @@ from numpy.typing import NDArray
 from prag_asp.array_archive import BadArchive, read_arrays
 from prag_asp.errors import OutputError, QueryError
 from prag_asp.output import replace_file
-from prag_asp.physics.demonstration.contacts import Touch
 from prag_asp.physics.demonstration.footage import Footage, are_equal, read_footage, require_arrays
 from prag_asp.physics.demonstration.packing import with_packed
-from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import VERSION, Arm
 from prag_asp.safe_reading import open_binary
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.variation import Variation, variation_of
 from prag_asp.tables.report import shown
+
+if TYPE_CHECKING:
+    from prag_asp.physics.demonstration.contacts import Touch
+    from prag_asp.physics.situation import Situation
 
 Floats = NDArray[np.float32]
 Integers = NDArray[np.int32]
@@ -123,6 +125,8 @@ class Demonstration:
 
     def touches(self, first: int, last: int) -> Iterator[Touch]:
         """Yield the contacts in the frames from `first` to `last`, both included."""
+        from prag_asp.physics.demonstration.contacts import Touch  # noqa: PLC0415
+
         frames = self.contacts[:, 0]
         those = (frames >= first) & (frames <= last)
         for (frame, one, two), force in zip(self.contacts[those].tolist(), self.forces[those].tolist(), strict=True):
@@ -230,6 +234,8 @@ def situation_of(
 
     `openings` say how far furniture is open, in metres or radians.
     """
+    from prag_asp.physics.situation import Situation  # noqa: PLC0415 - verdicts are read without predicates
+
     placed = {entity: pose_of(row) for entity, row in zip(objects, poses.tolist(), strict=True)}
     return Situation(scene, placed, arms, openings)
 

@@ -53,7 +53,12 @@ def low_files(kind: str) -> Mapping[str, bytes]:
         SceneError: the robot's files cannot be read.
     """
     root = ElementTree.fromstring(robot_file(ROBOTS[kind]))
-    named = {each.get("name", ""): rgb for each in root.iter("material") if (rgb := _rgb(each)) is not None}
+    named: dict[str, Colour] = {}
+    for material in root.iter("material"):
+        color = material.find("color")  # None if the material only names one that is defined elsewhere
+        if color is not None:
+            red, green, blue = map(float, color.get("rgba", "1 1 1 1").split()[:3])
+            named[material.get("name", "")] = (red, green, blue)
     meshes: dict[str, bytes] = {}
     for number, link in enumerate(root.iter("link")):
         for collision in link.findall("collision"):
@@ -62,15 +67,6 @@ def low_files(kind: str) -> Mapping[str, bytes]:
             if visual.find("geometry/mesh") is not None:
                 meshes |= _simplified(link, visual, f"{kind}_{number}", named)
     return {f"{kind}.urdf": ElementTree.tostring(root), **meshes}
-
-
-def _rgb(material: ElementTree.Element) -> Colour | None:
-    """Return the colour of a material, None if it only names one."""
-    color = material.find("color")
-    if color is None:
-        return None
-    red, green, blue = map(float, color.get("rgba", "1 1 1 1").split()[:3])
-    return red, green, blue
 
 
 def _simplified(

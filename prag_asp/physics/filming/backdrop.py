@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from prag_asp.physics.situation import TABLE_THICKNESS
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.cameras import Camera
+from prag_asp.scene.colours import rgb
 from prag_asp.scene.scene import Scene
 
 SKY, GROUND = (247, 249, 252), (214, 221, 230)
@@ -67,12 +68,7 @@ def _rays(camera: Camera) -> tuple[Floats, Floats]:
 
 def patches(scene: Scene, numbers: Mapping[str, int]) -> list[LevelPatch]:
     """Return the zones of a scene as rectangles; `numbers` are those of the entities."""
-    result = []
-    for entity, shape in scene.shapes.items():
-        if shape.kind == "zone":
-            x, y, yaw = scene.fixed[entity]
-            result.append(LevelPatch(x, y, shape.half[:2], yaw, scene.colors.get(entity, "#808080"), numbers[entity]))
-    return result
+    return [_patch(scene, entity, numbers) for entity, shape in scene.shapes.items() if shape.kind == "zone"]
 
 
 def has_still_floor(scene: Scene, entity: str) -> bool:
@@ -83,14 +79,15 @@ def has_still_floor(scene: Scene, entity: str) -> bool:
 
 def floors(scene: Scene, numbers: Mapping[str, int]) -> list[LevelPatch]:
     """Return the floors of containers that are fixed on the table; `numbers` are those of the entities."""
-    result = []
-    for entity, shape in scene.shapes.items():
-        if entity in numbers and has_still_floor(scene, entity):
-            x, y, yaw = scene.fixed[entity]
-            half = shape.half[0] - shape.wall / 2, shape.half[1] - shape.wall / 2
-            color = scene.colors.get(entity, "#808080")
-            result.append(LevelPatch(x, y, half, yaw, color, numbers[entity], shape.wall))
-    return result
+    entities = (entity for entity in scene.shapes if entity in numbers and has_still_floor(scene, entity))
+    return [_patch(scene, entity, numbers, scene.shapes[entity].wall) for entity in entities]
+
+
+def _patch(scene: Scene, entity: str, numbers: Mapping[str, int], wall: float = 0.0) -> LevelPatch:
+    """Return the rectangle of a fixed entity to the middle of its walls, as high above the table as they are thick."""
+    (x, y, yaw), (half_x, half_y, _) = scene.fixed[entity], scene.shapes[entity].half
+    half = (half_x - wall / 2, half_y - wall / 2)
+    return LevelPatch(x, y, half, yaw, scene.color(entity), numbers[entity], wall)
 
 
 def backdrop(
@@ -108,7 +105,7 @@ def backdrop(
     """
     (x, y), turn = _rays(camera), pose[:3, :3].astype(np.float32)
     ahead = [turn[axis, 0] * x + turn[axis, 1] * y + turn[axis, 2] for axis in range(3)]
-    rgb, numbers = _around(camera.size).copy(), np.full(ahead[0].shape, AROUND, dtype=np.int32)
+    colors, numbers = sky(camera.size).copy(), np.full(ahead[0].shape, AROUND, dtype=np.int32)
     depth = np.full(ahead[0].shape, np.inf, dtype=np.float32)
     eye, half = pose[:3, 3].astype(np.float32), np.array([*scene.table.size, TABLE_THICKNESS], dtype=np.float32) / 2
     centre = np.array([*scene.table.centre, -TABLE_THICKNESS / 2], dtype=np.float32)
@@ -124,18 +121,20 @@ def backdrop(
         seen = (far >= camera.near) & (far <= camera.far)
         seen &= (np.abs(points[0]) <= half[one]) & (np.abs(points[1]) <= half[two])
         shade = _shade(axis, away, light)
-        depth[seen], numbers[seen], rgb[seen] = far[seen], table, _shaded(scene.table.color, shade)
+        depth[seen], numbers[seen], colors[seen] = far[seen], table, _shaded(scene.table.color, shade)
         for zone in zones if axis == UPWARDS and away > 0.0 else ():
             within = seen & _within(points[0] + centre[0], points[1] + centre[1], zone)
-            numbers[within], rgb[within] = zone.number, _shaded(zone.color, shade)
+            numbers[within], colors[within] = zone.number, _shaded(zone.color, shade)
     falling = np.minimum(ahead[UPWARDS], -LEVEL)
+    # TinyRenderer adds the same specular brightness to a horizontal surface for any camera.
+    gloss = SPECULAR * (max(0.0, light[UPWARDS]) / math.hypot(*light)) ** 2
+    shade = _shade(UPWARDS, 1.0, light) + gloss
     for patch in raised:
         far = np.float32(patch.z - eye[UPWARDS]) / falling
         seen = (far >= camera.near) & (far <= camera.far) & (far < depth)
         seen &= _within(eye[0] + far * ahead[0], eye[1] + far * ahead[1], patch)
-        shade = _shade(UPWARDS, 1.0, light) + _gloss(light)
-        depth[seen], numbers[seen], rgb[seen] = far[seen], patch.number, _shaded(patch.color, shade)
-    return Backdrop(rgb, depth, numbers)
+        depth[seen], numbers[seen], colors[seen] = far[seen], patch.number, _shaded(patch.color, shade)
+    return Backdrop(colors, depth, numbers)
 
 
 def _within(x: Floats, y: Floats, zone: LevelPatch) -> NDArray[np.bool_]:
@@ -147,7 +146,7 @@ def _within(x: Floats, y: Floats, zone: LevelPatch) -> NDArray[np.bool_]:
 
 
 @lru_cache(maxsize=8)
-def _around(size: tuple[int, int]) -> NDArray[np.uint8]:
+def sky(size: tuple[int, int]) -> NDArray[np.uint8]:
     """Return the background, a gradient, in the size of an image."""
     width, height = size
     share = np.linspace(0.0, 1.0, height)[:, None]
@@ -160,11 +159,6 @@ def _shade(axis: int, side: float, light: Vector) -> float:
     return AMBIENT + DIFFUSE * max(0.0, math.copysign(1.0, side) * light[axis] / math.hypot(*light))
 
 
-def _gloss(light: Vector) -> float:
-    """Return the specular brightness of a horizontal surface, as TinyRenderer computes it for any camera."""
-    return SPECULAR * (max(0.0, light[UPWARDS]) / math.hypot(*light)) ** 2
-
-
 def _shaded(color: str, shade: float) -> NDArray[np.uint8]:
     """Return the RGB values of a colour like ``#e4572e``, from 0 to 255, in a shade."""
-    return np.array([min(255.0, int(color[i : i + 2], 16) * shade) for i in (1, 3, 5)]).astype(np.uint8)
+    return np.array([min(255.0, part * shade) for part in rgb(color)]).astype(np.uint8)

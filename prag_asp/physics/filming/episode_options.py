@@ -8,15 +8,13 @@ from dataclasses import dataclass
 from prag_asp.errors import QueryError
 from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND
 from prag_asp.scene.cameras import Camera
+from prag_asp.scene.read.camera_reader import PIXELS
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.variation import KINDS, Variation, draw_variation
 from prag_asp.wording import did_you_mean
 
 RATES = tuple(rate for rate in range(1, FRAMES_A_SECOND + 1) if FRAMES_A_SECOND % rate == 0)
 """The frame rates that divide that of episodes."""
-
-SMALLEST, LARGEST = 16, 2048
-"""The smallest and the largest side of a camera image in pixels."""
 
 
 @dataclass(frozen=True)
@@ -44,9 +42,10 @@ class Staging:
         if self.rate not in RATES:
             rates = ", ".join(map(str, RATES))
             raise QueryError(f"an episode has {FRAMES_A_SECOND} frames a second: film at {rates}; got {self.rate}")
-        if self.size is not None and not all(SMALLEST <= side <= LARGEST for side in self.size):
+        low, high = PIXELS
+        if self.size is not None and not all(low <= side <= high for side in self.size):
             width, height = self.size
-            raise QueryError(f"a camera's picture has {SMALLEST} to {LARGEST} pixels a side; got {width}x{height}")
+            raise QueryError(f"a camera's picture has {low} to {high} pixels a side; got {width}x{height}")
 
     def sample_variation(self, scene: Scene, objects: Sequence[str], seeds: Sequence[int]) -> Variation | None:
         """Return a random variation for a demonstration with some objects, None if nothing varies."""

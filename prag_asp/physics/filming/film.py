@@ -49,7 +49,10 @@ def film_frames(
     """
     variation = demonstration.variation
     light = USUAL_LIGHT if variation is None or variation.light is None else variation.light
-    tools = [_tools(demonstration, scene, frame) for frame in frames]
+    arms = [demonstration.arms(frame) for frame in frames]
+    tools = [[tool_pose(robot_of(scene, name), arm.joints) for name, arm in row.items()] for row in arms]
+    deltas = [[_motion(*pair) for pair in zip(*pictures, strict=True)] for pictures in pairwise(tools)]
+    deltas.append([[0.0] * 6 for _ in tools[0]])  # no motion after the last image
     with open_studio(demonstration.sized_scene(scene), demonstration.objects, light) as studio:
         reels = {name: _FilmRecorder(camera, len(frames), studio.legend) for name, camera in cameras.items()}
         for frame in frames:
@@ -60,7 +63,7 @@ def film_frames(
     return Footage(
         frames=np.array(frames, dtype=np.int32),
         tools=np.array([[[*p.position, *p.quaternion] for p in row] for row in tools], dtype=np.float32),
-        deltas=_deltas(tools),
+        deltas=np.array(deltas, dtype=np.float32),
         grippers=demonstration.widths[list(frames)],
         subgoals=np.array([subgoal_at(demonstration, frame) for frame in frames], dtype=np.int32),
         legend=legend,
@@ -113,19 +116,7 @@ class _FilmRecorder:
         )
 
 
-def _tools(demonstration: Demonstration, scene: Scene, frame: int) -> list[Pose]:
-    """Return the tool pose of each robot in a frame."""
-    return [tool_pose(robot_of(scene, name), arm.joints) for name, arm in demonstration.arms(frame).items()]
-
-
-def _deltas(tools: Sequence[Sequence[Pose]]) -> NDArray[np.float32]:
-    """Return the motion of the tools from each image to the next, 0 after the last, shape (N, R, 6)."""
-    rows = [[_moved(*pair) for pair in zip(*pictures, strict=True)] for pictures in pairwise(tools)]
-    rows.append([[0.0] * 6 for _ in tools[0]])
-    return np.array(rows, dtype=np.float32)
-
-
-def _moved(before: Pose, after: Pose) -> list[float]:
+def _motion(before: Pose, after: Pose) -> list[float]:
     """Return the motion from one pose to another: a translation in metres, and a rotation vector in radians."""
     x, y, z, w = before.quaternion
     x, y, z, w = multiply(after.quaternion, (-x, -y, -z, w))

@@ -8,7 +8,7 @@ import numpy as np
 
 from prag_asp.errors import QueryError
 from prag_asp.physics.demonstration.demonstration import Demonstration
-from prag_asp.physics.demonstration.footage import OF_CAMERA, Film, Footage, Picture
+from prag_asp.physics.demonstration.footage import OF_CAMERA, Film
 from prag_asp.physics.filming.film import film_frames
 from prag_asp.scene.scene import Scene
 
@@ -41,48 +41,32 @@ def check_footage(demonstration: Demonstration, scene: Scene) -> list[str]:
         if name in scene_cameras
     }
     again = film_frames(demonstration, scene, cameras, footage.frames.tolist())
-    faults = [f"{name} is not what the episode says" for name in _differing(footage, again)]
-    return [*unknown, *faults, *(fault for name in cameras for fault in _faults(name, footage, again))]
+    differing = [
+        name
+        for name in ROUNDED
+        if not np.allclose(getattr(footage, name), getattr(again, name), rtol=0.0, atol=NUMBERS)
+    ]
+    differing += [name for name in EXACT if not np.array_equal(getattr(footage, name), getattr(again, name))]
+    faults = [f"{name} is not what the episode says" for name in differing]
+    return [*unknown, *faults, *(f for name in cameras for f in _faults(name, footage.films[name], again.films[name]))]
 
 
-def _differing(footage: Footage, again: Footage) -> Iterator[str]:
-    """Yield the names of the arrays that differ."""
-    for name in ROUNDED:
-        if not np.allclose(getattr(footage, name), getattr(again, name), rtol=0.0, atol=NUMBERS):
-            yield name
-    for name in EXACT:
-        if not np.array_equal(getattr(footage, name), getattr(again, name)):
-            yield name
-
-
-def _faults(camera: str, footage: Footage, again: Footage) -> Iterator[str]:
+def _faults(camera: str, one: Film, two: Film) -> Iterator[str]:
     """Yield the differences of a film: in its numbers, and in its first wrong image."""
-    one, two = footage.films[camera], again.films[camera]
     for name in OF_CAMERA:
         if not np.allclose(getattr(one, name), getattr(two, name), rtol=0.0, atol=NUMBERS):
             yield f"{camera}/{name} is not that of the camera"
     try:
-        yield from (f"{camera}: picture {number} {difference}" for number, difference in _pictures(one, two))
+        for number, (seen, expected) in enumerate(zip(one.pictures(), two.pictures(), strict=True)):
+            wrong = {
+                "colours": np.abs(seen.rgb.astype(int) - expected.rgb).max(axis=-1) > COLOUR,
+                "depth": ~(np.abs(seen.depth.astype(float) - expected.depth) <= DEPTH),
+                "entities": seen.segmentation != expected.segmentation,
+            }
+            for what, pixels in wrong.items():
+                if pixels.mean() > SHARE:
+                    difference = f"differs in {what} by {pixels.mean():.0%} of its pixels from what the camera sees"
+                    yield f"{camera}: picture {number} {difference}"
+                    return
     except QueryError as error:
         yield f"{camera}: {error}"
-
-
-def _pictures(one: Film, two: Film) -> Iterator[tuple[int, str]]:
-    """Yield the number of the first image that differs, and the difference.
-
-    Raises:
-        QueryError: a film was cut off or changed.
-    """
-    for number, (seen, expected) in enumerate(zip(one.pictures(), two.pictures(), strict=True)):
-        for what, share in _shares(seen, expected).items():
-            if share > SHARE:
-                yield number, f"differs in {what} by {share:.0%} of its pixels from what the camera sees"
-                return
-
-
-def _shares(seen: Picture, expected: Picture) -> dict[str, float]:
-    """Return the shares of the pixels of an image that differ from what is expected, by channel."""
-    colours = np.abs(seen.rgb.astype(int) - expected.rgb).max(axis=-1) > COLOUR
-    depths = ~(np.abs(seen.depth.astype(float) - expected.depth) <= DEPTH)
-    entities = seen.segmentation != expected.segmentation
-    return {"colours": colours.mean(), "depth": depths.mean(), "entities": entities.mean()}

@@ -30,10 +30,10 @@ from prag_asp.physics.filming.backdrop import (
 )
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.witness import Moment
-from prag_asp.physics.world.bodies import make_body
+from prag_asp.physics.world.bodies import make_body, put_body
 from prag_asp.physics.world.collisions import BASE_LINK
 from prag_asp.physics.world.furniture_bodies import JOINT, set_opening
-from prag_asp.physics.world.simulated_arm import load_robot_files
+from prag_asp.physics.world.simulated_arm import load_robot_files, set_joints
 from prag_asp.physics.world.simulator import open_client, start_world
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.cameras import Camera
@@ -102,13 +102,10 @@ class Studio:
     def show(self, moment: Moment) -> None:
         """Show a moment: move all objects and arms."""
         for name, arm in moment.arms.items():
-            robot = self._robots[name]
-            driven, values = [*robot.arm_links, *robot.finger_joints], (*arm.joints, arm.width / 2, arm.width / 2)
-            states = [[value] for value in values]
-            pybullet.resetJointStatesMultiDof(self._arms[name], driven, states, physicsClientId=self._client)
+            set_joints(self._client, self._arms[name], self._robots[name], arm.joints, arm.width)
             self._joints[name] = arm.joints
         for entity, pose in moment.poses.items():
-            pybullet.resetBasePositionAndOrientation(self._bodies[entity], *pose, physicsClientId=self._client)
+            put_body(self._client, self._scene, entity, self._bodies[entity], pose)
         for entity, opening in moment.openings.items():
             set_opening(self._client, self._bodies[entity], opening)
 
@@ -123,7 +120,10 @@ class Studio:
     def take(self, camera: Camera) -> Picture:
         """Return the present image of a camera."""
         pose = self.pose(camera)
-        behind = self._behind(camera, pose)
+        behind = None if camera.mount else self._fixed.get(camera)
+        if behind is None:
+            behind = backdrop(self._scene, camera, pose, self._zones, self._table, self._light, self._floors)
+            self._fixed[camera] = behind
         colors, buffer, bodies = self._drawn(camera, pose)
         near, far = camera.near, camera.far
         depth = far * near / (far - (far - near) * buffer)
@@ -149,14 +149,6 @@ class Studio:
             if link in self._parts.get(body, (link,)):
                 seen[self.legend[self._numbers[body + 1]]] += int(count)
         return seen
-
-    def _behind(self, camera: Camera, pose: NDArray[np.float64]) -> Backdrop:
-        """Return the backdrop of a camera; that of a fixed camera is cached."""
-        cached = None if camera.mount else self._fixed.get(camera)
-        if cached is None:
-            cached = backdrop(self._scene, camera, pose, self._zones, self._table, self._light, self._floors)
-            self._fixed[camera] = cached
-        return cached
 
     def _drawn(
         self, camera: Camera, pose: NDArray[np.float64], flags: int = 0

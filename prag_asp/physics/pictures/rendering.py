@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from prag_asp.atom import Atom
 from prag_asp.errors import QueryError, SceneError
 from prag_asp.physics.checks.numbers import LIMIT_TOLERANCE, broken_numbers, count_mismatch
 from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration
@@ -148,11 +147,7 @@ def animate(
 
 
 def _moments(task: Task, shown: Witness | Demonstration) -> Sequence[Moment]:
-    """Return the moments of the states of a task in a witness or a demonstration.
-
-    Raises:
-        QueryError: their number is not that of the task.
-    """
+    """Return the moments of the states of a task in a witness or a demonstration."""
     if isinstance(shown, Witness):
         unfit = count_mismatch(shown, len(task.actions))
         if unfit is not None:
@@ -173,12 +168,7 @@ def _actions(task: Task) -> str:
 def _simulator(
     task: Task, shown: Witness | Demonstration, moments: Sequence[Moment], scene: Scene
 ) -> Iterator[Simulator]:
-    """Open a simulator that can show all moments.
-
-    Raises:
-        QueryError: the scene does not allow the size of an object, or a moment lacks an object or an arm of the task,
-            has another, or has invalid numbers.
-    """
+    """Open a simulator that can show all moments."""
     try:
         sized = scene.with_sizes(shown.sizes) if isinstance(shown, Witness) else shown.sized_scene(scene)
     except SceneError as error:
@@ -193,11 +183,7 @@ def _simulator(
 
 
 def _check_headings(task: Task, headings: Sequence[str | None] | None) -> None:
-    """Check that there is a heading for each action.
-
-    Raises:
-        QueryError: there is not.
-    """
+    """Check that there is a heading for each action."""
     if headings is not None and len(headings) != len(task.actions):
         raise QueryError(f"{plural(len(headings), 'heading')} for {_actions(task)}; give one for each")
 
@@ -207,17 +193,17 @@ def _caption(task: Task, scene: Scene, k: int, headings: Sequence[str | None] | 
     if k == 0:
         named = {argument for action in task.actions for argument in action.arguments}
         true_facts = [fact for fact in facts(scene, task.initial) if fact.value]
-        handled = [fact for fact in true_facts if not named.isdisjoint(_things(fact, scene))]
+        bodies = {name for name in named if name in scene.shapes and scene.shapes[name].traits.body}
+        handled = [fact for fact in true_facts if not bodies.isdisjoint(fact.arguments)]
         return "start", _fact_words(handled or true_facts, START_FACTS)
     effects = [fact for fact in facts(scene, task.subgoals[k - 1]) if fact.value]
     undone = [fact for fact in facts(scene, task.subgoals[k - 1]) if not fact.value]
-    heading = (headings[k - 1] if headings is not None else None) or _action_words(task.actions[k - 1], scene)
+    heading = headings[k - 1] if headings is not None else None
+    if not heading:
+        action = task.actions[k - 1]
+        unnamed = () if scene.shared else scene.robots
+        heading = " ".join(words(part) for part in (action.name, *action.arguments) if part not in unnamed)
     return f"{k}. {heading}", _fact_words(effects or undone[:1])
-
-
-def _things(fact: Fact, scene: Scene) -> set[str]:
-    """Return the objects among the arguments of a fact."""
-    return {argument for argument in fact.arguments if argument in scene.shapes and scene.shapes[argument].traits.body}
 
 
 def make_captions(
@@ -234,12 +220,6 @@ def make_captions(
     heading, text = texts[0]
     who = "robots see" if scene.shared else "robot sees"
     return [(heading, f"{text} (sides are as the {who} them)".lstrip()), *texts[1:]]
-
-
-def _action_words(action: Atom, scene: Scene) -> str:
-    """Return an action in plain words: its name and its arguments, without a single robot."""
-    unnamed = () if scene.shared else scene.robots
-    return " ".join(words(part) for part in (action.name, *action.arguments) if part not in unnamed)
 
 
 def _fact_words(candidates: Sequence[Fact], most: int = 2) -> str:

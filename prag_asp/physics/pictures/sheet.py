@@ -38,7 +38,12 @@ def sheet(panels: Sequence[Panel], columns: int, *, lines: int = 1) -> Image.Ima
     written = [(wrap(panel.heading, large, width - 2), wrap(panel.text, small, width - 2)) for panel in panels]
     columns = math.ceil(len(panels) / math.ceil(len(panels) / columns))
     rows = [range(begin, min(begin + columns, len(panels))) for begin in range(0, len(panels), columns)]
-    rooms = [max(_room(*written[i], lines) for i in row) for row in rows]
+    # The height of a caption, and the largest of each row, in pixels.
+    heights = [
+        ABOVE + HEADING_LINE * max(lines, len(heading)) + (BETWEEN + TEXT_LINE * len(text) if text else 0)
+        for heading, text in written
+    ]
+    rooms = [max(heights[i] for i in row) for row in rows]
     total = (
         len(rows[0]) * (width + GUTTER) - GUTTER + 2 * MARGIN,
         sum(height + room for room in rooms) + (len(rows) - 1) * GUTTER + 2 * MARGIN,
@@ -50,7 +55,13 @@ def sheet(panels: Sequence[Panel], columns: int, *, lines: int = 1) -> Image.Ima
         for column, i in enumerate(row):
             x = MARGIN + column * (width + GUTTER)
             page.paste(panels[i].image, (x, y))
-            _write(pen, (x + 2, y + height + ABOVE), written[i], (large, small))
+            heading, text = written[i]
+            below = y + height + ABOVE
+            for number, line in enumerate(heading):
+                pen.text((x + 2, below + HEADING_LINE * number), line, font=large, fill=INK)
+            below += HEADING_LINE * len(heading) + BETWEEN
+            for number, line in enumerate(text):
+                pen.text((x + 2, below + TEXT_LINE * number), line, font=small, fill=QUIET)
         y += height + room + GUTTER
     return page
 
@@ -77,18 +88,3 @@ def _font(size: int) -> Any:
     from PIL import ImageFont  # noqa: PLC0415 - pictures are optional
 
     return ImageFont.load_default(size=size)
-
-
-def _room(heading: Sequence[str], text: Sequence[str], lines: int) -> int:
-    """Return the height of the caption of a panel in pixels."""
-    return ABOVE + HEADING_LINE * max(lines, len(heading)) + (BETWEEN + TEXT_LINE * len(text) if text else 0)
-
-
-def _write(pen: Any, at: tuple[int, int], written: tuple[list[str], list[str]], fonts: tuple[Any, Any]) -> None:
-    """Write the lines of a heading and of a text at a place in pixels."""
-    (x, y), (heading, text) = at, written
-    for line in heading:
-        pen.text((x, y), line, font=fonts[0], fill=INK)
-        y += HEADING_LINE
-    for number, line in enumerate(text):
-        pen.text((x, y + BETWEEN + TEXT_LINE * number), line, font=fonts[1], fill=QUIET)

@@ -18,6 +18,12 @@ AZIMUTHS, HEIGHTS = (-22.7, 50.0, -50.0, 75.0, -75.0), (0.6, 1.1)
 """Directions to the camera: degrees from the axis that points away from the robot, so that left and right stay those of
 a viewer who faces it; and heights relative to the horizontal distance."""
 
+DIRECTIONS = (
+    TOWARDS_EYE,
+    *((math.cos(math.radians(a)), math.sin(math.radians(a)), height) for a, height in product(AZIMUTHS, HEIGHTS)),
+)
+"""The directions to the camera that are tried, the default one first."""
+
 FAVOUR = 1.1
 """The factor by which another view has to be better than the default one."""
 
@@ -41,7 +47,7 @@ def best_view(
     are the drawn ones, by default all.
     """
     aspect = size[0] / size[1]
-    views = [view_from(scene, aspect, towards) for towards in (TOWARDS_EYE, *_directions())]
+    views = [view_from(scene, aspect, towards) for towards in DIRECTIONS]
     shown = [(k, acting(task, scene, k)) for k in (range(len(moments)) if states is None else states)]
     shown = [(k, things) for k, things in shown if things]
     if not shown:
@@ -89,12 +95,3 @@ def view_from(scene: Scene, aspect: float, towards: Vector = TOWARDS_EYE) -> Vie
     if len(bases) > 1:  # the elbows of several arms swing out to the sides
         robots += [(x, y + side, ABOVE_BASE / 2) for x, y in bases for side in (-ABOVE_BASE / 2, ABOVE_BASE / 2)]
     return fitted((*corners, *robots, *scene.fixed_corners()), aspect, towards)
-
-
-def _directions() -> list[Vector]:
-    """Return the directions to the camera that are tried besides the default one."""
-    directions = []
-    for azimuth, height in product(AZIMUTHS, HEIGHTS):
-        angle = math.radians(azimuth)
-        directions.append((math.cos(angle), math.sin(angle), height))
-    return directions

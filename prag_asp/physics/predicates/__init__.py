@@ -1,7 +1,7 @@
 """The registry of spatial predicates, and those that a domain adds.
 
-Each module of this package defines one predicate, or a few related ones, in its `PREDICATES`, by their names, as a
-Python file of a domain does. A new predicate is a module and a row in `prag_asp.scene.predicate_names`, which names it.
+Each module of this package, like a Python file of a domain, maps the names of one or more predicates to their
+definitions in `PREDICATES`. A new predicate needs a module, and a row in `prag_asp.scene.predicate_names`.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def predicate_of(scene: Scene, name: str) -> Predicate:
     In scenes with several robots its sentence names the gripper.
 
     Raises:
-        SceneError: there is none; or a Python file defines it that is not trusted, or fails.
+        SceneError: there is none, or its Python file is not trusted or fails.
     """
     shared = NAMED.get(name) if scene.shared else None
     shared = shared or PREDICATES.get(name)
@@ -49,7 +49,7 @@ def predicate_of(scene: Scene, name: str) -> Predicate:
         raise SceneError(f"there is no spatial predicate {name}; known are {', '.join((*PREDICATES, *scene.own))}")
     if own.file and not scene.trusted:
         raise SceneError(
-            f"{own.file}:1: defines {name} in Python, which is run only where you trust it; "
+            f"{own.file}:1: defines {name} in Python, which runs only if you trust the domain; "
             "read the file, then add --trust (in Python: load_domain(..., trust=True))"
         )
     return _own(own)
@@ -65,7 +65,7 @@ def own_predicates(scene: Scene) -> Mapping[str, Predicate]:
     """Return the user-defined predicates of a scene, by name.
 
     Raises:
-        SceneError: a Python file defines one that is not trusted, or fails.
+        SceneError: the Python file of one is not trusted or fails.
     """
     return {name: predicate_of(scene, name) for name in scene.own}
 

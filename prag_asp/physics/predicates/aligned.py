@@ -14,21 +14,15 @@ from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Volume, Yaws
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.geometry import Quaternion, extents, wrap, yaw_of
-from prag_asp.scene.scene import Shape
 
 TURN, TURN_MARGIN = math.radians(5), math.radians(0.5)
 OFFSET, GAP, MARGIN = 0.01, 0.005, 0.003
 QUARTER = math.pi / 2
 
 
-def _has_sides(shape: Shape) -> bool:
-    """Return whether a body has sides that can be parallel to others."""
-    return not shape.traits.round
-
-
 def _parallel(situation: Situation, arguments: Arguments) -> bool:
-    """Return whether both bodies have sides."""
-    return all(_has_sides(situation.shape(entity)) for entity in arguments)
+    """Return whether both bodies have sides, so that these can be parallel."""
+    return not any(situation.shape(entity).traits.round for entity in arguments)
 
 
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:

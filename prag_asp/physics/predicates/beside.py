@@ -32,14 +32,13 @@ SIDES = {
 }
 """The direction of the subject from the other body, as the robot sees it."""
 
-INVERSES = {"left_of": "right_of", "right_of": "left_of", "in_front_of": "behind", "behind": "in_front_of"}
-PHRASES = {
-    "left_of": "to the left of",
-    "right_of": "to the right of",
-    "in_front_of": "in front of",
-    "behind": "behind",
+WORDING = {
+    "left_of": ("to the left of", "right_of", 90),
+    "right_of": ("to the right of", "left_of", 91),
+    "in_front_of": ("in front of", "behind", 92),
+    "behind": ("behind", "in_front_of", 93),
 }
-RANKS = {"left_of": 90, "right_of": 91, "in_front_of": 92, "behind": 93}
+"""The phrase of each predicate in a sentence, its inverse, and its rank in captions."""
 
 
 def _violations(name: str, situation: Situation, arguments: Arguments) -> Iterator[float]:
@@ -86,13 +85,13 @@ PREDICATES = {
         name=name,
         violations=partial(_violations, name),
         volume=partial(_volume, name),
-        sentence=states(f"{{0}} {{is}} {PHRASES[name]} {{1}}"),
-        inverse=INVERSES[name],
-        direction=side,
+        sentence=states(f"{{0}} {{is}} {phrase} {{1}}"),
+        inverse=inverse,
+        direction=SIDES[name],
         apart=(GAP, math.inf),
         seen_close=True,
         demands=partial(_demands, name),
-        caption_rank=RANKS[name],
+        caption_rank=rank,
     )
-    for name, side in SIDES.items()
+    for name, (phrase, inverse, rank) in WORDING.items()
 }

@@ -1,7 +1,7 @@
-"""``between``: a body lies between two others, seen from above.
+"""``between``: a body lies between two others from above, at any heights.
 
 The line segment between the centres of the two others passes through the body, and along that line the body is at
-least `GAP` metres away from both. Heights do not matter.
+least `GAP` metres away from both.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator
 
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
-from prag_asp.physics.predicates.volume import Volume, turned_box
+from prag_asp.physics.predicates.volume import Volume, over_rectangle
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.geometry import Quaternion, width_along
@@ -69,13 +69,8 @@ def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) 
     if along < 0.0:
         return Volume((x, y, 0.0), (x, y, -1.0))
     ux, uy, _ = line[1]
-    x, y = x + ux * (begin + end) / 2, y + uy * (begin + end) / 2
-    reach_x, reach_y = abs(ux) * along + abs(uy) * across, abs(uy) * along + abs(ux) * across
-    return Volume(
-        (x - reach_x, y - reach_y, -math.inf),
-        (x + reach_x, y + reach_y, math.inf),
-        sides=turned_box(((x, y, 0.0), (ux, uy)), (along, across)),
-    )
+    middle = (x + ux * (begin + end) / 2, y + uy * (begin + end) / 2, 0.0)
+    return over_rectangle(middle, (ux, uy), (along, across), (-math.inf, math.inf))
 
 
 BETWEEN = Predicate(

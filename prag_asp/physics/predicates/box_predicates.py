@@ -1,8 +1,8 @@
 """Predicates that a domain defines in its domain.toml as a union of boxes around an entity.
 
-A box is given in the frame of the entity, rotated with its yaw: x and y from the centre of the entity, z from its
-lowest point; around the table, in the scene's axes from the centre of its top. The centre of the subject is in one of
-the boxes or, if the predicate says `whole`, the whole subject is, within `TOLERANCE`.
+The frame of a box is that of the entity, rotated with its yaw: x and y from its centre, z from its lowest point. The
+table has the axes of the scene, and the centre of its top as the origin. The predicate holds if the centre of the
+subject is in one of the boxes or, if it is `whole`, if the whole subject is, within `TOLERANCE` metres.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ CENTRE: Vector = (0.0, 0.0, 0.0)
 
 
 def box_predicate(own: Own) -> Predicate:
-    """Return a predicate made of boxes around its second argument."""
+    """Return a predicate that boxes around its second argument define."""
     return Predicate(
         name=own.name,
         violations=partial(_violations, own),
@@ -34,7 +34,7 @@ def box_predicate(own: Own) -> Predicate:
 
 
 def _half(own: Own, situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Vector:
-    """Return the half-sides of what has to be in a box, in the axes of the box: the subject or its centre; metres."""
+    """Return the half-sides of the subject, or of its centre, in the axes of the boxes, in metres."""
     if not own.whole:
         return CENTRE
     x, y, z, w = situation.pose(arguments[1]).quaternion
@@ -48,24 +48,19 @@ def _violations(own: Own, situation: Situation, arguments: Arguments) -> Iterato
     x, y = to_local(situation.pose(other), pose.position[0], pose.position[1])
     at = (x, y, pose.position[2] - situation.bottom(other))
     half = _half(own, situation, arguments, pose.quaternion)
-    yield min(_missed(box, at, half) for box in own.boxes) - TOLERANCE
-
-
-def _missed(box: BoxBounds, at: Vector, half: Vector) -> float:
-    """Return by how many metres a body misses a box along the worst axis; negative within it."""
-    below = (low - value + reach for low, value, reach in zip(box.low, at, half, strict=True))
-    above = (value + reach - high for high, value, reach in zip(box.high, at, half, strict=True))
-    return max(*below, *above)
+    boxes = (zip(box.low, box.high, at, half, strict=True) for box in own.boxes)
+    missed = (max(max(a - x + reach, x + reach - b) for a, b, x, reach in box) for box in boxes)
+    yield min(missed) - TOLERANCE
 
 
 def _volume(own: Own, situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the boxes."""
+    """Return the union of the boxes."""
     half = _half(own, situation, arguments, quaternion)
     return Volume(unions=(tuple(_room(box, situation, arguments[1], half) for box in own.boxes),))
 
 
 def _room(box: BoxBounds, situation: Situation, other: str, half: Vector) -> Volume:
-    """Return the region for the centre of a body of half-sides `half` that has to be in a box; metres."""
+    """Return the region for the centre of a body with the half-sides `half` that has to be in a box; metres."""
     (ax, bx), (ay, by), (az, bz) = (_ends(*ends) for ends in zip(box.low, box.high, half, strict=True))
     x, y, _ = situation.pose(other).position
     bottom = situation.bottom(other)
@@ -87,9 +82,9 @@ def _room(box: BoxBounds, situation: Situation, other: str, half: Vector) -> Vol
 
 
 def _ends(low: float, high: float, reach: float) -> tuple[float, float]:
-    """Return the range for the centre of a body along an axis of a box in metres, low > high if it is empty.
+    """Return the range for the centre of a body along an axis of a box in metres; it is empty if low > high.
 
-    A body as large as the box, or larger within the tolerance, is put into its centre.
+    A body that is as large as the box within the tolerance has to be in its centre.
     """
     low, high = low + reach, high - reach
     if -2 * SLIVER <= low - high <= 2 * (TOLERANCE - SLIVER):

@@ -1,7 +1,7 @@
-"""Constraints that predicates put on the positions of bodies: lower bounds on differences of coordinates.
+"""Constraints of predicates on the positions of bodies: lower bounds on differences of coordinates.
 
-Each constraint has to follow from the definition of the predicate for any orientation of the bodies. Along x and y it
-compares the centres of bodies, along z the bottoms and tops of their bounding boxes.
+The predicate has to imply each constraint for any orientation of the bodies. Along x and y constraints compare the
+centres of bodies, along z the bottoms and tops of their bounding boxes.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ ROUNDING = 1e-9
 """Lengths that differ by less are considered equal, in metres."""
 
 Node = tuple[str, str]
-"""A body (or a robot, for its tool; or the origin) and the part of it whose coordinate is constrained."""
+"""A body, a robot (for its tool) or the origin, and the part of it whose coordinate is constrained."""
 
 ORIGIN: Node = ("", "centre")
 """The origin of the world."""
@@ -38,12 +38,12 @@ Demand = tuple[int, Gap]
 
 
 def between(node: Node, other: Node, least: float, most: float) -> tuple[Gap, Gap]:
-    """Return the constraints that a coordinate exceeds another by `least` to `most` metres."""
+    """Return the constraints by which a coordinate exceeds another by `least` to `most` metres."""
     return Gap(other, node, least), Gap(node, other, -most)
 
 
 def along(axis: int, gaps: Iterable[Gap]) -> Iterator[Demand]:
-    """Yield gaps as constraints along an axis."""
+    """Yield each gap as a constraint along an axis."""
     return ((axis, gap) for gap in gaps)
 
 
@@ -63,13 +63,13 @@ def top(entity: str) -> Node:
 
 
 def thinnest(entity: str, axis: int, scene: Scene) -> float:
-    """Return the least half-side of the bounding box of a body along an axis, over all orientations; metres."""
+    """Return the smallest half-side of the bounding box of a body along an axis in any orientation, in metres."""
     shape, place = scene.shapes[entity], scene.fixed.get(entity)
     return min(shape.half) if place is None else extents(shape, yaw_quaternion(place[2]))[axis]
 
 
 def above(scene: Scene, entity: str, support: str, half: tuple[float, float]) -> Iterator[Demand]:
-    """Yield that the centre of a body is above a rectangle (or the circle in it) at the centre of another."""
+    """Yield that the centre of a body is above a rectangle, or the circle in it, around the centre of another."""
     place = scene.fixed.get(support)
     round_top = scene.shapes[support].traits.round
     for axis in (0, 1):

@@ -1,33 +1,33 @@
-"""``inside`` and ``located``: a body in the cavity of a container or (``located``) held right above it.
+"""``inside`` and ``located``: a body is in the cavity of a container or, for ``located``, right above it.
 
-Furniture is a container, too: what is in a drawer lies in its tray, and moves with it. ``located`` at the table means
-on it or held right above it, but not above anything hollow.
+Furniture is a container, too: the cavity of a drawer is that of its tray, and moves with it. ``located`` at the table
+means on the table or right above it, but not over a hollow body.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import partial
 
 from prag_asp.physics.predicates.gaps import Demand, Z, above, along, between, bottom
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states, words
-from prag_asp.physics.predicates.volume import Volume, turned_box
+from prag_asp.physics.predicates.volume import Volume, over_rectangle
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.forms import Outline, rectangle
 from prag_asp.scene.furniture import cavity
 from prag_asp.scene.geometry import Pose, Quaternion, extents, heading, inside_by, multiply, to_local, yaw_of
-from prag_asp.scene.scene import Scene, Shape
+from prag_asp.scene.scene import Scene
 
 TOLERANCE = 0.002
 FLOOR_BAND = 0.01
 HOVER = 0.2
 MARGIN = 0.003
-NO_CAVITY = (0.0, 0.0, 0.0)
 
 
 def hollow(situation: Situation, container: str) -> tuple[Pose, Vector]:
-    """Return a pose at the centre of a cavity, seen from above, and its inner sides and depth in metres."""
+    """Return a pose that is at the centre of a cavity from above, and its inner sides and depth in metres."""
     shape = situation.shape(container)
     middle = situation.floor(container) if shape.traits.furniture else situation.pose(container)
     return middle, cavity(shape)
@@ -42,7 +42,7 @@ def floor_height(situation: Situation, container: str) -> float:
 
 
 def rims(situation: Situation, container: str, margin: float = 0.0) -> Iterator[Outline]:
-    """Yield the rectangles that a container covers, seen from above, widened by a margin in metres on each side."""
+    """Yield the rectangles that a container covers from above, enlarged by a margin in metres on each side."""
     shape, pose = situation.shape(container), situation.pose(container)
     half_x, half_y, _ = shape.half
     yield rectangle(*pose.position[:2], half_x + margin, half_y + margin, yaw_of(pose.quaternion))
@@ -59,7 +59,7 @@ def _half_within(situation: Situation, subject: str, container: str, quaternion:
 
 
 def _lateral(situation: Situation, subject: str, container: str) -> Iterator[float]:
-    """Yield how far the bounding box of a body sticks out of the container, in the container's frame; metres."""
+    """Yield how far the bounding box of a body extends beyond the container, in the container's frame; metres."""
     pose, (outer, inner) = situation.pose(subject), hollow(situation, container)
     dx, dy = to_local(outer, pose.position[0], pose.position[1])
     yield abs(dx) - inner[0] / 2
@@ -75,7 +75,7 @@ def _height(situation: Situation, subject: str, container: str) -> float:
 
 
 def _inside_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres a body misses the floor of the container; a stacked body is not inside."""
+    """Yield by how many metres a body misses the floor of the container; a body on another body is not inside."""
     height = _height(situation, *arguments)
     yield -TOLERANCE - height
     yield height - FLOOR_BAND
@@ -83,10 +83,21 @@ def _inside_violations(situation: Situation, arguments: Arguments) -> Iterator[f
 
 
 def _located_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres a body misses the space in the container and up to `HOVER` above it."""
+    """Yield by how many metres a body misses the space in the container or on the table, and up to `HOVER` above it.
+
+    The space over the table excludes what is over hollow bodies.
+    """
     subject, place = arguments
     if situation.is_table(place):
-        yield from _over_table(situation, subject, place)
+        height = situation.bottom(subject)
+        yield -TOLERANCE - height
+        yield height - HOVER
+        (x, y, _), (at_x, at_y, _) = situation.pose(subject).position, situation.pose(place).position
+        half_x, half_y, _ = situation.half(place)
+        yield abs(x - at_x) - half_x
+        yield abs(y - at_y) - half_y
+        for other in _hollow_others(situation, subject):
+            yield from (inside_by(rim, (x, y)) for rim in rims(situation, other))
         return
     height = _height(situation, subject, place)
     yield -TOLERANCE - height
@@ -94,63 +105,37 @@ def _located_violations(situation: Situation, arguments: Arguments) -> Iterator[
     yield from _lateral(situation, subject, place)
 
 
-def _over_table(situation: Situation, subject: str, table: str) -> Iterator[float]:
-    """Yield by how many metres a body misses the space on the table and up to `HOVER` above, beside what is hollow."""
-    height = situation.bottom(subject)
-    yield -TOLERANCE - height
-    yield height - HOVER
-    (x, y, _), (at_x, at_y, _) = situation.pose(subject).position, situation.pose(table).position
-    half_x, half_y, _ = situation.half(table)
-    yield abs(x - at_x) - half_x
-    yield abs(y - at_y) - half_y
-    for other in situation.poses:
-        if other != subject and situation.shape(other).traits.hollow:
-            yield from (inside_by(rim, (x, y)) for rim in rims(situation, other))
+def _hollow_others(situation: Situation, subject: str) -> list[str]:
+    """Return the hollow bodies other than the subject."""
+    return [other for other in situation.poses if other != subject and situation.shape(other).traits.hollow]
 
 
 def _room(situation: Situation, arguments: Arguments, quaternion: Quaternion, height: float) -> Volume:
-    """Return the region for the centre of a body, up to a height above the floor."""
+    """Return the region for the centre of a body in a cavity, from where it stands to `height` metres above that."""
     subject, container = arguments
     pose, inner = hollow(situation, container)
     half = _half_within(situation, subject, container, quaternion)
     dx, dy = _spare(inner[0] / 2 - half[0]), _spare(inner[1] / 2 - half[1])
-    x, y, _ = pose.position
     z = floor_height(situation, container) + half[2]
     if min(dx, dy) < 0.0:
+        x, y, _ = pose.position
         return Volume((x, y, z), (x, y, z - 1.0))
-    cosine, sine = heading(pose.quaternion)
-    reach_x, reach_y = abs(cosine) * dx + abs(sine) * dy, abs(sine) * dx + abs(cosine) * dy
-    return Volume(
-        (x - reach_x, y - reach_y, z),
-        (x + reach_x, y + reach_y, z + height),
-        sides=turned_box((pose.position, (cosine, sine)), (dx, dy)),
-    )
+    return over_rectangle(pose.position, heading(pose.quaternion), (dx, dy), (z, z + height))
 
 
 def _spare(room: float) -> float:
-    """Return the largest offset from the centre for a body with some room to either side, off the walls; metres."""
+    """Return the largest offset of a body from the centre, given the room to either side, off the walls; metres."""
     return room - MARGIN if room >= MARGIN else room / 2
 
 
-def _inside_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the floor of the container, at the height of the centre of a body that stands on it."""
-    return _room(situation, arguments, quaternion, 0.0)
-
-
 def _located_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the space in the container or on the table, and above it."""
-    if situation.is_table(arguments[1]):
-        return _table_volume(situation, arguments, quaternion)
-    depth = hollow(situation, arguments[1])[1][2]
-    return _room(situation, arguments, quaternion, depth + HOVER - MARGIN)
-
-
-def _table_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the space above the table, except what is over something hollow."""
-    subject, table = arguments
-    (x, y, _), (half_x, half_y, _) = situation.pose(table).position, situation.half(table)
+    """Return the space in the container and above it, or on the table and above it except over hollow bodies."""
+    subject, place = arguments
+    if not situation.is_table(place):
+        return _room(situation, arguments, quaternion, hollow(situation, place)[1][2] + HOVER - MARGIN)
+    (x, y, _), (half_x, half_y, _) = situation.pose(place).position, situation.half(place)
     z = extents(situation.shape(subject), quaternion)[2]
-    others = [other for other in situation.poses if other != subject and situation.shape(other).traits.hollow]
+    others = _hollow_others(situation, subject)
     return Volume(
         (x - half_x + MARGIN, y - half_y + MARGIN, z),
         (x + half_x - MARGIN, y + half_y - MARGIN, z + HOVER - MARGIN),
@@ -158,47 +143,28 @@ def _table_volume(situation: Situation, arguments: Arguments, quaternion: Quater
     )
 
 
-def _inside_impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
+def _impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
     """Yield that there is no cavity, or that it is too small for the body in any orientation."""
     entity, container = arguments
-    inner = cavity(scene.shapes[container])
-    if inner == NO_CAVITY:
+    shape, (inner_x, inner_y, _) = scene.shapes[entity], cavity(scene.shapes[container])
+    # The width of a projection is at least the smallest side of the body, and its area at least that of the smallest
+    # projection of the body, which is convex.
+    small, middle, _ = sorted(shape.size)
+    area = small * middle * (math.pi / 4 if shape.traits.round else 1.0)
+    if not scene.shapes[container].traits.hollow:
         yield f"{words(container)} is not a container, so {words(entity)} cannot be in it"
-    elif _too_large(scene.shapes[entity], inner[0], inner[1]):
+    elif small > min(inner_x, inner_y) or area > inner_x * inner_y:
         yield f"{words(entity)} is larger than the cavity of {words(container)}"
 
 
-def _located_impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
-    """Yield why a body does not fit into a container; the table has room for every body."""
-    if scene.shapes[arguments[1]].kind != "table":
-        yield from _inside_impossible(scene, arguments)
-
-
-def _too_large(shape: Shape, inner_x: float, inner_y: float) -> bool:
-    """Return whether no projection of a body fits into a rectangle.
-
-    The width of a projection is at least the smallest side of the body, and its area at least that of the smallest
-    projection of the body, which is convex.
-    """
-    small, middle, _ = sorted(shape.size)
-    area = small * middle * (math.pi / 4 if shape.traits.round else 1.0)
-    return small > min(inner_x, inner_y) or area > inner_x * inner_y
-
-
-def _inside_demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
-    """Yield that a body is in the cavity of another, on its floor."""
-    return _cavity_demands(scene, arguments, FLOOR_BAND)
-
-
 def _located_demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
-    """Yield that a body is in another or held above it; nothing for the table, above which it may be anywhere."""
-    if scene.shapes[arguments[1]].kind == "table":
-        return iter(())
-    return _cavity_demands(scene, arguments, cavity(scene.shapes[arguments[1]])[2] + HOVER)
+    """Yield that a body is in another or above it; there are no constraints for the table."""
+    if scene.shapes[arguments[1]].kind != "table":
+        yield from _cavity_demands(scene, arguments, cavity(scene.shapes[arguments[1]])[2] + HOVER)
 
 
 def _cavity_demands(scene: Scene, arguments: Arguments, room: float) -> Iterator[Demand]:
-    """Yield that a body is in the cavity of another or above it, up to `room` metres above its floor."""
+    """Yield that a body is in the cavity of another, at most `room` metres above its floor."""
     entity, container = arguments
     inner, own = cavity(scene.shapes[container]), min(scene.shapes[entity].half)
     half = (max(0.0, inner[0] / 2 - own), max(0.0, inner[1] / 2 - own))
@@ -210,12 +176,12 @@ def _cavity_demands(scene: Scene, arguments: Arguments, room: float) -> Iterator
 INSIDE = Predicate(
     name="inside",
     violations=_inside_violations,
-    volume=_inside_volume,
+    volume=partial(_room, height=0.0),
     sentence=states("{0} {is} inside {1}"),
     supports=True,
     places=True,
-    impossible=_inside_impossible,
-    demands=_inside_demands,
+    impossible=_impossible,
+    demands=partial(_cavity_demands, room=FLOOR_BAND),
     caption_rank=40,
 )
 LOCATED = Predicate(
@@ -224,7 +190,8 @@ LOCATED = Predicate(
     volume=_located_volume,
     sentence=states("{0} {is} at {1}"),
     places=True,
-    impossible=_located_impossible,
+    # The table has room for every body.
+    impossible=lambda scene, at: iter(()) if scene.shapes[at[1]].kind == "table" else _impossible(scene, at),
     demands=_located_demands,
     caption_rank=50,
 )

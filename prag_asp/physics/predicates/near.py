@@ -1,13 +1,12 @@
-"""``near`` and ``far``: how wide the gap between two bodies is, seen from above.
+"""``near`` and ``far``: the width of the gap between two bodies from above.
 
-The gap is the distance of their bounding boxes along the scene's axes, 0 if one is above the other. Up to `NEAR`
-metres are near, from `FAR` metres on is far; between is neither. The order of the two does not matter.
+The gap is the horizontal distance of their bounding boxes along the scene's axes, 0 if one is above the other. It is at
+most `NEAR` metres for ``near``, at least `FAR` metres for ``far``. Both predicates are symmetric.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Ring, Volume
@@ -34,11 +33,6 @@ def _around(situation: Situation, arguments: Arguments, quaternion: Quaternion, 
     return Ring(x, y, *gaps, own[0] + half[0], own[1] + half[1])
 
 
-def _near_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres the gap is too wide."""
-    yield _gap(situation, arguments) - NEAR
-
-
 def _near_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return the region around the other body."""
     ring = _around(situation, arguments, quaternion, (0.0, NEAR - MARGIN))
@@ -47,19 +41,9 @@ def _near_volume(situation: Situation, arguments: Arguments, quaternion: Quatern
     return Volume(low, high, rings=(ring,))
 
 
-def _far_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres the gap is too narrow."""
-    yield FAR - _gap(situation, arguments)
-
-
-def _far_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the region far from the other body."""
-    return Volume(rings=(_around(situation, arguments, quaternion, (FAR + MARGIN, math.inf)),))
-
-
 NEAR_TO = Predicate(
     name="near",
-    violations=_near_violations,
+    violations=lambda situation, arguments: iter([_gap(situation, arguments) - NEAR]),
     volume=_near_volume,
     sentence=states("{0} {is} near {1}"),
     inverse="near",
@@ -68,8 +52,10 @@ NEAR_TO = Predicate(
 )
 FAR_FROM = Predicate(
     name="far",
-    violations=_far_violations,
-    volume=_far_volume,
+    violations=lambda situation, arguments: iter([FAR - _gap(situation, arguments)]),
+    volume=lambda situation, arguments, quaternion: Volume(
+        rings=(_around(situation, arguments, quaternion, (FAR + MARGIN, math.inf)),)
+    ),
     sentence=states("{0} {is} far from {1}"),
     inverse="far",
     apart=(FAR, math.inf),

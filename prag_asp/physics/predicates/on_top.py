@@ -1,4 +1,4 @@
-"""``on_top``: a body stands on the top of another, its centre above that top; nothing rests on a ball."""
+"""``on_top``: a body stands on another, its centre above the top of that; nothing rests on a ball."""
 
 from __future__ import annotations
 
@@ -7,10 +7,8 @@ from collections.abc import Iterator
 
 from prag_asp.physics.predicates.gaps import ORIGIN, Demand, Z, above, along, between, bottom, centre, top
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states, words
-from prag_asp.physics.predicates.volume import Ring, Volume, turned_box
+from prag_asp.physics.predicates.volume import Ring, Volume, over_rectangle
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.boxes import Vector
-from prag_asp.scene.forms import Point
 from prag_asp.scene.geometry import Quaternion, extents, heading, to_local, yaw_quaternion
 from prag_asp.scene.scene import Scene
 
@@ -19,13 +17,13 @@ MARGIN = 0.004
 
 
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres the body floats above or sinks into the top, and its centre overhangs."""
+    """Yield by how many metres the body is above or below the top, and its centre beyond the edge."""
     subject, support = arguments
     above, below = situation.body(subject), situation.body(support)
     yield abs(above.low[2] - below.high[2]) - TOLERANCE
     x, y, _ = above.pose.position
     dx, dy = to_local(below.pose, x, y)
-    half = _half(situation, support)
+    half = situation.own_half(support)
     if situation.shape(support).traits.round:
         yield math.hypot(dx, dy) - half[0]
     else:
@@ -36,21 +34,13 @@ def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
 def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return the support's top, at the height of the centre of a body that stands on it."""
     subject, support = arguments
-    pose, half = situation.pose(support), _half(situation, support)
-    x, y, _ = pose.position
+    pose, half = situation.pose(support), situation.own_half(support)
     z = situation.top(support) + extents(situation.shape(subject), quaternion)[2]
     dx, dy = (side - min(MARGIN, side / 2) for side in half[:2])
     if situation.shape(support).traits.round:
+        x, y, _ = pose.position
         return Volume((x - dx, y - dx, z), (x + dx, y + dx, z), rings=(Ring(x, y, 0.0, dx),))
-    cosine, sine = heading(pose.quaternion)
-    reach_x, reach_y = abs(cosine) * dx + abs(sine) * dy, abs(sine) * dx + abs(cosine) * dy
-    sides = turned_box((pose.position, (cosine, sine)), (dx, dy))
-    return Volume((x - reach_x, y - reach_y, z), (x + reach_x, y + reach_y, z), sides=sides)
-
-
-def _half(situation: Situation, support: str) -> Vector:
-    """Return the half-sides of a support in its own frame, in metres."""
-    return situation.half(support) if situation.is_table(support) else situation.shape(support).half
+    return over_rectangle(pose.position, heading(pose.quaternion), (dx, dy), (z, z))
 
 
 def _impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
@@ -64,7 +54,11 @@ def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
     entity, support = arguments
     shape = scene.shapes[support]
     if shape.traits.surface:
-        middle, half = _surface(scene, support)
+        if shape.kind == "table":
+            middle, half = scene.table.centre, (scene.table.size[0] / 2, scene.table.size[1] / 2)
+        else:
+            x, y, yaw = scene.fixed[support]
+            middle, half = (x, y), extents(shape, yaw_quaternion(yaw))[:2]
         for axis in (0, 1):
             low, high = middle[axis] - half[axis], middle[axis] + half[axis]
             yield from along(axis, between(centre(entity), ORIGIN, low, high))
@@ -72,15 +66,6 @@ def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
         return
     yield from above(scene, entity, support, (shape.half[0], shape.half[1]))
     yield from along(Z, between(bottom(entity), top(support), -TOLERANCE, TOLERANCE))
-
-
-def _surface(scene: Scene, support: str) -> tuple[Point, Point]:
-    """Return the centre of the table's top or of a zone, and the half-sides of its bounding box, in metres."""
-    if scene.shapes[support].kind == "table":
-        return scene.table.centre, (scene.table.size[0] / 2, scene.table.size[1] / 2)
-    x, y, yaw = scene.fixed[support]
-    half = extents(scene.shapes[support], yaw_quaternion(yaw))
-    return (x, y), (half[0], half[1])
 
 
 ON_TOP = Predicate(

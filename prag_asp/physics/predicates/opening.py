@@ -1,11 +1,9 @@
 """``is_open`` and ``is_closed``: the position of the joint of a drawer (metres) or of a door (radians).
 
-Open is at least `OPEN` of the joint's range, closed at most `CLOSED`; in between furniture is neither.
+Furniture is open from the share `OPEN` of the joint's range on, and closed up to the share `CLOSED`.
 """
 
 from __future__ import annotations
-
-from collections.abc import Iterator
 
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Volume
@@ -17,35 +15,27 @@ OPEN, CLOSED = 0.9, 0.05
 OPEN_MARGIN, CLOSED_MARGIN = 0.05, 0.03
 
 
-def limit(situation: Situation, furniture: str) -> float:
+def _limit(situation: Situation, furniture: str) -> float:
     """Return the upper limit of the joint of furniture, in metres or radians."""
     return mechanism(situation.shape(furniture)).limit
 
 
-def _open_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield how much farther the furniture has to open."""
-    yield OPEN * limit(situation, arguments[0]) - situation.opening(arguments[0])
-
-
 def _open_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return the openings that count as open."""
-    most = limit(situation, arguments[0])
+    most = _limit(situation, arguments[0])
     return Volume(opening=((OPEN + OPEN_MARGIN) * most, most))
-
-
-def _closed_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield how much farther the furniture has to close."""
-    yield situation.opening(arguments[0]) - CLOSED * limit(situation, arguments[0])
 
 
 def _closed_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return the openings that count as closed."""
-    return Volume(opening=(0.0, (CLOSED - CLOSED_MARGIN) * limit(situation, arguments[0])))
+    return Volume(opening=(0.0, (CLOSED - CLOSED_MARGIN) * _limit(situation, arguments[0])))
 
 
 IS_OPEN = Predicate(
     name="is_open",
-    violations=_open_violations,
+    violations=lambda situation, arguments: iter(
+        [OPEN * _limit(situation, arguments[0]) - situation.opening(arguments[0])]
+    ),
     volume=_open_volume,
     sentence=states("{0} {is} open"),
     of_joint=True,
@@ -54,7 +44,9 @@ IS_OPEN = Predicate(
 )
 IS_CLOSED = Predicate(
     name="is_closed",
-    violations=_closed_violations,
+    violations=lambda situation, arguments: iter(
+        [situation.opening(arguments[0]) - CLOSED * _limit(situation, arguments[0])]
+    ),
     volume=_closed_volume,
     sentence=states("{0} {is} closed"),
     of_joint=True,

@@ -1,9 +1,9 @@
-"""The type of spatial predicates: one definition serves placement, checks, rewards, proofs and captions."""
+"""The type of spatial predicates, which placement, checks, rewards, proofs and captions have in common."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple, Protocol
@@ -18,67 +18,43 @@ from prag_asp.scene.scene import Scene
 Arguments = tuple[str, ...]
 
 
-class ViolationsFunction(Protocol):
-    """Yields by how much a situation violates each condition of a predicate, in order of cost; > 0 is a violation."""
+ViolationsFunction = Callable[[Situation, Arguments], Iterator[float]]
+"""Yields how far a situation is from each condition of a predicate, the cheapest first; at most 0 if it holds."""
 
-    def __call__(self, situation: Situation, arguments: Arguments) -> Iterator[float]:
-        """Yield the violations."""
+WayFunction = Callable[[Situation, Arguments], float]
+"""Returns the length of a path to a situation that satisfies a predicate, around obstacles."""
 
+VolumeFunction = Callable[[Situation, Arguments, Quaternion], Volume]
+"""Returns a region for the subject of a predicate with a given rotation about z.
 
-class WayFunction(Protocol):
-    """Returns the length of the way to a situation that satisfies a predicate, around what bars the direct way."""
+It does not depend on the pose of the subject in the situation. A sample of the region satisfies the predicate.
+"""
 
-    def __call__(self, situation: Situation, arguments: Arguments) -> float:
-        """Return the way."""
+DemandsFunction = Callable[[Scene, Arguments], Iterator[Demand]]
+"""Yields constraints on the positions of bodies, none of them furniture, which a predicate implies."""
 
+ImpossibleFunction = Callable[[Scene, Arguments], Iterator[str]]
+"""Yields the reasons, in words, why a predicate cannot hold for some entities of a scene in any pose."""
 
-class VolumeFunction(Protocol):
-    """Returns the region of a predicate's subject, which is rotated about z.
+ExcludesFunction = Callable[[Scene, Arguments, "Predicate", Arguments], str | None]
+"""Returns the reason, in words, why a predicate cannot hold together with another, None if it can."""
 
-    The subject's own pose in the situation is not read. A sample of the region satisfies the predicate.
-    """
+NowhereFunction = Callable[[Scene, Arguments, Point, Point], bool]
+"""Returns whether a predicate cannot hold while the centre of its subject is over a rectangle.
 
-    def __call__(self, situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-        """Return the volume."""
+The rectangle is given by its lowest and its highest corner, which may be at infinity.
+"""
 
 
 class SentenceFunction(Protocol):
-    """Returns a sentence which says that a predicate holds of some entities, or does not."""
+    """Returns a sentence which states that a predicate holds for some entities, or does not."""
 
     def __call__(self, arguments: Arguments, value: bool = True) -> str:
         """Return the sentence."""
 
 
-class DemandsFunction(Protocol):
-    """Yields the constraints on the positions of bodies that a predicate implies; none of them is furniture."""
-
-    def __call__(self, scene: Scene, arguments: Arguments) -> Iterator[Demand]:
-        """Yield the demands."""
-
-
-class ImpossibleFunction(Protocol):
-    """Yields the reasons, in words, why a predicate can never hold of some entities of a scene, in any pose."""
-
-    def __call__(self, scene: Scene, arguments: Arguments) -> Iterator[str]:
-        """Yield the reasons."""
-
-
-class ExcludesFunction(Protocol):
-    """Returns the reason, in words, why a predicate cannot hold together with another, None if it can."""
-
-    def __call__(self, scene: Scene, arguments: Arguments, other: Predicate, others: Arguments) -> str | None:
-        """Return the reason."""
-
-
-class NowhereFunction(Protocol):
-    """Returns whether a predicate cannot hold with the centre of its subject in a rectangle, at any height."""
-
-    def __call__(self, scene: Scene, arguments: Arguments, low: Point, high: Point) -> bool:
-        """Return the answer; the corners of the rectangle may be at infinity."""
-
-
 class Gripper(Enum):
-    """What a predicate says about the gripper of its first argument, a robot; all but `OPEN` concern the second one."""
+    """What a predicate states about the gripper of its first argument, and, except `OPEN`, its second argument."""
 
     HOLDS = "holds"
     AT = "is at"
@@ -94,7 +70,7 @@ class Direction(NamedTuple):
     sign: float
 
     def in_frame(self, frame: str) -> Direction:
-        """Return the direction for the robot of what this is in a frame of the scene: a viewer faces the robot."""
+        """Return the direction in the frame of the robot; that of a viewer, who faces the robot, is opposite."""
         return self if frame == "robot" else self.opposite
 
     @property
@@ -105,31 +81,32 @@ class Direction(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Predicate:
-    """A spatial predicate with all its properties: other modules read these, and never test for its name.
+    """A spatial predicate with all its properties; other modules read these, and never test for its name.
 
-    `violations` defines it: metres or radians by which a situation violates each of its conditions. `subject` is the
-    position of the argument that moves when the predicate is made true. The volume is that of the gripper if
-    `of_gripper`, that of the joint of furniture if `of_joint`, otherwise that of the subject. `inverse` names the
-    predicate that holds of the swapped arguments whenever this one holds: itself for a symmetric predicate. `turns`
-    means that the volume has ranges of yaws, `looks_around` that the violations may depend on more than the arguments,
-    as those from a Python file may. `sentence` says it in plain words, `robot_sentence` in scenes with several robots.
-    Captions state predicates in the order of `caption_rank`, and those of infinite rank only if there are no others.
+    Definition: `violations` are the distances of a situation from each condition, in metres or radians. `subject` is
+    the index of the argument that moves to make the predicate true. `volume` is the region of the gripper if
+    `of_gripper`, the range of the joint of furniture if `of_joint`, otherwise the region of the subject; with `turns`
+    it has ranges of yaws. `inverse` names the predicate that then holds for the swapped arguments, which is the same
+    for a symmetric one. With `looks_around`, the violations may depend on bodies that are not arguments.
 
-    Support: `supports` means that the last argument bears the subject, `places` that it is the place of the subject,
-    which rests there or is held above, `rests_on_other` that the subject may stand on or in it. `direction` is the
-    direction of the subject from the second argument, as the robot sees it. `apart` are the least and the greatest
-    distance between the bounding boxes of the first two arguments, seen from above, in metres. `lies_between` means
-    that the subject is between the two others. `gripper` is what the predicate says about a robot's gripper.
+    Words: `sentence` states the predicate, `robot_sentence` does so in scenes with several robots. Captions state
+    predicates in the order of `caption_rank`, and those of infinite rank only if there are no others.
 
-    For rewards: `way` is the length of the way to a situation that satisfies the predicate, where it is more than the
-    distance, because fingers have to open before they close around an object.
+    Relations: with `supports`, the last argument carries the subject; with `places`, it is the place where the subject
+    rests or is held above; with `rests_on_other`, the subject may stand on or in it. `direction` is that from the
+    second argument to the subject in the frame of the robot. `apart` has the smallest and the largest horizontal
+    distance between the bounding boxes of the first two arguments, in metres. With `lies_between`, the subject is
+    between the two others. `gripper` is what the predicate states about a gripper.
 
-    For the search: `on_the_spot` means that the subject can satisfy the predicate in any place by a rotation about z,
-    `seen_close` that people recognise the relation only if the bodies are close to each other. A sample of the volume
-    `otherwise` does not satisfy the predicate.
+    For rewards: `way` is the length of a path to the predicate, if that exceeds the distance: fingers, for instance,
+    have to open before they close around an object.
 
-    For proofs, each of which has to hold for all poses of the bodies: why it is `impossible`, what it `demands` of
-    positions, why it `excludes` others, and whether it holds `nowhere` in a region.
+    For the search: with `on_the_spot`, a rotation about z suffices to satisfy the predicate anywhere; with
+    `seen_close`, people recognise the relation only between near bodies. A sample of the volume `otherwise` violates
+    the predicate.
+
+    For proofs, which have to be valid for all poses of the bodies: the reasons why it is `impossible`, its `demands` on
+    positions, the reason why it `excludes` another predicate, and whether it holds `nowhere` over a rectangle.
     """
 
     name: str
@@ -161,29 +138,25 @@ class Predicate:
     nowhere: NowhereFunction | None = None
 
     def distance(self, situation: Situation, arguments: Arguments) -> float:
-        """Return how far a situation is from satisfying the predicate; it is 0 if and only if the predicate holds."""
+        """Return the distance of a situation from satisfying the predicate: 0 if and only if the predicate holds."""
         return max(0.0, *self.violations(situation, arguments))
 
     def signed_distance(self, situation: Situation, arguments: Arguments) -> float:
-        """Return the signed distance of a situation to satisfying the predicate: minus the margin where it holds.
+        """Return the largest violation, in metres or radians; it is at most 0 if and only if the predicate holds.
 
-        It is at most 0 if and only if the predicate holds. The unit is that of the largest violation, metres or
-        radians. It changes by at most as much as the subject moves.
+        It is then minus the margin. It changes by at most as much as the subject moves.
         """
         return max(self.violations(situation, arguments))
 
     def signed_way(self, situation: Situation, arguments: Arguments) -> float:
-        """Return the length of the way until the predicate holds: the signed distance, or `way` if that is longer.
-
-        So it is at most 0 if and only if the predicate holds, whatever `way` returns.
-        """
+        """Return the signed distance, or the `way` if that is longer and the predicate does not hold."""
         signed = self.signed_distance(situation, arguments)
         if self.way is None or signed <= 0.0:
             return signed
         return max(signed, self.way(situation, arguments))
 
     def holds(self, situation: Situation, arguments: Arguments) -> bool:
-        """Return whether the predicate holds in a situation; the first violation ends the check."""
+        """Return whether the predicate holds in a situation."""
         for violation in self.violations(situation, arguments):  # noqa: SIM110 (all() is slower here)
             if violation > 0.0:
                 return False
@@ -196,7 +169,7 @@ def words(entity: str) -> str:
 
 
 def states(text: str) -> SentenceFunction:
-    """Return a function that fills a template with the arguments ``{0}``, ``{1}`` and with ``{is}``: is, or is not."""
+    """Return a function that replaces ``{0}`` and ``{1}`` in a template by arguments, ``{is}`` by "is" or "is not"."""
 
     def sentence(arguments: Arguments, value: bool = True) -> str:
         return text.format(*map(words, arguments), **{"is": "is" if value else "is not"})

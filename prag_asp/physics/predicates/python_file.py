@@ -1,7 +1,7 @@
-"""Predicates that a domain defines in a Python file, which is run only if the user trusts the domain.
+"""Predicates that a domain defines in a Python file, which runs only if the user trusts the domain.
 
-The file defines `PREDICATES`, a mapping from names to predicates, as the modules of this package do. An error in it,
-when it is loaded or later, becomes a `SceneError` with the file and the line.
+Like the modules of this package, the file defines `PREDICATES`, a mapping from names to predicates. All its errors
+become a `SceneError` with the file and the line.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from prag_asp.wording import plural
 
 
 def load_predicate(own: Own) -> Predicate:
-    """Return a predicate that a trusted Python file defines; the file is run once per process.
+    """Return a predicate that a trusted Python file defines; the file runs once per process.
 
     Raises:
         SceneError: the file fails, or does not define the predicate.
@@ -39,18 +39,16 @@ def load_predicate(own: Own) -> Predicate:
             f"{own.file}:1: PREDICATES has no {own.name}; it has {', '.join(map(str, predicates)) or 'nothing'}"
         )
     if not isinstance(predicate, Predicate) or predicate.name != own.name:
-        got = f"one of the name {predicate.name}" if isinstance(predicate, Predicate) else repr(predicate)
-        raise SceneError(f"{own.file}:1: PREDICATES[{own.name!r}] has to be a Predicate of that name; got {got}")
+        got = f"one named {predicate.name}" if isinstance(predicate, Predicate) else repr(predicate)
+        raise SceneError(f"{own.file}:1: PREDICATES[{own.name!r}] needs a Predicate of that name; got {got}")
     if not 0 <= predicate.subject < len(own.roles):
         count = plural(len(own.roles), "argument")
-        raise SceneError(
-            f"{own.file}:1: {own.name} has the subject {predicate.subject}, but {count}; count them from 0"
-        )
+        raise SceneError(f"{own.file}:1: {own.name} has the subject {predicate.subject} of {count}; count from 0")
     parts = {part: getattr(predicate, part) for part in RESULTS}
     functions = {part: function for part, function in parts.items() if function is not None or part in NEEDED}
     for part, function in functions.items():
         if not callable(function):
-            raise SceneError(f"{own.file}:1: {own.name}: its {part} is no function; got {function!r}")
+            raise SceneError(f"{own.file}:1: {own.name}: its {part} has to be a function; got {function!r}")
     guarded: dict[str, Any] = {part: _guarded(own, part, function) for part, function in functions.items()}
     return replace(predicate, **guarded, looks_around=True)
 
@@ -61,7 +59,7 @@ def _run(file: str) -> Mapping[Any, Any]:
     name = f"prag_asp_predicates_{abs(hash(file)):x}"
     spec = spec_from_file_location(name, file)
     if spec is None or spec.loader is None:
-        raise SceneError(f"{file}:1: is no Python file; give it a name that ends in .py")
+        raise SceneError(f"{file}:1: is not a Python file; give it a name that ends in .py")
     module = module_from_spec(spec)
     sys.modules[name] = module
     try:
@@ -90,9 +88,14 @@ def _error_line(error: BaseException) -> str:
 
 
 def _guarded(own: Own, part: str, function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function of the file wrapped so that its errors and invalid results become scene errors."""
+    """Return a function of the file that raises a scene error for an error or an invalid result."""
     fine, needed, yielded = RESULTS[part]
-    place = _defined_at(own.file, function)
+    inner = unwrap(function)
+    while isinstance(inner, partial):
+        inner = unwrap(inner.func)
+    code = getattr(inner if hasattr(inner, "__code__") else type(inner).__call__, "__code__", None)
+    line = code.co_firstlineno if code is not None and Path(code.co_filename) == Path(own.file) else 1
+    place = f"{own.file}:{line}"
 
     @wraps(function)
     def guarded(*arguments: Any, **options: Any) -> Any:
@@ -112,22 +115,13 @@ def _guarded(own: Own, part: str, function: Callable[..., Any]) -> Callable[...,
     return guarded
 
 
-def _defined_at(file: str, function: Callable[..., Any]) -> str:
-    """Return the file and line where a function is defined, the first line of the file if it is from elsewhere."""
-    inner = unwrap(function)
-    while isinstance(inner, partial):
-        inner = unwrap(inner.func)
-    code = getattr(inner if hasattr(inner, "__code__") else type(inner).__call__, "__code__", None)
-    return f"{file}:{code.co_firstlineno if code is not None and Path(code.co_filename) == Path(file) else 1}"
-
-
 def _is_volume(result: object) -> bool:
-    """Return whether a value is a volume without NaN among its bounds."""
+    """Return whether a value is a volume whose bounds are not NaN."""
     return isinstance(result, Volume) and not any(map(math.isnan, (*result.low, *result.high, *result.width)))
 
 
 def _are_numbers(result: list[Any]) -> bool:
-    """Return whether values are numbers, and at least one: without a violation, a predicate would always hold."""
+    """Return whether there are values, and all are numbers: a predicate without violations would always hold."""
     return bool(result) and all(isinstance(value, Real) and not math.isnan(value) for value in result)
 
 
@@ -145,7 +139,7 @@ def _is_text(result: object) -> bool:
 
 
 class Result(NamedTuple):
-    """What a function of a predicate has to return: a test, the requirement in words, whether it yields its values."""
+    """The requirement on the result of a function: a test, a message, and whether the function yields its values."""
 
     fine: Callable[[Any], bool]
     needed: str
@@ -157,8 +151,8 @@ RESULTS: Mapping[str, Result] = {
     "way": Result(lambda found: _are_numbers([found]), "the way to {} has to be a number"),
     "volume": Result(_is_volume, "the volume of {} has to be a Volume, with numbers as its bounds"),
     "sentence": Result(_is_text, "the sentence of {} has to be a string"),
-    "robot_sentence": Result(_is_text, "the sentence of {} that names its gripper has to be a string"),
-    "otherwise": Result(_is_volume, "the volume where {} does not hold has to be a Volume, with numbers as its bounds"),
+    "robot_sentence": Result(_is_text, "the robot_sentence of {} has to be a string"),
+    "otherwise": Result(_is_volume, "the volume `otherwise` of {} has to be a Volume, with numbers as its bounds"),
     "impossible": Result(
         lambda found: all(map(_is_text, found)), "the reasons why {} is impossible have to be strings", yielded=True
     ),
@@ -166,8 +160,8 @@ RESULTS: Mapping[str, Result] = {
     "excludes": Result(
         lambda found: found is None or _is_text(found), "the reason why {} excludes another has to be a string, or None"
     ),
-    "nowhere": Result(lambda found: isinstance(found, bool), "whether {} is so nowhere has to be True or False"),
+    "nowhere": Result(lambda found: isinstance(found, bool), "the result of `nowhere` of {} has to be True or False"),
 }
-"""The requirements on the results of the functions of a predicate, by their names."""
+"""The requirement on each function of a predicate."""
 
 NEEDED = ("violations", "volume", "sentence")

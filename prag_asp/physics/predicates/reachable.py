@@ -1,4 +1,4 @@
-"""``reachable``: a robot can grasp a body from above: its centre is within the ring of the gripper's reach."""
+"""``reachable``: the centre of a body is within the ring in which a robot can grasp from above."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``rotated``: the yaw of a body is the one that the scene gives to a rotation, within `TOLERANCE`."""
+"""``rotated``: the yaw of a body is that of a named rotation of the scene, within `TOLERANCE`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from prag_asp.errors import SceneError
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states, words
 from prag_asp.physics.predicates.volume import Volume, Yaws
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.geometry import Quaternion, wrap, yaw_of
+from prag_asp.scene.geometry import wrap, yaw_of
 from prag_asp.scene.scene import Scene
 
 TOLERANCE = math.radians(10)
@@ -34,11 +34,6 @@ def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
     yield abs(wrap(yaw - target_yaw(situation, arguments[1]))) - TOLERANCE
 
 
-def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the range of yaws."""
-    return Volume(yaws=(Yaws(target_yaw(situation, arguments[1]), TOLERANCE - MARGIN),))
-
-
 def _excludes(scene: Scene, arguments: Arguments, other: Predicate, others: Arguments) -> str | None:
     """Return that the body would have two different yaws."""
     if other.name != "rotated" or others[0] != arguments[0]:
@@ -52,7 +47,9 @@ def _excludes(scene: Scene, arguments: Arguments, other: Predicate, others: Argu
 ROTATED = Predicate(
     name="rotated",
     violations=_violations,
-    volume=_volume,
+    volume=lambda situation, arguments, quaternion: Volume(
+        yaws=(Yaws(target_yaw(situation, arguments[1]), TOLERANCE - MARGIN),)
+    ),
     sentence=states("{0} {is} turned {1}"),
     turns=True,
     on_the_spot=True,

@@ -1,9 +1,9 @@
 """``touching``: the gap between two bodies is at most `TOLERANCE`, and so is their penetration.
 
-The gap is the distance of the bodies in space; if they overlap, it is minus the penetration depth. It is exact for
-upright boxes, cylinders and balls with any yaw. Other bodies, and those that lean by more than `LEAN`, count as their
-bounding boxes: so a body inside a container overlaps it, and does not touch it. A body that stands on another or leans
-against its side touches it. The predicate is symmetric.
+The gap is the distance between the bodies; if they overlap, it is minus the penetration depth. It is exact for
+upright boxes, cylinders and balls with any yaw. Other bodies, and bodies with a tilt of more than `LEAN`, count as
+their bounding boxes, so that a body inside a container overlaps it and does not touch it. A body that stands on another
+or leans against its side touches it. The predicate is symmetric.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ from prag_asp.scene.scene import Scene, Shape
 TOLERANCE, MARGIN, HEIGHT_MARGIN = 0.002, 0.0005, 0.0002
 LEAN = math.radians(2)
 SECTOR, WHOLE_SECTOR = math.pi / 6, math.pi / 2
-"""The angles, in radians, into which the ring around a corner and a whole disc are cut: smaller ones reject less."""
+"""The largest angles, in radians, of the sectors of a ring around a corner and of a whole disc; smaller sectors reject
+fewer samples."""
 
 Heights = tuple[float, float]
 
@@ -67,40 +68,33 @@ def _difference(one: Outline, two: Outline) -> Outline:
     return hull([(ax - bx, ay - by) for ax, ay in one for bx, by in two])
 
 
-def _beyond(outline: Outline, point: Point) -> float:
-    """Return the signed distance of a point from a convex outline in metres, negative within it."""
-    depth = inside_by(outline, point)
+def _origin_distance(outline: Outline) -> float:
+    """Return the signed distance of the origin from a convex outline in metres, negative within it."""
+    depth = inside_by(outline, (0.0, 0.0))
     if depth >= 0.0:
         return -depth
-    return min(_from_edge(a, b, point) for a, b in zip(outline, outline[1:] + outline[:1], strict=True))
-
-
-def _from_edge(a: Point, b: Point, point: Point) -> float:
-    """Return the distance of a point from the segment between two others, in metres."""
-    (dx, dy), (px, py) = (b[0] - a[0], b[1] - a[1]), (point[0] - a[0], point[1] - a[1])
-    square = dx * dx + dy * dy
-    share = min(1.0, max(0.0, (px * dx + py * dy) / square)) if square > 0.0 else 0.0
-    return math.hypot(px - share * dx, py - share * dy)
+    distances = []
+    for (ax, ay), (bx, by) in zip(outline, outline[1:] + outline[:1], strict=True):
+        dx, dy = bx - ax, by - ay
+        square = dx * dx + dy * dy
+        share = min(1.0, max(0.0, -(ax * dx + ay * dy) / square)) if square > 0.0 else 0.0
+        distances.append(math.hypot(ax + share * dx, ay + share * dy))
+    return min(distances)
 
 
 def gap(situation: Situation, arguments: Arguments) -> float:
     """Return how wide the gap between two bodies is in metres, negative if they overlap."""
     one, two = (_placed(situation, entity) for entity in arguments)
-    aside = _beyond(_difference(one.corners, two.corners), (0.0, 0.0)) - one.disc - two.disc
+    aside = _origin_distance(_difference(one.corners, two.corners)) - one.disc - two.disc
     above = max(one.low - two.high, two.low - one.high)
     apart = math.hypot(max(0.0, aside), max(0.0, above)) + min(0.0, max(aside, above))
     return apart - one.ball - two.ball
 
 
-def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres the gap is too wide, or the penetration too deep."""
-    yield abs(gap(situation, arguments)) - TOLERANCE
-
-
 def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return the regions beside the other body, on it and below it.
 
-    Positions of a ball that touches an edge are left out, except on the floor on which the other body stands.
+    They do not include positions of a ball that touches an edge, except on the floor on which the other body stands.
     """
     subject, other = arguments
     shape, there = situation.shape(subject), _placed(situation, other)
@@ -116,24 +110,21 @@ def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) 
     if ball > 0.0 and aslant > -MARGIN:
         near, far = (math.sqrt(reach**2 - max(0.0, aslant) ** 2) for reach in (near, far))
         regions += _around(ways, disc + near, disc + far, (floor - HEIGHT_MARGIN, floor + HEIGHT_MARGIN))
+    edges = zip(ways, ways[1:] + ways[:1], strict=True) if len(ways) > 1 else ()
+    normals = ((one, _outward(one, two)) for one, two in edges)
+    sides = tuple(Side(a, b, a * x + b * y) for (x, y), (a, b) in normals)
     for level in (high + ball, low - ball):
-        regions += _over(ways, max(disc - MARGIN, 0.0), (level - MARGIN, level + MARGIN))
+        heights = (level - MARGIN, level + MARGIN)
+        if sides:
+            regions.append(Volume((-math.inf, -math.inf, heights[0]), (math.inf, math.inf, heights[1]), sides=sides))
+        regions += _around(ways, 0.0, max(disc - MARGIN, MARGIN), heights)
     return Volume(unions=(tuple(regions),))
 
 
-def _over(outline: Outline, reach: float, heights: Heights) -> Iterator[Volume]:
-    """Yield regions whose union is what is over a convex outline, or up to `reach` metres beside it."""
-    if len(outline) > 1:
-        edges = zip(outline, outline[1:] + outline[:1], strict=True)
-        sides = tuple(Side(a, b, a * x + b * y) for (x, y), (a, b) in ((one, _outward(one, two)) for one, two in edges))
-        yield Volume((-math.inf, -math.inf, heights[0]), (math.inf, math.inf, heights[1]), sides=sides)
-    yield from _around(outline, 0.0, max(reach, MARGIN), heights)
-
-
 def _around(outline: Outline, near: float, far: float, heights: Heights) -> Iterator[Volume]:
-    """Yield regions whose union is what is between two distances from a convex outline, in metres, at some heights.
+    """Yield regions whose union is the ring between two distances from a convex outline, in metres, at some heights.
 
-    What is around the corners of a rectangle is left out if that is less than the tolerance.
+    It does not include the sectors at the corners of a rectangle if they are smaller than the tolerance.
     """
     if heights[0] > heights[1]:
         return
@@ -161,7 +152,7 @@ def _outward(one: Point, two: Point) -> Point:
 
 
 def _sector(corner: Point, ends: tuple[float, float], near: float, far: float) -> tuple[Side, ...]:
-    """Return the half planes of a sector around a corner between two headings: from a chord out to a tangent."""
+    """Return the half planes of a sector of a ring around a corner between two headings, from a chord to a tangent."""
     (x, y), (begin, end) = corner, ends
     middle, chord = (begin + end) / 2, near * math.cos((end - begin) / 2)
     return tuple(
@@ -176,7 +167,7 @@ def _sector(corner: Point, ends: tuple[float, float], near: float, far: float) -
 
 
 def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
-    """Yield that the bodies overlap or nearly do along each axis; nothing for the table and zones."""
+    """Yield that the bodies overlap or nearly do along each axis; there are no constraints for the table and zones."""
     one, two = arguments
     if not all(scene.shapes[entity].traits.body for entity in arguments):
         return
@@ -195,17 +186,13 @@ def _broadest(entity: str, axis: int, scene: Scene) -> float:
     return math.hypot(shape.breadth(widest=True) / 2, shape.half[2]) if shape.traits.flat else shape.half[2]
 
 
-def _sentence(arguments: Arguments, value: bool = True) -> str:
-    """Return that the two touch, or that they do not."""
-    one, two = map(words, arguments)
-    return f"{one} touches {two}" if value else f"{one} does not touch {two}"
-
-
 TOUCHING = Predicate(
     name="touching",
-    violations=_violations,
+    violations=lambda situation, arguments: iter([abs(gap(situation, arguments)) - TOLERANCE]),
     volume=_volume,
-    sentence=_sentence,
+    sentence=lambda arguments, value=True: (
+        f"{words(arguments[0])} {'touches' if value else 'does not touch'} {words(arguments[1])}"
+    ),
     inverse="touching",
     caption_rank=75,
     rests_on_other=True,

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Volume
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.geometry import Quaternion, rotate
+from prag_asp.scene.geometry import rotate
 
 TOLERANCE = math.radians(10)
 
@@ -22,15 +22,11 @@ def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
         yield -TOLERANCE
 
 
-def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return an unrestricted volume: a body rotated only about z is upright anywhere."""
-    return Volume()
-
-
 UPRIGHT = Predicate(
     name="upright",
     violations=_violations,
-    volume=_volume,
+    # A body that is only rotated about z is upright anywhere.
+    volume=lambda situation, arguments, quaternion: Volume(),
     sentence=states("{0} {is} upright"),
     on_the_spot=True,
     caption_rank=150,

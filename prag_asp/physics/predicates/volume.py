@@ -1,4 +1,4 @@
-"""Volumes: the regions in which the subject of a predicate may be, from which positions are sampled uniformly."""
+"""Volumes: regions of possible positions of a predicate's subject, from which positions are sampled uniformly."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from prag_asp.scene.forms import Outline
 from prag_asp.scene.geometry import cut, inside_by, wrap
 
 RING_TRIES = 20
+"""The number of positions to sample until one is in the rings and not in the holes."""
+
 EVERYWHERE = (-math.inf, -math.inf, -math.inf), (math.inf, math.inf, math.inf)
 
 
@@ -25,9 +27,9 @@ class Side(NamedTuple):
 
 
 class Ring(NamedTuple):
-    """The region between two distances from a point, or from an axis-aligned rectangle, in the x-y plane; metres.
+    """The region between two distances from a point or an axis-aligned rectangle in the x-y plane, in metres.
 
-    Both half-sides of the rectangle are positive, or both are 0.
+    The half-sides of the rectangle are both positive; those of a point are 0.
     """
 
     x: float
@@ -52,12 +54,12 @@ class Yaws(NamedTuple):
 
 
 class Volume(NamedTuple):
-    """Where the subject of a predicate may be: a region for its centre, ranges of yaws, of widths, of openings.
+    """A region for the centre of a predicate's subject, and ranges of its yaws; or of a gripper, or of furniture.
 
-    The region is what a box aligned with the world's axes, half planes, rings and, of each of the `unions`, at least
-    one volume have in common, except for the `holes`, which are convex and counter-clockwise from above; the box is
-    infinite if the predicate does not care, `yaws` is None then. Metres and radians; `width` belongs to the gripper,
-    `opening` to the joint of furniture.
+    The region is the intersection of a box along the axes from `low` to `high`, half planes, rings, and the union of
+    the volumes in each of the `unions`, without the `holes`, which are convex and counter-clockwise from above. By
+    default it is infinite; `yaws` are unrestricted if None. `width` is the range of a gripper's width, `opening` that
+    of the joint of furniture. Metres and radians.
     """
 
     low: Vector = EVERYWHERE[0]
@@ -72,7 +74,7 @@ class Volume(NamedTuple):
 
     @property
     def empty(self) -> bool:
-        """Whether a range of numbers is empty; otherwise the region may still be empty for other reasons."""
+        """Whether the box or a range is empty; a region may also be empty for other reasons."""
         (ax, ay, az), (bx, by, bz) = self.low, self.high
         ranges = (self.width, self.opening)
         return ax > bx or ay > by or az > bz or any(low > high for low, high in ranges) or self.yaws == ()
@@ -94,7 +96,7 @@ class Volume(NamedTuple):
         )
 
     def parts(self) -> tuple[Volume, ...]:
-        """Return volumes without unions whose union is the region, without those known to be empty."""
+        """Return volumes without unions, and not known to be empty, whose union is this volume."""
         if not self.unions:
             return (self,)
         volumes = [self._replace(unions=())]
@@ -104,7 +106,7 @@ class Volume(NamedTuple):
         return tuple(volumes)
 
     def miss_distance(self, point: Vector) -> float:
-        """Return the distance in metres by which a point misses the region, 0 within it."""
+        """Return the largest violation of a constraint on the region by a point in metres, 0 within the region."""
         x, y, _ = point
         missed = [low - value for low, value in zip(self.low, point, strict=True)]
         missed += [value - high for high, value in zip(self.high, point, strict=True)]
@@ -117,16 +119,16 @@ class Volume(NamedTuple):
         return max(0.0, *missed)
 
     def floor(self, room: float = 0.0) -> Floor | None:
-        """Return the region seen from above, without regard to its rings and holes; None if it is empty.
+        """Return the region from above, except for its rings and holes; None if it is empty.
 
-        A margin of `room` metres is kept from its borders, or a third of the box if that is less. The box has to be
+        It keeps a margin of `room` metres, or a third of the box if that is less, from the borders. The box has to be
         finite along x and y.
         """
         patches = [patch for part in self.parts() if (patch := part.patch(room)) is not None]
         return tuple(patches) if patches else None
 
     def patch(self, room: float) -> FloorPatch | None:
-        """Return the polygon of a region without unions, seen from above; None if it is empty."""
+        """Return the polygon of a region without unions from above; None if it is empty."""
         if self.empty:
             return None
         (ax, ay, _), (bx, by, _) = self.low, self.high
@@ -134,20 +136,31 @@ class Volume(NamedTuple):
         polygon: Outline = ((ax + dx, ay + dy), (bx - dx, ay + dy), (bx - dx, by - dy), (ax + dx, by - dy))
         for a, b, c in self.sides:
             polygon = cut(polygon, a, b, c - min(room, dx, dy))
-        return _fan(self, polygon) if polygon else None
+        if not polygon:
+            return None
+        polygon += (polygon[-1],) * (3 - len(polygon))  # the triangles of a point or a segment have no area
+        (ax, ay), rest = polygon[0], polygon[1:]
+        areas = (max(0.0, (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)) / 2 for (bx, by), (cx, cy) in pairwise(rest))
+        return FloorPatch(polygon, tuple(accumulate(areas)), self)
 
     @staticmethod
     def sample(floor: Floor, uniform: Callable[[float, float], float]) -> Vector | None:
-        """Sample a point of a region uniformly over its `floor`; None if the rings and holes rejected all tries.
-
-        The height is uniform over that of the region.
-        """
+        """Sample a point uniformly over a `floor`, and its height; None if the rings and holes reject all tries."""
+        sums = list(accumulate(patch.areas[-1] for patch in floor))
         for _ in range(RING_TRIES):
-            patch = floor[0] if len(floor) == 1 else _choose(floor, uniform)
-            x, y = _inside(patch, uniform)
-            if patch.volume.admits(x, y) and (len(floor) == 1 or _keeps(floor, x, y, uniform)):
-                low, high = patch.volume.low[2], patch.volume.high[2]
-                return (x, y, low if low == high else uniform(low, high))
+            patch = floor[0]
+            if len(floor) > 1:
+                patch = floor[bisect_left(sums, uniform(0.0, sums[-1]), 0, len(floor) - 1)]
+            x, y = patch.sample(uniform)
+            if not patch.volume.admits(x, y):
+                continue
+            if len(floor) > 1:
+                # A position that lies in n patches is sampled n times too often.
+                count = sum(inside_by(each.polygon, (x, y)) >= 0.0 and each.volume.admits(x, y) for each in floor)
+                if count > 1 and uniform(0.0, count) > 1.0:
+                    continue
+            low, high = patch.volume.low[2], patch.volume.high[2]
+            return (x, y, low if low == high else uniform(low, high))
         return None
 
     def admits(self, x: float, y: float) -> bool:
@@ -168,44 +181,19 @@ class FloorPatch(NamedTuple):
     areas: tuple[float, ...]
     volume: Volume
 
+    def sample(self, uniform: Callable[[float, float], float]) -> tuple[float, float]:
+        """Sample a point of the polygon uniformly: a triangle of the fan by area, then a point in it."""
+        # Rounding errors fall to the last triangle.
+        i = bisect_left(self.areas, uniform(0.0, self.areas[-1]), 0, len(self.areas) - 1)
+        (ax, ay), (bx, by), (cx, cy) = self.polygon[0], self.polygon[i + 1], self.polygon[i + 2]
+        s, t = uniform(0.0, 1.0), uniform(0.0, 1.0)
+        if s + t > 1.0:
+            s, t = 1.0 - s, 1.0 - t
+        return ax + s * (bx - ax) + t * (cx - ax), ay + s * (by - ay) + t * (cy - ay)
+
 
 Floor = tuple[FloorPatch, ...]
-"""A region seen from above, without regard to its rings and holes; its patches may overlap."""
-
-
-def _fan(volume: Volume, polygon: Outline) -> FloorPatch:
-    """Return a polygon with the areas of its triangle fan; below three corners, the last one is repeated."""
-    polygon += (polygon[-1],) * (3 - len(polygon))
-    (ax, ay), rest = polygon[0], polygon[1:]
-    total, areas = 0.0, []
-    for (bx, by), (cx, cy) in pairwise(rest):
-        total += max(0.0, (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)) / 2
-        areas.append(total)
-    return FloorPatch(polygon, tuple(areas), volume)
-
-
-def _choose(floor: Floor, uniform: Callable[[float, float], float]) -> FloorPatch:
-    """Sample one of several patches by area."""
-    sums = list(accumulate(patch.areas[-1] for patch in floor))
-    return floor[bisect_left(sums, uniform(0.0, sums[-1]), 0, len(floor) - 1)]
-
-
-def _keeps(floor: Floor, x: float, y: float, uniform: Callable[[float, float], float]) -> bool:
-    """Return whether to accept a position: one that lies in n patches is sampled n times too often."""
-    patch_count = sum(inside_by(patch.polygon, (x, y)) >= 0.0 and patch.volume.admits(x, y) for patch in floor)
-    return patch_count <= 1 or uniform(0.0, patch_count) <= 1.0
-
-
-def _inside(patch: FloorPatch, uniform: Callable[[float, float], float]) -> tuple[float, float]:
-    """Sample a point of a convex polygon uniformly: a triangle of its fan by area, then a point in it."""
-    polygon, areas, _ = patch
-    # Rounding errors fall to the last triangle.
-    i = bisect_left(areas, uniform(0.0, areas[-1]), 0, len(areas) - 1)
-    (ax, ay), (bx, by), (cx, cy) = polygon[0], polygon[i + 1], polygon[i + 2]
-    s, t = uniform(0.0, 1.0), uniform(0.0, 1.0)
-    if s + t > 1.0:
-        s, t = 1.0 - s, 1.0 - t
-    return ax + s * (bx - ax) + t * (cx - ax), ay + s * (by - ay) + t * (cy - ay)
+"""A region from above, except for its rings and holes, as patches that may overlap."""
 
 
 def _meet_yaws(first: tuple[Yaws, ...] | None, second: tuple[Yaws, ...] | None) -> tuple[Yaws, ...] | None:
@@ -220,6 +208,16 @@ def _meet_yaws(first: tuple[Yaws, ...] | None, second: tuple[Yaws, ...] | None) 
             if low <= high:
                 ranges.append(Yaws(one.centre + (low + high) / 2, (high - low) / 2))
     return tuple(ranges)
+
+
+def over_rectangle(
+    centre: Vector, heading: tuple[float, float], half: tuple[float, float], heights: tuple[float, float]
+) -> Volume:
+    """Return the region between two heights over a rectangle; `heading` is the cosine and sine of its yaw."""
+    (x, y, _), (cosine, sine), (dx, dy), (low, high) = centre, heading, half, heights
+    reach_x, reach_y = abs(cosine) * dx + abs(sine) * dy, abs(sine) * dx + abs(cosine) * dy
+    sides = turned_box((centre, heading), half)
+    return Volume((x - reach_x, y - reach_y, low), (x + reach_x, y + reach_y, high), sides=sides)
 
 
 def turned_box(pose: tuple[Vector, tuple[float, float]], half: tuple[float, float]) -> tuple[Side, ...]:

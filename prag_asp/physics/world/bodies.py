@@ -1,4 +1,4 @@
-"""Make the table and the objects of a scene as PyBullet bodies of exact primitives."""
+"""Make the table and the objects of a scene as PyBullet bodies, and move them."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from prag_asp.physics.situation import TABLE_THICKNESS
 from prag_asp.physics.world.furniture_bodies import make_furniture
 from prag_asp.physics.world.primitives import make_shapes
 from prag_asp.scene.boxes import Vector
-from prag_asp.scene.geometry import yaw_quaternion
+from prag_asp.scene.colours import rgb
+from prag_asp.scene.geometry import Pose, compose, invert, yaw_quaternion
 from prag_asp.scene.scene import Material, Scene, Solid
 from prag_asp.scene.solids import solids, walls, weight
 
 PARKING = (20.0, 20.0, 5.0)
-GREY = "#808080"
 NO_MARGIN = 0.0
 """The collision margin of meshes. By default PyBullet keeps other bodies 1 mm off the hull of a mesh, and rounds the
 edges of other solids by as much; on upright solids only the vertical edges."""
@@ -40,11 +40,11 @@ def make_table(client: int, scene: Scene, *, visual: bool = False) -> int:
 
 def show_zone(client: int, scene: Scene, entity: str) -> None:
     """Show a zone as a coloured patch on the table that collides with nothing."""
-    (x, y, yaw), half, color = scene.fixed[entity], scene.shapes[entity].half, scene.colors.get(entity, GREY)
+    (x, y, yaw), half = scene.fixed[entity], scene.shapes[entity].half
     patch = pybullet.createVisualShape(
         pybullet.GEOM_BOX,
         halfExtents=(half[0], half[1], PATCH),
-        rgbaColor=_rgba(color),
+        rgbaColor=[*(part / 255 for part in rgb(scene.color(entity))), 1.0],
         physicsClientId=client,
     )
     pybullet.createMultiBody(0.0, -1, patch, (x, y, 0.0), yaw_quaternion(yaw), physicsClientId=client)
@@ -61,16 +61,48 @@ def make_body(
     Raises:
         SceneError: PyBullet refuses its shape.
     """
-    color = scene.colors.get(entity, GREY) if visual else None
+    color = scene.color(entity) if visual else None
     shape, material = scene.shapes[entity], scene.material(entity)
     if shape.traits.furniture:
         return make_furniture(client, shape, material, at, color)
     if shape.model is None:
         made_of = solids(shape) if floor else walls(shape)
         return _make(made_of, material, mass(scene, entity), at, client, color, free)
-    body = _make(shape.model.solids, material, mass(scene, entity), at, client, color)
+    body = _make(shape.model.solids, material, mass(scene, entity), at, client, color, frame=mass_frame(scene, entity))
     pybullet.changeDynamics(body, -1, collisionMargin=NO_MARGIN, physicsClientId=client)
+    set_mass(client, scene, entity, body)
     return body
+
+
+def mass_frame(scene: Scene, entity: str) -> Pose | None:
+    """Return the frame of the mass of a body in its own frame: centre of mass, principal axes; None if they are equal.
+
+    PyBullet's poses of bodies are those of this frame.
+    """
+    model = scene.shapes[entity].model
+    return None if model is None or entity in scene.fixed else Pose(model.centre, model.axes)
+
+
+def put_body(client: int, scene: Scene, entity: str, body: int, pose: Pose) -> None:
+    """Move the body of an object to a pose."""
+    frame = mass_frame(scene, entity)
+    at, turn = pose if frame is None else compose(pose, frame)
+    pybullet.resetBasePositionAndOrientation(body, at, turn, physicsClientId=client)
+
+
+def body_pose(client: int, scene: Scene, entity: str, body: int) -> Pose:
+    """Return the pose of the body of an object."""
+    position, quaternion = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
+    frame, pose = mass_frame(scene, entity), Pose(tuple(position), tuple(quaternion))
+    return pose if frame is None else compose(pose, invert(frame))
+
+
+def set_mass(client: int, scene: Scene, entity: str, body: int, still: bool = False) -> None:
+    """Give the body of an object its mass and inertia, or none if it is to be `still`."""
+    model, kilograms = scene.shapes[entity].model, 0.0 if still else mass(scene, entity)
+    pybullet.changeDynamics(body, -1, mass=kilograms, physicsClientId=client)
+    if model is not None and kilograms > 0.0:
+        pybullet.changeDynamics(body, -1, localInertiaDiagonal=model.moments, physicsClientId=client)
 
 
 def mass(scene: Scene, entity: str) -> float:
@@ -86,14 +118,12 @@ def _make(
     client: int,
     color: str | None,
     free: bool = False,
+    frame: Pose | None = None,
 ) -> int:
-    """Make one body of several solids; without a colour it is invisible.
-
-    Raises:
-        SceneError: PyBullet refuses a shape.
-    """
+    """Make one body of several solids, with a `frame` of its mass; without a colour it is invisible."""
     solid, looks = make_shapes(made_of, client, color)
-    body = pybullet.createMultiBody(mass, solid, looks, at, useMaximalCoordinates=free, physicsClientId=client)
+    own = {} if frame is None else {"baseInertialFramePosition": frame[0], "baseInertialFrameOrientation": frame[1]}
+    body = pybullet.createMultiBody(mass, solid, looks, at, useMaximalCoordinates=free, physicsClientId=client, **own)
     if body < 0:
         raise SceneError(f"PyBullet refuses a body of {list(made_of)}")
     rolls = len(made_of) == 1 and made_of[0].kind == "sphere"
@@ -105,8 +135,3 @@ def _make(
         physicsClientId=client,
     )
     return int(body)
-
-
-def _rgba(color: str) -> list[float]:
-    """Return a colour like ``#e4572e`` as RGBA values from 0 to 1, opaque."""
-    return [int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)] + [1.0]

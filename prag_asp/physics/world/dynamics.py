@@ -13,10 +13,10 @@ from prag_asp.physics.bullet import STDOUT, mute_output, pybullet
 from prag_asp.physics.predicates.gripper import FINGER_FRICTION
 from prag_asp.physics.robot.robot_files import robot_file
 from prag_asp.physics.witness import ROBOT_PARTS, Arm, Moment
-from prag_asp.physics.world.bodies import make_body, make_table, parking_place
+from prag_asp.physics.world.bodies import body_pose, make_body, make_table, parking_place, put_body
 from prag_asp.physics.world.collisions import BASE_LINK
 from prag_asp.physics.world.furniture_bodies import JOINT, UPRIGHT, read_opening, set_opening
-from prag_asp.physics.world.simulated_arm import load_robot_files
+from prag_asp.physics.world.simulated_arm import load_robot_files, set_joints
 from prag_asp.physics.world.simulator import open_client, read_pose, start_world
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.robots import Joints, Robot, robot_of
@@ -135,11 +135,10 @@ class Dynamics:
         for entity, opening in moment.openings.items():
             set_opening(self.client, self._bodies[entity], opening)
         for entity, body in self._bodies.items():
-            pybullet.resetBasePositionAndOrientation(body, *moment.poses[entity], physicsClientId=self.client)
+            put_body(self.client, self.scene, entity, body, moment.poses[entity])
         for name, arm in moment.arms.items():
-            values = [[angle] for angle in (*arm.joints, arm.width / 2, arm.width / 2)]
             loaded = self._arms[name]
-            pybullet.resetJointStatesMultiDof(loaded.body, loaded.driven, values, physicsClientId=self.client)
+            set_joints(self.client, loaded.body, loaded.robot, arm.joints, arm.width)
         self._quiet = dict.fromkeys(self._bodies, 0)
 
     def drive(self, robot: str, command: ArmCommand, speeds: Sequence[float] = STILL) -> None:
@@ -166,11 +165,16 @@ class Dynamics:
 
     def arms(self) -> dict[str, Arm]:
         """Return the state of each arm; what it holds is not known."""
-        return {name: self._where(arm) for name, arm in self._arms.items()}
+        arms = {}
+        for name, arm in self._arms.items():
+            states = pybullet.getJointStates(arm.body, arm.driven, physicsClientId=self.client)
+            *joints, left, right = (state[0] for state in states)
+            arms[name] = Arm(tuple(joints), left + right)
+        return arms
 
     def poses(self) -> dict[str, Pose]:
         """Return the poses of the objects."""
-        return {entity: read_pose(self.client, body) for entity, body in self._bodies.items()}
+        return {entity: body_pose(self.client, self.scene, entity, body) for entity, body in self._bodies.items()}
 
     def openings(self) -> dict[str, float]:
         """Return how far furniture is open, in metres or radians."""
@@ -178,9 +182,16 @@ class Dynamics:
 
     def at_rest(self) -> bool:
         """Return whether nothing moves; objects at rest for `SLEEP_FRAMES` consecutive calls are put to sleep."""
-        still = all(map(self._arm_rests, self._arms.values()))
+        still = True
+        for arm in self._arms.values():
+            states = pybullet.getJointStates(arm.body, arm.driven, physicsClientId=self.client)
+            still = still and all(abs(state[1]) < RESTING for state in states)
         for entity, body in self._bodies.items():
-            speed, turn = self._speeds(entity, body)
+            if entity in self._furniture:
+                speed = turn = abs(pybullet.getJointState(body, JOINT, physicsClientId=self.client)[1])
+            else:
+                velocities = pybullet.getBaseVelocity(body, physicsClientId=self.client)
+                speed, turn = (math.hypot(*velocity) for velocity in velocities)
             resting = speed < RESTING and turn < RESTING_TURN
             still = still and resting
             self._quiet[entity] = self._quiet[entity] + 1 if resting else 0
@@ -222,31 +233,18 @@ class Dynamics:
             numbers |= {(body, link): first + 1 + i for link in (-1, JOINT)}
         return numbers
 
-    def _where(self, arm: LoadedArm) -> Arm:
-        """Return the state of an arm: its joint angles and the opening of its gripper."""
-        states = pybullet.getJointStates(arm.body, arm.driven, physicsClientId=self.client)
-        *joints, left, right = (state[0] for state in states)
-        return Arm(tuple(joints), left + right)
-
-    def _speeds(self, entity: str, body: int) -> tuple[float, float]:
-        """Return the speeds of a body in m/s and rad/s; for furniture, those of its moving part."""
-        if entity in self._furniture:
-            speed = abs(pybullet.getJointState(body, JOINT, physicsClientId=self.client)[1])
-            return speed, speed
-        speed, turn = pybullet.getBaseVelocity(body, physicsClientId=self.client)
-        return math.hypot(*speed), math.hypot(*turn)
-
-    def _arm_rests(self, arm: LoadedArm) -> bool:
-        """Return whether no joint of an arm moves."""
-        states = pybullet.getJointStates(arm.body, arm.driven, physicsClientId=self.client)
-        return all(abs(state[1]) < RESTING for state in states)
-
     def _load_arm(self, name: str) -> LoadedArm:
-        """Load a robot with self-collisions; its fingers have rubber pads and are coupled, as by one motor."""
+        """Load a robot whose links collide only in its `self_pairs`.
+
+        Its fingers have rubber pads, and are coupled as by one motor.
+        """
         client, robot = self.client, robot_of(self.scene, name)
         with mute_output(STDOUT):
             body = load_robot_files(client, {"robot.urdf": robot_file(robot)}, robot.base, solid=True)
-        _meet_itself(client, body, robot)
+        pairs = {frozenset(pair) for pair in robot.self_pairs}
+        for pair in combinations(range(BASE_LINK, pybullet.getNumJoints(body, physicsClientId=client)), 2):
+            if frozenset(pair) not in pairs:
+                pybullet.setCollisionFilterPair(body, body, *pair, 0, physicsClientId=client)
         left, right = robot.finger_joints
         ends = ([1, 0, 0], [0, 0, 0], [0, 0, 0])
         gear = pybullet.createConstraint(body, left, body, right, pybullet.JOINT_GEAR, *ends, physicsClientId=client)
@@ -255,16 +253,7 @@ class Dynamics:
         )
         for link in robot.finger_links:
             pybullet.changeDynamics(body, link, lateralFriction=FINGER_FRICTION, physicsClientId=client)
-        return LoadedArm(robot, body, [*robot.arm_links, *robot.finger_joints], read_pose(client, body))
-
-
-def _meet_itself(client: int, body: int, robot: Robot) -> None:
-    """Enable self-collisions only for the pairs of links that can collide."""
-    pairs = {frozenset(pair) for pair in robot.self_pairs}
-    links = range(BASE_LINK, pybullet.getNumJoints(body, physicsClientId=client))
-    for pair in combinations(links, 2):
-        if frozenset(pair) not in pairs:
-            pybullet.setCollisionFilterPair(body, body, *pair, 0, physicsClientId=client)
+        return LoadedArm(robot, body, robot.driven, read_pose(client, body))
 
 
 @contextmanager

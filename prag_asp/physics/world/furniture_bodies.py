@@ -6,6 +6,7 @@ from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.world.primitives import make_shapes
 from prag_asp.scene.boxes import Vector
+from prag_asp.scene.colours import rgb
 from prag_asp.scene.furniture import mechanism
 from prag_asp.scene.scene import Material, Shape
 from prag_asp.scene.solids import boxes, volume
@@ -73,5 +74,4 @@ def read_opening(client: int, body: int) -> float:
 
 def lighter(color: str) -> str:
     """Return a lighter colour."""
-    parts = (int(color[i : i + 2], 16) for i in (1, 3, 5))
-    return "#" + "".join(f"{round(part + LIGHTER * (255 - part)):02x}" for part in parts)
+    return "#" + "".join(f"{round(part + LIGHTER * (255 - part)):02x}" for part in rgb(color))

@@ -6,7 +6,7 @@ points that no face uses, and crash on a face of two corners or on an ASCII .stl
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from hashlib import sha256
 from itertools import chain
@@ -15,7 +15,8 @@ from typing import Any
 from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.temporary_files import temporary_folder
-from prag_asp.scene.read.mesh import Part, mesh_parts, state_of
+from prag_asp.scene.colours import rgb
+from prag_asp.scene.read.mesh import mesh_parts, state_of
 from prag_asp.scene.scene import Solid
 
 GEOMETRIES: Mapping[str, int] = {
@@ -42,36 +43,26 @@ def make_shapes(solids: Sequence[Solid], client: int, color: str | None) -> tupl
         SceneError: PyBullet refuses one, or a mesh cannot be read.
     """
     meshes = {solid: mesh_file(solid) for solid in solids if solid.mesh}
+    looks = NOTHING
     with temporary_folder(dict(meshes.values())) as folder:
         files = {solid: str(folder / name) for solid, (name, _) in meshes.items()}
-        return _loaded(solids, client, color, files)
-
-
-def _loaded(solids: Sequence[Solid], client: int, color: str | None, files: Mapping[Solid, str]) -> tuple[int, int]:
-    """Return the ids of the collision and visual shapes of several solids, given the files of meshes.
-
-    Raises:
-        SceneError: PyBullet refuses one.
-    """
-    body = pybullet.createCollisionShapeArray(
-        **_sizes(solids),
-        collisionFramePositions=[solid.at for solid in solids],
-        **_turned("collision", solids, files),
-        physicsClientId=client,
-    )
-    looks = NOTHING
-    if color is not None:
-        rgba = [int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)]
-        marks = _marks(solids[0]) if [solid.kind for solid in solids] == ["sphere"] else []
-        seen = [*solids, *marks]
-        colors = [[*rgba, 1.0]] * len(solids) + [[*(SHADE * part for part in rgba), 1.0]] * len(marks)
-        looks = pybullet.createVisualShapeArray(
-            **_sizes(seen),
-            visualFramePositions=[solid.at for solid in seen],
-            **_turned("visual", seen, files),
-            rgbaColors=colors,
+        body = pybullet.createCollisionShapeArray(
+            **_sizes(solids),
+            collisionFramePositions=[solid.at for solid in solids],
+            **_turned("collision", solids, files),
             physicsClientId=client,
         )
+        if color is not None:
+            rgba = [part / 255 for part in rgb(color)]
+            marks = _marks(solids[0]) if [solid.kind for solid in solids] == ["sphere"] else []
+            seen = [*solids, *marks]
+            looks = pybullet.createVisualShapeArray(
+                **_sizes(seen),
+                visualFramePositions=[solid.at for solid in seen],
+                **_turned("visual", seen, files),
+                rgbaColors=[[*rgba, 1.0]] * len(solids) + [[*(SHADE * part for part in rgba), 1.0]] * len(marks),
+                physicsClientId=client,
+            )
     if body < 0 or (looks < 0 and color is not None):
         raise SceneError(f"PyBullet refuses a body of {list(solids)}")
     return int(body), int(looks)
@@ -120,21 +111,13 @@ def mesh_file(solid: Solid) -> tuple[str, bytes]:
 
 @lru_cache(maxsize=32)
 def _mesh_file(mesh: str, scale: tuple[float, float, float], _state: tuple[int, int]) -> tuple[str, bytes]:
-    """Return a name and an .obj; `_state` is that of the mesh's file, so that a changed file is read again.
-
-    Raises:
-        SceneError: the mesh cannot be read.
-    """
-    content = ("\n".join(_obj_lines(mesh_parts(mesh, scale))) + "\n").encode("ascii")
-    return f"{sha256(content).hexdigest()[:32]}.obj", content
-
-
-def _obj_lines(parts: Sequence[Part]) -> Iterator[str]:
-    """Yield the lines of an .obj: all points, then the faces of each part as a separate object."""
-    numbers = {point: i for i, point in enumerate(dict.fromkeys(chain.from_iterable(chain.from_iterable(parts))), 1)}
-    for x, y, z in numbers:
-        yield f"v {x!r} {y!r} {z!r}"
+    """Return a name and an .obj; `_state` is that of the mesh's file, so that a changed file is read again."""
+    parts = mesh_parts(mesh, scale)
+    points = dict.fromkeys(chain.from_iterable(chain.from_iterable(parts)))
+    numbers = {point: i for i, point in enumerate(points, 1)}
+    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in points]
     for i, part in enumerate(parts):
-        yield f"o part_{i}"
-        for one, two, three in part:
-            yield f"f {numbers[one]} {numbers[two]} {numbers[three]}"
+        lines.append(f"o part_{i}")
+        lines += (f"f {numbers[one]} {numbers[two]} {numbers[three]}" for one, two, three in part)
+    content = ("\n".join(lines) + "\n").encode("ascii")
+    return f"{sha256(content).hexdigest()[:32]}.obj", content

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -34,11 +34,13 @@ class SimulatedArm:
     def __init__(self, client: int, robot: Robot, visual: bool):
         self.client = client
         self.robot = robot
-        self.body = _load_with_hand(client, robot, visual)
+        if robot.hand is None:
+            self.body = load_robot(client, wheel_file(robot), robot.base, visual=visual)
+        else:
+            self.body = load_robot_files(client, {"robot.urdf": robot_file(robot)}, robot.base, visual=visual)
         self._trunk, self._wrist = (sorted(set(links)) for links in zip(*robot.self_pairs, strict=True))
         self._at: tuple[Joints, float] | None = None
         self._known: dict[Joints, _Posture] = {}
-        self._joints = [*robot.arm_links, *robot.finger_joints]
         sides = zip(robot.finger_links, robot.finger_names, strict=True)
         self._fingers = [(robot.links.index(link), side) for link, (_, side) in sides]
 
@@ -52,8 +54,7 @@ class SimulatedArm:
             return
         if len(joints) != len(self.robot.lower) or not all(map(math.isfinite, (*joints, width))):
             raise SceneError(f"the arm cannot take the joint angles {joints} with the opening {width}")
-        values = [[angle] for angle in (*joints, width / 2, width / 2)]
-        pybullet.resetJointStatesMultiDof(self.body, self._joints, values, physicsClientId=self.client)
+        set_joints(self.client, self.body, self.robot, joints, width)
         self._at = joints, width
 
     def contacts(self, body: int, links: Iterable[int], within: float = 0.0) -> list[tuple[int, float]]:
@@ -80,10 +81,9 @@ class SimulatedArm:
             if len(self._known) >= REMEMBERED:
                 self._known.clear()
             self._known[joints] = posture
-        return posture.boxes if posture.width == width else self._opened(joints, posture, width)
-
-    def _opened(self, joints: Joints, posture: _Posture, width: float) -> list[Corners]:
-        """Return the bounding boxes for another opening: the fingers slide along the y axis of the tool."""
+        if posture.width == width:
+            return posture.boxes
+        # The fingers slide along the y axis of the tool.
         axis = rotate(tool_pose(self.robot, joints).quaternion, (0.0, 1.0, 0.0))
         boxes = list(posture.boxes)
         for i, side in self._fingers:
@@ -95,25 +95,20 @@ class SimulatedArm:
 
     def self_overlap(self, joints: Joints, width: float) -> float:
         """Return minus the deepest penetration of two links of the arm in metres, 0 if none touch."""
-        boxes = self.link_boxes(joints, width)
+        boxes = dict(zip(self.robot.links, self.link_boxes(joints, width), strict=True))
         posture = self._known[joints]
         if posture.overlap is None:
-            posture.overlap = min(
-                [0.0, *self._overlaps(joints, width, dict(zip(self.robot.links, boxes, strict=True)))]
-            )
+            posture.overlap = 0.0
+            trunk = around([boxes[link] for link in self._trunk])
+            near = {link for link in self._wrist if touch(boxes[link], trunk)}
+            for low, high in self.robot.self_pairs:
+                if high in near and touch(boxes[low], boxes[high]):
+                    self.pose(joints, width)
+                    points = pybullet.getClosestPoints(
+                        self.body, self.body, 0.0, linkIndexA=low, linkIndexB=high, physicsClientId=self.client
+                    )
+                    posture.overlap = min([posture.overlap, *(point[8] for point in points)])
         return posture.overlap
-
-    def _overlaps(self, joints: Joints, width: float, boxes: Mapping[int, Corners]) -> Iterator[float]:
-        """Yield the distances of the links that touch in metres, among those whose bounding boxes do."""
-        trunk = around([boxes[link] for link in self._trunk])
-        near = {link for link in self._wrist if touch(boxes[link], trunk)}
-        for low, high in self.robot.self_pairs:
-            if high in near and touch(boxes[low], boxes[high]):
-                self.pose(joints, width)
-                points = pybullet.getClosestPoints(
-                    self.body, self.body, 0.0, linkIndexA=low, linkIndexB=high, physicsClientId=self.client
-                )
-                yield from (point[8] for point in points)
 
     def flange(self) -> Pose:
         """Return the pose of the flange by the simulator's own forward kinematics."""
@@ -147,15 +142,10 @@ def load_robot_files(
         return load_robot(client, folder / next(iter(files)), base, visual=visual, solid=solid)
 
 
-def _load_with_hand(client: int, robot: Robot, visual: bool) -> int:
-    """Load an arm with its gripper at the robot's base.
-
-    Raises:
-        SceneError: PyBullet cannot load it.
-    """
-    if robot.hand is None:
-        return load_robot(client, wheel_file(robot), robot.base, visual=visual)
-    return load_robot_files(client, {"robot.urdf": robot_file(robot)}, robot.base, visual=visual)
+def set_joints(client: int, body: int, robot: Robot, joints: Joints, width: float) -> None:
+    """Set seven joint angles of an arm in radians, and the opening of its gripper in metres."""
+    values = [[angle] for angle in (*joints, width / 2, width / 2)]
+    pybullet.resetJointStatesMultiDof(body, robot.driven, values, physicsClientId=client)
 
 
 def read_flange(client: int, arm: int, robot: Robot) -> Pose:

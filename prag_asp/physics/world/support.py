@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from prag_asp.physics.predicates.inside import floor_height, hollow
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.forms import Outline, Point, rectangle
-from prag_asp.scene.geometry import hull, inside_by, intersection, outline, yaw_of
+from prag_asp.scene.geometry import base, centre_of_mass, crown, hull, inside_by, intersection, yaw_of
 from prag_asp.scene.solids import weight
 
 CONTACT = 0.002
@@ -36,13 +36,15 @@ def contacts(situation: Situation, entity: str, others: Iterable[str]) -> list[C
 
 def _contacts(situation: Situation, entity: str, tops: Iterable[tuple[str, float]]) -> list[Contact]:
     """Return the contacts of a body with surfaces, given with their heights in metres."""
+    (at_x, at_y), (half_x, half_y) = _table(situation)
     bottom = situation.bottom(entity)
     below: Outline = ()
     contacts = []
     for support, height in tops:
         if support != entity and abs(bottom - height) <= CONTACT:
-            below = below or outline(situation.shape(entity), situation.pose(entity))
-            region = below if support == TABLE and _on_table(situation, below) else ()
+            below = below or base(situation.shape(entity), situation.pose(entity))
+            inside = support == TABLE and all(abs(x - at_x) <= half_x and abs(y - at_y) <= half_y for x, y in below)
+            region = below if inside else ()
             region = region or intersection(below, _top(situation, support))
             if region:
                 contacts.append(Contact(support, region))
@@ -51,7 +53,7 @@ def _contacts(situation: Situation, entity: str, tops: Iterable[tuple[str, float
 
 def resting_height(situation: Situation, entity: str, others: Iterable[str]) -> float:
     """Return the height of the highest surface below a body, in metres."""
-    below = outline(situation.shape(entity), situation.pose(entity))
+    below = base(situation.shape(entity), situation.pose(entity))
     bottom = situation.bottom(entity) + CONTACT
     heights = [
         height
@@ -69,15 +71,25 @@ def unsupported(situation: Situation, entities: Iterable[str], margin: float = 0
     bodies = list(entities)
     still = {*(arm.held for arm in situation.arms.values()), *situation.scene.fixed}
     loose = [body for body in bodies if body not in still]
-    high = [body for body in loose if not _low_on_table(situation, body)]
+    (at_x, at_y), (half_x, half_y) = _table(situation)
+    high = []
+    for body in loose:
+        # The usual case is checked first: a body that stands on the table, with its centre over it, is stable. One with
+        # a model, whose base may be at its side, has to be over the table as a whole.
+        measured = situation.body(body)
+        x, y, _ = measured.pose.position
+        dx, dy = (0.0, 0.0) if situation.scene.shapes[body].model is None else measured.half[:2]
+        over = abs(x - at_x) + dx <= half_x and abs(y - at_y) + dy <= half_y
+        if not (abs(measured.low[2]) <= CONTACT and over):
+            high.append(body)
     tops = list(_tops(situation, bodies)) if high else []
     resting = {body: _contacts(situation, body, tops) for body in high}
     bearing = {contact.support for touching in resting.values() for contact in touching}
     resting.update({body: contacts(situation, body, ()) for body in loose if body in bearing and body not in high})
     for body, touching in resting.items():
-        base = _base(touching)
-        needed = min(margin, max(0.0, inside_by(base, _middle(base)) / 2)) if base else 0.0
-        if not base or inside_by(base, _load(situation, body, resting)[1]) < needed - BALANCE:
+        ground = hull([point for contact in touching for point in contact.region])
+        needed = min(margin, max(0.0, inside_by(ground, _middle(ground)) / 2)) if ground else 0.0
+        if not ground or inside_by(ground, _load(situation, body, resting)[1]) < needed - BALANCE:
             return body
     return None
 
@@ -87,7 +99,14 @@ def riders(situation: Situation, entity: str, others: Iterable[str]) -> list[str
     candidates = list(others)
     bodies = [entity]
     for current in bodies:
-        bodies += [other for other in candidates if other not in bodies and _rests_on(situation, other, current)]
+        height = _surface(situation, current)
+        if height is None:
+            continue
+        for other in candidates:
+            if other not in bodies and abs(situation.bottom(other) - height) <= CONTACT:
+                outer = base(situation.shape(other), situation.pose(other))
+                if intersection(outer, _top(situation, current)):
+                    bodies.append(other)
     return bodies[1:]
 
 
@@ -108,47 +127,23 @@ def _surface(situation: Situation, support: str) -> float | None:
     return situation.top(support) if traits.flat else None
 
 
-def _rests_on(situation: Situation, body: str, support: str) -> bool:
-    """Return whether a body touches another from above."""
-    height = _surface(situation, support)
-    if height is None or abs(situation.bottom(body) - height) > CONTACT:
-        return False
-    return bool(intersection(outline(situation.shape(body), situation.pose(body)), _top(situation, support)))
-
-
 def _top(situation: Situation, support: str) -> Outline:
     """Return the outline of the surface of a support; for a container, of the floor between its walls."""
     if support == TABLE:
-        x, y = situation.scene.table.centre
-        size_x, size_y = situation.scene.table.size
-        return rectangle(x, y, size_x / 2, size_y / 2, 0.0)
+        (x, y), (half_x, half_y) = _table(situation)
+        return rectangle(x, y, half_x, half_y, 0.0)
     shape = situation.shape(support)
     if not shape.traits.hollow:
-        return outline(shape, situation.pose(support))
+        return crown(shape, situation.pose(support))
     pose, inner = hollow(situation, support)
     x, y, _ = pose.position
     return rectangle(x, y, inner[0] / 2, inner[1] / 2, yaw_of(pose.quaternion))
 
 
-def _low_on_table(situation: Situation, body: str) -> bool:
-    """Return whether a body stands on the table with its centre over it, which is the usual case."""
-    measured, table = situation.body(body), situation.scene.table
-    if abs(measured.low[2]) > CONTACT:
-        return False
-    x, y, _ = measured.pose.position
-    return abs(x - table.centre[0]) <= table.size[0] / 2 and abs(y - table.centre[1]) <= table.size[1] / 2
-
-
-def _on_table(situation: Situation, below: Outline) -> bool:
-    """Return whether an outline lies entirely on the table top."""
-    x, y = situation.scene.table.centre
-    size_x, size_y = situation.scene.table.size
-    return all(abs(px - x) <= size_x / 2 and abs(py - y) <= size_y / 2 for px, py in below)
-
-
-def _base(touching: Iterable[Contact]) -> Outline:
-    """Return the outline within which the centre of mass has to lie."""
-    return hull([point for contact in touching for point in contact.region])
+def _table(situation: Situation) -> tuple[Point, Point]:
+    """Return the centre of the table's top and half of its sides, in metres."""
+    table = situation.scene.table
+    return table.centre, (table.size[0] / 2, table.size[1] / 2)
 
 
 def _load(situation: Situation, body: str, resting: Mapping[str, list[Contact]]) -> tuple[float, Point]:
@@ -158,7 +153,8 @@ def _load(situation: Situation, body: str, resting: Mapping[str, list[Contact]])
     share, at the centre of the contact.
     """
     total = weight(situation.scene, body)
-    x, y = (total * value for value in situation.pose(body).position[:2])
+    centre = centre_of_mass(situation.shape(body), situation.pose(body))
+    x, y = total * centre[0], total * centre[1]
     for rider, touching in resting.items():
         for contact in touching:
             if contact.support == body:

@@ -25,27 +25,27 @@ from prag_asp.wording import did_you_mean
 KEYS = ("at", "look_at", "field_of_view", "mount", "size", "near", "far")
 NAME = re.compile(r"[a-z][a-z0-9_]*")
 FARTHEST = 10.0
-"""How far from the origin a camera and what it looks at can be, in metres."""
+"""The largest distance of a camera and its target from the origin along each axis, in metres."""
 
 CLOSEST = 0.01
-"""How far a camera is at least from what it looks at, in metres."""
+"""The smallest distance of a camera from its target, in metres."""
 
 ANGLES = (5.0, 150.0)
-"""The narrowest and the widest field of view in degrees: a pinhole camera sees less than 180."""
+"""The smallest and the largest field of view in degrees; that of a pinhole camera is less than 180."""
 
 PIXELS = (16, 2048)
-"""The shortest and the longest side of a camera image in pixels: policies need no more, and software renders it."""
+"""The smallest and the largest side of an image in pixels: policies need no more, and the software renderer is slow."""
 
 RANGE = (0.005, 100.0)
-"""The least and the largest distance of the clipping planes, in metres."""
+"""The smallest and the largest distance of a clipping plane, in metres."""
 
 
 def read_cameras(section: TableEntry, robots: Mapping[str, object]) -> dict[str, Camera]:
-    """Return the cameras without problems by their names; `robots` are those that can carry one."""
+    """Return the cameras without problems by their names; one can be mounted on any of the `robots`."""
     cameras = {}
     for name, entry in section.entries():
         if not NAME.fullmatch(name):
-            entry.add("is no name of a camera; begin with a small letter, go on with small letters, digits and _")
+            entry.add("is not a valid name of a camera; use a lower-case letter, then lower-case letters, digits and _")
         elif entry.is_table("like { at = [1.2, 0.6, 0.8], look_at = [0.4, 0, 0.1] }", KEYS):
             camera = _camera(entry, robots)
             if entry.is_sound:
@@ -54,22 +54,32 @@ def read_cameras(section: TableEntry, robots: Mapping[str, object]) -> dict[str,
 
 
 def _camera(entry: TableEntry, robots: Mapping[str, object]) -> Camera:
-    """Return one camera; values with a problem are replaced by the usual ones."""
+    """Return one camera; defaults replace wrong values."""
     usual = Camera((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     mount = entry.at("mount")
     if not mount.missing and str(mount.value) not in robots:
         mount.add(f"needs a robot of the scene; {did_you_mean(str(mount.value), robots)}")
     at, look_at = _point(entry.at("at")), _point(entry.at("look_at"))
     if at and look_at and math.dist(at, look_at) < CLOSEST:
-        entry.at("look_at").add(f"is where the camera is; look at a point at least {CLOSEST:g} m away")
+        entry.at("look_at").add(f"is the position of the camera; look at a point at least {CLOSEST:g} m away")
     near = entry.at("near", usual.near).number(*RANGE, "metres") or usual.near
     far = entry.at("far", usual.far).number(*RANGE, "metres") or usual.far
     if near >= far:
         entry.at("far").add(f"is {far:g} m, not farther than near, {near:g} m; make it larger")
     angle = entry.at("field_of_view", usual.field_of_view).number(*ANGLES, "degrees")
-    size = _size(entry.at("size", list(usual.size))) or usual.size
+    size, (shortest, longest) = entry.at("size", list(usual.size)), PIXELS
+    sides = size.value if isinstance(size.value, list) else []
+    if len(sides) != 2 or not all(type(side) is int and shortest <= side <= longest for side in sides):
+        size.needs(f"width and height in pixels, from {shortest} to {longest}")
+        sides = list(usual.size)
     return Camera(
-        at or usual.at, look_at or usual.look_at, angle or usual.field_of_view, str(mount.value or ""), size, near, far
+        at or usual.at,
+        look_at or usual.look_at,
+        angle or usual.field_of_view,
+        str(mount.value or ""),
+        (sides[0], sides[1]),
+        near,
+        far,
     )
 
 
@@ -78,13 +88,3 @@ def _point(entry: TableEntry) -> Vector | None:
     what = f"x, y and z in metres, within {FARTHEST:g} m of the origin"
     numbers = entry.numbers(3, what, -FARTHEST, FARTHEST)
     return None if numbers is None else (numbers[0], numbers[1], numbers[2])
-
-
-def _size(entry: TableEntry) -> tuple[int, int] | None:
-    """Return width and height in pixels."""
-    low, high = PIXELS
-    value = entry.value
-    if isinstance(value, list) and len(value) == 2 and all(type(side) is int and low <= side <= high for side in value):
-        return (value[0], value[1])
-    entry.needs(f"width and height in pixels, from {low} to {high}")
-    return None

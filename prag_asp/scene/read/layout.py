@@ -1,4 +1,4 @@
-"""Read ``[scene.table]``, ``[scene.workspace]`` and ``[scene.fixed]``: where things are."""
+"""Read ``[scene.table]``, ``[scene.workspace]`` and ``[scene.fixed]``: the table, and places on it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from prag_asp.tables.report import TableEntry
 
 PLACELESS = ("robot", "table")
 WORKSPACE = {"x": (0.3, 0.7), "y": (-0.4, 0.4)}
-"""The ends of the workspace in metres where a scene names none: what an arm at the origin reaches from above."""
+"""The default workspace in metres: what an arm at the origin reaches from above."""
 
 
 def read_table(section: TableEntry) -> TableTop:
@@ -26,7 +26,7 @@ def read_table(section: TableEntry) -> TableTop:
 
 
 def read_workspace(section: TableEntry) -> tuple[float, float, float, float]:
-    """Return the part of the table top where objects are put: low x, high x, low y, high y in metres."""
+    """Return the part of the table where the search places objects: low x, high x, low y, high y in metres."""
     section.require_known(tuple(WORKSPACE))
     what = f"a low and a high end in metres, within {MAX_LENGTH:g} m of the origin"
     bounds: list[float] = []
@@ -49,10 +49,10 @@ def read_fixed(section: TableEntry, names: DomainNames, shapes: Mapping[str, Sha
             entry.add(f"{entity} has no shape; set scene.shapes.{names.entities[entity]}")
             doubtful.add(entity)
         elif (kind := shapes[entity].kind) in PLACELESS:
-            entry.add(f"is the place of a {kind}, which has none; fix an entity with the shape of an object or a zone")
+            entry.add(f"names a {kind}, which cannot be fixed; fix an entity with the shape of an object or a zone")
         else:
             count = 3 if isinstance(entry.value, list) and len(entry.value) == 3 else 2
-            place = entry.numbers(count, "x and y in metres, and a yaw in degrees if you like")
+            place = entry.numbers(count, "x and y in metres, and optionally a yaw in degrees")
             if place is not None:
                 fixed[entity] = (place[0], place[1], math.radians(place[2]) if count == 3 else 0.0)
     for entity, shape in shapes.items():
@@ -64,7 +64,7 @@ def read_fixed(section: TableEntry, names: DomainNames, shapes: Mapping[str, Sha
 
 
 def check_places(section: TableEntry, top: TableTop, shapes: Mapping[str, Shape], fixed: Mapping[str, Place]) -> None:
-    """Report fixed bodies that are not wholly on the table, and pairs of the others that overlap."""
+    """Report fixed bodies that are not entirely on the table, and pairs of the others that overlap."""
     (x, y), (size_x, size_y) = top.centre, top.size
     bodies = [entity for entity in fixed if shapes[entity].traits.body]
     for entity, place in fixed.items():

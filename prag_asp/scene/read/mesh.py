@@ -1,7 +1,7 @@
 """Read the triangles of a mesh: Wavefront .obj, and .stl as text or binary.
 
-A mesh is as large as the corners of its faces say, exactly: points that no face uses are not part of it, and no margin
-of a simulator is. Simulators are handed what is read here, not the file, so that both have the same body.
+The size of a mesh is exactly that of its faces: points that no face uses do not count, and it has no margin. Simulators
+get the triangles that this module reads, not the file, so that both have the same body.
 """
 
 from __future__ import annotations
@@ -18,22 +18,25 @@ from prag_asp.safe_reading import read_bytes
 from prag_asp.scene.read.scene_values import SMALLEST
 
 LARGEST = 32_000_000
-"""Bytes of a mesh."""
+"""The largest size of a mesh file in bytes."""
 
 HEADER, TRIANGLE = 84, 50
+"""The bytes of the header of a binary .stl, and of each triangle."""
+
 CORNERS = 3
 GROUPS = ("o", "g")
+"""The words that begin a part of an .obj: an object or a group."""
+
 Point = tuple[float, float, float]
 Triangle = tuple[Point, Point, Point]
 Part = tuple[Triangle, ...]
 
 
 def mesh_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[Part, ...]:
-    """Return the triangles of a mesh, multiplied by a scale along each axis, by its parts.
+    """Return the triangles of each part of a mesh, multiplied by a scale along each axis.
 
-    A body collides as the convex hull of each part. The objects and groups of an .obj are its parts, so that what is
-    hollow can be made of convex ones; where one of them is thinner than `SMALLEST` metres, say a side of a box, the
-    mesh is one part.
+    A body collides as the convex hulls of its parts. The parts of an .obj are its objects and groups, so that a hollow
+    body can consist of convex parts. If one of them is thinner than `SMALLEST` metres, the mesh has only one part.
 
     Raises:
         SceneError: the file cannot be read, is of another format, or has no faces or no finite points.
@@ -48,7 +51,7 @@ def mesh_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[Part, ...]:
 
 
 def mesh_points(path: str, scale: Point = (1.0, 1.0, 1.0)) -> list[Point]:
-    """Return the corners of the faces of a mesh, each once, multiplied by a scale along each axis.
+    """Return the distinct corners of the faces of a mesh, multiplied by a scale along each axis.
 
     Raises:
         SceneError: as for `mesh_parts`.
@@ -57,7 +60,7 @@ def mesh_points(path: str, scale: Point = (1.0, 1.0, 1.0)) -> list[Point]:
 
 
 def thickness(points: Sequence[Point]) -> float:
-    """Return how far points reach along the direction in which they are spread least."""
+    """Return the extent of points along the direction of their smallest variance, in metres."""
     import numpy as np  # noqa: PLC0415 - few domains have meshes
 
     centred = np.array(points) - np.mean(points, axis=0)
@@ -66,7 +69,7 @@ def thickness(points: Sequence[Point]) -> float:
 
 
 def _corners(triangles: Iterable[Triangle]) -> list[Point]:
-    """Return the corners of triangles, each once."""
+    """Return the distinct corners of triangles."""
     return list(dict.fromkeys(chain.from_iterable(triangles)))
 
 
@@ -75,18 +78,14 @@ def _scaled(point: Point, scale: Point) -> Point:
 
 
 def _parts(path: str) -> tuple[Part, ...]:
-    """Return the parts of a mesh in its own unit; a file is read again only where it has changed.
-
-    Raises:
-        SceneError: as for `mesh_parts`.
-    """
+    """Return the parts of a mesh in the unit of its file, which is read again only after a change."""
     if Path(path).suffix.lower() not in (".obj", ".stl"):
         raise SceneError(f"{path}: a mesh of unknown format; give an .obj or an .stl")
     return _read(path, *state_of(path))
 
 
 def state_of(path: str) -> tuple[int, int]:
-    """Return when a mesh was modified, in nanoseconds, and its size in bytes: they identify its contents.
+    """Return the time of the last change of a file in nanoseconds, and its size in bytes: they identify its contents.
 
     Raises:
         SceneError: the file cannot be read.
@@ -100,11 +99,7 @@ def state_of(path: str) -> tuple[int, int]:
 
 @lru_cache(maxsize=32)
 def _read(path: str, modified: int, size: int) -> tuple[Part, ...]:
-    """Return the parts of a mesh in its own unit; when it was modified and its size identify the contents.
-
-    Raises:
-        SceneError: as for `mesh_parts`.
-    """
+    """Return the parts of a mesh in the unit of its file; the state of the file is a key of the cache."""
     try:
         content = read_bytes(path, at_most=LARGEST)
         parts = _obj(content) if Path(path).suffix.lower() == ".obj" else [_stl(content)]
@@ -121,7 +116,7 @@ def _read(path: str, modified: int, size: int) -> tuple[Part, ...]:
 
 
 def _obj(content: bytes) -> list[list[Triangle]]:
-    """Return the triangles of a Wavefront .obj by its objects and groups; a face of more corners is a fan of them."""
+    """Return the triangles of each object and group of an .obj; a face with more corners becomes a fan of triangles."""
     points: list[Point] = []
     parts: list[list[Triangle]] = [[]]
     text = content.decode("utf-8", "replace").replace("\\\r\n", " ").replace("\\\n", " ")
@@ -132,27 +127,20 @@ def _obj(content: bytes) -> list[list[Triangle]]:
             case ["f", *words]:
                 if len(words) < CORNERS:
                     raise ValueError(f"a face of {len(words)} corners in line {number}")
-                first, *others = [_corner(word, points, number) for word in words]
-                parts[-1] += [(first, one, two) for one, two in pairwise(others)]
+                corners = []
+                for word in words:  # such as 3/1/2: the number of the point, from 1 on, or from -1 back
+                    index = int(word.partition("/")[0])
+                    if index == 0 or not -len(points) <= index <= len(points):
+                        raise ValueError(f"a face with the corner {index} of {len(points)} points in line {number}")
+                    corners.append(points[index - 1 if index > 0 else index])
+                parts[-1] += [(corners[0], one, two) for one, two in pairwise(corners[1:])]
             case [group, *_] if group in GROUPS:
                 parts.append([])
     return parts
 
 
-def _corner(word: str, points: Sequence[Point], number: int) -> Point:
-    """Return the corner of a face that a word such as ``3/1/2`` names: from 1 on, or from -1 back.
-
-    Raises:
-        ValueError: there is no such point before this line.
-    """
-    index = int(word.partition("/")[0])
-    if index == 0 or not -len(points) <= index <= len(points):
-        raise ValueError(f"a face with the corner {index} of {len(points)} points in line {number}")
-    return points[index - 1 if index > 0 else index]
-
-
 def _stl(content: bytes) -> list[Triangle]:
-    """Return the triangles of an .stl; a binary one says how many it has."""
+    """Return the triangles of an .stl; the length of a binary one fits the count in its header."""
     count = struct.unpack_from("<I", content, HEADER - 4)[0] if len(content) >= HEADER else -1
     if len(content) == HEADER + count * TRIANGLE:
         rows = (struct.unpack_from("<12f", content, HEADER + i * TRIANGLE) for i in range(count))

@@ -1,11 +1,11 @@
 """Read ``[scene.own]``, the spatial predicates that a domain adds.
 
-[scene.own.in_corner]           # of boxes around the second argument: metres, in its axes, heights from its bottom
+[scene.own.in_corner]           # boxes around the second argument: metres, in its frame, z from its lowest point
 arguments = ["object", "object"]
 boxes = [{ x = [0.05, 0.12], y = [0.03, 0.10] }]
 sentence = "{0} {is} in the corner of {1}"
 
-[scene.own.faces]               # or in Python
+[scene.own.faces]               # or a Python file
 arguments = ["object", "object"]
 python = "predicates.py"
 """
@@ -25,7 +25,7 @@ from prag_asp.scene.scene import IGNORED, BoxBounds, Own
 from prag_asp.tables.report import TableEntry, is_number
 
 ROLES = tuple(dict.fromkeys(role for roles in PREDICATE_ROLES.values() for role in roles))
-"""What an argument of a spatial predicate can be."""
+"""The possible roles of an argument of a spatial predicate."""
 
 BOX_KEYS = ("arguments", "boxes", "inside", "around", "sentence")
 PYTHON_KEYS = ("arguments", "python")
@@ -33,7 +33,6 @@ INSIDE = ("centre", "whole")
 AXES = ("x", "y", "z")
 NAME = re.compile(r"[a-z]\w*")
 EXAMPLE = '"{0} {is} in the corner of {1}"'
-ENDLESS = (-math.inf, math.inf)
 
 
 def read_own(section: TableEntry, names: DomainNames) -> dict[str, Own]:
@@ -51,16 +50,16 @@ def read_own(section: TableEntry, names: DomainNames) -> dict[str, Own]:
 
 
 def _predicate(entry: TableEntry, name: str, names: DomainNames) -> Own | None:
-    """Return one predicate, None where it is not even clear how it is defined."""
+    """Return one predicate, None if the table does not say which kind of definition it has."""
     if not entry.is_table("with arguments, and boxes or python"):
         return None
     if name in PREDICATE_ROLES or name == IGNORED:
-        entry.add(f"{name} is there already; choose another name")
+        entry.add(f"{name} already exists; choose another name")
     elif not NAME.fullmatch(name):
-        entry.add("is no name of a fluent; begin with a small letter, go on with letters, digits and _")
+        entry.add("is not a valid name of a fluent; use a lower-case letter, then letters, digits and _")
     by_python = "python" in entry.value
     if by_python == ("boxes" in entry.value):
-        entry.add(f"has {'boxes and python' if by_python else 'neither boxes nor python'}; define it by one of them")
+        entry.add(f"has {'boxes and python' if by_python else 'neither boxes nor python'}; give one of the two")
         return None
     entry.require_known(PYTHON_KEYS if by_python else BOX_KEYS)
     roles, value = (), entry.at("arguments").value
@@ -74,16 +73,16 @@ def _predicate(entry: TableEntry, name: str, names: DomainNames) -> Own | None:
 
 
 def _composed(entry: TableEntry, name: str, roles: tuple[str, ...], names: DomainNames) -> Own:
-    """Return a predicate that is defined by boxes."""
+    """Return a predicate that boxes define."""
     arguments, around = entry.at("arguments"), entry.at("around")
     if roles and set(roles) != {"object"}:
-        arguments.add(f"are {', '.join(roles)}, but those of boxes can only be objects; write a file in Python instead")
+        arguments.add(f"are {', '.join(roles)}, but a predicate of boxes takes only objects; define it in Python")
     elif around.missing and len(roles) not in (0, 2):
         arguments.needs(
             "two objects, the second with the boxes around it; or one, and `around`, the entity of the boxes"
         )
     elif not around.missing and len(roles) != 1:
-        around.add("stands in for a second argument; give it one object as its arguments")
+        around.add('replaces the second argument; write arguments = ["object"]')
     elif not around.missing:
         names.has_entity(around, str(around.value))
     boxes = entry.at("boxes")
@@ -100,24 +99,21 @@ def _composed(entry: TableEntry, name: str, roles: tuple[str, ...], names: Domai
 
 
 def _box(entry: TableEntry) -> BoxBounds:
-    """Return a box; nothing bounds it along an axis that it does not name."""
+    """Return a box; it is unbounded along an axis that it does not name, and an end may be infinite."""
     if not isinstance(entry.value, Mapping) or not entry.value:
         entry.needs("a table like { x = [0.05, 0.12], y = [0, 0.1] }")
         return BoxBounds((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     entry.require_known(AXES)
-    (ax, bx), (ay, by), (az, bz) = (_ends(entry.at(axis, list(ENDLESS))) for axis in AXES)
+    bounds = []
+    for axis in AXES:
+        ends = entry.at(axis, [-math.inf, math.inf])
+        value = ends.value if isinstance(ends.value, list) and len(ends.value) == 2 else [0.0, 0.0]
+        low, high = value if all(is_number(each) or each in (-math.inf, math.inf) for each in value) else (0.0, 0.0)
+        if not low < high:
+            ends.needs("a low and a high end in metres")
+        bounds.append((float(low), float(high)))
+    (ax, bx), (ay, by), (az, bz) = bounds
     return BoxBounds((ax, ay, az), (bx, by, bz))
-
-
-def _ends(entry: TableEntry) -> tuple[float, float]:
-    """Return the low and the high end of a box along an axis in metres; an end may be infinite."""
-    value = entry.value
-    if isinstance(value, list) and len(value) == 2 and all(is_number(each) or each in ENDLESS for each in value):
-        low, high = map(float, value)
-        if low < high and low < math.inf and high > -math.inf:
-            return low, high
-    entry.needs("a low and a high end in metres")
-    return ENDLESS
 
 
 def _sentence(entry: TableEntry) -> str:
@@ -132,7 +128,7 @@ def _sentence(entry: TableEntry) -> str:
     if not {"0", "1", "is"}.issuperset(fields):
         entry.add(f"has braces that name no argument; use {{0}}, {{1}} and {{is}}, as in {EXAMPLE}")
     elif "is" not in fields or "0" not in fields:
-        entry.add(f"has no {{0}}, or no {{is}} for is or is not; write both, as in {EXAMPLE}")
+        entry.add(f"lacks {{0}} or {{is}}, which becomes is or is not; write both, as in {EXAMPLE}")
     return entry.value
 
 
@@ -142,9 +138,9 @@ def _file(entry: TableEntry, folder: Path) -> str:
     if not isinstance(value, str) or not value.endswith(".py"):
         entry.needs('the name of a Python file of the domain, such as "predicates.py"')
     elif not is_inside(folder / value, folder):
-        entry.add(f"{value} lies outside of the folder of the domain; move it there")
+        entry.add(f"{value} is outside the folder of the domain; move it there")
     elif not (folder / value).is_file():
-        entry.add(f"{value} is not in the folder of the domain; write it, or fix the name")
+        entry.add(f"{value} is not in the folder of the domain; create it, or correct the name")
     else:
         return str((folder / value).resolve())
     return ""

@@ -1,4 +1,4 @@
-"""Values that several tables of a scene have: lengths, colours, and the names of classes and entities."""
+"""Values that occur in several tables of a scene: lengths, colours, and the names of classes and entities."""
 
 from __future__ import annotations
 
@@ -6,27 +6,29 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import TypeVar
 
+from prag_asp.scene.scene import GREY
 from prag_asp.tables.report import TableEntry
 from prag_asp.wording import did_you_mean
 
 MAX_LENGTH = 2.0
-"""The largest length of a body in metres: no table is larger, and millimetres written as metres are found."""
+"""The largest length of a body in metres: no table is larger, and the limit detects millimetres."""
 
 SMALLEST = 0.003
 """The smallest side of a body in metres.
 
-To PyBullet boxes and cylinders are at least 2 mm thick, because it keeps 1 mm around them; and what is within 2 mm of a
-top rests on it. Distances of thinner bodies are wrong, and above and below cannot be distinguished.
+PyBullet adds a margin of 1 mm to all sides of boxes and cylinders, so that its distances of thinner bodies are wrong. A
+body within 2 mm of a top rests on it, so that above and below a thinner body cannot be distinguished.
 """
 
-FALLBACK_COLOR = "#808080"
+Value = TypeVar("Value")
 COUNTS = {1: "a positive length", 2: "two positive lengths", 3: "three positive lengths"}
 
 
 @dataclass(frozen=True)
 class DomainNames:
-    """The names that a scene may use: `classes` with their parents, `entities` with their classes; and the folder."""
+    """The names in a domain: `classes` with their parents, `entities` with their classes; and the domain's folder."""
 
     classes: Mapping[str, Sequence[str]]
     entities: Mapping[str, str]
@@ -34,12 +36,16 @@ class DomainNames:
 
     @cached_property
     def known_classes(self) -> Mapping[str, Sequence[str]]:
-        """The classes with their parents, those that only entities name included."""
+        """The classes with their parents, including classes of entities that no rule declares."""
         return {**dict.fromkeys(self.entities.values(), ()), **self.classes}
 
     def line(self, entity: str) -> list[str]:
         """Return the class of an entity and its ancestors, nearest first."""
         return ancestors(self.entities[entity], self.known_classes)
+
+    def inherited(self, entity: str, by_class: Mapping[str, Value]) -> Value | None:
+        """Return the value of the class of an entity, or of its nearest ancestor that has one."""
+        return next((by_class[name] for name in self.line(entity) if name in by_class), None)
 
     def has_class(self, entry: TableEntry, name: str) -> bool:
         """Return whether a class exists, and report it otherwise."""
@@ -57,7 +63,7 @@ class DomainNames:
 
 
 def ancestors(name: str, classes: Mapping[str, Sequence[str]]) -> list[str]:
-    """Return a class and its ancestors, nearest first; a cycle is walked once."""
+    """Return a class and its ancestors without repetition, nearest first."""
     result = [name]
     for current in result:
         result += [parent for parent in classes.get(current, ()) if parent not in result]
@@ -65,11 +71,11 @@ def ancestors(name: str, classes: Mapping[str, Sequence[str]]) -> list[str]:
 
 
 def lengths(entry: TableEntry, count: int, least: float = SMALLEST) -> tuple[float, ...] | None:
-    """Return `count` lengths of at least `least` metres, None where the value is something else."""
+    """Return `count` lengths of at least `least` metres; report any other value, and return None."""
     limits = f"at least {least:g}, at most {MAX_LENGTH:g}"
     return entry.numbers(count, f"{COUNTS[count]} in metres ({limits})", least, MAX_LENGTH)
 
 
 def color(entry: TableEntry) -> str:
-    """Return a colour as ``#rrggbb``, grey where the value is something else."""
-    return (entry.matching(r"#[0-9a-fA-F]{6}", 'a colour like "#e4572e"') or FALLBACK_COLOR).lower()
+    """Return a colour as ``#rrggbb``; report any other value, and return grey."""
+    return (entry.matching(r"#[0-9a-fA-F]{6}", 'a colour like "#e4572e"') or GREY).lower()

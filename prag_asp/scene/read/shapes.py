@@ -1,4 +1,4 @@
-"""Read ``[scene.shapes]``: what the bodies of a class look like."""
+"""Read ``[scene.shapes]``: the shapes of the bodies of a class."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from prag_asp.tables.report import TableEntry, is_number, shown
 from prag_asp.wording import did_you_mean, nearest
 
 SIZES = 8
-"""How many sizes a range has: bodies are made once for each, because making and removing them leaks memory."""
+"""The number of sizes in a range: each has a body of its own, because making and removing bodies leaks memory."""
 
 LEAST = (0.12, 0.12, 0.06)
-"""The smallest sides of furniture in metres: less holds nothing, or leaves no room for a handle."""
+"""The smallest sides of furniture in metres: smaller furniture holds nothing, or has no room for a handle."""
 
 WALL = 0.006
-"""The thickness of a container's walls and floor where its table gives none, in metres."""
+"""The default thickness of a container's walls and floor, in metres."""
 
 STAND_IN = (0.3, 0.3, 0.3)
-"""Takes the place of sides that are wrong, so that nothing else is reported about them."""
+"""Replaces wrong sides, in metres, so that they cause no further reports."""
 
 
 def read_shapes(section: TableEntry, names: DomainNames) -> dict[str, tuple[Shape, ...]]:
-    """Return the shapes that every entity can have, the smallest first: those of its class or nearest ancestor."""
+    """Return the possible shapes of every entity, the smallest first: those of its class or nearest ancestor."""
     by_class: dict[str, tuple[Shape, ...]] = {}
     for name, entry in section.entries():
         if names.has_class(entry, name):
@@ -36,7 +36,7 @@ def read_shapes(section: TableEntry, names: DomainNames) -> dict[str, tuple[Shap
             by_class |= {} if meant is None or meant in section.value else {meant: ()}
     shapes_by_entity = {}
     for entity in names.entities:
-        shapes = next((by_class[name] for name in names.line(entity) if name in by_class), None)
+        shapes = names.inherited(entity, by_class)
         if shapes:
             shapes_by_entity[entity] = shapes
         elif shapes is not None:
@@ -45,7 +45,7 @@ def read_shapes(section: TableEntry, names: DomainNames) -> dict[str, tuple[Shap
 
 
 def _shapes(entry: TableEntry, folder: Path) -> tuple[Shape, ...]:
-    """Return the shapes that a table of ``scene.shapes`` describes: `SIZES` where it gives a range, otherwise one."""
+    """Return the shapes of one class: `SIZES` of them if its table gives a range, otherwise one."""
     if not entry.is_table('like { kind = "box", size = [0.05, 0.05, 0.05] }'):
         return ()
     kind = entry.value.get("kind")
@@ -60,7 +60,12 @@ def _shapes(entry: TableEntry, folder: Path) -> tuple[Shape, ...]:
     small = traits.furniture and not all(side >= least for side, least in zip(low, LEAST, strict=True))
     if small or (traits.furniture and low != high):
         entry.at("size").needs(f"one size of at least {' x '.join(f'{side:g}' for side in LEAST)} m for a {kind}")
-    wall = _wall(entry.at("wall", WALL), low) if traits.hollow and not small else 0.0
+    wall = 0.0
+    if traits.hollow and not small:
+        thickness = entry.at("wall", WALL)
+        wall = thickness.value
+        if not is_number(wall) or wall < SMALLEST or any(2 * wall >= side for side in low):
+            thickness.needs(f"a thickness in metres of at least {SMALLEST} that leaves a cavity in size")
     if not entry.is_sound:
         return ()
     if low == high:
@@ -89,34 +94,30 @@ def _urdf(entry: TableEntry, folder: Path) -> tuple[Shape, ...]:
 
 
 def _sizes(entry: TableEntry, kind: str) -> tuple[Size, Size]:
-    """Return the sides of the smallest and of the largest bounding box of a shape in metres."""
+    """Return the sides of the smallest and the largest bounding box of a shape in metres."""
     keys = KINDS[kind].keys
     if kind == "zone":
         sides = lengths(entry.at("size"), 2) or (0.0, 0.0)
         return (sides[0], sides[1], 0.0), (sides[0], sides[1], 0.0)
     if "size" in keys:
-        return _box(entry.at("size"))
+        # A list of three sides, or a table of the smallest and the largest.
+        size, ends = entry.at("size"), [entry.at("size")]
+        if isinstance(size.value, Mapping):
+            size.require_known(("low", "high"))
+            ends = [size.at("low"), size.at("high")]
+        boxes = [lengths(end, 3) for end in ends]
+        (ax, ay, az), (bx, by, bz) = boxes[0] or boxes[-1] or STAND_IN, boxes[-1] or boxes[0] or STAND_IN
+        if None not in boxes and (ax > bx or ay > by or az > bz):
+            size.needs("no side of low greater than that of high")
+        return (ax, ay, az), (bx, by, bz)
     radius = _length(entry.at("radius"), SMALLEST / 2) if "radius" in keys else (0.0, 0.0)
     diameter = (2 * radius[0], 2 * radius[1])
     height = _length(entry.at("height"), SMALLEST) if "height" in keys else diameter
     return (diameter[0], diameter[0], height[0]), (diameter[1], diameter[1], height[1])
 
 
-def _box(entry: TableEntry) -> tuple[Size, Size]:
-    """Return the smallest and the largest sides of a box: a list of three, or a table of two such lists."""
-    ends = [entry]
-    if isinstance(entry.value, Mapping):
-        entry.require_known(("low", "high"))
-        ends = [entry.at("low"), entry.at("high")]
-    sides = [lengths(end, 3) for end in ends]
-    (ax, ay, az), (bx, by, bz) = sides[0] or sides[-1] or STAND_IN, sides[-1] or sides[0] or STAND_IN
-    if None not in sides and (ax > bx or ay > by or az > bz):
-        entry.needs("no side of low greater than that of high")
-    return (ax, ay, az), (bx, by, bz)
-
-
 def _length(entry: TableEntry, least: float) -> tuple[float, float]:
-    """Return the smallest and the largest of a length: a number, or a list of two."""
+    """Return the smallest and the largest value of a length in metres: a number, or a list of two."""
     if isinstance(entry.value, list) and len(entry.value) == 2:
         pair = lengths(entry, 2, least) or (0.0, 0.0)
         if pair[0] > pair[1]:
@@ -124,11 +125,3 @@ def _length(entry: TableEntry, least: float) -> tuple[float, float]:
         return pair[0], pair[1]
     length = entry.number(least, MAX_LENGTH, "metres") or 0.0
     return length, length
-
-
-def _wall(entry: TableEntry, size: Size) -> float:
-    """Return the thickness of a container's walls and floor in metres."""
-    if is_number(entry.value) and entry.value >= SMALLEST and all(2 * entry.value < side for side in size):
-        return float(entry.value)
-    entry.needs(f"a thickness in metres of at least {SMALLEST} that leaves a cavity in size")
-    return SMALLEST

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from prag_asp.scene.footprint import Footprint
 from prag_asp.scene.geometry import Pose
-from prag_asp.scene.robots.robot import Hand, Joints, Robot
-from prag_asp.scene.scene import Shape, Solid
+from prag_asp.scene.robots.robot import FINGER_BOXES, Hand, Joints, Robot
+from prag_asp.scene.scene import Shape
 
 Floats = NDArray[np.float64]
 
@@ -81,7 +81,11 @@ class KukaSolver:
             yield AROUND
             yield COARSE
             return
-        angle = _elbow_angle(near)
+        upper = _z(near[0]) @ _y(near[1])
+        elbow = UPPER * upper[:, 2]
+        wrist = elbow + FOREARM * (upper @ _z(near[2]) @ _y(-near[3]))[:, 2]
+        _, up, side = _frame(wrist / np.linalg.norm(wrist))
+        angle = math.atan2(elbow @ side, elbow @ up)
         yield (angle,)
         yield tuple(angle + turn for turn in NARROW)
 
@@ -113,15 +117,6 @@ def _frame(along: Floats) -> tuple[Floats, Floats, Floats]:
     up = reference - (reference @ along) * along
     up /= np.linalg.norm(up)
     return along, up, np.cross(along, up)
-
-
-def _elbow_angle(joints: Joints) -> float:
-    """Return how far the elbow is turned about the line from shoulder to wrist, in radians."""
-    upper = _z(joints[0]) @ _y(joints[1])
-    elbow = UPPER * upper[:, 2]
-    wrist = elbow + FOREARM * (upper @ _z(joints[2]) @ _y(-joints[3]))[:, 2]
-    _, up, side = _frame(wrist / np.linalg.norm(wrist))
-    return math.atan2(elbow @ side, elbow @ up)
 
 
 def _z(angle: float | Floats) -> Floats:
@@ -180,10 +175,6 @@ KUKA = Robot(
     # Links that can meet; of the others the joint limits keep the real ones apart, if not the convex hulls of 4 and 6.
     self_pairs=tuple((low, high) for low in (-1, 0) for high in (4, 5, 6, 7, 8, 9)),
     finger_names=(("left_finger", 1.0), ("right_finger", -1.0)),
-    # The pad, then the shank, which stands back.
-    finger_boxes=(
-        Solid("box", (0.0176, 0.0142, 0.0176), (0.0, 0.0071, 0.045)),
-        Solid("box", (0.0208, 0.0166, 0.036), (0.0, 0.0172, 0.018)),
-    ),
+    finger_boxes=FINGER_BOXES,
     hand=Hand(parent="lbr_iiwa_link_7", at=FACE, turn=TURN, palm=PALM),
 )

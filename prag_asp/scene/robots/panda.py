@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from prag_asp.missing import needed
 from prag_asp.scene.footprint import Footprint
 from prag_asp.scene.geometry import Pose, wrap, yaw_of
-from prag_asp.scene.robots.robot import Joints, Robot
-from prag_asp.scene.scene import Shape, Solid
+from prag_asp.scene.robots.robot import FINGER_BOXES, Joints, Robot
+from prag_asp.scene.scene import Shape
 
 POSTURE = (0.0, 0.2, 0.0, -2.2, 0.0, 2.4, math.pi / 4)
 WRIST_LIMIT = 2.8973
@@ -101,9 +101,5 @@ PANDA = Robot(
     # Links that can meet; neighbours and pairs that the joint limits keep apart are left out.
     self_pairs=tuple((low, high) for low in range(-1, 4) for high in (4, 5, 6, 8) if high - low > 2),
     finger_names=(("panda_leftfinger", 1.0), ("panda_rightfinger", -1.0)),
-    # The pad, then the shank, which stands back.
-    finger_boxes=(
-        Solid("box", (0.0176, 0.0142, 0.0176), (0.0, 0.0071, 0.045)),
-        Solid("box", (0.0208, 0.0166, 0.036), (0.0, 0.0172, 0.018)),
-    ),
+    finger_boxes=FINGER_BOXES,
 )

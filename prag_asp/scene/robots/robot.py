@@ -21,8 +21,12 @@ from prag_asp.scene.scene import Solid
 
 Joints = tuple[float, ...]
 
-
 ORIGIN = Pose((0.0, 0.0, 0.0))
+FINGER_BOXES = (
+    Solid("box", (0.0176, 0.0142, 0.0176), (0.0, 0.0071, 0.045)),
+    Solid("box", (0.0208, 0.0166, 0.036), (0.0, 0.0172, 0.018)),
+)
+"""The left finger of the Panda's hand, in metres: the pad, then the shank, which stands back. The KUKA has the same."""
 
 
 class KinematicsSolver(Protocol):
@@ -108,6 +112,11 @@ class Robot:
     finger_boxes: tuple[Solid, ...]
     hand: Hand | None = None
     base: Pose = ORIGIN
+
+    @property
+    def driven(self) -> list[int]:
+        """The joints that motors drive: seven of the arm, two of the fingers."""
+        return [*self.arm_links, *self.finger_joints]
 
     def within_limits(self, joints: Sequence[float], tolerance: float = 0.0) -> bool:
         """Return whether every joint is within its limits, widened by `tolerance` radians."""

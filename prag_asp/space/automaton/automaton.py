@@ -198,6 +198,17 @@ def count_words(completions: Completions, length: int, prefix: Sequence[Callable
     return sum(weight * int(row[state]) for state, weight in reached.items())
 
 
+def weights_by_length(completions: Completions, number: int) -> list[int]:
+    """Return the weights of all words of the lengths 0, 1, ..., number - 1."""
+    if not completions.automaton.states:
+        return [0] * number
+    weights, row = [], completions.row(0)
+    for _ in range(number):
+        weights.append(int(row[0]))
+        row = completions.following(row)
+    return weights
+
+
 def words(completions: Completions, length: int, prefix: Sequence[Callable[[int], bool]] = ()) -> Iterator[Word]:
     """Yield the words of a length in order, lazily; `prefix` as in `count_words`."""
     automaton = completions.automaton

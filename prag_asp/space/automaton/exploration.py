@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.logic.step.packed import Rows
-from prag_asp.logic.step.transition import Successors, Transition
 from prag_asp.space.automaton.automaton import Automaton
 from prag_asp.space.automaton.numbering import Numbering
 from prag_asp.stop_reason import StopReason
 
 if TYPE_CHECKING:
+    from prag_asp.logic.step.packed import Rows
     from prag_asp.logic.step.relaxation import Relaxation
+    from prag_asp.logic.step.transition import Successors, Transition
     from prag_asp.logic.symmetry.canonical_states import Merging, Orders
     from prag_asp.logic.symmetry.twins import Twins
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from prag_asp.space.automaton.automaton import Completions
+from prag_asp.space.automaton.automaton import Completions, weights_by_length
 from prag_asp.stop_reason import LimitCheck
 
 SHORTEST = 2_000
@@ -39,25 +39,20 @@ def count_by_recurrence(completions: Completions, length: int, check: LimitCheck
     terms_needed = states + HIGHEST_ORDER
     if not states or length < max(SHORTEST, 2 * terms_needed) or terms_needed * len(automaton.targets) > MOST_WORK:
         return None
-    terms = _terms(completions, 2 * HIGHEST_ORDER + 2)
+    terms = weights_by_length(completions, 2 * HIGHEST_ORDER + 2)
     for prime in PRIMES:
         recurrence = shortest_recurrence(terms, prime)
         if recurrence is None:
             return None
         if len(terms) < terms_needed:
-            terms = _terms(completions, terms_needed)
-        if _holds(recurrence, terms, states):
+            terms = weights_by_length(completions, terms_needed)
+        order = len(recurrence)
+        if all(
+            terms[place] == sum(coefficient * terms[place - back] for back, coefficient in enumerate(recurrence, 1))
+            for place in range(order, order + states)
+        ):
             return _nth(recurrence, terms, length, check)
     return None
-
-
-def _terms(completions: Completions, number: int) -> list[int]:
-    """Return the weights of all words of the lengths 0, 1, 2, ..."""
-    terms, row = [], completions.row(0)
-    for _ in range(number):
-        terms.append(int(row[0]))
-        row = completions.following(row)
-    return terms
 
 
 def shortest_recurrence(terms: Sequence[int], prime: int) -> list[int] | None:
@@ -88,15 +83,6 @@ def shortest_recurrence(terms: Sequence[int], prime: int) -> list[int] | None:
     return [coefficient - prime if coefficient > prime // 2 else coefficient for coefficient in negated]
 
 
-def _holds(recurrence: Sequence[int], terms: Sequence[int], states: int) -> bool:
-    """Return whether a recurrence holds exactly for as many terms as there are states."""
-    order = len(recurrence)
-    return all(
-        terms[place] == sum(coefficient * terms[place - back] for back, coefficient in enumerate(recurrence, 1))
-        for place in range(order, order + states)
-    )
-
-
 def _nth(recurrence: Sequence[int], terms: Sequence[int], place: int, check: LimitCheck) -> int | None:
     """Return a term by the remainder of x^place modulo the polynomial of the recurrence."""
     order = len(recurrence)
@@ -106,20 +92,16 @@ def _nth(recurrence: Sequence[int], terms: Sequence[int], place: int, check: Lim
     for bit in bin(place)[2:]:
         if check():
             return None
-        power = _remainder(_square(power), recurrence)
+        square = [0] * (2 * order - 1)
+        for one, coefficient in enumerate(power):
+            if coefficient:
+                square[2 * one] += coefficient * coefficient
+                for other in range(one):
+                    square[one + other] += 2 * coefficient * power[other]
+        power = _remainder(square, recurrence)
         if bit == "1":
             power = _remainder([0, *power], recurrence)
     return sum(coefficient * term for coefficient, term in zip(power, terms, strict=False))
-
-
-def _square(polynomial: Sequence[int]) -> list[int]:
-    product = [0] * (2 * len(polynomial) - 1)
-    for place, coefficient in enumerate(polynomial):
-        if coefficient:
-            product[2 * place] += coefficient * coefficient
-            for other in range(place):
-                product[place + other] += 2 * coefficient * polynomial[other]
-    return product
 
 
 def _remainder(polynomial: list[int], recurrence: Sequence[int]) -> list[int]:

@@ -7,14 +7,15 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
 State = TypeVar("State")
+Letter = TypeVar("Letter")
 
 Choice = Callable[[int, Sequence[int]], int]
 """Select an edge by the number of the step and the running totals of the weights through each edge."""
 
 
 def words_along(
-    start: State, length: int, onward: Callable[[State, int], Iterator[tuple[int, State]]]
-) -> Iterator[tuple[int, ...]]:
+    start: State, length: int, onward: Callable[[State, int], Iterator[tuple[Letter, State]]]
+) -> Iterator[tuple[Letter, ...]]:
     """Yield the words of a length from a state, lazily and depth-first.
 
     `onward` yields the letters that continue words from a state at a step, in order, each with the successor.
@@ -22,7 +23,7 @@ def words_along(
     if not length:
         yield ()
         return
-    word: list[int] = []
+    word: list[Letter] = []
     waiting = [onward(start, 0)]
     while waiting:
         for letter, state in waiting[-1]:

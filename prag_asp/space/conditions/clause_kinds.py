@@ -19,12 +19,12 @@ from prag_asp.wording import not_too_deep
 
 
 class Clause(Protocol):
-    """One clause of a condition; its text is what a user writes.
+    """One clause of a condition; its text is what a user writes."""
 
-    `file` names the encoding that tests it.
-    """
-
-    file: ClassVar[str]
+    @property
+    def file(self) -> str:
+        """The name of the encoding that tests it."""
+        ...
 
     def requests(self, number: int, facts: Facts) -> Iterator[str]:
         """Yield the request terms for the encoding; `number` identifies this clause.
@@ -101,8 +101,13 @@ class Has:
         else:
             actions = Pattern.parse(self.pattern).matches(facts)
             # Different patterns that match a single action are equivalent.
-            pattern = str(actions[0]) if len(actions) == 1 else self.pattern
-            which = _named_by_all(actions, facts) or _pattern_term(pattern, number)
+            parsed = Pattern.parse(str(actions[0]) if len(actions) == 1 else self.pattern)
+            which = _named_by_all(actions, facts)
+            if not which and parsed.arguments is None:
+                which = str(number)
+            elif not which:  # the term has the entities that the pattern names
+                arguments = (f'"{ANY}"' if argument == ANY else argument for argument in parsed.arguments or ())
+                which = f'("{parsed.name}",{",".join(arguments)})'
             yield from _counted(which, self.times, actions)
 
 
@@ -179,7 +184,11 @@ class Part:
     file: ClassVar[str] = "matches"
 
     def __str__(self) -> str:
-        return f"part {_intervals(self.residues)} of {self.modulus} by seed {self.seed}"
+        numbers = self.residues
+        breaks = [i for i in range(1, len(numbers)) if numbers[i] != numbers[i - 1] + 1]
+        intervals = [numbers[a:b] for a, b in zip([0, *breaks], [*breaks, len(numbers)], strict=True)]
+        spelled = ",".join(f"{interval[0]}-{interval[-1]}" for interval in intervals if interval)
+        return f"part {spelled} of {self.modulus} by seed {self.seed}"
 
     def requests(self, number: int, facts: Facts) -> Iterator[str]:
         """Yield the request terms for the encoding."""
@@ -248,31 +257,29 @@ class Achieves(Ends):
 
 
 @dataclass(frozen=True)
-class Nontrivial:
-    """The known part of the final state differs from that of the initial state."""
+class KeywordClause:
+    """A clause that is a single keyword, tested by the encoding of its name."""
 
-    file: ClassVar[str] = "nontrivial"
+    keyword: str
+
+    @property
+    def file(self) -> str:
+        """The encoding that tests it."""
+        return self.keyword.replace("-", "_")
 
     def __str__(self) -> str:
-        return "nontrivial"
+        return self.keyword
 
     def requests(self, number: int, facts: Facts) -> Iterator[str]:
-        """Yield the request terms for the encoding."""
+        """Yield the request terms for the encoding: there are none."""
         return iter(())
 
 
-@dataclass(frozen=True)
-class LoopFree:
-    """No two states of a task have the same known part."""
+NONTRIVIAL = KeywordClause("nontrivial")
+"""The known part of the final state differs from that of the initial state."""
 
-    file: ClassVar[str] = "loop_free"
-
-    def __str__(self) -> str:
-        return "loop-free"
-
-    def requests(self, number: int, facts: Facts) -> Iterator[str]:
-        """Yield the request terms for the encoding."""
-        return iter(())
+LOOP_FREE = KeywordClause("loop-free")
+"""No two states of a task have the same known part."""
 
 
 def end_requests(number: int, conjunctions: Iterable[Mapping[str, bool]]) -> Iterator[str]:
@@ -327,22 +334,6 @@ def _named_by_all(actions: Sequence[clingo.Symbol], facts: Facts) -> str:
               for entity in ({*mentioned_entities(actions[0], facts.entities)} if actions else ())}  # fmt: skip
     entities = [entity for entity, users in naming.items() if users == tuple(actions)]
     return f"({entities[0]},)" if len(entities) == 1 else ""
-
-
-def _pattern_term(pattern: str, number: int) -> str:
-    """Return a pattern as a term with the entities that it names, or `number` if it names none."""
-    parsed = Pattern.parse(pattern)
-    if parsed.arguments is None:
-        return str(number)
-    arguments = (f'"{ANY}"' if argument == ANY else argument for argument in parsed.arguments)
-    return f'("{parsed.name}",{",".join(arguments)})'
-
-
-def _intervals(numbers: Sequence[int]) -> str:
-    """Return numbers as ``0-3,7``."""
-    breaks = [i for i in range(1, len(numbers)) if numbers[i] != numbers[i - 1] + 1]
-    pieces = [numbers[a:b] for a, b in zip([0, *breaks], [*breaks, len(numbers)], strict=True)]
-    return ",".join(f"{piece[0]}-{piece[-1]}" for piece in pieces if piece)
 
 
 def _spelled(value: bool) -> str:

@@ -10,7 +10,7 @@ from prag_asp.processes.progress_events import stage
 from prag_asp.program.facts import Assignment, Facts
 from prag_asp.program.predicates import REQUEST
 from prag_asp.program.sources import ADDED, Program, Source, each_once, read_sources
-from prag_asp.space.conditions.clause_kinds import Achieves, After, Clause, Ends, end_requests, start_requests
+from prag_asp.space.conditions.clause_kinds import Achieves, After, Ends, end_requests, start_requests
 from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.conditions.meaning import known_where, shared, simplest, weakest
 from prag_asp.space.conditions.state_formula import Conjunction
@@ -34,7 +34,11 @@ def conditioned(domain: Domain, condition: Condition) -> Domain:
     achieved = [clause for clause in clauses if isinstance(clause, Achieves)]
     if achieved:
         files.append(Achieves.file)
-        requests += [REQUEST.fact(term) for term in start_requests(_first_state(achieved, clauses, facts))]
+        starts = [value for clause in clauses if isinstance(clause, After) and not clause.steps
+                  for value in _assigned(clause.conjunction(facts), facts)]  # fmt: skip
+        reached = [conjunction for clause in achieved for conjunction in clause.conjunctions(facts)]
+        already = known_where(reached, (*facts.initially, *starts), facts)  # one of these is known of the initial state
+        requests += [REQUEST.fact(term) for term in start_requests(already)]
     if achieved and conjunctions is None:
         conjunctions = [{}]
     if conjunctions is not None:
@@ -69,14 +73,6 @@ def _last_state(ends: Sequence[Ends], facts: Facts) -> tuple[Assignment, Sequenc
     alternatives = weakest(together, (*facts.goal, *goal), facts)
     goal += _assigned(shared(alternatives, facts), facts)
     return tuple(goal), None if len(alternatives) == 1 else alternatives
-
-
-def _first_state(achieved: Sequence[Achieves], clauses: Sequence[Clause], facts: Facts) -> Sequence[Conjunction]:
-    """Return the conjunctions of which one is known of each initial state that already achieves a formula."""
-    starts = [value for clause in clauses if isinstance(clause, After) and not clause.steps
-              for value in _assigned(clause.conjunction(facts), facts)]  # fmt: skip
-    conjunctions = [conjunction for clause in achieved for conjunction in clause.conjunctions(facts)]
-    return known_where(conjunctions, (*facts.initially, *starts), facts)
 
 
 def _assigned(conjunction: Conjunction, facts: Facts) -> Assignment:

@@ -9,16 +9,16 @@ from prag_asp.atom import STRING, split_terms
 from prag_asp.errors import QueryError
 from prag_asp.integers import TOLD, shortened, too_large
 from prag_asp.space.conditions.clause_kinds import (
+    LOOP_FREE,
+    NONTRIVIAL,
     Achieves,
     After,
     Begins,
     Clause,
     Ends,
     Has,
-    LoopFree,
     Matches,
     Names,
-    Nontrivial,
     Part,
     Range,
     Uses,
@@ -53,26 +53,14 @@ def parse_clause(text: str) -> Clause:
     return KEYWORDS[keyword](rest)
 
 
-def _begins(rest: str) -> Clause:
-    return Begins(tuple(split_terms(rest)))
-
-
 def _has(rest: str) -> Clause:
     times, pattern = _quantity(rest)
     return Has(_pattern(pattern), times or Range(1))
 
 
-def _lacks(rest: str) -> Clause:
-    return Has(_pattern(rest), Range(0, 0))
-
-
 def _uses(rest: str) -> Clause:
     number, kind = _quantity(rest)
     return Names(kind, some=True) if number is None else Uses(kind, number)
-
-
-def _avoids(rest: str) -> Clause:
-    return Names(rest, some=False)
 
 
 def _after(rest: str) -> Clause:
@@ -111,11 +99,11 @@ def _pattern(text: str) -> str:
 
 
 KEYWORDS: dict[str, Callable[[str], Clause]] = {
-    "begins": _begins,
+    "begins": lambda rest: Begins(tuple(split_terms(rest))),
     "has": _has,
-    "lacks": _lacks,
+    "lacks": lambda rest: Has(_pattern(rest), Range(0, 0)),
     "uses": _uses,
-    "avoids": _avoids,
+    "avoids": lambda rest: Names(rest, some=False),
     "matches": Matches,
     "not matches": lambda rest: Matches(rest, inverse=True),
     "starts": lambda rest: After(0, rest),
@@ -123,8 +111,8 @@ KEYWORDS: dict[str, Callable[[str], Clause]] = {
     "ends": Ends,
     "achieves": Achieves,
     "part": _part,
-    "nontrivial": lambda _: Nontrivial(),
-    "loop-free": lambda _: LoopFree(),
+    "nontrivial": lambda _: NONTRIVIAL,
+    "loop-free": lambda _: LOOP_FREE,
 }
 WHOLE = {"nontrivial", "loop-free"}
 EXAMPLES = {

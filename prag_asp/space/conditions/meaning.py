@@ -7,9 +7,7 @@ invariants, and is computed from the prime implicants of "the formula holds or a
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
-
-import clingo
+from collections.abc import Iterable, Mapping, Sequence
 
 from prag_asp.errors import QueryError
 from prag_asp.program.facts import Assignment, Facts
@@ -91,34 +89,28 @@ def _weakest(
     for conjunction in conjunctions:
         term = frozenset((names[fluent], value) for fluent, value in conjunction.items())
         if _holds_in_some_state(term, sure, graph):
-            terms.append(frozenset(value for value in term if value not in sure and _may_fail(value, graph)))
-    violated = _violations({fluent for term in terms for fluent, _ in term}, graph)
+            may_fail = {value for value in term if not conflict(entailed([(value[0], not value[1])], graph))}
+            terms.append(frozenset(value for value in may_fail if value not in sure))
+    fluents = {fluent for term in terms for fluent, _ in term}
+    violated: set[Values] = set()  # the pairs of values that violate an invariant
+    for value in ((fluent, truth) for fluent in sorted(fluents) for truth in (True, False)):
+        for fluent, truth in entailed([value], graph):
+            if fluent in fluents and fluent != value[0]:
+                violated.add(frozenset([value, (fluent, not truth)]))
     implicants = _prime_implicants([*terms, *violated])
     if implicants is None:
         return None
     possible = (implicant for implicant in implicants if _holds_in_some_state(implicant, sure, graph))
     closed = {frozenset(entailed(implicant, graph)) - set(sure) for implicant in possible}
-    least = [_roots(term, graph) for term in _absorbed(closed)]
+    least = []
+    for term in _absorbed(closed):  # without values that another value entails, unless the two are equivalent
+        below = {value: entailed([value], graph) for value in term}
+        least.append([v for v in term if not any(v in below[w] and w not in below[v] for w in term)])
     return sorted(({str(fluent): value for fluent, value in sorted(term)} for term in least), key=str)
 
 
 def _holds_in_some_state(term: Values, sure: Mapping[FluentValue, FluentValue], graph: Graph) -> bool:
     return not conflict(entailed((*term, *sure), graph))
-
-
-def _may_fail(value: FluentValue, graph: Graph) -> bool:
-    fluent, truth = value
-    return not conflict(entailed([(fluent, not truth)], graph))
-
-
-def _violations(fluents: Collection[clingo.Symbol], graph: Graph) -> list[Values]:
-    """Return the pairs of values of some fluents that violate an invariant."""
-    pairs: set[Values] = set()
-    for value in ((fluent, truth) for fluent in sorted(fluents) for truth in (True, False)):
-        for fluent, truth in entailed([value], graph):
-            if fluent in fluents and fluent != value[0]:
-                pairs.add(frozenset([value, (fluent, not truth)]))
-    return sorted(pairs, key=sorted)
 
 
 def _prime_implicants(terms: Iterable[Values]) -> set[Values] | None:
@@ -138,9 +130,3 @@ def _prime_implicants(terms: Iterable[Values]) -> set[Values] | None:
 
 def _absorbed(terms: set[Values]) -> set[Values]:
     return {term for term in terms if not any(other < term for other in terms)}
-
-
-def _roots(values: Values, graph: Graph) -> Values:
-    """Return the values that are not entailed by another value, except by equivalent ones."""
-    below = {value: entailed([value], graph) for value in values}
-    return frozenset(v for v in values if not any(v in below[w] and w not in below[v] for w in values))

@@ -39,22 +39,21 @@ class Pattern:
         Raises:
             QueryError: no action matches.
         """
-        actions = tuple(action for action in facts.actions if self._fits(action))
+
+        def fits(action: clingo.Symbol) -> bool:
+            if action_name(action) != self.name or self.arguments is None:
+                return action_name(action) == self.name
+            arguments = atom_of(action).arguments
+            return len(arguments) == len(self.arguments) and all(
+                pattern in (ANY, argument) for pattern, argument in zip(self.arguments, arguments, strict=True)
+            )
+
+        actions = tuple(filter(fits, facts.actions))
         if not actions:
             spelled = self.name if self.arguments is None else f"{self.name}({','.join(self.arguments)})"
             names = {*map(action_name, facts.actions), *map(str, facts.actions)}
             raise QueryError(no_action(spelled, names, facts))
         return actions
-
-    def _fits(self, action: clingo.Symbol) -> bool:
-        if action_name(action) != self.name:
-            return False
-        if self.arguments is None:
-            return True
-        arguments = atom_of(action).arguments
-        return len(arguments) == len(self.arguments) and all(
-            pattern in (ANY, argument) for pattern, argument in zip(self.arguments, arguments, strict=True)
-        )
 
 
 def class_members(kind: str, facts: Facts) -> Iterator[clingo.Symbol]:

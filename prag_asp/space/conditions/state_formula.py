@@ -63,11 +63,13 @@ class _FormulaParser:
         while self._words[:1] == [word]:
             self._words.pop(0)
             other = self._conjunction(below[word], positive) if word in below else self._negation(positive)
-            conjunctions = (
-                self._joined(conjunctions, other)
-                if (word == "or") != positive
-                else self._smallest([*conjunctions, *other])
-            )
+            if (word == "or") == positive:
+                conjunctions = self._smallest([*conjunctions, *other])
+                continue
+            if len(conjunctions) * len(other) > MOST_CONJUNCTIONS:
+                raise self._wrong("it has too many cases; ask for less")
+            both = (one | another for one in conjunctions for another in other)
+            conjunctions = self._smallest([literals for literals in both if len(dict(literals)) == len(literals)])
         return conjunctions
 
     def _negation(self, positive: bool) -> list[_Literals]:
@@ -99,12 +101,6 @@ class _FormulaParser:
         if fluent not in self._fluents:
             raise QueryError(unknown(fluent, self._fluents, "fluent"))
         return fluent
-
-    def _joined(self, first: list[_Literals], second: list[_Literals]) -> list[_Literals]:
-        if len(first) * len(second) > MOST_CONJUNCTIONS:
-            raise self._wrong("it has too many cases; ask for less")
-        both = (one | other for one in first for other in second)
-        return self._smallest([literals for literals in both if len(dict(literals)) == len(literals)])
 
     def _smallest(self, conjunctions: list[_Literals]) -> list[_Literals]:
         """Return the conjunctions that no weaker one absorbs, in order."""

@@ -60,9 +60,23 @@ def divide_skeletons(
     parts = {name: _part(numbers, modulus, seed) for name, numbers in residues.items()}
     if _distance(parts, shares, count) > NEAR:
         few = listed()
-        parts = _of_skeletons(few, shares, seed) if few is not None else _of_classes(count, shares, seed, modulus)
+        pieces = [count(_part([r], modulus, seed)) for r in range(modulus)] if few is None else list(few.values())
+        members: list[list[int]] = [[] for _ in shares]
+        for piece, part in enumerate(choose_parts(pieces, list(shares.values()), seed)):
+            members[part].append(piece)
+        if few is None:
+            parts = {name: _part(own, modulus, seed) for name, own in zip(shares, members, strict=True)}
+        else:
+            words = [" ".join(skeleton) or ".{0}" for skeleton in few]
+            expressions = [" | ".join(words[piece] for piece in own) for own in members]
+            clauses = [Matches(spelled) if spelled else Matches(".*", inverse=True) for spelled in expressions]
+            parts = {name: Condition((clause,)) for name, clause in zip(shares, clauses, strict=True)}
         if _distance(parts, shares, count) > NEAR:
-            warnings.warn(_warning_text(parts, shares, count), SharesWarning, stacklevel=4)
+            total = sum(map(count, parts.values()))
+            actual = ", ".join(f"{name} has {float(100 * count(part) / total):.1f} %" for name, part in parts.items())
+            requested = ", ".join(f"{float(100 * share):.4g} %" for share in shares.values())
+            why = "no choice of whole skeletons comes nearer; take other shares or lengths"
+            warnings.warn(f"{actual} of the tasks, not {requested}: {why}", SharesWarning, stacklevel=3)
     return parts
 
 
@@ -93,29 +107,3 @@ def _part(residues: Iterable[int], modulus: int, seed: int) -> Condition:
 
 def _distance(parts: Mapping[str, Condition], shares: Mapping[str, Fraction], count: Count) -> Fraction:
     return farthest([count(part) for part in parts.values()], list(shares.values()))
-
-
-def _of_skeletons(skeletons: Skeletons, shares: Mapping[str, Fraction], seed: int) -> dict[str, Condition]:
-    chosen = choose_parts(list(skeletons.values()), list(shares.values()), seed)
-    words: list[list[str]] = [[] for _ in shares]
-    for skeleton, part in zip(skeletons, chosen, strict=True):
-        words[part].append(" ".join(skeleton) or ".{0}")
-    clauses = [Matches(" | ".join(spelled)) if spelled else Matches(".*", inverse=True) for spelled in words]
-    return {name: Condition((clause,)) for name, clause in zip(shares, clauses, strict=True)}
-
-
-def _of_classes(count: Count, shares: Mapping[str, Fraction], seed: int, modulus: int) -> dict[str, Condition]:
-    classes = [count(_part([residue], modulus, seed)) for residue in range(modulus)]
-    chosen = choose_parts(classes, list(shares.values()), seed)
-    residues: list[list[int]] = [[] for _ in shares]
-    for residue, part in enumerate(chosen):
-        residues[part].append(residue)
-    return {name: _part(numbers, modulus, seed) for name, numbers in zip(shares, residues, strict=True)}
-
-
-def _warning_text(parts: Mapping[str, Condition], shares: Mapping[str, Fraction], count: Count) -> str:
-    total = sum(map(count, parts.values()))
-    actual = ", ".join(f"{name} has {float(100 * count(part) / total):.1f} %" for name, part in parts.items())
-    requested = ", ".join(f"{float(100 * share):.4g} %" for share in shares.values())
-    shares_text = f"{actual} of the tasks, not {requested}"
-    return f"{shares_text}: no choice of whole skeletons comes nearer; take other shares or lengths"

@@ -44,7 +44,7 @@ def select(
 
 
 def engine_class(name: str) -> MakeEngine:
-    """Return the class of an engine that `ENGINES` names."""
+    """Return the class or function that `ENGINES` names."""
     return _load(ENGINES[name])
 
 

@@ -110,15 +110,23 @@ class AutoEngine:
         try:
             return self._answer(length, lambda engine: engine.count(length, prefix))
         except LimitReached as reached:
-            if not self._too_long(length):
+            if self._exceeded is None or length < self._exceeded[0]:
                 raise
-            counted = max(reached.at_least, 0 if prefix else self._count_listed(length))
-            raise limit_error(reached.reason, counted, self._request[1], length) from None
+            _, level, _, limits = self._request
+            counted, listed = reached.at_least, self._exceeded[1].completions
+            if not prefix and level != "skeleton":  # the listed states are those of plans
+                counted = max(counted, count_within(listed, length, limits.begin().to_close().reached_limit)[0])
+            raise limit_error(reached.reason, counted, level, length) from None
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a length in order, lazily."""
-        engine = self._answer(length, lambda engine: self._explore(engine, length))
-        yield from engine.words(length, prefix)
+
+        def explored(engine: Engine) -> Engine:
+            if engine is self._listing:
+                self._listing.known(length)
+            return engine
+
+        yield from self._answer(length, explored).words(length, prefix)
 
     def contains(self, word: Letters) -> bool:
         """Return whether a word belongs to the level."""
@@ -137,42 +145,21 @@ class AutoEngine:
         return self._answer(length, lambda engine: engine.weighed(length, weights, goals=goals, plain=plain))
 
     def _answer(self, length: int, ask: Callable[[Engine], Answer]) -> Answer:
-        """Return the answer of the engine for a length."""
-        if not self._too_long(length):
+        """Return the answer of the automaton engine, or of diagrams where it has too many states."""
+        if self._exceeded is None or length < self._exceeded[0]:
             try:
                 return ask(self._listing)
             except TooManyStates as error:
-                self._switch(length, error)
-        return ask(self._by_diagrams())
-
-    def _explore(self, engine: Engine, length: int) -> Engine:
-        if engine is self._listing:
-            self._listing.known(length)
-        return engine
-
-    def _too_long(self, length: int) -> bool:
-        return self._exceeded is not None and length >= self._exceeded[0]
-
-    def _switch(self, length: int, error: TooManyStates) -> None:
-        _, _, progress, _ = self._request
-        self._exceeded = (length, error.reach)
-        if progress:
-            why = f"{error.reach.states:,} states are listed, and {length} steps reach more than memory holds"
-            progress(Note(f"note: engine symbolic, because {why}"))
-
-    def _by_diagrams(self) -> Engine:
+                self._exceeded = (length, error.reach)
+                _, _, progress, _ = self._request
+                if progress:
+                    why = f"{error.reach.states:,} states are listed, and {length} steps reach more than memory holds"
+                    progress(Note(f"note: engine symbolic, because {why}"))
         if self._diagrams is None:
-            from prag_asp.space.engines.symbolic_engine import SymbolicEngine
+            from prag_asp.space.engines.symbolic_engine import symbolic_engine
 
-            self._diagrams = SymbolicEngine(*self._request)
-        return self._diagrams
-
-    def _count_listed(self, length: int) -> int:
-        """Return the number of words of a length that use only listed states."""
-        _, level, _, limits = self._request
-        if level == "skeleton" or self._exceeded is None:  # the listed states are those of plans
-            return 0
-        return count_within(self._exceeded[1].completions, length, limits.begin().to_close().reached_limit)[0]
+            self._diagrams = symbolic_engine(*self._request)
+        return ask(self._diagrams)
 
 
 def searching_engine(

@@ -11,23 +11,22 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 from prag_asp.logic.domain_logic import DomainLogic
-from prag_asp.logic.step.transition import Transition
 from prag_asp.output.cache_files import cache_folder
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.entity_names import action_name
-from prag_asp.space.automaton.automaton import NO_PATHS, Ranking, accepts, count_words, words
+from prag_asp.space.automaton.automaton import NO_PATHS, Ranking
 from prag_asp.space.automaton.bounded_count import count_within
 from prag_asp.space.automaton.recurrence import count_by_recurrence
-from prag_asp.space.engines.engine import Letters, Level, Progress, name_in_prefix
+from prag_asp.space.engines.engine import Letters, Level, Progress, prefix_sets
 from prag_asp.space.engines.independent_components import IndependentParts
 from prag_asp.space.engines.reachability import FORECAST, HALT, Explorer, Forecast, Halt, Reach, TooManyStates
-from prag_asp.space.limits import UNLIMITED, Budget, Limits, limit_error
+from prag_asp.space.limits import UNLIMITED, LimitClock, Limits, limit_error
 from prag_asp.space.weights.weights import Weighed, Weights, edge_weights, refuse_weights
 
 if TYPE_CHECKING:
+    from prag_asp.logic.step.transition import Transition
     from prag_asp.space.automaton.merged_states import MergedRanking
     from prag_asp.space.automaton.shuffle_product import ShuffledWords
-    from prag_asp.space.engines.stored_automata import AutomatonSlot
 
 WORTH_KEEPING = 0.2
 """Minimum seconds of an exploration whose result is cached for the next run."""
@@ -67,7 +66,12 @@ class AutomatonEngine:
         self._tell = progress or (lambda words: None)
         self._explorer: Explorer = explorer or Explorer(model, level, progress, merge, hopeless)
         self._plain = Explorer(model, level, progress, merge=False)
-        self._slot = _automaton_slot(model, level, merge) if limits.cached and explorer is None else None
+        folder = cache_folder() if limits.cached and explorer is None else None
+        self._slot = None
+        if folder is not None:
+            from prag_asp.space.engines.stored_automata import automaton_slot
+
+            self._slot = automaton_slot(folder, model, level, merge)
         self._reached: Reach | None = self._slot.read() if self._slot else None
         self._ranked: dict[int, Ranking | MergedRanking | ShuffledWords] = {}
         self._parts = IndependentParts(self._explorer, lambda: self._transition, self._tell)
@@ -107,61 +111,39 @@ class AutomatonEngine:
         Raises:
             LimitReached: a limit ended the exploration; the error has the number of words counted so far.
         """
-        budget = self._limits.begin()
-        reach = self._reach(length, budget, self._parts.spreads if prefix else self._parts.falls_apart)
+        clock = self._limits.begin()
+        reach = self._reach(length, clock, self._parts.spreads if prefix else self._parts.falls_apart)
         if reach.stop == HALT:
-            apart = self._count_apart(length, budget, reach, prefix)
-            if apart is not None:
-                return apart
-            reach = self._reach(length, budget)
+            if prefix:
+                shuffled = self._parts.words(length, self._numbers, clock)
+                if shuffled:
+                    return shuffled.count(self._sets(prefix))
+            elif (apart := self._parts.count(length, clock)) is not None:
+                if not apart.stop:
+                    return apart.found
+                least = apart.found
+                if self._level != "skeleton":  # the partial exploration is that of plans
+                    least = max(least, count_within(reach.completions, length, clock.to_close().reached_limit)[0])
+                raise limit_error(apart.stop, least, self._level, length, apart.states)
+            reach = self._reach(length, clock)
         stage("counting")
         if not prefix and not reach.stop and reach.completions.automaton.horizon is None:
-            number = count_by_recurrence(reach.completions, length, budget.reached_limit)
+            number = count_by_recurrence(reach.completions, length, clock.reached_limit)
             if number is not None:
                 return number
         if prefix or (self._limits.seconds is None and length < LONG):
-            counted, stop = self._count(reach, length, prefix), reach.stop
+            counted, stop = reach.count(length, self._sets(prefix)), reach.stop
         else:
-            counted, stop = count_within(reach.completions, length, budget.to_close().reached_limit, self._tell)
+            counted, stop = count_within(reach.completions, length, clock.to_close().reached_limit, self._tell)
         reason = reach.stop or stop
         if reason:
             raise limit_error(reason, counted, self._level, length, reach.states)
         return counted
 
-    def _count_apart(self, length: int, budget: Budget, whole: Reach, prefix: Letters) -> int | None:
-        """Return the number of words of a length, part by part; None if the parts turn out not to be independent.
-
-        `whole` is the partial exploration of the whole.
-
-        Raises:
-            LimitReached: a limit ended the count; the error has the number of words counted so far.
-        """
-        if prefix:
-            words = self._parts.words(length, self._numbers, budget)
-            return words.count(self._sets(prefix)) if words else None
-        counted = self._parts.count(length, budget)
-        if counted is None:
-            return None
-        if counted.stop:
-            least = counted.found
-            if self._level != "skeleton":  # the partial exploration is that of plans
-                least = max(least, count_within(whole.completions, length, budget.to_close().reached_limit)[0])
-            raise limit_error(counted.stop, least, self._level, length, counted.states)
-        return counted.found
-
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a length in order, lazily."""
-        reach = self.known(length)
-        sets = self._sets(prefix)
-        if not isinstance(reach, Reach):
-            numbered = reach.words(sets)
-        elif reach.merged:
-            from prag_asp.space.automaton.merged_states import merged_words
-
-            numbered = merged_words(reach.merged, reach.completions, length, sets)
-        else:
-            numbered = words(reach.completions, length, [allowed.__contains__ for allowed in sets])
-        for word in numbered:
+        reach, sets = self.known(length), self._sets(prefix)
+        for word in reach.words(length, sets) if isinstance(reach, Reach) else reach.words(sets):
             yield self._spell(word)
 
     def contains(self, word: Letters) -> bool:
@@ -170,13 +152,7 @@ class AutomatonEngine:
             return False
         reach = self.known(len(word))
         numbers = [self._numbers[letter] for letter in word]
-        if not isinstance(reach, Reach):
-            return reach.rank(numbers) is not None
-        if reach.merged:
-            from prag_asp.space.automaton.merged_states import accepts_merged
-
-            return accepts_merged(reach.merged, numbers)
-        return accepts(reach.completions.automaton, numbers)
+        return reach.contains(numbers) if isinstance(reach, Reach) else reach.rank(numbers) is not None
 
     def unrank(self, length: int, rank: int) -> Letters:
         """Return the word of a rank from 0 to count - 1."""
@@ -201,30 +177,15 @@ class AutomatonEngine:
         return tuple(self.letters[letter] for letter in word)
 
     def _sets(self, prefix: Letters) -> list[frozenset[int]]:
-        return [self._matching(text) for text in prefix]
+        return prefix_sets(prefix, self._numbers, () if self._level == "skeleton" else self._names)
 
-    def _matching(self, text: str) -> frozenset[int]:
-        name = name_in_prefix(text, self._numbers)
-        if name is None:
-            return frozenset({self._numbers[text]})
-        names = () if self._level == "skeleton" else self._names
-        return frozenset(number for number, text in enumerate(names) if text == name)
-
-    def _count(self, reach: Reach, length: int, prefix: Letters) -> int:
-        sets = self._sets(prefix)
-        if reach.merged:
-            from prag_asp.space.automaton.merged_states import count_merged
-
-            return count_merged(reach.merged, reach.completions, length, sets)
-        return count_words(reach.completions, length, [allowed.__contains__ for allowed in sets])
-
-    def _reach(self, length: int, budget: Budget, halt: Halt | None = None) -> Reach:
+    def _reach(self, length: int, clock: LimitClock, halt: Halt | None = None) -> Reach:
         """Return the exploration of a length, and keep it if it is complete."""
         if self._reached is not None and self._reached.covers(length):
             return self._reached
         begun = monotonic()
         stage("exploring")
-        reach = self._explorer.reach(self._transition, length, budget, halt)
+        reach = self._explorer.reach(self._transition, length, clock, halt)
         if reach.stop == FORECAST and halt and self._parts.finds:
             return replace(reach, stop=HALT)
         if reach.stop == FORECAST:
@@ -241,21 +202,21 @@ class AutomatonEngine:
         Raises:
             LimitReached: a limit ended the exploration.
         """
-        budget = self._limits.begin()
-        halted = self._parts.has_words(length) or self._reach(length, budget, self._parts.spreads).stop == HALT
-        shuffled = self._parts.words(length, self._numbers, budget) if halted else None
-        return shuffled or self.explored(length, budget)
+        clock = self._limits.begin()
+        halted = self._parts.has_words(length) or self._reach(length, clock, self._parts.spreads).stop == HALT
+        shuffled = self._parts.words(length, self._numbers, clock) if halted else None
+        return shuffled or self.explored(length, clock)
 
-    def explored(self, length: int, budget: Budget | None = None) -> Reach:
+    def explored(self, length: int, clock: LimitClock | None = None) -> Reach:
         """Return the complete exploration of a length.
 
         Raises:
             LimitReached: a limit ended the exploration.
         """
-        budget = budget or self._limits.begin()
-        reach = self._reach(length, budget)
+        clock = clock or self._limits.begin()
+        reach = self._reach(length, clock)
         if reach.stop:
-            counted, _ = count_within(reach.completions, length, budget.to_close().reached_limit)
+            counted, _ = count_within(reach.completions, length, clock.to_close().reached_limit)
             raise limit_error(reach.stop, counted, self._level, length, reach.states)
         return reach
 
@@ -266,7 +227,10 @@ class AutomatonEngine:
             stage("ranking")
             while len(self._ranked) >= RANKED:
                 del self._ranked[next(iter(self._ranked))]
-            self._ranked[length] = _ranking_of(reach, length) if isinstance(reach, Reach) else reach
+            if isinstance(reach, Reach):
+                self._ranked[length] = reach.merged_ranking(length) or Ranking(reach.completions, length)
+            else:
+                self._ranked[length] = reach
         return self._ranked[length]
 
     def _weigh(self, length: int, weights: Weights, goals: bool, plain: bool) -> Weighed:
@@ -279,57 +243,35 @@ class AutomatonEngine:
             words = self.known(length)
             if not isinstance(words, Reach):
                 return Weighed(NO_PATHS, ranking=words)
-            return Weighed(words.completions, ranking=_merged_ranking(words, length))
+            return Weighed(words.completions, ranking=words.merged_ranking(length))
         if not weights and not goals:
             whole = self.explored(length)
             if not whole.merged:
                 return Weighed(whole.completions)
-        budget = self._limits.begin()
+        clock = self._limits.begin()
         divides = weights.of_actions_alone and not (plain or goals)
-        apart = self._weigh_apart(length, weights, budget) if divides and self._parts.has_words(length) else None
+        apart = self._weigh_apart(length, weights, clock) if divides and self._parts.has_words(length) else None
         if apart:
             return apart
-        reach, unit, marks = explorer.weighed(length, weights, budget, read, self._parts.spreads if divides else None)
+        reach, unit, marks = explorer.weighed(length, weights, clock, read, self._parts.spreads if divides else None)
         if divides and reach.stop in {HALT, FORECAST} and self._parts.finds:
-            apart = self._weigh_apart(length, weights, budget)
+            apart = self._weigh_apart(length, weights, clock)
             if apart:
                 return apart
-            reach, unit, marks = explorer.weighed(length, weights, budget, read)
+            reach, unit, marks = explorer.weighed(length, weights, clock, read)
         if reach.stop == FORECAST:
             raise TooManyStates(reach)
         if reach.stop:
             raise limit_error(reach.stop, 0, self._level, length, reach.states)
         ends = numbered_goals(hindsight, marks) if hindsight else None
-        return Weighed(reach.completions, unit**length, ends, _merged_ranking(reach, length))
+        return Weighed(reach.completions, unit**length, ends, reach.merged_ranking(length))
 
-    def _weigh_apart(self, length: int, weights: Weights, budget: Budget) -> Weighed | None:
+    def _weigh_apart(self, length: int, weights: Weights, clock: LimitClock) -> Weighed | None:
         """Return the words with weights of actions as shuffles of those of the parts, if these are independent."""
-        words = self._parts.words(length, self._numbers, budget)
+        words = self._parts.words(length, self._numbers, clock)
         if words is None:
             return None
         by_letter, _ = edge_weights(self._transition.actions, weights)
         scale = lcm(*(weight.denominator for weight in by_letter))
         whole = [int(weight * scale) for weight in by_letter]
         return Weighed(NO_PATHS, Fraction(1, scale**length), ranking=words.weighing(whole))
-
-
-def _automaton_slot(model: DomainLogic, level: Level, merge: bool | None) -> AutomatonSlot | None:
-    """Return the cache slot of a level of a domain, or None without a cache."""
-    folder = cache_folder()
-    if folder is None:
-        return None
-    from prag_asp.space.engines.stored_automata import automaton_slot
-
-    return automaton_slot(folder, model, level, merge)
-
-
-def _ranking_of(reach: Reach, length: int) -> Ranking | MergedRanking:
-    return _merged_ranking(reach, length) or Ranking(reach.completions, length)
-
-
-def _merged_ranking(reach: Reach, length: int) -> MergedRanking | None:
-    if not reach.merged:
-        return None
-    from prag_asp.space.automaton.merged_states import MergedRanking
-
-    return MergedRanking(reach.merged, reach.completions, length)

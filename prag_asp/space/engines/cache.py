@@ -61,15 +61,10 @@ def write_entry(folder: Path, key: str, entry: CacheEntry) -> bool:
         return False
     if not write_cached(folder / f"{key}{SUFFIX}", buffer.getvalue()):
         return False
-    with suppress(OSError):
-        _shrink(folder)
+    with suppress(OSError):  # remove the least recently used files until the folder is small enough
+        status = [(path, path.stat()) for path in folder.glob(f"*{SUFFIX}*")]
+        files = sorted(((stat.st_mtime, path, stat.st_size) for path, stat in status), reverse=True)
+        for (_, path, _), total in zip(files, accumulate(size for _, _, size in files), strict=True):
+            if total > LARGEST_FOLDER:
+                path.unlink(missing_ok=True)
     return True
-
-
-def _shrink(folder: Path) -> None:
-    """Remove the least recently used files until the folder is small enough."""
-    files = sorted(((path.stat().st_mtime, path, path.stat().st_size) for path in folder.glob(f"*{SUFFIX}*")),
-                   reverse=True)  # fmt: skip
-    for (_, path, _), total in zip(files, accumulate(size for _, _, size in files), strict=True):
-        if total > LARGEST_FOLDER:
-            path.unlink(missing_ok=True)

@@ -17,9 +17,10 @@ from prag_asp.processes.workers import uninterrupted
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.predicates import OCCURS, STEP_NAME, EncodingPredicate
 from prag_asp.program.sources import Program
+from prag_asp.space.automaton.walks import words_along
 from prag_asp.space.engines.engine import Letters, Level, Progress, all_letters, name_in_prefix
 from prag_asp.space.engines.listed_words import weigh_words
-from prag_asp.space.limits import UNLIMITED, Budget, Limits, limit_error, within
+from prag_asp.space.limits import UNLIMITED, LimitClock, Limits, limit_error, within
 from prag_asp.space.weights.weights import Weighed, Weights
 from prag_asp.stop_reason import StopReason
 
@@ -63,7 +64,7 @@ class ClingoEngine:
         Raises:
             LimitReached: a limit ended the search; the error has the number of words counted so far.
         """
-        budget = self._limits.begin()
+        clock = self._limits.begin()
         plans = self._plans(length)
         assumptions = plans.assume(prefix)
         if assumptions is None:
@@ -72,7 +73,7 @@ class ClingoEngine:
             self._progress(f"enumerating answer sets for length {length}")
         stage("enumerating answer sets")
         with self._beside(length, prefix) as ask:
-            counted, stop = plans.count(assumptions, budget, ask)
+            counted, stop = plans.count(assumptions, clock, ask)
         if stop:
             raise limit_error(stop, counted, self._level, length)
         return counted
@@ -83,27 +84,19 @@ class ClingoEngine:
         Raises:
             LimitReached: a limit ended the search; the error has the number of words counted so far.
         """
-        return within(self._limits, self._words(length, prefix), self._level, length)
 
-    def _words(self, length: int, prefix: Letters) -> Iterator[Letters]:
-        plans = self._plans(length)
-        stage("searching words")
+        def search() -> Iterator[Letters]:
+            plans = self._plans(length)
+            stage("searching words")
+            beginning: Letters = ()
 
-        def onward(word: Letters) -> Iterator[Letters]:
-            return ((*word, letter) for letter in plans.following(word, prefix[len(word) :]))
+            def onward(word: Letters, _: int) -> Iterator[tuple[str, Letters]]:
+                return ((letter, (*word, letter)) for letter in plans.following(word, prefix[len(word) :]))
 
-        if length == 0:
-            yield from [()] if plans.possible(prefix) else []
-            return
-        waiting = [onward(())]
-        while waiting:
-            word = next(waiting[-1], None)
-            if word is None:
-                waiting.pop()
-            elif len(word) == length:
-                yield word
-            else:
-                waiting.append(onward(word))
+            if length or plans.possible(prefix):
+                yield from words_along(beginning, length, onward)
+
+        return within(self._limits, search(), self._level, length)
 
     def contains(self, word: Letters) -> bool:
         """Return whether a word belongs to the level."""
@@ -130,12 +123,12 @@ class ClingoEngine:
 
     def _listed(self, length: int) -> list[Letters]:
         """Return all words of a length in order, found in the order of clingo's search, which is much faster."""
-        budget = self._limits.begin()
+        clock = self._limits.begin()
         numbers = {letter: number for number, letter in enumerate(self.letters)}
         words: list[Letters] = []
 
         def check() -> None:
-            if stop := budget.reached_limit():
+            if stop := clock.reached_limit():
                 raise limit_error(stop, len(words), self._level, length)
 
         for word in self._plans(length).models(check):
@@ -279,7 +272,7 @@ class _UnrolledPlans:
                 steps = [step for step, _ in atoms]
                 yield tuple(text for _, text in atoms) if steps == list(range(1, self._length + 1)) else None
 
-    def count(self, assumptions: Sequence[int], budget: Budget, ask: Ask) -> tuple[int, StopReason | None]:
+    def count(self, assumptions: Sequence[int], clock: LimitClock, ask: Ask) -> tuple[int, StopReason | None]:
         """Return the number of projected answer sets that satisfy the literals, and the limit that was reached, if any.
 
         At a limit, the number is a lower bound. If `ask` returns a count first, that is the result.
@@ -290,7 +283,7 @@ class _UnrolledPlans:
         with self._control.solve(assumptions=list(assumptions), async_=True) as handle:
             try:
                 while not handle.wait(POLL):
-                    stop, answer = budget.reached_limit(), ask()
+                    stop, answer = clock.reached_limit(), ask()
                     if stop or answer is not None:
                         handle.cancel()
                         break

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterator
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Literal, Protocol
@@ -86,6 +86,16 @@ def name_in_prefix(item: str, letters: Container[str]) -> str | None:
     if item.endswith(ALL):
         return item.removesuffix(ALL)
     return None if item in letters else item
+
+
+def prefix_sets(prefix: Letters, numbers: Mapping[str, int], names: Sequence[str]) -> list[frozenset[int]]:
+    """Return the numbers of the letters that each item of a prefix allows; `names` has the name of each letter."""
+    sets = []
+    for item in prefix:
+        name = name_in_prefix(item, numbers)
+        allowed = (number for number, other in enumerate(names) if other == name)
+        sets.append(frozenset(allowed if name is not None else {numbers[item]}))
+    return sets
 
 
 MakeEngine = Callable[[DomainLogic, Level, "Progress | None", Limits], Engine]

@@ -13,15 +13,15 @@ from dataclasses import dataclass, replace
 from math import comb, prod
 from typing import TYPE_CHECKING
 
-from prag_asp.logic.step.transition import Transition
 from prag_asp.processes.progress_events import stage
-from prag_asp.space.automaton.automaton import Completions
+from prag_asp.space.automaton.automaton import weights_by_length
 from prag_asp.space.automaton.exploration import Extent
 from prag_asp.space.engines.reachability import HALT, Explorer, Halt, Reach
-from prag_asp.space.limits import Budget, limit_error
+from prag_asp.space.limits import LimitClock, limit_error
 from prag_asp.stop_reason import LimitCheck, StopReason
 
 if TYPE_CHECKING:
+    from prag_asp.logic.step.transition import Transition
     from prag_asp.space.automaton.shuffle_product import ShuffledWords
 
 FEW_STATES = 4096
@@ -82,28 +82,28 @@ class IndependentParts:
         """Return whether the whole has enough edges to search words by parts, and has parts."""
         return extent.edges > MANY_EDGES and self.finds
 
-    def count(self, length: int, budget: Budget) -> PartCount | None:
+    def count(self, length: int, clock: LimitClock) -> PartCount | None:
         """Return the number of words of a length, or None if a part changes while another one acts.
 
         With a limit, the count is a lower bound. For skeletons, parts share no action name, so that different
         skeletons of the parts have different shuffles.
         """
-        reaches = self._explore_parts(replace(self._explorer, hopeless=None), length, budget)
+        reaches = self._explore_parts(replace(self._explorer, hopeless=None), length, clock)
         if reaches is None:
             self._parts = ()
             return None
         states = sum(reach.states for reach in reaches)
         self._tell(f"counted in {len(reaches)} independent parts with {states:,} states")
-        counts = [_terms(reach.completions, length) for reach in reaches]
+        counts = [weights_by_length(reach.completions, length + 1) for reach in reaches]
         stage("counting shuffles")
-        number, late = count_shuffles(counts, budget.to_close().reached_limit)
+        number, late = count_shuffles(counts, clock.to_close().reached_limit)
         return PartCount(number, states, _first_stop(reaches) or late)
 
     def has_words(self, length: int) -> bool:
         """Return whether all parts have been explored for a length."""
         return self._reached is not None and self._reached[0] >= length
 
-    def words(self, length: int, numbers: Mapping[str, int], budget: Budget) -> ShuffledWords | None:
+    def words(self, length: int, numbers: Mapping[str, int], clock: LimitClock) -> ShuffledWords | None:
         """Return the words of a length as shuffles of those of the parts; `numbers` maps letters to the whole.
 
         The result is None if the parts turn out not to be independent, or one of them is large itself.
@@ -115,7 +115,7 @@ class IndependentParts:
 
         if self._reached is None or not self.has_words(length):
             plain = Explorer(self._explorer.model, self._explorer.level, self._explorer.tell, merge=False)
-            reaches = self._explore_parts(plain, length, budget, _is_large)
+            reaches = self._explore_parts(plain, length, clock, lambda extent: extent.edges > LARGE_PART)
             if reaches is None:
                 self._large = True
                 return None
@@ -129,7 +129,7 @@ class IndependentParts:
         return ShuffledWords([reach.completions for reach in reaches], letters, length)
 
     def _explore_parts(
-        self, explorer: Explorer, length: int, budget: Budget, halt: Halt | None = None
+        self, explorer: Explorer, length: int, clock: LimitClock, halt: Halt | None = None
     ) -> list[Reach] | None:
         """Return the exploration of each part; None if `halt` stops one, or one changes while another one acts.
 
@@ -138,14 +138,10 @@ class IndependentParts:
         reaches: list[Reach] = []
         for part in self._parts or ():
             steps = 0 if _first_stop(reaches) else length
-            reaches.append(explorer.reach(part, steps, budget, halt, allow=part.rests))
+            reaches.append(explorer.reach(part, steps, clock, halt, allow=part.rests))
             if reaches[-1].stop == HALT:
                 return None
         return reaches
-
-
-def _is_large(extent: Extent) -> bool:
-    return extent.edges > LARGE_PART
 
 
 def _first_stop(reaches: Sequence[Reach]) -> StopReason | None:
@@ -172,15 +168,3 @@ def count_shuffles(counts: Sequence[Sequence[int]], check: LimitCheck = lambda: 
             following.append(sum(comb(n, k) * part[k] * whole[n - k] for k in used if k <= n))
         whole = following
     return whole[-1], None
-
-
-def _terms(completions: Completions, length: int) -> list[int]:
-    """Return the number of words of each length up to `length`."""
-    if not completions.automaton.states:
-        return [0] * (length + 1)
-    row = completions.row(0)
-    terms = [int(row[0])]
-    for _ in range(length):
-        row = completions.following(row)
-        terms.append(int(row[0]))
-    return terms

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import partial
 from math import factorial, prod
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
@@ -16,20 +15,20 @@ from numpy.typing import NDArray
 
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step.packed import Rows
-from prag_asp.logic.step.transition import Transition
 from prag_asp.logic.symmetry.symmetries import Unit
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.entity_names import action_name, mentioned_entities
-from prag_asp.space.automaton.automaton import Automaton, Completions
+from prag_asp.space.automaton.automaton import Automaton, Completions, Word, accepts, count_words, words
 from prag_asp.space.automaton.exploration import Exploration, Extent, Watch, explore
 from prag_asp.space.automaton.skeletons import skeleton_automaton
-from prag_asp.space.limits import Budget
+from prag_asp.space.limits import LimitClock
 from prag_asp.space.weights.weights import Weights, weigh, weighing_facts
 from prag_asp.stop_reason import StopKind, StopReason
 
 if TYPE_CHECKING:
+    from prag_asp.logic.step.transition import Transition
     from prag_asp.logic.symmetry.canonical_states import Merging
-    from prag_asp.space.automaton.merged_states import MergedAutomaton
+    from prag_asp.space.automaton.merged_states import MergedAutomaton, MergedRanking
     from prag_asp.space.engines.engine import Level
 
 PATIENCE, WORDS, LARGE = 250_000, 4, 100
@@ -90,6 +89,38 @@ class Reach:
         horizon = self.completions.automaton.horizon
         return not self.stop and (horizon is None or horizon >= length)
 
+    def count(self, length: int, prefix: Sequence[frozenset[int]]) -> int:
+        """Return the weight of the words of a length whose first letters are among those of `prefix`."""
+        if not self.merged:
+            return count_words(self.completions, length, [allowed.__contains__ for allowed in prefix])
+        from prag_asp.space.automaton.merged_states import count_merged
+
+        return count_merged(self.merged, self.completions, length, prefix)
+
+    def words(self, length: int, prefix: Sequence[frozenset[int]]) -> Iterator[Word]:
+        """Yield the words of a length whose first letters are among those of `prefix`, in order, lazily."""
+        if not self.merged:
+            return words(self.completions, length, [allowed.__contains__ for allowed in prefix])
+        from prag_asp.space.automaton.merged_states import merged_words
+
+        return merged_words(self.merged, self.completions, length, prefix)
+
+    def contains(self, word: Sequence[int]) -> bool:
+        """Return whether a word is known."""
+        if not self.merged:
+            return accepts(self.completions.automaton, word)
+        from prag_asp.space.automaton.merged_states import accepts_merged
+
+        return accepts_merged(self.merged, word)
+
+    def merged_ranking(self, length: int) -> MergedRanking | None:
+        """Return the ranking of the words of a length if states were merged."""
+        if not self.merged:
+            return None
+        from prag_asp.space.automaton.merged_states import MergedRanking
+
+        return MergedRanking(self.merged, self.completions, length)
+
 
 class TooManyStates(Exception):
     """Exploration would exceed the memory limit; `reach` is its partial result."""
@@ -127,18 +158,18 @@ class Explorer:
         self,
         transition: Transition,
         length: int,
-        budget: Budget,
+        clock: LimitClock,
         halt: Halt | None = None,
         allow: Allow | None = None,
     ) -> Reach:
         """Return the words of up to `length` steps, as far as the limits, `halt` and `allow` permit."""
-        explored, merging = self._explore(transition, length, budget, Weights(), halt, allow)
+        explored, merging = self._explore(transition, length, clock, Weights(), halt, allow)
         names = tuple(map(action_name, transition.actions))
         if self.level == "skeleton" and explored.stop not in {HALT, FORECAST}:
             stage("merging plans of one skeleton")
             letters = tuple(sorted(set(names)))
             numbers = np.array([letters.index(name) for name in names], dtype=np.int64)
-            automaton, stop = skeleton_automaton(explored.automaton, numbers, budget.reached_limit)
+            automaton, stop = skeleton_automaton(explored.automaton, numbers, clock.reached_limit)
             return Reach(letters, letters, Completions(automaton), None, explored.stop or stop)
         return _known(transition, explored, merging, explored.automaton)
 
@@ -146,7 +177,7 @@ class Explorer:
         self,
         length: int,
         weights: Weights,
-        budget: Budget,
+        clock: LimitClock,
         read: Sequence[clingo.Symbol] = (),
         halt: Halt | None = None,
     ) -> tuple[Reach, Fraction, NDArray[np.bool_]]:
@@ -155,7 +186,7 @@ class Explorer:
         The truth values have shape (edges, atoms read).
         """
         transition = self.transition(weights, read)
-        explored, merging = self._explore(transition, length, budget, weights, halt)
+        explored, merging = self._explore(transition, length, clock, weights, halt)
         own = explored.labels.shape[1] - len(read)
         automaton, scale = explored.automaton, 1
         if weights and explored.stop not in {HALT, FORECAST}:
@@ -166,44 +197,44 @@ class Explorer:
         self,
         transition: Transition,
         length: int,
-        budget: Budget,
+        clock: LimitClock,
         weights: Weights,
         halt: Halt | None = None,
         allow: Allow | None = None,
     ) -> tuple[Exploration, Merging | None]:
         if self.merge:
             merging = self._merging(transition, weights)
-            return explore(transition, length, self._watch(length, budget), merging=merging), merging
-        object_to = partial(_objection, allow) if allow else None
-        shared = None if allow else self._shared_exploration(transition, length, budget, halt)
+            return explore(transition, length, self._watch(length, clock), merging=merging), merging
+        object_to = (lambda rows: None if allow(rows).all() else HALT) if allow else None
+        shared = None if allow else self._shared_exploration(transition, length, clock, halt)
         if shared is not None:
             return shared, None
-        words = transition.initial.shape[1]
-        patience = None if self.merge is False else PATIENCE // max(words // WORDS, 1)
-        explored = explore(transition, length, self._watch(length, budget, patience, halt), object_to=object_to)
+        width = transition.initial.shape[1]
+        patience = None if self.merge is False else PATIENCE // max(width // WORDS, 1)
+        explored = explore(transition, length, self._watch(length, clock, patience, halt), object_to=object_to)
         if explored.stop == SIZE:
             merging = self._merging(transition, weights)
             if merging is not None and prod(factorial(len(group)) for group in merging.groups) < LARGE:
                 explored = explore(
-                    transition, length, self._watch(length, budget, MORE_PATIENCE, halt), object_to=object_to
+                    transition, length, self._watch(length, clock, MORE_PATIENCE, halt), object_to=object_to
                 )
                 if explored.stop != SIZE:
                     return explored, None
             return explore(
-                transition, length, self._watch(length, budget, halt=halt), merging=merging, object_to=object_to
+                transition, length, self._watch(length, clock, halt=halt), merging=merging, object_to=object_to
             ), merging
         if not explored.stop and explored.automaton.states <= FEW_STATES and len(explored.labels) <= FEW_EDGES:
             _small[transition] = explored
         return explored, None
 
     def _shared_exploration(
-        self, transition: Transition, length: int, budget: Budget, halt: Halt | None
+        self, transition: Transition, length: int, clock: LimitClock, halt: Halt | None
     ) -> Exploration | None:
         """Return the identical exploration of another level's engine, if there is a small one.
 
         With limits or progress reports, the exploration is repeated.
         """
-        limits, explored = budget.limits, _small.get(transition)
+        limits, explored = clock.limits, _small.get(transition)
         if explored is None or self.tell or (limits.seconds, limits.memory_bytes) != (None, None):
             return None
         if halt and halt(Extent(length, explored.automaton.states, len(explored.labels), 0)):
@@ -217,8 +248,8 @@ class Explorer:
         groups = _present(equal_groups(symmetries.innermost, weights), transition)
         return find_merging(transition, groups, symmetries if self.level == "task" else None)
 
-    def _watch(self, length: int, budget: Budget, patience: int | None = None, halt: Halt | None = None) -> Watch:
-        """Return the callback that reports progress and stops at the budget, at `patience` edges, or at `halt`."""
+    def _watch(self, length: int, clock: LimitClock, patience: int | None = None, halt: Halt | None = None) -> Watch:
+        """Return the callback that reports progress and stops at the clock, at `patience` edges, or at `halt`."""
 
         def watch(extent: Extent) -> StopReason | None:
             if self.tell:
@@ -229,7 +260,7 @@ class Explorer:
             if patience is None and self.hopeless and self.hopeless(extent, length):
                 return FORECAST
             outgrown = patience is not None and extent.edges > patience
-            return SIZE if outgrown else budget.reached_limit(extent.nbytes // 2)
+            return SIZE if outgrown else clock.reached_limit(extent.nbytes // 2)
 
         return watch
 
@@ -248,10 +279,6 @@ def _known(transition: Transition, explored: Exploration, merging: Merging | Non
     base = explored.automaton
     merged = MergedAutomaton(base, explored.renamings, merging.actions, merging.groups, automaton.weights)
     return Reach.of_merged(letters, names, merged, explored.stop)
-
-
-def _objection(allow: Allow, rows: Rows) -> StopReason | None:
-    return None if allow(rows).all() else HALT
 
 
 def _present(groups: Groups, transition: Transition) -> list[Sequence[Unit]]:

@@ -43,13 +43,13 @@ class SatEngine:
         Raises:
             LimitReached: a limit ended the search; the error has the number of words counted so far.
         """
-        budget = self._limits.begin()
+        clock = self._limits.begin()
         counted = 0
         for _ in self._all(length, prefix):
             counted += 1
             if self._progress and counted % REPORTED == 0:
                 self._progress(f"{counted:,} {self._level}s found")
-            stop = budget.reached_limit()
+            stop = clock.reached_limit()
             if stop:
                 raise limit_error(stop, counted, self._level, length)
         return counted

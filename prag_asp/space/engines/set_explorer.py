@@ -13,7 +13,7 @@ from prag_asp.program.entity_names import action_name
 from prag_asp.space.automaton.automaton import NOTHING, Automaton, Completions
 from prag_asp.space.automaton.layers import Layers
 from prag_asp.space.engines.reachability import Allow, Explorer, Halt, Reach
-from prag_asp.space.limits import Budget
+from prag_asp.space.limits import LimitClock
 from prag_asp.stop_reason import StopReason
 
 
@@ -73,15 +73,15 @@ class SetExplorer(Explorer):
         self,
         transition: Transition,
         length: int,
-        budget: Budget,
+        clock: LimitClock,
         halt: Halt | None = None,
         allow: Allow | None = None,
     ) -> Reach:
-        """Return the skeletons of up to `length` steps, as far as the budget permits."""
+        """Return the skeletons of up to `length` steps, as far as the clock permits."""
         actions = list(map(action_name, transition.actions))
         letters = tuple(sorted(set(actions)))
         names = [letters.index(name) for name in actions]
-        watch = _Watch(budget)
+        watch = _Watch(clock)
         skeletons = SetWords()
         try:
             layers = Layers(transition, watch.look, self.tell or (lambda words: None))
@@ -104,16 +104,16 @@ class _Spent(Exception):
 class _Watch:
     """A check of the limits; `stop` is the first one that was reached."""
 
-    budget: Budget
+    clock: LimitClock
     stop: StopReason | None = None
 
     def look(self) -> None:
         """Raise an error at a limit."""
-        reason = self.budget.reached_limit()
+        reason = self.clock.reached_limit()
         if reason:
             self.stop = self.stop or reason
             raise _Spent
 
     def close(self) -> None:
-        """Extend the budget a little, to report partial results."""
-        self.budget = self.budget.to_report()
+        """Extend the clock a little, to report partial results."""
+        self.clock = self.clock.to_report()

@@ -116,10 +116,10 @@ def estimate_words(
         EngineError: ApproxMC is not installed, or the program cannot be translated to clauses.
         LimitReached: the time limit is reached.
     """
-    budget = limits.begin()
+    clock = limits.begin()
     formula = word_formula(model, level, length)
     beginning = formula.beginning(prefix)
     if beginning is None:
         return Estimate(0, tolerance)
     stage("estimating the number of models")
-    return estimate_models(formula.cnf, tolerance, seed, beginning, budget.left())
+    return estimate_models(formula.cnf, tolerance, seed, beginning, clock.left())

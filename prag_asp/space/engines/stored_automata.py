@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -83,16 +83,14 @@ def automaton_slot(folder: Path, model: DomainLogic, level: str, merge: bool | N
     except OSError:
         return None
     values += map(str, domain.facts.unreachable)
-    for other in (model.bare, *_wholes(model)):
+    others = [model.bare]
+    while model.part_of is not None:  # innermost first
+        model = model.part_of
+        others.append(model)
+    for other in others:
         values += [other.domain.program.text, *map(str, other.domain.facts.unreachable)] if other else [""]
     values += [level, str(merge), clingo.__version__, np.__version__, sys.version]
     return AutomatonSlot(folder, digest(values))
-
-
-def _wholes(model: DomainLogic) -> Iterator[DomainLogic]:
-    """Yield the models that contain a model as a part, innermost first."""
-    while model.part_of is not None:
-        yield (model := model.part_of)
 
 
 @cache
@@ -113,7 +111,17 @@ def _restore(entry: CacheEntry) -> Reach | None:
     automaton = Automaton(
         arrays["offsets"], arrays["letters"], arrays["targets"], arrays["accepting"], horizon=horizon
     )  # fmt: skip
-    if not _is_sound(automaton, len(letters)) or len(names) != len(letters):
+    edges = len(automaton.letters)
+    sound = (
+        len(names) == len(letters)
+        and len(automaton.offsets) == automaton.states + 1
+        and automaton.offsets[0] == 0
+        and automaton.offsets[-1] == edges == len(automaton.targets)
+        and (np.diff(automaton.offsets) >= 0).all()
+        and _within(automaton.letters, len(letters))
+        and _within(automaton.targets, automaton.states)
+    )
+    if not sound:
         return None
     if not merged:
         return Reach(letters, names, Completions(automaton))
@@ -123,24 +131,11 @@ def _restore(entry: CacheEntry) -> Reach | None:
     groups = tuple(tuple(tuple(map(clingo.parse_term, unit)) for unit in group) for group in texts["groups"])
     actions = read_patterns([clingo.parse_term(letter) for letter in letters], groups)
     renamings = Renamings(*(arrays[name] for name in RENAMINGS))
-    edges, entities = len(automaton.letters), sum(map(len, groups))
+    entities = sum(map(len, groups))
     shapes = [array.shape for array in (renamings.multiplicities, renamings.order_of, renamings.twins)]
     if actions is None or shapes != [(edges,), (edges,), (automaton.states, entities)]:
         return None
     return Reach.of_merged(letters, names, MergedAutomaton(automaton, renamings, actions, groups))
-
-
-def _is_sound(automaton: Automaton, letters: int) -> bool:
-    """Return whether the arrays form a valid automaton."""
-    offsets, edges = automaton.offsets, len(automaton.letters)
-    return bool(
-        len(offsets) == automaton.states + 1
-        and offsets[0] == 0
-        and offsets[-1] == edges == len(automaton.targets)
-        and (np.diff(offsets) >= 0).all()
-        and _within(automaton.letters, letters)
-        and _within(automaton.targets, automaton.states)
-    )
 
 
 def _within(numbers: NDArray[Any], size: int) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from fractions import Fraction
 from math import lcm, prod
 
@@ -13,15 +14,17 @@ from prag_asp.program.entity_names import action_name
 from prag_asp.space.automaton.automaton import NO_PATHS
 from prag_asp.space.automaton.layers import LayeredWords, Layers, count_along
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
-from prag_asp.space.engines.engine import Engine, Letters, Level, Progress, name_in_prefix
+from prag_asp.space.engines.engine import Engine, Letters, Level, Progress, prefix_sets
 from prag_asp.space.engines.reachability import Explorer
 from prag_asp.space.engines.set_explorer import SetExplorer
 from prag_asp.space.limits import UNLIMITED, Limits, limit_error
 from prag_asp.space.weights.weights import Weighed, Weights, edge_weights, refuse_weights, weighing_facts
 
 
-class SymbolicEngine:
-    """The symbolic engine of one domain at one level; it caches its computations between queries.
+def symbolic_engine(
+    model: DomainLogic, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
+) -> Engine:
+    """Return the symbolic engine of one domain at one level; it caches its computations between queries.
 
     Skeletons are the words of an automaton whose states are sets of states of the domain. Each set is a diagram, and
     usually few sets are reached.
@@ -29,56 +32,12 @@ class SymbolicEngine:
     Raises:
         EngineError: the step is not a function of the state and the action.
     """
-
-    def __init__(
-        self, model: DomainLogic, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
-    ) -> None:
-        self._answers: Engine
-        if level == "skeleton":
-            self._answers = AutomatonEngine(
-                model, level, progress, limits, explorer=SetExplorer(model, level, progress)
-            )  # fmt: skip
-        else:
-            self._answers = _PathEngine(model, level, progress, limits)
-
-    @property
-    def letters(self) -> Letters:
-        """The texts of the letters, in their order."""
-        return self._answers.letters
-
-    def count(self, length: int, prefix: Letters = ()) -> int:
-        """Return the number of words of a length.
-
-        Raises:
-            LimitReached: a limit ended the count; the error has the number of words counted so far.
-        """
-        return self._answers.count(length, prefix)
-
-    def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
-        """Yield the words of a length in order, lazily."""
-        return self._answers.words(length, prefix)
-
-    def contains(self, word: Letters) -> bool:
-        """Return whether a word belongs to the level."""
-        return self._answers.contains(word)
-
-    def unrank(self, length: int, rank: int) -> Letters:
-        """Return the word of a rank from 0 to count - 1."""
-        return self._answers.unrank(length, rank)
-
-    def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None if it is no word."""
-        return self._answers.rank(word)
-
-    def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
-        """Return the weighted words of a length, and cache the latest result.
-
-        With `goals` or `plain`, each path is one word, which requires listing states within the same limits.
-        """
-        return self._answers.weighed(length, weights, goals=goals, plain=plain)
+    if level == "skeleton":
+        return AutomatonEngine(model, level, progress, limits, explorer=SetExplorer(model, level, progress))
+    return SymbolicEngine(model, level, progress, limits)
 
 
-class _PathEngine:
+class SymbolicEngine:
     """The engine for plans or tasks, each of which is one path of states."""
 
     def __init__(
@@ -91,7 +50,7 @@ class _PathEngine:
         self._transition = Explorer(model, level).transition()
         self.letters = tuple(map(str, self._transition.actions))
         self._numbers = {letter: number for number, letter in enumerate(self.letters)}
-        self._budget, self._length = limits.begin(), 0
+        self._clock, self._length = limits.begin(), 0
         self._layers: Layers | None = None
         self._weighed: tuple[tuple[int, Weights], Weighed] | None = None
         self._listed: AutomatonEngine | None = None
@@ -105,18 +64,12 @@ class _PathEngine:
         try:
             return self._words(length, prefix).total
         except LimitReached as reached:
-            raise limit_error(reached.reason, self._lower_bound(length, prefix), self._level, length) from None
-
-    def _lower_bound(self, length: int, prefix: Letters) -> int:
-        """Return a lower bound on the number of words from the partial results before the limit."""
-        if self._layers is None or len(prefix) > length:
-            return 0
-        self._budget = self._budget.to_report()
-        try:
-            sets = [self._matching(text) for text in prefix]
-            return count_along(self._layers, length, sets, self._budget.reached_limit)
-        except LimitReached:
-            return 0
+            least = 0
+            if self._layers is not None and len(prefix) <= length:
+                self._clock = self._clock.to_report()
+                with suppress(LimitReached):
+                    least = count_along(self._layers, length, self._sets(prefix), self._clock.reached_limit)
+            raise limit_error(reached.reason, least, self._level, length) from None
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a length in order, lazily."""
@@ -148,15 +101,13 @@ class _PathEngine:
                 self._tell("listing states, because each path is one word")
                 self._listed = AutomatonEngine(self._model, self._level, self._tell, self._limits)
             return self._listed.weighed(length, weights, goals=goals, plain=plain)
-        key = (length, weights)
-        if self._weighed is None or self._weighed[0] != key:
+        if self._weighed is None or self._weighed[0] != (length, weights):
             stage("weighing")
-            self._weighed = (key, self._weigh(length, weights))
+            words = self._weighed_words(length, weights) if weights else Weighed(NO_PATHS, ranking=self._words(length))
+            self._weighed = ((length, weights), words)
         return self._weighed[1]
 
-    def _weigh(self, length: int, weights: Weights) -> Weighed:
-        if not weights:
-            return Weighed(NO_PATHS, ranking=self._words(length))
+    def _weighed_words(self, length: int, weights: Weights) -> Weighed:
         facts, labels = weighing_facts(weights)
         transition = self._model.transition(tasks=self._level == "task", weighed=facts, labels=labels)
         by_letter, by_label = edge_weights(transition.actions, weights)
@@ -175,19 +126,16 @@ class _PathEngine:
         self._begin(length)
         if self._layers is None:
             self._layers = Layers(self._transition, self._look, self._tell)
-        return LayeredWords(self._layers, length, [self._matching(text) for text in prefix])
+        return LayeredWords(self._layers, length, self._sets(prefix))
 
     def _begin(self, length: int) -> None:
         stage("exploring")
-        self._budget, self._length = self._limits.begin(), length
+        self._clock, self._length = self._limits.begin(), length
 
     def _look(self) -> None:
-        stop = self._budget.reached_limit()
+        stop = self._clock.reached_limit()
         if stop:
             raise limit_error(stop, 0, self._level, self._length)
 
-    def _matching(self, text: str) -> frozenset[int]:
-        name = name_in_prefix(text, self._numbers)
-        if name is None:
-            return frozenset({self._numbers[text]})
-        return frozenset(n for n, action in enumerate(self._transition.actions) if action_name(action) == name)
+    def _sets(self, prefix: Letters) -> list[frozenset[int]]:
+        return prefix_sets(prefix, self._numbers, list(map(action_name, self._transition.actions)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import clingo
@@ -27,21 +27,27 @@ class WordFormula:
     level: Level
     length: int
     letters: Mapping[str, clingo.Symbol]
+    _known: dict[tuple[int, str], Literal] = field(default_factory=dict, repr=False, compare=False)
 
     def beginning(self, prefix: Sequence[str]) -> list[Literal] | None:
         """Return the literals that assert that a word begins with `prefix`, or None if none does."""
         if len(prefix) > self.length:
             return None
-        literals = [self._known.get(place) or self._literal(*place) for place in enumerate(prefix, 1)]
+        literals = []
+        for step, item in enumerate(prefix, 1):
+            if (step, item) not in self._known:
+                name = name_in_prefix(item, self.letters)
+                term = self.letters[item] if name is None else clingo.Function(name)
+                shown = SHOWN[self.level] if name is None else STEP_NAME
+                self._known[step, item] = self.cnf.literal(shown(term, clingo.Number(step)))
+            literals.append(self._known[step, item])
         return None if -TRUE in literals else literals
 
     def fits(self, letter: str, prefix_names: Sequence[str]) -> bool:
         """Return whether a letter matches the first item of `prefix_names`; without items, every letter does."""
-        return (
-            not prefix_names
-            or letter == prefix_names[0]
-            or _name(letter) == name_in_prefix(prefix_names[0], self.letters)
-        )
+        if not prefix_names or letter == prefix_names[0]:
+            return True
+        return letter.partition("(")[0] == name_in_prefix(prefix_names[0], self.letters)
 
     def word(self, model: Sequence[Literal]) -> Letters:
         """Return the word of a model.
@@ -49,44 +55,30 @@ class WordFormula:
         Raises:
             EngineError: a step of the model does not have exactly one action.
         """
-        word = list(self._always)
+        always, meaning = self._shown
+        word = list(always)
         for variable in self.cnf.shown:
             if model[variable - 1] > 0:
-                step, letter = self._meaning[variable]
+                step, letter = meaning[variable]
                 word[step - 1] += (letter,)
         if any(len(letters) != 1 for letters in word):
             raise EngineError("a step does not have exactly one action; restore that rule of step.lp")
         return tuple(letters[0] for letters in word)
 
     @cached_property
-    def _shown(self) -> list[tuple[Literal, int, str]]:
-        shown = SHOWN[self.level]
+    def _shown(self) -> tuple[list[tuple[str, ...]], dict[Literal, tuple[int, str]]]:
+        """The letters that each step has in all models, and the step and the letter of each variable."""
+        always: list[tuple[str, ...]] = [()] * self.length
+        meaning: dict[Literal, tuple[int, str]] = {}
         may_be = {TRUE, *self.cnf.shown}
-        atoms = ((literal, atom) for atom, literal in self.cnf.literals.items() if literal in may_be)
-        timed = ((literal, atom.arguments) for literal, atom in atoms if atom.match(*shown))
-        return [(literal, step.number, str(what)) for literal, (what, step) in timed if step.number > 0]
-
-    @cached_property
-    def _meaning(self) -> dict[Literal, tuple[int, str]]:
-        return {literal: (step, letter) for literal, step, letter in self._shown}
-
-    @cached_property
-    def _always(self) -> list[tuple[str, ...]]:
-        """The letters that each step has in all models."""
-        facts = [(step, letter) for literal, step, letter in self._shown if literal == TRUE]
-        return [tuple(letter for at, letter in facts if at == step) for step in range(1, self.length + 1)]
-
-    @cached_property
-    def _known(self) -> dict[tuple[int, str], Literal]:
-        """A cache of literals by step and letter."""
-        return {}
-
-    def _literal(self, step: int, letter: str) -> Literal:
-        name = name_in_prefix(letter, self.letters)
-        term = self.letters[letter] if name is None else clingo.Function(name)
-        shown = SHOWN[self.level] if name is None else STEP_NAME
-        literal = self._known[step, letter] = self.cnf.literal(shown(term, clingo.Number(step)))
-        return literal
+        for atom, literal in self.cnf.literals.items():
+            if literal in may_be and atom.match(*SHOWN[self.level]):
+                what, time = atom.arguments
+                if 0 < time.number <= self.length and literal == TRUE:
+                    always[time.number - 1] += (str(what),)
+                elif time.number > 0:
+                    meaning[literal] = (time.number, str(what))
+        return always, meaning
 
 
 def word_formula(model: DomainLogic, level: Level, length: int) -> WordFormula:
@@ -97,7 +89,3 @@ def word_formula(model: DomainLogic, level: Level, length: int) -> WordFormula:
     """
     program = model.program if level == "plan" else model.task_program(length)
     return WordFormula(plan_cnf(program, length, SHOWN[level]), level, length, all_letters(model, level))
-
-
-def _name(letter: str) -> str:
-    return letter.partition("(")[0]

@@ -5,6 +5,8 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import count as numbers_from
+from itertools import takewhile
 from typing import Protocol, overload
 
 from prag_asp.errors import QueryError
@@ -124,16 +126,11 @@ class RankedTasks:
         return next(self._tasks([self.ranks[checked_place(place, size)]]))
 
     def __iter__(self) -> Iterator[Task]:
-        return self._tasks(self._all())
+        size = self.count()  # `range(size)` may exceed what the C code of `map` takes
+        return self._tasks(self.ranks[place] for place in takewhile(size.__gt__, numbers_from(0)))
 
     def _tasks(self, ranks: Iterable[int]) -> Iterator[Task]:
         return self.space.tasks_of_plans(map(self.space.plan_at, ranks))
-
-    def _all(self) -> Iterator[int]:
-        place, size = 0, self.count()
-        while place < size:
-            yield self.ranks[place]
-            place += 1
 
     def __contains__(self, task: object) -> bool:
         if not isinstance(task, Task):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from functools import cached_property, reduce
+from functools import reduce
 from operator import or_
 from typing import NamedTuple
 
@@ -50,6 +50,20 @@ class TaskBuilder:
         self._entities_of: list[Entities] = []
         self._classes: dict[Entities, FrozenDict[str, str]] = {}
         self._constants = FrozenDict(model.domain.constants)
+        facts = model.domain.facts
+        places = {entity: place for place, entity in enumerate(facts.entities)}
+
+        def entities(symbol: clingo.Symbol) -> Entities:
+            return reduce(or_, (1 << places[entity] for entity in mentioned_entities(symbol, places)), 0)
+
+        self._action_numbers = {str(action): number for number, action in enumerate(self._plan_states.letters)}
+        self._fluents = list(map(atom_of, facts.fluents))
+        self._entities_of_fluent = list(map(entities, facts.fluents))
+        self._actions = {
+            str(action): _Action(atom_of(action), _values(facts.postconditions.get(action, ())), entities(action))
+            for action in facts.actions
+        }
+        self._goal = _values(facts.goal)
 
     def tasks(self, plans: Iterable[WeighedPlan]) -> Iterator[Task]:
         """Yield the task of each plan, lazily, in growing batches from one plan on."""
@@ -100,10 +114,15 @@ class TaskBuilder:
             used |= action.entities
         for number in {*numbers}:
             used |= self._entities_of[number]
+        classes = self._classes.get(used)
+        if classes is None:
+            entities = enumerate(self._model.domain.facts.entity_names.items())
+            classes = FrozenDict({entity: name for place, (entity, name) in entities if used >> place & 1})
+            self._classes[used] = classes
         return Task(
             self._model.domain.name,
             tuple([action.atom for action in actions]),  # a list is faster than a generator
-            self._classes_of(used),
+            classes,
             states[0],
             tuple(states[1:]),
             tuple([action.effect for action in actions]),
@@ -112,52 +131,11 @@ class TaskBuilder:
             self._constants,
         )
 
-    def _classes_of(self, used: Entities) -> FrozenDict[str, str]:
-        classes = self._classes.get(used)
-        if classes is None:
-            entities = enumerate(self._model.domain.facts.entity_names.items())
-            classes = FrozenDict({entity: name for place, (entity, name) in entities if used >> place & 1})
-            self._classes[used] = classes
-        return classes
-
     def _new_plan_states(self) -> PlanStates | SolvedPlanStates:
         try:
             return PlanStates(Hindsight(self._model.step, self._model.domain.facts.fluents))
         except EngineError:
             return SolvedPlanStates(self._model.program, self._model.domain.facts)
-
-    @cached_property
-    def _action_numbers(self) -> dict[str, int]:
-        return {str(action): number for number, action in enumerate(self._plan_states.letters)}
-
-    @cached_property
-    def _fluents(self) -> list[Atom]:
-        return [atom_of(fluent) for fluent in self._model.domain.facts.fluents]
-
-    @cached_property
-    def _entities_of_fluent(self) -> list[Entities]:
-        return [self._mentioned(fluent) for fluent in self._model.domain.facts.fluents]
-
-    @cached_property
-    def _actions(self) -> dict[str, _Action]:
-        facts = self._model.domain.facts
-        return {
-            str(action): _Action(
-                atom_of(action), _values(facts.postconditions.get(action, ())), self._mentioned(action)
-            )
-            for action in facts.actions
-        }
-
-    @cached_property
-    def _goal(self) -> Known:
-        return _values(self._model.domain.facts.goal)
-
-    @cached_property
-    def _places(self) -> dict[clingo.Symbol, int]:
-        return {entity: place for place, entity in enumerate(self._model.domain.facts.entities)}
-
-    def _mentioned(self, symbol: clingo.Symbol) -> Entities:
-        return reduce(or_, (1 << self._places[entity] for entity in mentioned_entities(symbol, self._places)), 0)
 
 
 def _batch_size(length: int) -> int:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import accumulate, chain, pairwise
+from itertools import accumulate, pairwise
 from typing import Any
 
 import numpy as np
@@ -78,9 +78,10 @@ def make_choice_table(automaton: Automaton, states: Integers, row: NDArray[Any],
     first = np.concatenate([[0], np.cumsum(counts)])
     edges = np.arange(first[-1]) + np.repeat(automaton.offsets[states] - first[:-1], counts)
     behind = weights_behind(automaton, edges, row)
-    starts = first.tolist()
-    scaled = (_thresholds(behind[begin:end]) for begin, end in pairwise(starts))
-    thresholds = np.fromiter(chain.from_iterable(scaled), dtype=np.uint64, count=len(edges))
+    sums = (list(accumulate(behind[begin:end])) for begin, end in pairwise(first.tolist()))
+    # 2^64, the last threshold of each state, becomes the largest word, which is a tie if it is drawn.
+    scaled = (min((total << WORD) // running[-1], LARGEST) for running in sums for total in running)
+    thresholds = np.fromiter(scaled, dtype=np.uint64, count=len(edges))
     bits = max(int(GUIDE_CELLS / len(states)).bit_length() - 1, 0) if guided and len(states) else 0
     return ChoiceTable(states, first, edges, thresholds, bits, _guide(thresholds, first, bits))
 
@@ -91,12 +92,6 @@ def weights_behind(automaton: Automaton, edges: Integers, row: NDArray[Any]) -> 
     if automaton.weights is None:
         return behind
     return [weight * total for weight, total in zip(automaton.weights[edges].tolist(), behind, strict=True)]
-
-
-def _thresholds(behind: Sequence[int]) -> Iterator[int]:
-    """Yield floor(2^64 * cumulative share); 2^64 becomes the largest word, which is a tie if it is drawn."""
-    running = list(accumulate(behind))
-    yield from (min((total << WORD) // running[-1], LARGEST) for total in running)
 
 
 def _guide(thresholds: Words, first: Integers, bits: int) -> NDArray[np.int32]:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from functools import partial
+from collections.abc import Iterator
 from itertools import accumulate
 
 import numpy as np
@@ -43,54 +42,40 @@ class PathSampler:
         edges = np.empty((self._length, count), dtype=np.int64)
         for begin, end in chunks(count, self._length):
             words = bits.words(first + begin, end - begin, self._length)
-            starts = np.zeros(end - begin, dtype=np.int64)
-            edges[:, begin:end] = self.descend(starts, words, partial(_further, bits, first + begin))
+            edges[:, begin:end] = self.descend(np.zeros(end - begin, dtype=np.int64), words, bits, first + begin)
         return edges
 
-    def descend(
-        self, states: Integers, words: Words, further: Callable[[int, int], Iterator[int]]
-    ) -> NDArray[np.int64]:
+    def descend(self, states: Integers, words: Words, bits: Bits, first: int) -> NDArray[np.int64]:
         """Return the edges of paths from states by random words of shape (paths, length); shape (length, paths).
 
-        `further` returns more random words for the index of a path and a step.
+        More random words of a path are the bits of its draw; `first` is the number of the first draw.
         """
+        automaton, row = self._completions.automaton, self._completions.row
         columns = np.ascontiguousarray(words.T)
         edges = np.empty(columns.shape, dtype=np.int64)
+
+        def choose(table: ChoiceTable, slots: Integers, step: int) -> Integers:
+            def resolve(place: int, slot: int) -> int:
+                of_slot = table.edges[int(table.first[slot]) : int(table.first[slot + 1])]
+                running = list(accumulate(weights_behind(automaton, of_slot, row(self._length - step - 1))))
+                return exact_choice(running, int(columns[step][place]), lambda: bits.further(first + place, step))
+
+            return table.choose(slots, columns[step], resolve)
+
         tables = self._kept() if len(states) > FEW else None
         if tables is None:
-            return self._descend_once(states, columns, further, edges)
+            for step in range(self._length):
+                visited, slots = np.unique(states, return_inverse=True)
+                table = make_choice_table(automaton, visited, row(self._length - step - 1), guided=False)
+                edges[step] = table.edges[choose(table, slots, step)]
+                states = automaton.targets[edges[step]].astype(np.int64)
+            return edges
         slots = np.searchsorted(tables[0].states, states) if tables else states
         for step, (table, onward) in enumerate(zip(tables, self._numbered, strict=True)):
-            chosen = table.choose(slots, columns[step], self._resolver(table, columns[step], step, further))
+            chosen = choose(table, slots, step)
             edges[step] = table.edges[chosen]
             slots = onward[chosen]
         return edges
-
-    def _descend_once(
-        self,
-        states: Integers,
-        columns: Words,
-        further: Callable[[int, int], Iterator[int]],
-        edges: NDArray[np.int64],
-    ) -> NDArray[np.int64]:
-        automaton = self._completions.automaton
-        for step, words in enumerate(columns):
-            visited, slots = np.unique(states, return_inverse=True)
-            row = self._completions.row(self._length - step - 1)
-            table = make_choice_table(automaton, visited, row, guided=False)
-            edges[step] = table.edges[table.choose(slots, words, self._resolver(table, words, step, further))]
-            states = automaton.targets[edges[step]].astype(np.int64)
-        return edges
-
-    def _resolver(
-        self, table: ChoiceTable, words: Words, step: int, further: Callable[[int, int], Iterator[int]]
-    ) -> Callable[[int, int], int]:
-        def resolve(place: int, slot: int) -> int:
-            edges = table.edges[int(table.first[slot]) : int(table.first[slot + 1])]
-            behind = weights_behind(self._completions.automaton, edges, self._completions.row(self._length - step - 1))
-            return exact_choice(list(accumulate(behind)), int(words[place]), lambda: further(place, step))
-
-        return resolve
 
     def _kept(self) -> list[ChoiceTable] | None:
         """Return the cached tables of all steps, or None if they would be too large."""
@@ -134,7 +119,3 @@ def chunks(count: int, words: int) -> Iterator[tuple[int, int]]:
     size = max(CHUNK_WORDS // max(words, 1), 2 * FEW)
     for begin in range(0, count, size):
         yield begin, min(begin + size, count)
-
-
-def _further(bits: Bits, first: int, place: int, step: int) -> Iterator[int]:
-    return bits.further(first + place, step)

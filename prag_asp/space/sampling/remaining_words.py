@@ -44,7 +44,7 @@ class RemainingWords:
         The remaining weight must be positive.
         """
         random = bits.words(number, 1, max(self._length, 1))[0].tolist()
-        prefix, path = self._root, list[tuple[_Prefix, int, int, int]]()
+        prefix, path = self._root, list[tuple[_Prefix, int, int, int]]()  # the last two: totals of edge and source
 
         def choose(step: int, running: Sequence[int]) -> int:
             nonlocal prefix
@@ -56,23 +56,17 @@ class RemainingWords:
             return edge
 
         word, weight = self._walks.walk(choose)
-        self._subtract(path)
-        self.weight -= weight
-        self.taken += 1
-        return word, weight
-
-    def _subtract(self, path: Sequence[tuple[_Prefix, int, int, int]]) -> None:
-        """Subtract a word, given for each step the prefix, the edge, and the total weights of the edge and its source.
-
-        The total of an edge is its own weight times the total of its target, so the weight of each suffix of the word
-        follows from that of the next shorter suffix.
-        """
+        # The total of an edge is its own weight times the total of its target, so the weight of each suffix of the
+        # word follows from that of the next shorter suffix.
         rest, behind = 1, 1
         for prefix, edge, over, total in reversed(path):
             rest, remainder = divmod(over * rest, behind)
             assert not remainder, "a walk weighs an edge by itself times what follows it"
             prefix.taken[edge] = prefix.taken.get(edge, 0) + rest
             behind = total
+        self.weight -= weight
+        self.taken += 1
+        return word, weight
 
 
 class _PathWalks:

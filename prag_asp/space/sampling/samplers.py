@@ -115,12 +115,12 @@ class GoalSampler:
         goals = np.empty(count, dtype=np.int64)
         for begin, end in chunks(count, self._length + 1):
             words = bits.words(first + begin, end - begin, self._length + 1)
-            further = partial(_further, bits, first + begin)
             goals[begin:end] = [
-                exact_choice(running, word, partial(further, place, self._length))
-                for place, word in enumerate(words[:, 0].tolist())
+                exact_choice(running, word, partial(bits.further, number, self._length))
+                for number, word in enumerate(words[:, 0].tolist(), first + begin)
             ]
-            edges[:, begin:end] = self._paths.descend(self._starts[goals[begin:end]], words[:, 1:], further)
+            starts = self._starts[goals[begin:end]]
+            edges[:, begin:end] = self._paths.descend(starts, words[:, 1:], bits, first + begin)
         letters = self._letters[edges[::-1]].T.astype(np.int32)
         if not with_probabilities:
             return DrawArray(letters)
@@ -166,6 +166,7 @@ class SkeletonSampler:
         self.count = int(completions.row(length)[0])
         self._known: dict[tuple[int, ...], Sums] = {}
         self._kept = 0
+        self._ranking: Ranking | None = None
 
     @cached_property
     def _moves(self) -> list[dict[int, list[tuple[int, int, int]]]]:
@@ -185,13 +186,13 @@ class SkeletonSampler:
         totals: list[int] = []
         for begin, end in chunks(count, 2 * self._length):
             words = bits.words(first + begin, end - begin, 2 * self._length)
-            further = partial(_further, bits, first + begin)
             starts = np.zeros(end - begin, dtype=np.int64)
-            skeleton_edges = self._skeletons.descend(starts, words[:, : self._length], further)
+            skeleton_edges = self._skeletons.descend(starts, words[:, : self._length], bits, first + begin)
             skeletons = self._skeleton_letters[skeleton_edges].T.tolist()
-            for place, (skeleton, chosen) in enumerate(zip(skeletons, words[:, self._length :].tolist(), strict=True)):
-                path, total = self._with_skeleton(tuple(skeleton), chosen, partial(further, place))
-                edges[:, begin + place] = path
+            pairs = zip(skeletons, words[:, self._length :].tolist(), strict=True)
+            for place, (skeleton, chosen) in enumerate(pairs, begin):
+                path, total = self._with_skeleton(tuple(skeleton), chosen, partial(bits.further, first + place))
+                edges[:, place] = path
                 totals.append(self.count * total)
         return DrawArray(
             _letters(self._automaton, edges), _shares(self._automaton, edges, totals) if with_probabilities else ()
@@ -203,21 +204,33 @@ class SkeletonSampler:
         The skeleton is the one of a rank from 0 to `count` - 1.
         """
         words = bits.words(number, 1, self._length)[0].tolist()
+        if self._ranking is None:
+            self._ranking = Ranking(self._completions, self._length)
         path, total = self._with_skeleton(tuple(self._ranking.unrank(rank)), words, partial(bits.further, number))
         edges = np.array(path, dtype=np.int64)[:, None]
         return _letters(self._automaton, edges)[0].tolist(), _shares(self._automaton, edges, [total])[0]
 
-    @cached_property
-    def _ranking(self) -> Ranking:
-        """The skeletons in their order."""
-        return Ranking(self._completions, self._length)
-
     def _with_skeleton(
         self, skeleton: tuple[int, ...], words: Sequence[int], further: Callable[[int], Iterator[int]]
     ) -> tuple[list[int], int]:
-        """Return the edges of a word with a skeleton, chosen by random words, and the weight of all words with it."""
-        sums, total = self._sums(skeleton)
-        state, path = 0, []
+        """Return the edges of a word with a skeleton, chosen by random words, and the weight of all words with it.
+
+        Sums are cached because short skeletons are sampled often, by an upper bound on their memory: of running sums,
+        the last is the largest.
+        """
+        known = self._known.get(skeleton)
+        if known is None:
+            known = self._sums(skeleton)
+            numbers = [running for here in known[0] for running in here.values()]
+            size = sum(getsizeof(here) + sum(map(getsizeof, here)) for here in known[0])
+            size += sum(getsizeof(running) + len(running) * getsizeof(running[-1]) for running in numbers)
+            size += getsizeof(known) + getsizeof(known[0]) + getsizeof(known[1])
+            if self._kept + size > KEPT_SUMS:
+                self._known, self._kept = {}, 0
+            if size <= KEPT_SUMS:
+                self._known[skeleton] = known
+                self._kept += size
+        (sums, total), state, path = known, 0, []
         for step, name in enumerate(skeleton):
             chosen = exact_choice(sums[step][state], words[step], partial(further, self._length + step))
             edge, state, _ = self._moves[state][name][chosen]
@@ -225,19 +238,6 @@ class SkeletonSampler:
         return path, total
 
     def _sums(self, skeleton: tuple[int, ...]) -> Sums:
-        """Return the sums of a skeleton; they are cached because short skeletons are sampled often."""
-        sums = self._known.get(skeleton)
-        if sums is None:
-            sums = self._summed(skeleton)
-            size = _bytes_of(sums)
-            if self._kept + size > KEPT_SUMS:
-                self._known, self._kept = {}, 0
-            if size <= KEPT_SUMS:
-                self._known[skeleton] = sums
-                self._kept += size
-        return sums
-
-    def _summed(self, skeleton: tuple[int, ...]) -> Sums:
         """Return for each step and state the running sums of the moves, and the weight of all words."""
         layers: list[set[int]] = [{0}]
         for name in skeleton:
@@ -255,14 +255,6 @@ class SkeletonSampler:
         return sums[::-1], behind[0]
 
 
-def _bytes_of(sums: Sums) -> int:
-    """Return an upper bound on the memory of the sums of a skeleton; of running sums, the last is the largest."""
-    states = sum(getsizeof(here) + sum(map(getsizeof, here)) for here in sums[0])
-    numbers = (running for here in sums[0] for running in here.values())
-    summed = sum(getsizeof(running) + len(running) * getsizeof(running[-1]) for running in numbers)
-    return getsizeof(sums) + getsizeof(sums[0]) + getsizeof(sums[1]) + states + summed
-
-
 def _letters(automaton: Automaton, edges: NDArray[np.int64]) -> NDArray[np.int32]:
     return np.ascontiguousarray(automaton.letters.astype(np.int32)[edges].T)
 
@@ -278,7 +270,3 @@ def _shares(automaton: Automaton, edges: NDArray[np.int64], totals: Sequence[int
         if pair not in shares:
             shares[pair] = Fraction(*pair)
     return [shares[pair] for pair in zip(weights, totals, strict=True)]
-
-
-def _further(bits: Bits, first: int, place: int, step: int) -> Iterator[int]:
-    return bits.further(first + place, step)

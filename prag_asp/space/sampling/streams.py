@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from decimal import Context, Decimal, localcontext
 from fractions import Fraction
@@ -128,12 +128,15 @@ def sample_batches_of_lengths(portions: Sequence[Portion], seed: int) -> Iterato
     independent random bits, so all draws are independent; a draw depends only on the seed and its number.
     """
     stage("sampling")
-    choose = _portion_chooser(portions, seed)
+    scale = lcm(*(portion.weight.denominator for portion in portions))
+    running = list(accumulate(int(portion.weight * scale) for portion in portions))
+    lengths = SeededBits(seed, " lengths")
     total = sum((portion.weight for portion in portions), start=Fraction(0))
     bits = [SeededBits(seed, f" length {portion.length}") for portion in portions]
     used = [0] * len(portions)
     for first, size in growing_ranges(BATCH):
-        chosen = choose(first, size)
+        words = enumerate(lengths.words(first, size, 1)[:, 0].tolist(), first)
+        chosen = [exact_choice(running, word, partial(lengths.further, draw, 0)) for draw, word in words]
         draws: dict[int, Iterator[Draw]] = {}
         for number in sorted(set(chosen)):
             portion, count = portions[number], chosen.count(number)
@@ -141,19 +144,6 @@ def sample_batches_of_lengths(portions: Sequence[Portion], seed: int) -> Iterato
             draws[number] = iter(_sample(portion.sampler, portion.letters, bits[number], used[number], count, share))
             used[number] += count
         yield [next(draws[number]) for number in chosen]
-
-
-def _portion_chooser(portions: Sequence[Portion], seed: int) -> Callable[[int, int], list[int]]:
-    """Return the function that chooses the portions of draws, given the first number and the number of draws."""
-    scale = lcm(*(portion.weight.denominator for portion in portions))
-    running = list(accumulate(int(portion.weight * scale) for portion in portions))
-    bits = SeededBits(seed, " lengths")
-
-    def choose(first: int, size: int) -> list[int]:
-        words = bits.words(first, size, 1)[:, 0].tolist()
-        return [exact_choice(running, word, partial(bits.further, draw, 0)) for draw, word in enumerate(words, first)]
-
-    return choose
 
 
 @lru_cache(maxsize=1 << 16)

@@ -41,7 +41,12 @@ def tempered(weights: Weights, temperature: Temperature) -> Weights:
     Raises:
         QueryError: the temperature is no number above 0, or too low.
     """
-    exponent = _exponent(temperature)
+    exponent = Fraction(0)
+    if temperature != INFINITE:
+        number = parse_number("temperature", temperature)
+        if number <= 0:
+            raise QueryError(f"temperature {temperature}: it is above 0, or {INFINITE} for a uniform draw")
+        exponent = 1 / number
 
     def powers(stated: Mapping[Key, Fraction]) -> dict[Key, Fraction]:
         raised = {key: power(weight, exponent) for key, weight in stated.items()}
@@ -72,12 +77,3 @@ def power(weight: Fraction, exponent: Fraction) -> Fraction:
         base = Decimal(weight.numerator) / weight.denominator
         exact = (base.ln() * exponent.numerator / exponent.denominator).exp()
         return Fraction(exact.quantize(Decimal(1).scaleb(-DIGITS))).limit_denominator(LARGEST_DENOMINATOR)
-
-
-def _exponent(temperature: Temperature) -> Fraction:
-    if temperature == INFINITE:
-        return Fraction(0)
-    number = parse_number("temperature", temperature)
-    if number <= 0:
-        raise QueryError(f"temperature {temperature}: it is above 0, or {INFINITE} for a uniform draw")
-    return 1 / number

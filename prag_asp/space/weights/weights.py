@@ -13,7 +13,7 @@ from decimal import Decimal
 from fractions import Fraction
 from itertools import pairwise
 from math import lcm, prod
-from typing import Any, Protocol
+from typing import Protocol
 
 import clingo
 import numpy as np
@@ -273,7 +273,12 @@ def weigh(
     `actions` are its letters; the columns of `labels`, shape (edges, labels), are the atoms of `weighing_facts`.
     """
     by_letter, by_label = edge_weights(actions, weights)
-    first, kinds = _kinds(automaton.letters, labels)
+    kinds = automaton.letters.astype(np.int64)  # a kind is a letter with labels
+    for column in labels.T:
+        kinds = 2 * kinds + column
+        if kinds.max(initial=0) > MANY_KINDS:
+            kinds = np.unique(kinds, return_inverse=True)[1]
+    _, first, kinds = np.unique(kinds, return_index=True, return_inverse=True)
     fractions = [
         prod((by_label[label] for label in np.flatnonzero(labels[edge])), start=by_letter[int(automaton.letters[edge])])
         for edge in first
@@ -281,14 +286,3 @@ def weigh(
     scale = lcm(*(fraction.denominator for fraction in fractions))
     whole = np.array([int(fraction * scale) for fraction in fractions], dtype=object)
     return replace(automaton, weights=whole[kinds]), scale
-
-
-def _kinds(letters: NDArray[np.integer[Any]], labels: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the first edge of each kind and the kind of each edge; a kind is a letter with labels."""
-    kinds = letters.astype(np.int64)
-    for column in labels.T:
-        kinds = 2 * kinds + column
-        if kinds.max(initial=0) > MANY_KINDS:
-            kinds = np.unique(kinds, return_inverse=True)[1]
-    _, first, kinds = np.unique(kinds, return_index=True, return_inverse=True)
-    return first, kinds

@@ -86,6 +86,9 @@ def test_each_frame_is_that_of_its_recording_with_its_time_words_and_pictures(fi
     for camera in CAMERAS:
         feature = info["features"][camera]
         assert feature["shape"] == [height, width, 3] and feature["info"]["video.fps"] == RATE
+    provenance = json.loads((written / "export.json").read_text())
+    assert (provenance["form"], provenance["identity"]) == ("lerobot", filmed.manifest.identity)
+    assert "2 episodes of `tabletop`" in (written / "README.md").read_text()
 
 
 def test_files_that_are_full_are_followed_by_others(filmed: Dataset, tmp_path: Path) -> None:
@@ -182,9 +185,3 @@ def test_lerobot_itself_loads_it(filmed: Dataset, written: Path) -> None:
     assert (len(found), found.num_episodes) == (Published(written).info["total_frames"], 2)
     entry = filmed.entry(0)
     assert found[0]["task"] == entry.instruction["default"] and tuple(found[0][CAMERAS[0]].shape) == (3, *SIZE[::-1])
-
-
-def test_what_is_beside_says_of_which_data_set_it_is(filmed: Dataset, written: Path) -> None:
-    told = json.loads((written / "export.json").read_text())
-    assert (told["form"], told["identity"]) == ("lerobot", filmed.manifest.identity)
-    assert "2 episodes of `tabletop`" in (written / "README.md").read_text()

@@ -13,21 +13,8 @@ NAMES = (
     "second", "please", "not", "is_not", "holds_of", "your_task", "that", "so_that", "on", "inside",
 )  # fmt: skip
 ENTITIES = (
-    "a",
-    "the",
-    "it",
-    "and",
-    "cube_1",
-    "cube_2",
-    "cube",
-    "big_1",
-    "one",
-    "then",
-    "red_cube",
-    "f(1)",
-    "f(2)",
-    "from",
-)
+    "a", "the", "it", "and", "cube_1", "cube_2", "cube", "big_1", "one", "then", "red_cube", "f(1)", "f(2)", "from",
+)  # fmt: skip
 CLASSES = ("cube", "it", "big", "red", "the", "thing")
 ARGUMENTS = ("", "(X)", "(X,Y)")
 BODIES = ("", " :- entity(X,_)", " :- entity(X,_), entity(Y,_), X != Y")

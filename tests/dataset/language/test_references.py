@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
-from prag_asp import Domain, QueryError, Scene, TaskSpace, load_scene
+from prag_asp import Domain, QueryError, Scene, load_scene
 from prag_asp.dataset.language import context_of, instruction_writer_of
 from prag_asp.dataset.language.appearance import color_terms
 from prag_asp.dataset.language.descriptions import Description
-from prag_asp.scene.read.materials import PALETTE
+from prag_asp.scene.read.scene_reader import PALETTE
 from prag_asp.task import State
 from tests.chance import Chance
 from tests.dataset.language.twins import SETTINGS, shipped, space_of, task_of, twins
@@ -34,10 +32,10 @@ def may_fit(what: Description, thing: str, domain: Domain, scene: Scene, state: 
 
 
 @pytest.mark.parametrize("name", ["twins", "tabletop", "kitchen"])
-def test_a_description_fits_its_thing_and_no_other(name: str, tmp_path: Path, chance: Chance) -> None:
-    domain = twins(tmp_path) if name == "twins" else shipped(name)
+def test_a_description_fits_its_thing_and_no_other(name: str, chance: Chance) -> None:
+    space = twins() if name == "twins" else space_of(name, 4)
+    domain = space.domain
     lexicon, scene = instruction_writer_of(domain).lexicon, load_scene(domain)
-    space = TaskSpace(domain, 4) if name == "twins" else space_of(name, 4)
     kinds = set[str]()
     for task in space.sample(chance.examples(20), seed=chance.seed(8)):
         for number in range(4):
@@ -52,20 +50,19 @@ def test_a_description_fits_its_thing_and_no_other(name: str, tmp_path: Path, ch
         assert kinds == {"noun", "color", "size", "place", "relation", "name"}
 
 
-def test_a_shorter_description_is_taken_before_a_longer_one(tmp_path: Path) -> None:
-    domain = twins(tmp_path)
-    space = TaskSpace(domain, 4)
+def test_a_shorter_description_is_taken_before_a_longer_one() -> None:
+    space = twins()
     plan = ["pick(panda,cube_1,tray_1)", "put(panda,cube_1,tray_1)", "pick(panda,cube_2,tray_2)"]
     task = space[space.index([*plan, "put(panda,cube_2,tray_2)"])]
-    told = instruction_writer_of(domain).instructions(task)
+    told = instruction_writer_of(space.domain).instructions(task)
     assert "the small cube in the right tray" in told.default and "red" not in told.default
     assert "the cube in the gripper" in told.subgoals[1] and "small" not in told.subgoals[1] and told.named == ()
 
 
-def test_what_is_kept_of_other_states_is_said_only_where_it_means_the_same(tmp_path: Path, chance: Chance) -> None:
-    domain = twins(tmp_path)
+def test_what_is_kept_of_other_states_is_said_only_where_it_means_the_same(chance: Chance) -> None:
+    domain = twins().domain
     often = instruction_writer_of(domain)
-    tasks = list(TaskSpace(domain, 4).sample(chance.examples(25), seed=chance.seed(9)))
+    tasks = list(twins().sample(chance.examples(25), seed=chance.seed(9)))
     for task in tasks:
         often.instructions(task)
     told = [often.instructions(task) for task in reversed(tasks)]
@@ -73,19 +70,14 @@ def test_what_is_kept_of_other_states_is_said_only_where_it_means_the_same(tmp_p
     assert told == [instruction_writer_of(domain).instructions(task) for task in reversed(tasks)]
 
 
-def test_what_nothing_tells_apart_goes_by_its_name_and_is_told_to_do_so(tmp_path: Path) -> None:
-    domain = twins(tmp_path)
-    space = TaskSpace(domain, 1)
-    told = instruction_writer_of(domain).instructions(space[space.index(["pick(panda,cube_1,tray_1)"])])
-    assert told.named == ("cube_1",) and "cube 1" in told.default
-
-
-def test_colours_that_pass_for_each_other_tell_nothing_apart(tmp_path: Path) -> None:
+def test_things_that_nothing_visible_distinguishes_go_by_their_names() -> None:
+    """Colours that pass for each other do not distinguish them either."""
     assert color_terms("#e8e2d6")["beige"] and color_terms("#e8e2d6")["white"] is False
-    domain = twins(tmp_path, SETTINGS.replace('ball_1 = "#d7263d"', 'ball_1 = "#e8e2d6"').replace("#2e86ab", "#e6dfd0"))
-    space = TaskSpace(domain, 1)
-    told = instruction_writer_of(domain).instructions(space[space.index(["pick(panda,ball_1,tray_1)"])])
-    assert told.named == ("ball_1",)
+    alike = SETTINGS.replace('ball_1 = "#d7263d"', 'ball_1 = "#e8e2d6"').replace("#2e86ab", "#e6dfd0")
+    for settings, thing in ((SETTINGS, "cube_1"), (alike, "ball_1")):
+        space = twins(settings).at(1)
+        words = instruction_writer_of(space.domain).instructions(space[space.index([f"pick(panda,{thing},tray_1)"])])
+        assert words.named == (thing,) and thing.replace("_", " ") in words.default
 
 
 def test_the_colours_of_a_scene_that_gives_none_have_different_names() -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from prag_asp import Domain, TaskSpace, load_domain
 from prag_asp.dataset.language import InstructionWriter, instruction_writer_of
@@ -90,8 +91,10 @@ def task_of(name: str, *actions: str) -> Task:
     return space[space.index(actions)]
 
 
-def twins(folder: Path, settings: str = SETTINGS) -> Domain:
-    """Write the domain into a folder, and read it."""
-    (folder / "domain.lp").write_text(LOGIC)
-    (folder / "domain.toml").write_text(settings)
-    return load_domain(folder)
+@cache
+def twins(settings: str = SETTINGS) -> TaskSpace:
+    """Return the tasks of length 4 of that domain, which is read once."""
+    with TemporaryDirectory() as folder:
+        (Path(folder) / "domain.lp").write_text(LOGIC)
+        (Path(folder) / "domain.toml").write_text(settings)
+        return TaskSpace(load_domain(folder), 4)

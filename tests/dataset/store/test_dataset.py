@@ -17,16 +17,12 @@ import pytest
 from prag_asp import Dataset, Domain, DomainError, QueryError, TaskSpace, load_domain
 from prag_asp.dataset import generate
 from prag_asp.dataset.scenes import scene_of
-from prag_asp.dataset.store import tables
-from prag_asp.dataset.store.schema import FOLDERS, SCHEMAS
+from prag_asp.dataset.store import shards, tables
+from prag_asp.dataset.store.manifest import FOLDERS
+from prag_asp.dataset.store.schema import SCHEMAS
 from prag_asp.errors import DatasetsMissingError
 from prag_asp.physics import check_witness
 from tests.commands import run
-
-
-@pytest.fixture
-def copy(small: Dataset, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(small.folder, tmp_path / "copy"))
 
 
 def test_tasks_come_back_as_they_were_drawn(small: Dataset, spaces: TaskSpace) -> None:
@@ -52,6 +48,8 @@ def test_a_task_is_read_without_physics(small: Dataset) -> None:
     loaded = done.stdout.split()
     assert "prag_asp.dataset.store.tables" in loaded
     assert not [name for name in loaded if name.startswith(("pybullet", "frankik", "clingo"))]
+    values = {"verdict", "witness", "demonstration", "filming"}  # the types of a manifest and of its verdicts
+    assert {name.split(".")[2] for name in loaded if name.startswith("prag_asp.physics.")} <= values
 
 
 def test_tasks_drawn_by_weight_are_found_by_rank_too(numbers: Path) -> None:
@@ -86,23 +84,21 @@ def test_parts_and_conditions_choose_tasks(small: Dataset) -> None:
         small.part("dev")
     with pytest.raises(QueryError, match="unicorn"):
         small.where("uses unicorn")
+    sent = pickle.loads(pickle.dumps(chosen))  # to another process, whatever was read
+    assert sent.count() == chosen.count() and sent.task(0) == chosen.task(0)
 
 
 def test_only_the_shard_of_a_task_is_read(small: Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
     opened: list[str] = []
-    really = tables.open_shard
-    monkeypatch.setattr(tables, "open_shard", lambda *given: opened.append(given[2].path) or really(*given))
+    open_shard = shards.open_shard
+    for module in (shards, tables):
+        monkeypatch.setattr(module, "open_shard", lambda *given: opened.append(given[2].path) or open_shard(*given))
     fresh = Dataset.open(small.folder)
     assert opened == [] and fresh.count() == 12
     entry = fresh.entry(5)
     fresh.by_rank(len(entry.task), entry.rank)
     fresh.witness(5)
     assert {*opened} == {"data/train-00001.parquet", "witnesses/train-00001.parquet"}
-
-
-def test_it_goes_to_other_processes_whatever_was_read(small: Dataset) -> None:
-    read = small.where("uses cube")
-    assert read.count() and pickle.loads(pickle.dumps(read)).task(0) == read.task(0)
 
 
 def test_the_domain_is_in_the_folder(small: Dataset, tabletop: Domain) -> None:
@@ -138,8 +134,8 @@ def test_every_way_to_give_a_domain_is_kept(given: dict[str, object], tmp_path: 
         assert scene_of(kept).shapes == scene_of(domain).shapes
 
 
-def test_what_is_no_data_set_is_told_in_one_line(copy: Path, tmp_path: Path) -> None:
-    def refused(match: str, folder: Path = copy) -> None:
+def test_a_damaged_dataset_is_refused_in_one_line(copied: Path, tmp_path: Path) -> None:
+    def refused(match: str, folder: Path = copied) -> None:
         with pytest.raises((QueryError, DomainError), match=match) as error:
             data = Dataset.open(folder)
             list(data.tasks())
@@ -148,8 +144,8 @@ def test_what_is_no_data_set_is_told_in_one_line(copy: Path, tmp_path: Path) -> 
 
     refused("has no dataset.json; make one with prag-asp generate", tmp_path)
     refused("has no dataset.json", tmp_path / "nowhere")
-    refused("cannot be read: Not a directory", copy / "dataset.json")
-    text = (copy / "dataset.json").read_text()
+    refused("cannot be read: Not a directory", copied / "dataset.json")
+    text = (copied / "dataset.json").read_text()
     for content, match in (
         ("", "it is not JSON"),
         (text[:500], "it is not JSON"),
@@ -165,35 +161,32 @@ def test_what_is_no_data_set_is_told_in_one_line(copy: Path, tmp_path: Path) -> 
         (text.replace("data/train-00000", "../../train-00000", 1), "leads out of the dataset"),
         (text.replace('"rows": 4', '"rows": 5', 1), "has 4 rows, but dataset.json says 5"),
     ):
-        (copy / "dataset.json").write_text(content)
+        (copied / "dataset.json").write_text(content)
         refused(match)
-    (copy / "dataset.json").write_text(text)
-    shard = copy / "data" / "train-00001.parquet"
+    (copied / "dataset.json").write_text(text)
+    shard = copied / "data" / "train-00001.parquet"
     content = shard.read_bytes()
     shard.write_bytes(content[:400] + b"?" * 300 + content[700:])
     refused("train-00001.parquet: cannot be read")
     shard.write_bytes(b"PAR1")
     refused("train-00001.parquet: cannot be read")
-    shutil.copy(copy / "witnesses" / "train-00001.parquet", shard)
+    shutil.copy(copied / "witnesses" / "train-00001.parquet", shard)
     refused("its columns are not those of tasks")
     shard.unlink()
     refused("train-00001.parquet: cannot be read: No such file")
     shard.write_bytes(content)
-    (copy / "domain" / "domain.lp").write_text("% mine")
+    (copied / "domain" / "domain.lp").write_text("% mine")
     refused("domain.lp: is not what dataset.json says")
 
 
-def test_the_columns_are_the_same_for_every_domain(small: Dataset, numbers: Path) -> None:
+def test_the_columns_are_the_same_for_every_domain_and_other_programs_read_them(small: Dataset, numbers: Path) -> None:
+    import duckdb
+    import pandas
+
     for folder in (small.folder, numbers):
         for table, below in FOLDERS.items():
             for path in (folder / below).glob("*.parquet"):
                 assert pq.read_schema(path).equals(SCHEMAS[table])
-
-
-def test_pandas_and_duckdb_read_the_tables(small: Dataset) -> None:
-    import duckdb
-    import pandas
-
     frame = pandas.read_parquet(small.folder / "data")
     assert len(frame) == 12 and {*frame["rank"]} == {str(entry.rank) for entry in small.entries()}
     where = f"'{small.folder}/data/*.parquet'"
@@ -229,7 +222,7 @@ def test_datasets_loads_each_table_with_its_parts_by_the_card(small: Dataset, tm
     }
 
 
-def test_without_pyarrow_it_is_told_what_to_install(numbers: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_pyarrow_the_message_says_what_to_install(numbers: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(DatasetsMissingError, match=r'pip install "prag_asp\[datasets\]"'):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from random import Random
 
-from tests.fuzz.kinds.domains import NAME, _files, under
+from tests.fuzz.kinds.domains import NAME, files_of
 from tests.fuzz.kinds.texts import CHARACTERS, NUMBERS, SEEDS, broken, changed
 from tests.fuzz.mutant import Mutant
 
@@ -34,7 +34,7 @@ MESH = ["v", "v 1", "v 1 2 3", "v nan 0 0", "v 1e39 0 0", "solid x", "vertex 1 2
 
 def body(chance: Random, number: int) -> Mutant:
     """Change the URDF, or the mesh, of a scene."""
-    files = under(_files(SEEDS / "scene"))
+    files = files_of(SEEDS / "scene")
     name, strange = chance.choice([("mug.urdf", URDF), ("mug.urdf", URDF), ("handle.obj", MESH), ("handle.stl", MESH)])
     path = f"{NAME}/bodies/{name}"
     if name == "handle.stl":

@@ -16,7 +16,7 @@ from prag_asp.domain.load import load_domain
 from prag_asp.output.cache_files import checksum
 from prag_asp.space.engines import automaton_engine
 from prag_asp.space.task_space import TaskSpace
-from tests.fuzz.kinds.domains import _files, under
+from tests.fuzz.kinds.domains import files_of
 from tests.fuzz.kinds.texts import SEEDS, broken
 from tests.fuzz.mutant import Mutant
 
@@ -30,7 +30,7 @@ def cache(chance: Random, number: int) -> Mutant:
     A forgery that fits together is believed in a folder of the user's, so it lies in one that others can write.
     """
     name = chance.choice(("closed", "timed"))
-    files = under(_files(SEEDS / name))
+    files = files_of(SEEDS / name)
     special = {}
     for file, content in kept(SEEDS / name).items():
         way = chance.random()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from random import Random
 
-from tests.fuzz.kinds.domains import _files, under
+from tests.fuzz.kinds.domains import files_of
 from tests.fuzz.kinds.texts import CHARACTERS, CONTROLS, NUMBERS, SEEDS, changed
 from tests.fuzz.mutant import Mutant
 
@@ -123,7 +123,7 @@ def command_line(chance: Random, number: int) -> Mutant:
             case _:
                 words[at] = changed(words[at], chance, [*WORDS, *CHARACTERS, *NUMBERS], 2)
     words = [word.replace("\0", "") for word in words]
-    files = {**under(_files(SEEDS / "closed"), "closed"), **under(_files(SEEDS / "timed"), "timed")}
-    files |= {**under(_files(SEEDS / "scene"), "scene"), "tasks.jsonl": (SEEDS / "tasks.jsonl").read_bytes()}
+    files = {**files_of(SEEDS / "closed", "closed"), **files_of(SEEDS / "timed", "timed")}
+    files |= {**files_of(SEEDS / "scene", "scene"), "tasks.jsonl": (SEEDS / "tasks.jsonl").read_bytes()}
     # Whether there is output depends on the options, and a file in place of stdout is none.
     return Mutant("command", number, files, (tuple(words),), given=files["closed/domain.lp"], owes_output=False)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -10,14 +9,12 @@ from typing import Any
 from prag_asp.program.paths import shipped_domains
 from tests.fuzz.kinds.texts import CHARACTERS, NUMBERS, SEEDS, broken, changed, exchanged
 from tests.fuzz.mutant import Command, Mutant
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from tests.toml import tomllib
 
 NAME = "own"
 """The folder of the domain in that of a mutant."""
+
+LOGIC, SETTINGS = f"{NAME}/domain.lp", f"{NAME}/domain.toml"
 
 STATEMENTS = [
     "not ",
@@ -122,9 +119,10 @@ COUNTS = tuple(
 )
 
 
-def _files(folder: Path) -> dict[str, bytes]:
-    """Return the files of a domain, however deep."""
-    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+def files_of(folder: Path, name: str = NAME) -> dict[str, bytes]:
+    """Return the files of a domain, however deep, as those of a folder of a mutant."""
+    found = (path for path in sorted(folder.rglob("*")) if path.is_file() and path.name != "counts.toml")
+    return {f"{name}/{path.relative_to(folder)}": path.read_bytes() for path in found}
 
 
 def any_domain(chance: Random, *, scene: bool = False) -> dict[str, bytes]:
@@ -132,18 +130,13 @@ def any_domain(chance: Random, *, scene: bool = False) -> dict[str, bytes]:
     shipped = shipped_domains()
     small = [SEEDS / name for name in (("scene",) if scene else ("closed", "timed", "closed", "timed", "scene"))]
     large = [shipped[name] for name in (("tabletop", "kitchen") if scene else ("blocks", "hanoi", "prag", "tabletop"))]
-    folder = chance.choice(small if chance.random() < 0.8 else large)
-    return {name: content for name, content in _files(folder).items() if name != "counts.toml"}
-
-
-def under(files: dict[str, bytes], folder: str = NAME) -> dict[str, bytes]:
-    return {f"{folder}/{name}": content for name, content in files.items()}
+    return files_of(chance.choice(small if chance.random() < 0.8 else large))
 
 
 def logic(chance: Random, number: int) -> Mutant:
     """Change the logic of a domain; where it is accepted, the engines count the same."""
     files = any_domain(chance)
-    text = files["domain.lp"].decode()
+    text = files[LOGIC].decode()
     way = chance.random()
     if way < 0.5:
         lines = text.split("\n")
@@ -154,12 +147,12 @@ def logic(chance: Random, number: int) -> Mutant:
         content = changed(text, chance, [*STATEMENTS, *CHARACTERS, *NUMBERS], chance.choice([1, 2, 4])).encode()
     else:
         content = broken(text.encode(), chance)
-    files["domain.lp"] = content
-    return Mutant("logic", number, under(files), (("check", NAME), *_counts(chance)), placed=True)
+    files[LOGIC] = content
+    return Mutant("logic", number, files, (("check", NAME), *_counts(chance)), placed=True)
 
 
 def _statement(text: str, chance: Random) -> str:
-    """Return a statement that speaks of what a domain has."""
+    """Return a statement that refers to what a domain has."""
     if chance.random() < 0.5:
         return chance.choice([each for each in STATEMENTS if each.endswith(".")])
     lines = [line for line in text.split("\n") if line.endswith(".") and not line.startswith(("%", "#"))]
@@ -194,7 +187,7 @@ def _counts(chance: Random) -> tuple[Command, ...]:
 def settings(chance: Random, number: int) -> Mutant:
     """Change the settings of a domain by their types, or by tokens."""
     files = any_domain(chance, scene=chance.random() < 0.7)
-    text = files.get("domain.toml", b'title = "None"\n').decode()
+    text = files.get(SETTINGS, b'title = "None"\n').decode()
     if chance.random() < 0.7:
         table = tomllib.loads(text)
         for _ in range(chance.choice([1, 1, 1, 2, 3])):
@@ -215,11 +208,11 @@ def settings(chance: Random, number: int) -> Mutant:
             *NUMBERS,
         ]
         content = changed(text, chance, strange).encode()
-    files["domain.toml"] = content
+    files[SETTINGS] = content
     then: tuple[Command, ...] = ()
     if chance.random() < 0.3:
         then = (("sample", NAME, "-n", "1", "--count", "1", "--no-physics", "--format", "instructions"),)
-    return Mutant("settings", number, under(files), (("check", NAME), *then), placed=True, owes_output=not then)
+    return Mutant("settings", number, files, (("check", NAME), *then), placed=True, owes_output=not then)
 
 
 def written(table: Any) -> str:

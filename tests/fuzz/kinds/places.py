@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from random import Random
 
-from tests.fuzz.kinds.domains import NAME, _files, under
+from tests.fuzz.kinds.domains import NAME, files_of
 from tests.fuzz.kinds.texts import SEEDS
 from tests.fuzz.mutant import Command, Mutant
 
@@ -49,7 +49,7 @@ PLACES: tuple[tuple[str, tuple[Command, ...]], ...] = (
 def place(chance: Random, number: int) -> Mutant:
     """Put something else in the place of a file."""
     path, commands = chance.choice(PLACES)
-    files = {**under(_files(SEEDS / "scene")), "tasks.jsonl": (SEEDS / "tasks.jsonl").read_bytes()}
+    files = {**files_of(SEEDS / "scene"), "tasks.jsonl": (SEEDS / "tasks.jsonl").read_bytes()}
     line = json.loads(files["tasks.jsonl"].splitlines()[0])
     line["domain"] = NAME
     files["tasks.jsonl"] = json.dumps(line).encode() + b"\n"

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.fuzz.kinds.domains import _files, under
+from tests.fuzz.kinds.domains import files_of
 from tests.fuzz.kinds.texts import CHARACTERS, NUMBERS, SEEDS, broken, changed, exchanged
 from tests.fuzz.mutant import Command, Mutant
 
@@ -35,7 +35,7 @@ def tasks(chance: Random, number: int) -> Mutant:
         ).encode()
     else:
         content = broken(line.encode(), chance)
-    files = {**under(_files(SEEDS / "scene"), "scene"), "tasks.jsonl": content + b"\n"}
+    files = {**files_of(SEEDS / "scene", "scene"), "tasks.jsonl": content + b"\n"}
     commands: tuple[Command, ...] = (
         ("validate", "tasks.jsonl", "--witness-only"),
         ("validate", "tasks.jsonl", "--budget", "1x1"),
@@ -72,7 +72,7 @@ def recording(chance: Random, number: int) -> Mutant:
     ]
     line["verdict"]["demonstration"] = chance.choice(names)
     files = {
-        **under(_files(SEEDS / "scene"), "scene"),
+        **files_of(SEEDS / "scene", "scene"),
         "tasks.jsonl": json.dumps(line).encode() + b"\n",
         "recordings/000001.npz": content,
     }
@@ -123,19 +123,14 @@ def _archive(content: bytes, chance: Random) -> bytes:
         for name in names:
             member = old.read(name)
             if name == odd:
-                match chance.randrange(3):
-                    case 0:
-                        member = _header("<f4", (3 * 10**9,)) + member
-                    case 1:
-                        member = _header("<f4", (75 * 10**6,)) + bytes(300 * 10**6)
-                    case _:
-                        member = broken(member, chance)
+                kind = chance.randrange(3)
+                if kind == 2:
+                    member = broken(member, chance)
+                else:
+                    header, size = io.BytesIO(), (3 * 10**9, 75 * 10**6)[kind]
+                    table = {"descr": "<f4", "fortran_order": False, "shape": (size,)}
+                    np.lib.format.write_array_header_1_0(header, table)
+                    member = header.getvalue() + (bytes(4 * size) if kind else member)
             plain = name == odd and chance.random() < 0.2
             new.writestr(name.removesuffix(".npy") if plain else name, member)
-    return buffer.getvalue()
-
-
-def _header(kind: str, shape: tuple[int, ...]) -> bytes:
-    buffer = io.BytesIO()
-    np.lib.format.write_array_header_1_0(buffer, {"descr": kind, "fortran_order": False, "shape": shape})
     return buffer.getvalue()

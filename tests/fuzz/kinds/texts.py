@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -42,7 +42,7 @@ def changed(text: str, chance: Random, strange: Sequence[str], times: int = 4) -
     """Return a text with a few of its tokens deleted, moved, doubled, misspelt, or replaced by strange ones."""
     tokens = TOKEN.findall(text) or [" "]
     for _ in range(chance.randint(1, times)):
-        chance.choice(_CHANGES)(tokens, chance, strange)
+        _change(tokens, chance, strange)
     return "".join(tokens)
 
 
@@ -55,71 +55,41 @@ def _at(tokens: list[str], chance: Random) -> int:
     return chance.randrange(len(tokens))
 
 
-def _remove(tokens: list[str], chance: Random, strange: Sequence[str]) -> None:
-    at = _at(tokens, chance)
-    tokens[at : at + chance.choice([1, 1, 1, 5, 30])] = [" "]
-
-
-def _copy(tokens: list[str], chance: Random, strange: Sequence[str]) -> None:
-    tokens[_at(tokens, chance)] = tokens[_at(tokens, chance)]
-
-
-def _swap(tokens: list[str], chance: Random, strange: Sequence[str]) -> None:
-    at, other = _at(tokens, chance), _at(tokens, chance)
-    tokens[at], tokens[other] = tokens[other], tokens[at]
-
-
-def _move(tokens: list[str], chance: Random, strange: Sequence[str]) -> None:
-    at, other = _at(tokens, chance), _at(tokens, chance)
-    tokens[other:other] = tokens[at : at + chance.choice([1, 5, 30])]
-
-
-def _insert(tokens: list[str], chance: Random, strange: Sequence[str]) -> None:
-    tokens.insert(_at(tokens, chance), chance.choice(strange))
-
-
-def _replace(tokens: list[str], chance: Random, strange: Sequence[str]) -> None:
-    tokens[_at(tokens, chance)] = chance.choice(strange)
-
-
-def _misspell(tokens: list[str], chance: Random, strange: Sequence[str]) -> None:
-    at = _at(tokens, chance)
-    cut = chance.randrange(len(tokens[at]) + 1)
-    tokens[at] = tokens[at][:cut] + chance.choice(["a", "b", "X", "1", "_", ""]) + tokens[at][cut + 1 :]
-
-
-def _number(tokens: list[str], chance: Random, strange: Sequence[str]) -> None:
-    found = [i for i, token in enumerate(tokens) if token.isdigit()]
-    tokens[chance.choice(found) if found else _at(tokens, chance)] = chance.choice(NUMBERS)
-
-
-def _rename(tokens: list[str], chance: Random, strange: Sequence[str]) -> None:
-    old, new = tokens[_at(tokens, chance)], tokens[_at(tokens, chance)]
-    tokens[:] = [new if token == old else token for token in tokens]
-
-
-def _line(tokens: list[str], chance: Random, strange: Sequence[str]) -> None:
-    """Remove a line, or have it twice."""
-    lines = "".join(tokens).split("\n")
-    at = chance.randrange(len(lines))
-    lines[at : at + 1] = chance.choice([[], [lines[at], lines[at]]])
-    tokens[:] = TOKEN.findall("\n".join(lines)) or [" "]
-
-
-Change = Callable[[list[str], Random, Sequence[str]], None]
-_CHANGES: Sequence[Change] = (
-    _remove,
-    _copy,
-    _swap,
-    _move,
-    _insert,
-    _replace,
-    _misspell,
-    _number,
-    _rename,
-    _line,
-    _line,
-)
+def _change(tokens: list[str], chance: Random, strange: Sequence[str]) -> None:
+    kind = chance.randrange(11)
+    match kind:
+        case 0:  # remove some
+            at = _at(tokens, chance)
+            tokens[at : at + chance.choice([1, 1, 1, 5, 30])] = [" "]
+        case 1:  # copy one
+            tokens[_at(tokens, chance)] = tokens[_at(tokens, chance)]
+        case 2 | 3:  # swap two, or move some
+            at, other = _at(tokens, chance), _at(tokens, chance)
+            if kind == 2:
+                tokens[at], tokens[other] = tokens[other], tokens[at]
+            else:
+                tokens[other:other] = tokens[at : at + chance.choice([1, 5, 30])]
+        case 4:
+            tokens.insert(_at(tokens, chance), chance.choice(strange))
+        case 5:
+            new = chance.choice(strange)
+            tokens[_at(tokens, chance)] = new
+        case 6:  # misspell one
+            at = _at(tokens, chance)
+            cut = chance.randrange(len(tokens[at]) + 1)
+            tokens[at] = tokens[at][:cut] + chance.choice(["a", "b", "X", "1", "_", ""]) + tokens[at][cut + 1 :]
+        case 7:
+            found = [i for i, token in enumerate(tokens) if token.isdigit()]
+            new = chance.choice(NUMBERS)
+            tokens[chance.choice(found) if found else _at(tokens, chance)] = new
+        case 8:  # rename one everywhere
+            old, new = tokens[_at(tokens, chance)], tokens[_at(tokens, chance)]
+            tokens[:] = [new if token == old else token for token in tokens]
+        case _:  # remove a line, or have it twice
+            lines = "".join(tokens).split("\n")
+            at = chance.randrange(len(lines))
+            lines[at : at + 1] = chance.choice([[], [lines[at], lines[at]]])
+            tokens[:] = TOKEN.findall("\n".join(lines)) or [" "]
 
 
 def broken(content: bytes, chance: Random) -> bytes:

@@ -39,21 +39,21 @@ def repacked(array):
 def test_films_are_right_in_the_world_in_which_they_were_taken_and_in_no_other(filmed, tabletop):
     assert check_footage(filmed, tabletop) == []
     assert check_footage(replace(filmed, footage=None), tabletop) == []
-    (told, *_) = check_footage(replace(filmed, variation=None), tabletop)
-    assert told.startswith("front: picture 0 differs in colours by ")
+    (message, *_) = check_footage(replace(filmed, variation=None), tabletop)
+    assert message.startswith("front: picture 0 differs in colours by ")
     assert check_footage(filmed, replace(tabletop, robots={"left": Mount("panda")})) == [
         "it shows the robots panda; the scene has left"
     ]
 
 
 @pytest.mark.parametrize("name", ["tools", "deltas", "grippers", "subgoals"])
-def test_a_list_that_was_changed_is_told(filmed, tabletop, name):
+def test_a_list_that_was_changed_is_reported(filmed, tabletop, name):
     wrong = getattr(filmed.footage, name).copy()
     wrong.flat[1] += 1
     assert check_footage(changed(filmed, **{name: wrong}), tabletop) == [f"{name} is not what the episode says"]
 
 
-def test_a_legend_or_a_camera_that_is_another_is_told(filmed, tabletop):
+def test_a_legend_or_a_camera_that_is_another_is_reported(filmed, tabletop):
     legend = filmed.footage.legend
     assert check_footage(changed(filmed, legend=(*legend[:-2], legend[-1], legend[-2])), tabletop) == [
         "legend is not what the episode says"
@@ -67,17 +67,17 @@ def test_a_legend_or_a_camera_that_is_another_is_told(filmed, tabletop):
 
 
 @pytest.mark.parametrize(("position", "what"), [(0, "colours"), (1, "depth"), (2, "entities")])
-def test_a_picture_that_was_changed_is_told_with_its_camera_and_its_number(filmed, tabletop, position, what):
+def test_a_picture_that_was_changed_is_reported_with_its_camera_and_its_number(filmed, tabletop, position, what):
     packed = list(filmed.footage.films["wrist"].packed)
     array = packed[position].array()
     array[2] = np.where(array[2] > 1, 0, array[2] + 2)
     packed[position] = repacked(array)
-    (told,) = check_footage(with_film(filmed, "wrist", packed=tuple(packed)), tabletop)
-    assert told.startswith(f"wrist: picture 2 differs in {what} by ")
+    (message,) = check_footage(with_film(filmed, "wrist", packed=tuple(packed)), tabletop)
+    assert message.startswith(f"wrist: picture 2 differs in {what} by ")
 
 
-def test_a_film_that_was_cut_off_is_told(filmed, tabletop):
+def test_a_film_that_was_cut_off_is_reported(filmed, tabletop):
     packed = filmed.footage.films["front"].packed
     cut = (replace(packed[0], stream=packed[0].stream[:-20]), *packed[1:])
-    (told,) = check_footage(with_film(filmed, "front", packed=cut), tabletop)
-    assert told == "front: the pictures of an episode were cut off or changed; record it anew"
+    (message,) = check_footage(with_film(filmed, "front", packed=cut), tabletop)
+    assert message == "front: the pictures of an episode were cut off or changed; record it anew"

@@ -17,31 +17,23 @@ def witness(tabletop_validator):
     return tabletop_validator.validate(stacking(), seed=1).witness
 
 
-def test_a_film_strip_shows_the_first_and_the_last_state(witness, tabletop):
-    strip = film_strip(stacking(), witness, tabletop, frames=2, size=(120, 100))
-    pixels = np.asarray(strip)
-    left, right = pixels[14:114, 14:134], pixels[14:114, 146:266]
-    assert strip.width == 2 * 120 + 12 + 28
+def test_a_film_strip_shows_the_first_and_the_last_state_and_given_words(witness, tabletop):
+    def strip(**options):
+        return np.asarray(film_strip(stacking(), witness, tabletop, frames=2, size=(120, 100), **options))
+
+    plain = strip()
+    left, right = plain[14:114, 14:134], plain[14:114, 146:266]
+    assert plain.shape[1] == 2 * 120 + 12 + 28
     assert left.std() > 20 and right.std() > 20
     assert np.abs(left.astype(int) - right.astype(int)).mean() > 2
-
-
-def test_headings_can_be_given(witness, tabletop):
-    plain = film_strip(stacking(), witness, tabletop, frames=2, size=(60, 50))
-    other = film_strip(stacking(), witness, tabletop, frames=2, size=(60, 50), headings=["Take it", "Put it"])
-    assert np.asarray(plain).tobytes() != np.asarray(other).tobytes()
-    with pytest.raises(QueryError, match="1 heading for 2 actions; give one for each"):
-        film_strip(stacking(), witness, tabletop, headings=["Take it"])
-
-
-def test_all_words_can_be_given(witness, tabletop):
     captions = [("before", "all is there"), ("one", ""), ("two", "done")]
     assert make_captions(stacking(), tabletop, range(3), None, captions)[1:] == captions[1:]
-    plain = film_strip(stacking(), witness, tabletop, frames=2, size=(60, 50))
-    other = film_strip(stacking(), witness, tabletop, frames=2, size=(60, 50), captions=captions)
-    assert np.asarray(plain).tobytes() != np.asarray(other).tobytes()
+    for options in ({"headings": ["Take it", "Put it"]}, {"captions": captions}):
+        assert strip(**options).tobytes() != plain.tobytes()
+    with pytest.raises(QueryError, match="1 heading for 2 actions; give one for each"):
+        strip(headings=["Take it"])
     with pytest.raises(QueryError, match="2 captions for 3 states; give one for each"):
-        film_strip(stacking(), witness, tabletop, captions=captions[1:])
+        strip(captions=captions[1:])
 
 
 def test_one_frame_is_no_film(witness, tabletop):
@@ -55,7 +47,7 @@ def test_without_pillow_the_extra_is_named(witness, tabletop, monkeypatch):
         film_strip(stacking(), witness, tabletop)
 
 
-def test_the_start_tells_of_what_is_handled_and_whose_sides_are_meant(tabletop):
+def test_the_first_caption_names_what_is_handled_and_whose_sides_are_meant(tabletop):
     known = state("on_top(can_1,table_1)", "on_top(cube_1,table_1)", "on_top(brick_1,table_1)")
     step = ("place(panda,cube_1,left_of,brick_1)", state("left_of(cube_1,brick_1)"))
     for frame, note in (("robot", " (sides are as the robot sees them)"), ("viewer", "")):

@@ -160,15 +160,17 @@ def _pairs(name: str) -> list[tuple[str, ...]]:
     return [(one, two) for one in bodies for two in others if one != two]
 
 
-@pytest.mark.parametrize("frame", ["robot", "viewer"])
-@pytest.mark.parametrize("name", NAMES)
-@settings(max_examples=examples(25))
+@pytest.mark.parametrize(
+    ("name", "frame"),
+    [*((name, "robot") for name in NAMES), *((name, "viewer") for name in PREDICATES if PREDICATES[name].direction)],
+)
+@settings(max_examples=examples(20))
 @given(seed=st.integers(0, 10**6))
 def test_what_is_drawn_from_a_volume_always_passes_the_check(name, frame, seed):
     rng = random.Random(seed)
     situation = _situation(rng, frame)
     for arguments in _pairs(name):
-        for _ in range(5):
+        for _ in range(3):
             drawn = _drawn(name, arguments, situation, rng)
             if drawn is not None:
                 assert ALL[name].holds(drawn, arguments)
@@ -178,12 +180,12 @@ def test_what_is_drawn_from_a_volume_always_passes_the_check(name, frame, seed):
 @pytest.mark.parametrize("name", NAMES)
 def test_volumes_are_seldom_empty(name, chance):
     rng = chance.generator(5)
-    tries = chance.examples(200)
+    tries = chance.examples(100)
     drawn = [_drawn(name, ARGUMENTS[name], _situation(rng), rng) for _ in range(tries)]
     assert sum(made is not None for made in drawn) > 0.75 * tries
 
 
-@settings(max_examples=examples(300))
+@settings(max_examples=examples(120))
 @given(seed=st.integers(0, 10**6), spread=st.sampled_from([0.02, 0.1, 0.5]))
 def test_what_satisfies_a_predicate_lies_in_its_volume_up_to_the_margin(seed, spread):
     rng = random.Random(seed)
@@ -200,7 +202,7 @@ def test_what_satisfies_a_predicate_lies_in_its_volume_up_to_the_margin(seed, sp
                 assert volume.miss_distance(pose.position) <= 0.011  # the height within which a body is inside
 
 
-@settings(max_examples=examples(300))
+@settings(max_examples=examples(150))
 @given(seed=st.integers(0, 10**6), spread=st.sampled_from([0.02, 0.1, 0.5]))
 def test_the_distance_is_never_negative_and_zero_exactly_where_the_check_holds(seed, spread):
     situation = _situation(random.Random(seed), spread=spread)
@@ -216,7 +218,7 @@ def test_the_distance_is_never_negative_and_zero_exactly_where_the_check_holds(s
             assert fact.way(situation) >= fact.distance(situation)
 
 
-@settings(max_examples=examples(100))
+@settings(max_examples=examples(50))
 @given(seed=st.integers(0, 10**6), spread=st.sampled_from([0.1, 0.5]))
 def test_a_small_move_changes_the_distance_by_no_more_than_that(seed, spread):
     rng = random.Random(seed)
@@ -249,7 +251,7 @@ def test_a_small_move_of_the_gripper_or_of_its_fingers_changes_the_distance_by_n
         assert abs(opened - before) <= 0.01 + 1e-12
 
 
-@settings(max_examples=examples(300))
+@settings(max_examples=examples(150))
 @given(seed=st.integers(0, 10**6), spread=st.sampled_from([0.02, 0.1, 0.5]))
 def test_the_way_to_hold_something_does_not_leap(seed, spread):
     rng = random.Random(seed)
@@ -332,20 +334,16 @@ def test_a_relation_holds_exactly_where_its_inverse_holds_of_the_swapped_bodies(
     assert forward == pytest.approx(inverse.distance(situation, ("brick", "cube")))
 
 
-def test_left_is_plus_y_for_the_robot_and_minus_y_for_who_faces_it():
-    poses = {"cube": Pose((0.5, 0.2, 0.025)), "brick": Pose((0.5, 0.0, 0.02))}
-    for frame, left in (("robot", True), ("viewer", False)):
+@pytest.mark.parametrize(
+    ("name", "inverse", "place"),
+    [("left_of", "right_of", (0.5, 0.2, 0.025)), ("in_front_of", "behind", (0.3, 0.0, 0.025))],
+)
+def test_sides_are_those_of_the_robot_or_of_a_viewer_who_faces_it(name, inverse, place):
+    poses = {"cube": Pose(place), "brick": Pose((0.5, 0.0, 0.02))}
+    for frame, expected in (("robot", True), ("viewer", False)):
         situation = Situation(_scene(frame), poses)
-        assert PREDICATES["left_of"].holds(situation, ("cube", "brick")) == left
-        assert PREDICATES["right_of"].holds(situation, ("cube", "brick")) != left
-
-
-def test_in_front_is_nearer_to_who_looks():
-    poses = {"cube": Pose((0.3, 0.0, 0.025)), "brick": Pose((0.5, 0.0, 0.02))}
-    for frame, front in (("robot", True), ("viewer", False)):
-        situation = Situation(_scene(frame), poses)
-        assert PREDICATES["in_front_of"].holds(situation, ("cube", "brick")) == front
-        assert PREDICATES["behind"].holds(situation, ("cube", "brick")) != front
+        assert PREDICATES[name].holds(situation, ("cube", "brick")) == expected
+        assert PREDICATES[inverse].holds(situation, ("cube", "brick")) != expected
 
 
 @pytest.mark.parametrize(
@@ -373,7 +371,7 @@ def test_a_box_is_held_along_its_narrow_side_only():
     assert PREDICATES["holding"].distance(turned, ("panda", "brick")) == pytest.approx(0.058)
 
 
-def test_every_predicate_speaks_in_plain_words():
+def test_every_predicate_has_a_sentence_in_plain_words():
     said = {name: ALL[name].sentence(ARGUMENTS[name]) for name in NAMES}
     assert set(PREDICATE_ROLES) < set(said)
     assert said["left_of"] == "can is to the left of brick"
@@ -400,6 +398,7 @@ def test_an_unknown_body_is_an_error_not_a_silent_no():
         PREDICATES["rotated"].holds(situation.with_pose("cube", Pose((0.5, 0.0, 0.025))), ("cube", "tilted"))
 
 
+@settings(max_examples=examples(40))
 @given(yaw=st.floats(-0.3, 0.3), off=st.floats(-0.08, 0.08))
 def test_the_width_of_a_grip_on_a_long_box_is_what_is_between_the_pads(yaw, off):
     scene = replace(_scene(), shapes={**_scene().shapes, "brick": Shape("box", (0.24, 0.035, 0.035))})
@@ -440,7 +439,7 @@ def test_what_a_predicate_says_of_itself_fits_its_arguments(name):
         assert PREDICATES[str(predicate.inverse)].direction == predicate.direction.opposite
 
 
-@settings(max_examples=examples(200))
+@settings(max_examples=examples(80))
 @given(seed=st.integers(0, 10**6), spread=st.sampled_from([0.1, 0.5, 1.5]))
 def test_bodies_are_as_far_apart_as_their_relation_says(seed, spread):
     situation = _situation(random.Random(seed), spread=spread)

@@ -82,13 +82,7 @@ BRICK = (0.5, 0.0, 0.0, 0)
         ("ball", (0.5, 0.0, 0.0, 0), "cube", (0.55, 0.0, 0.0, 0), -0.005),
         ("ball", (0.5, 0.0, 0.05, 0), "cube", (0.5, 0.01, 0.0, 0), 0.0),
         ("ball", (0.5, 0.0, 0.0, 0), "pea", (0.5 + 2 * math.sqrt(0.03 * 0.01), 0.0, 0.0, 0), 0.0),
-        (
-            "ball",
-            (0.585 + 0.025, 0.0, 0.04 - 0.03 + 0.04, 0),
-            "brick",
-            (0.52, 0.0, 0.0, 0),
-            0.05 - 0.03,
-        ),  # an edge: 3-4-5
+        ("ball", (0.585 + 0.025, 0.0, 0.04 - 0.03 + 0.04, 0), "brick", (0.52, 0.0, 0.0, 0), 0.02),  # an edge: 3-4-5
         ("cube", (0.63, 0.0, 0.0, 0), "crate", (0.5, 0.0, 0.0, 0), 0.005),
         ("cube", (0.5, 0.0, 0.006, 0), "crate", (0.5, 0.0, 0.0, 0), -0.054),
         ("cube", (0.5, 0.3, 0.001, 20), "table", (0.0, 0.0, 0.0, 0), 0.001),
@@ -130,7 +124,7 @@ def test_the_gap_is_what_going_to_and_fro_between_nearest_points_comes_to(
     pair: tuple[str, str], chance: Chance
 ) -> None:
     rng, close = chance.generator(11), 0
-    for _ in range(40):
+    for _ in range(16):
         x, y, z = (rng.uniform(-0.08, 0.08) for _ in range(3))
         poses = {
             pair[0]: Pose((0.5 + x, y, 0.3 + z), yaw_quaternion(rng.uniform(-3, 3))),
@@ -145,7 +139,7 @@ def test_the_gap_is_what_going_to_and_fro_between_nearest_points_comes_to(
         assert measured >= found - 1e-12
         assert max(0.0, found) == pytest.approx(measured, abs=1e-4)
         close += found < 0.01
-    assert close > 3
+    assert close > 0
 
 
 def test_how_deep_bodies_are_in_each_other_is_the_shortest_way_apart(chance: Chance) -> None:
@@ -188,7 +182,7 @@ def test_it_is_drawn_all_around_the_other_body_on_its_floor_and_on_top(
         assert len(drawn) >= quarters
 
 
-def test_it_is_told_as_what_it_is() -> None:
+def test_its_sentence_says_whether_bodies_touch() -> None:
     assert TOUCHING.sentence(("cube_1", "can_1")) == "cube 1 touches can 1"
     assert TOUCHING.sentence(("cube_1", "can_1"), value=False) == "cube 1 does not touch can 1"
 
@@ -244,19 +238,16 @@ def test_no_proof_excludes_it_where_a_situation_satisfies_it(chance: Chance) -> 
     others = ("left_of", "right_of", "in_front_of", "behind", "near", "far", "aligned", "on_top", "inside", "touching")
     pairs = [(one, two) for one in OBJECTS for two in OBJECTS if one != two]
     pairs_of = {name: [p for p in pairs if name != "inside" or made.shapes[p[1]].wall] for name in others}
-    for _ in range(250):
+    for _ in range(120):
         situation = any_situation(rng, made)
         # Some are pushed against others, along an axis until the boxes around them meet.
         for entity in rng.sample([e for e in OBJECTS if e not in made.fixed], 2):
             other = rng.choice([e for e in OBJECTS if e != entity])
             axis, sign = rng.choice([0, 1]), rng.choice([-1, 1])
             place = list(situation.pose(other).position)
-            place[axis] += sign * (
-                situation.half(entity)[axis] + situation.half(other)[axis] + rng.uniform(-0.002, 0.002)
-            )
-            situation = situation.with_pose(
-                entity, Pose((place[0], place[1], place[2]), situation.pose(entity).quaternion)
-            )
+            apart = situation.half(entity)[axis] + situation.half(other)[axis]
+            place[axis] += sign * (apart + rng.uniform(-0.002, 0.002))
+            situation = situation.with_pose(entity, Pose(tuple(place), situation.pose(entity).quaternion))
         true = [
             Fact(PREDICATES[name], pair, True)
             for name in others
@@ -266,7 +257,7 @@ def test_no_proof_excludes_it_where_a_situation_satisfies_it(chance: Chance) -> 
         ]
         held += sum(fact.predicate is TOUCHING for fact in true)
         assert prover.refutation(true) is None
-    assert held > 300
+    assert held > 140
 
 
 DOMAIN = """
@@ -326,11 +317,11 @@ def side_by_side(tmp_path_factory: pytest.TempPathFactory) -> Domain:
 
 def test_tasks_that_put_things_against_each_other_are_found_and_their_witnesses_pass(side_by_side: Domain) -> None:
     scene = load_scene(side_by_side)
-    world, tasks = world_of(scene), TaskSpace(side_by_side, 4).sample(30, seed=4)
+    world, tasks = world_of(scene), TaskSpace(side_by_side, 4).sample(14, seed=4)
     made = Counter[frozenset[str]]()
     with open_validator(scene) as validator:
         verdicts = [validator.validate(task, seed=4, index=i) for i, task in enumerate(tasks)]
-    assert sum(verdict.feasible for verdict in verdicts) >= 28
+    assert sum(verdict.feasible for verdict in verdicts) >= 13
     for task, verdict in zip(tasks, verdicts, strict=True):
         if verdict.witness is None:
             continue
@@ -342,7 +333,7 @@ def test_tasks_that_put_things_against_each_other_are_found_and_their_witnesses_
                 heights = [moment.poses[entity].position[2] - scene.shapes[entity].half[2] for entity in (one, two)]
                 assert heights == pytest.approx([0.0, 0.0], abs=1e-9)
                 made[frozenset(entity.split("_")[0] for entity in (one, two))] += 1
-    assert len(made) >= 6
+    assert len(made) >= 5
 
 
 def test_the_independent_check_finds_what_is_moved_off(side_by_side: Domain) -> None:

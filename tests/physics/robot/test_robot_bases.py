@@ -7,7 +7,7 @@ import pytest
 
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.geometry import Pose, yaw_quaternion
-from prag_asp.scene.read.robots import check_bases
+from prag_asp.scene.read.scene_reader import check_bases
 from prag_asp.scene.scene import Mount, Scene, Shape
 from prag_asp.tables.report import TableEntry, TableReport
 from tests.chance import Chance

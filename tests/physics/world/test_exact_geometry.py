@@ -102,10 +102,10 @@ def write_urdf(folder: Path, name: str, rng: random.Random) -> np.ndarray:
         if kind in PLAIN:
             sides = {"box": (length(rng), length(rng), length(rng)), "cylinder": (length(rng), length(rng)),
                      "sphere": (length(rng),)}[kind]  # fmt: skip
-            told = {"box": f'size="{" ".join(map(repr, sides))}"',
+            sizes = {"box": f'size="{" ".join(map(repr, sides))}"',
                     "cylinder": f'radius="{sides[0] / 2!r}" length="{sides[-1]!r}"',
                     "sphere": f'radius="{sides[0] / 2!r}"'}[kind]  # fmt: skip
-            geometry, points = f"<{kind} {told}/>", corners(kind, sides)
+            geometry, points = f"<{kind} {sizes}/>", corners(kind, sides)
         else:
             scale = [round(rng.uniform(0.5, 2.0), 3) * 1e-3 for _ in range(3)]
             drawn = [[rng.uniform(-50, 50) for _ in range(3)] for _ in range(rng.randint(8, 40))]

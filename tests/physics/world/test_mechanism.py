@@ -32,7 +32,7 @@ def two():
 
 
 @given(SHAPES, POSES, st.floats(0, 1))
-@settings(max_examples=examples(60))
+@settings(max_examples=examples(40))
 def test_the_bounding_box_and_the_part_are_where_the_simulator_has_them(two, shape, pose, share):
     opening = share * mechanism(shape).limit
     two.place({shape.kind: pose}, {shape.kind: opening})
@@ -60,7 +60,7 @@ def test_the_bounding_box_of_what_is_square_to_the_axes_is_that_of_the_simulator
 
 
 @given(SHAPES, POSES, st.floats(0, 1))
-@settings(max_examples=examples(100))
+@settings(max_examples=examples(40))
 def test_what_furniture_sweeps_holds_it_at_every_opening(shape, pose, share):
     body, part = swept(shape, pose)
     low, high = bounds(shape, pose, share * mechanism(shape).limit)

@@ -82,14 +82,14 @@ def lived(course: TaskSampler, space: TaskSpace, episodes: int, good: Callable[[
 def test_a_course_that_is_resumed_goes_on_as_it_would_have(kind: TaskCurriculum, space: TaskSpace) -> None:
     one, two = kind.task_sampler(TaskPool(space)), kind.task_sampler(TaskPool(space))
     one.seed(5)
-    first = lived(one, space, 30, lambda number: number % 2 > 0)
+    first = lived(one, space, 20, lambda number: number % 2 > 0)
     two.load_state_dict(json.loads(json.dumps(one.state_dict())))
-    after = lived(one, space, 15, lambda number: True)
-    assert lived(two, space, 15, lambda number: True) == after and one.state_dict() == two.state_dict()
+    after = lived(one, space, 10, lambda number: True)
+    assert lived(two, space, 10, lambda number: True) == after and one.state_dict() == two.state_dict()
     two.seed(5)
-    assert lived(two, space, 30, lambda number: number % 2 > 0) == first
+    assert lived(two, space, 20, lambda number: number % 2 > 0) == first
     two.seed(6)
-    assert lived(two, space, 30, lambda number: number % 2 > 0) != first
+    assert lived(two, space, 20, lambda number: number % 2 > 0) != first
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=NAMES)
@@ -98,7 +98,7 @@ def test_what_is_held_out_is_never_drawn(
 ) -> None:
     for pool, allowed in parts:
         assert 0 < len(allowed) < len(tasks)
-        offers = lived(kind.task_sampler(pool), pool.space, 30, lambda number: number % 3 > 0)
+        offers = lived(kind.task_sampler(pool), pool.space, 12, lambda number: number % 3 > 0)
         assert all(str(pool.task(offer)) in allowed for offer in offers)
 
 
@@ -232,7 +232,7 @@ def test_lengths_and_weights_of_the_domain_are_in_the_probability(kind: TaskCurr
     course = kind.task_sampler(pool)
     course.seed(1)
     lengths, factors = set[int](), dict[str, Fraction]()
-    for number in range(30):
+    for number in range(18):
         state, told = course.state_dict(), course.summary()
         offer = course.propose()
         word = offer.word
@@ -289,11 +289,11 @@ def test_what_is_passed_over_for_a_part_counts_as_draws_of_the_same_mixture(
     grasp = next(tasks[word].actions for word in space.enumerate() if names(word) == ["approach", "grasp"])
     for number in range(20):
         course.update(EpisodeResult(2, 0, [Attempt(action, None, number > 17) for action in grasp], number > 17))
-    drawn = [course.propose() for _ in range(800)]
+    drawn = [course.propose() for _ in range(400)]
     draws = sum(1 + offer.passed for offer in drawn)
     found = sum(1 / offer.probability for offer in drawn) / draws
     # Of a course by names that no task is settled with, all are due.
-    assert float(found) == pytest.approx(pool.part.size if pool.part else 0, rel=0.12)
+    assert float(found) == pytest.approx(pool.part.size if pool.part else 0, rel=0.17)
 
 
 def test_what_no_task_of_the_part_has_does_not_stay_due(space: TaskSpace) -> None:

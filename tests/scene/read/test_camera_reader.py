@@ -66,12 +66,12 @@ def test_every_shipped_scene_has_a_camera_in_front_and_one_at_each_wrist(name):
     ("table", "message"),
     [
         ({"front": 3}, "scene.cameras.front: needs a table like { at = [1.2, 0.6, 0.8]"),
-        ({"Front": FRONT}, "scene.cameras.Front: is no name of a camera; begin with a small letter"),
+        ({"Front": FRONT}, "scene.cameras.Front: is not a valid name of a camera; use a lower-case letter"),
         ({"front": {"look_at": [0, 0, 0]}}, "scene.cameras.front.at: missing; write x, y and z in metres"),
         ({"front": {**FRONT, "at": [1, 2]}}, "scene.cameras.front.at: needs x, y and z in metres, within 10 m"),
         ({"front": {**FRONT, "at": [1, 2, float("nan")]}}, "scene.cameras.front.at: needs x, y and z"),
         ({"front": {**FRONT, "at": [1e300, 0, 0]}}, "scene.cameras.front.at: needs x, y and z"),
-        ({"front": {**FRONT, "look_at": FRONT["at"]}}, "scene.cameras.front.look_at: is where the camera is"),
+        ({"front": {**FRONT, "look_at": FRONT["at"]}}, "scene.cameras.front.look_at: is the position of the camera"),
         ({"front": {**FRONT, "lookat": [0, 0, 0]}}, "front.lookat: unknown key; did you mean look_at?"),
         ({"front": {**FRONT, "field_of_view": 180}}, "field_of_view: needs a number from 5 to 150 (degrees); got 180"),
         ({"front": {**FRONT, "mount": "pandora"}}, "front.mount: needs a robot of the scene; did you mean panda?"),
@@ -90,6 +90,6 @@ def test_one_mistake_gives_one_line(table, message):
     assert message in str(fault)
 
 
-def test_a_table_that_is_none_is_told():
+def test_a_table_that_is_none_is_reported():
     with pytest.raises(SceneError, match=r"scene\.cameras: needs a table"):
         parse_scene({**FINE, "cameras": [1]}, CLASSES, ENTITIES)

@@ -39,6 +39,14 @@ def test_a_face_of_corners_that_are_not_there_is_refused(tmp_path: Path, face: s
         mesh_points(written(tmp_path, f"{POINTS}f {face}\n"))
 
 
+@pytest.mark.parametrize("content", ["", "v 1 2\n", "v a b c\n", b"\xff\xfe", POINTS, f"v 1 2 nan\n{POINTS}f 1 2 3\n"])
+def test_a_mesh_without_faces_or_with_points_that_are_not_finite_is_refused(
+    tmp_path: Path, content: str | bytes
+) -> None:
+    with pytest.raises(SceneError, match=r"mesh\.obj: not a mesh: .*; export it anew"):
+        mesh_points(written(tmp_path, content))
+
+
 def test_stl_as_text_is_read_by_its_corners(tmp_path: Path) -> None:
     text = "solid x\n" + "vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0.5\n" * 4
     assert mesh_parts(written(tmp_path, text, ".stl")) == ((((0, 0, 0), (1, 0, 0), (0, 1, 0.5)),) * 4,)

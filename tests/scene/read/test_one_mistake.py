@@ -47,8 +47,8 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize(("folder", "old", "new", "told"), CASES)
-def test_one_mistake_gives_one_line(tmp_path: Path, folder: str, old: str, new: str, told: str) -> None:
+@pytest.mark.parametrize(("folder", "old", "new", "message"), CASES)
+def test_one_mistake_gives_one_line(tmp_path: Path, folder: str, old: str, new: str, message: str) -> None:
     for file in (ROOT / folder).glob("*.*"):
         text = file.read_text()
         if file.name == "domain.toml":
@@ -58,7 +58,7 @@ def test_one_mistake_gives_one_line(tmp_path: Path, folder: str, old: str, new: 
     with pytest.raises(DomainError) as caught:
         load_domain(tmp_path)
     (line,) = str(caught.value).splitlines()
-    assert told in line and line.startswith(f"{tmp_path}/domain.toml:")
+    assert message in line and line.startswith(f"{tmp_path}/domain.toml:")
 
 
 def test_two_mistakes_give_two_lines(tmp_path: Path) -> None:
@@ -67,8 +67,8 @@ def test_two_mistakes_give_two_lines(tmp_path: Path) -> None:
     (tmp_path / "domain.toml").write_text(text.replace(TRAY, "size = 3, wall = 0").replace("radius = ", "raduis = "))
     with pytest.raises(DomainError) as caught:
         load_domain(tmp_path)
-    told = [line.split(": ")[1] for line in str(caught.value).splitlines()]
-    assert sorted(told) == ["scene.shapes.can.raduis", "scene.shapes.tray.size", "scene.shapes.tray.wall"]
+    message = [line.split(": ")[1] for line in str(caught.value).splitlines()]
+    assert sorted(message) == ["scene.shapes.can.raduis", "scene.shapes.tray.size", "scene.shapes.tray.wall"]
 
 
 def test_an_unknown_class_of_several_entities_is_one_mistake(tmp_path: Path) -> None:

@@ -44,10 +44,10 @@ def test_a_table_of_boxes_becomes_a_predicate_with_its_bounds() -> None:
     [
         (3, "scene.own: needs a table for each predicate"),
         ({"odd": 3}, "scene.own.odd: needs a table with arguments"),
-        ({"near": FINE}, "scene.own.near: near is there already; choose another name"),
-        ({"Odd": FINE}, "scene.own.Odd: is no name of a fluent"),
+        ({"near": FINE}, "scene.own.near: near already exists; choose another name"),
+        ({"Odd": FINE}, "scene.own.Odd: is not a valid name of a fluent"),
         ({"odd": {"arguments": ["object"]}}, "scene.own.odd: has neither boxes nor python"),
-        ({"odd": {**FINE, "python": "a.py"}}, "scene.own.odd: has boxes and python; define it by one of them"),
+        ({"odd": {**FINE, "python": "a.py"}}, "scene.own.odd: has boxes and python; give one of the two"),
         ({"odd": {**FINE, "box": 1}}, "scene.own.odd.box: unknown key; did you mean boxes?"),
         ({"odd": {**FINE, "arguments": "object"}}, "scene.own.odd.arguments: needs a list of object, robot, rotation"),
         ({"odd": {**FINE, "arguments": ["cube"]}}, "scene.own.odd.arguments: needs a list"),
@@ -56,7 +56,7 @@ def test_a_table_of_boxes_becomes_a_predicate_with_its_bounds() -> None:
             "scene.own.odd.arguments: are robot, obj",
         ),
         ({"odd": {**FINE, "arguments": ["object"]}}, "scene.own.odd.arguments: needs two objects"),
-        ({"odd": {**FINE, "around": "cube_1"}}, "scene.own.odd.around: stands in for a second argument"),
+        ({"odd": {**FINE, "around": "cube_1"}}, "scene.own.odd.around: replaces the second argument"),
         (
             {"odd": {**FINE, "arguments": ["object"], "around": "cube_9"}},
             "scene.own.odd.around: unknown entity; did you mean cube_",
@@ -71,8 +71,8 @@ def test_a_table_of_boxes_becomes_a_predicate_with_its_bounds() -> None:
         ({"odd": {**FINE, "sentence": 3}}, "scene.own.odd.sentence: needs a sentence like"),
         ({"odd": {**FINE, "sentence": "{0} {is} {2}"}}, "scene.own.odd.sentence: has braces that name no argument"),
         ({"odd": {**FINE, "sentence": "{0} {is"}}, "scene.own.odd.sentence: has braces that name no argument"),
-        ({"odd": {**FINE, "sentence": "{0} lies"}}, "scene.own.odd.sentence: has no {0}, or no {is}"),
-        ({"odd": {"arguments": ["object"], "python": "../a.py"}}, "scene.own.odd.python: ../a.py lies outside"),
+        ({"odd": {**FINE, "sentence": "{0} lies"}}, "scene.own.odd.sentence: lacks {0} or {is}"),
+        ({"odd": {"arguments": ["object"], "python": "../a.py"}}, "scene.own.odd.python: ../a.py is outside"),
         ({"odd": {"arguments": ["object"], "python": "a.txt"}}, "scene.own.odd.python: needs the name of a Python"),
         ({"odd": {"arguments": ["object"], "python": "no.py"}}, "scene.own.odd.python: no.py is not in the folder"),
     ],
@@ -90,5 +90,5 @@ def test_a_link_out_of_the_folder_of_the_domain_is_refused(tmp_path: Path) -> No
     folder.mkdir()
     (folder / "inside.py").symlink_to(tmp_path / "outside.py")
     own = {"odd": {"arguments": ["object"], "python": "inside.py"}}
-    with pytest.raises(SceneError, match=r"inside\.py lies outside of the folder of the domain; move it there"):
+    with pytest.raises(SceneError, match=r"inside\.py is outside the folder of the domain; move it there"):
         parse_scene(table_with(own), {}, {"panda": "robot", "cube_1": "cube"}, folder=folder)

@@ -12,7 +12,7 @@ from prag_asp.scene.read.scene_values import ancestors
 from prag_asp.scene.scene import Shape
 from prag_asp.scene.scene_loader import parse_scene, scene_problems
 from prag_asp.tables.report import path_text
-from tests.physics.random_tasks import Rules, shipped_scene
+from tests.physics.random_tasks import rules_of, scene_table, shipped_scene
 
 CLASSES = {"robot": (), "movable": (), "cube": ("movable",), "ball": ("movable",), "tray": ()}
 ENTITIES = {"panda": "robot", "cube_1": "cube", "ball_1": "ball", "tray_1": "tray"}
@@ -50,61 +50,9 @@ def test_degrees_become_radians_and_fluents_get_their_meaning():
 @pytest.mark.parametrize(
     ("table", "message"),
     [
-        (
-            {"shapes": {"cube": {"kind": "box", "size": [0.05]}}},
-            "scene.shapes.cube.size: needs three positive lengths",
-        ),
-        (
-            {"shapes": {"cube": {"kind": "box", "size": [0.05, -1, 0.05]}}},
-            "scene.shapes.cube.size: needs three",
-        ),
-        (
-            {"shapes": {"cube": {"kind": "box", "size": [0.05, float("nan"), 1]}}},
-            "scene.shapes.cube.size: needs",
-        ),
-        ({"shapes": {"cube": {"kind": "box", "size": ["a", 1, 1]}}}, "scene.shapes.cube.size: needs"),
-        ({"shapes": {"cube": {"kind": "box"}}}, "scene.shapes.cube.size: missing; write three positive lengths"),
-        (
-            {"shapes": {"cube": {"kind": "box", "size": [0.05, 0.05, 1e-9]}}},
-            "scene.shapes.cube.size: needs three positive lengths in metres (at least 0.003, at most 2); got [0.05",
-        ),
-        (
-            {"shapes": {"cube": {"kind": "box", "size": {"low": [0.0029, 0.05, 0.05], "high": [0.05, 0.05, 0.05]}}}},
-            "scene.shapes.cube.size.low: needs three positive lengths in metres (at least 0.003",
-        ),
-        (
-            {"shapes": {"cube": {"kind": "cylinder", "radius": 0.001, "height": 0.1}}},
-            "scene.shapes.cube.radius: needs a number from 0.0015 to 2 (metres); got 0.001",
-        ),
-        (
-            {"shapes": {"cube": {"kind": "cylinder", "radius": 0.03, "height": 0.002}}},
-            "scene.shapes.cube.height: needs a number from 0.003 to 2 (metres); got 0.002",
-        ),
-        (
-            {"shapes": {"cube": {"kind": "sphere", "radius": [1e-9, 0.02]}}},
-            "scene.shapes.cube.radius: needs two positive lengths in metres (at least 0.0015",
-        ),
-        (
-            {"shapes": {"cube": {"kind": "bx"}}},
-            "scene.shapes.cube.kind: unknown shape 'bx'; did you mean box?",
-        ),
-        ({"shapes": {"cube": {"kind": 3}}}, "scene.shapes.cube.kind: unknown shape 3"),
-        ({"shapes": {"cube": 3}}, "scene.shapes.cube: needs a table"),
-        ({"shapes": {"cub": CUBE}}, "scene.shapes.cub: unknown class; did you mean cube?"),
-        (
-            {"shapes": {"cube": {**CUBE, "sise": 1}}},
-            "scene.shapes.cube.sise: unknown key; did you mean size?",
-        ),
-        (
-            {"shapes": {"ball": {"kind": "sphere", "radius": 0}}},
-            "scene.shapes.ball.radius: needs a number from 0.0015 to 2",
-        ),
-        (
-            {"shapes": {"tray": {"kind": "container", "size": [0.1, 0.1, 0.1], "wall": 0.05}}},
-            "scene.shapes.tray.wall",
-        ),
         ({"shape": {}}, "scene.shape: unknown key; did you mean shapes?"),
         ({"shapes": []}, "scene.shapes: needs a table"),
+        ({"shapes": {"cub": CUBE}}, "scene.shapes.cub: unknown class; did you mean cube?"),
         ({"robot": "robby"}, "scene.robot: needs one of panda, kuka; got 'robby'"),
         ({"frame": "left"}, "scene.frame: needs one of robot, viewer"),
         ({"workspace": {"x": [0.7, 0.3]}}, "scene.workspace.x: needs a low and a high end"),
@@ -120,7 +68,7 @@ def test_degrees_become_radians_and_fluents_get_their_meaning():
         ({**FINE, "fixed": {"cube_9": [0.5, 0]}}, "scene.fixed.cube_9: unknown entity; did you mean cube_1?"),
         (
             {**FINE, "fixed": {"panda": [0.5, 0]}},
-            "scene.fixed.panda: is the place of a robot, which has none; fix an entity",
+            "scene.fixed.panda: names a robot, which cannot be fixed; fix an entity",
         ),
         (
             {**FINE, "predicates": {"on": "ontop"}},
@@ -137,6 +85,50 @@ def test_a_malformed_table_is_refused_with_its_key(table, message):
     with pytest.raises(SceneError) as caught:
         parse_scene(table, CLASSES, ENTITIES)
     assert message in str(caught.value)
+
+
+LOW_HIGH = {"low": [0.03, 0.03, 0.04], "high": [0.06, 0.05, 0.04]}
+
+
+@pytest.mark.parametrize(
+    ("shape", "message"),
+    [
+        (3, ": needs a table"),
+        ({"kind": 3}, ".kind: unknown shape 3"),
+        ({"kind": "bx"}, ".kind: unknown shape 'bx'; did you mean box?"),
+        ({**CUBE, "sise": 1}, ".sise: unknown key; did you mean size?"),
+        ({"kind": "box"}, ".size: missing; write three positive lengths"),
+        ({"kind": "box", "size": [0.05]}, ".size: needs three positive lengths"),
+        ({"kind": "box", "size": [0.05, -1, 0.05]}, ".size: needs three"),
+        ({"kind": "box", "size": [0.05, float("nan"), 1]}, ".size: needs"),
+        ({"kind": "box", "size": ["a", 1, 1]}, ".size: needs"),
+        ({"kind": "box", "size": [0.05, 0.05, 1e-9]}, ".size: needs three positive lengths in metres (at least 0.003"),
+        ({"kind": "box", "size": {**LOW_HIGH, "low": [0.0029, 0.05, 0.04]}}, ".size.low: needs three positive lengths"),
+        ({"kind": "box", "size": {"low": [0.1, 0.1, 0.1]}}, ".size.high: missing; write three"),
+        ({"kind": "box", "size": {**LOW_HIGH, "high": [0.2, 0.02, 0.2]}}, ".size: needs no side of low greater than"),
+        ({"kind": "box", "size": {**LOW_HIGH, "middle": 1}}, ".size.middle: unknown key"),
+        (
+            {"kind": "cylinder", "radius": 0.001, "height": 0.1},
+            ".radius: needs a number from 0.0015 to 2 (metres); got",
+        ),
+        (
+            {"kind": "cylinder", "radius": 0.03, "height": 0.002},
+            ".height: needs a number from 0.003 to 2 (metres); got",
+        ),
+        ({"kind": "sphere", "radius": 0}, ".radius: needs a number from 0.0015 to 2"),
+        ({"kind": "sphere", "radius": [1e-9, 0.02]}, ".radius: needs two positive lengths in metres (at least 0.0015"),
+        ({"kind": "sphere", "radius": [0.04, 0.03]}, ".radius: needs the smaller length first"),
+        ({"kind": "sphere", "radius": [0.03, float("nan")]}, ".radius: needs two positive lengths"),
+        ({"kind": "sphere", "radius": [0.03, 0.04, 0.05]}, ".radius: needs a number from 0.0015 to 2"),
+        ({"kind": "container", "size": [0.1, 0.1, 0.1], "wall": 0.05}, ".wall: needs a thickness"),
+        ({"kind": "drawer", "size": [0.05, 0.2, 0.1]}, ".size: needs one size of at least 0.12 x 0.12 x 0.06 m for a"),
+        ({"kind": "drawer", "size": {"low": [0.2, 0.2, 0.1], "high": [0.3, 0.2, 0.1]}}, ".size: needs one size of at"),
+    ],
+)
+def test_a_malformed_shape_is_refused_with_its_key(shape, message):
+    with pytest.raises(SceneError) as caught:
+        parse_scene({"shapes": {"cube": shape}}, CLASSES, ENTITIES)
+    assert f"scene.shapes.cube{message}" in str(caught.value)
 
 
 def test_the_linter_gets_every_problem_at_once():
@@ -159,20 +151,22 @@ def test_the_linter_gets_every_problem_at_once():
 
 
 @pytest.mark.parametrize("name", ["tabletop", "prag"])
-def test_the_shipped_scenes_have_everything_that_their_fluents_speak_about(name):
-    rules = Rules(name)
-    scene = shipped_scene(name)
+def test_the_shipped_scenes_have_all_shapes_and_rotations_of_their_fluents(name):
+    rules, scene = rules_of(name), shipped_scene(name)
     assert {scene.meaning(fluent) for fluent in rules.fluents} - {None}
-    from tests.physics.random_tasks import scene_table
-
     assert scene_problems(scene_table(name), rules.classes, rules.entities, rules.fluents) == []
 
 
-def test_reading_a_scene_loads_no_simulator():
-    code = "import sys, prag_asp.scene.scene_loader; assert not {'pybullet', 'frankik'} & set(sys.modules)"
-    subprocess.run([sys.executable, "-c", code], check=True)
-
-
-def test_physics_loads_no_logic_programming():
-    code = "import sys, prag_asp.physics; assert 'clingo' not in sys.modules and 'PIL' not in sys.modules"
+def test_reading_a_scene_loads_no_simulator_and_physics_no_logic_programming(tmp_path):
+    (tmp_path / "ball.urdf").write_text(
+        '<robot name="x"><link name="a"><inertial><mass value="1"/></inertial>'
+        '<collision><geometry><sphere radius="0.03"/></geometry></collision></link></robot>'
+    )
+    code = (
+        "import sys; from pathlib import Path; from prag_asp.scene.read.urdf import read_urdf; "
+        f"folder = Path({str(tmp_path)!r}); read_urdf(folder / 'ball.urdf', folder); "
+        "assert 'pybullet' not in sys.modules; "
+        "import prag_asp.scene.scene_loader; assert not {'pybullet', 'frankik'} & set(sys.modules); "
+        "import prag_asp.physics; assert not {'clingo', 'PIL'} & set(sys.modules)"
+    )
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from itertools import chain, islice
 from pathlib import Path
 
 import numpy as np
@@ -20,14 +19,14 @@ from prag_asp.logic.step.packed import Rows
 from prag_asp.logic.step.relaxation import Relaxation
 from prag_asp.space.automaton import exploration as exploring
 from prag_asp.space.automaton.exploration import explore
-from prag_asp.space.engines import LEVELS, Draw, Level
+from prag_asp.space.engines import LEVELS, Level
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
-from prag_asp.space.sampling.streams import make_sampler, sample_batches
 from prag_asp.space.weights.weights import Weights, parse_weights
 from tests.brute_force import Toy, term
 from tests.chance import examples
 from tests.conditions import clauses, entities
 from tests.domains import domain_of
+from tests.spaces import draws_of
 from tests.strategies import symmetric_texts, toys
 
 ALWAYS, NEVER = 0, 10**12
@@ -50,12 +49,6 @@ def explored_engine(many: int, model: DomainLogic, level: Level, length: int, me
     return engine
 
 
-def drawn(many: int, engine: AutomatonEngine, level: Level, length: int, weights: Weights, seed: int) -> list[Draw]:
-    with leaving(many):
-        sampler = make_sampler(engine, engine._model.domain.facts, level, length, weights)
-    return list(islice(chain.from_iterable(sample_batches(sampler, engine.letters, seed)), 20))
-
-
 def check_that_nothing_is_lost(
     model: DomainLogic, level: Level, length: int, merge: bool, weights: Weights, seed: int
 ) -> None:
@@ -70,8 +63,10 @@ def check_that_nothing_is_lost(
     if total and level != "skeleton":
         for weighed in (Weights(), weights):
             if whole.weighed(length, weighed).total(length):
-                asked = (level, length, weighed, seed)
-                assert drawn(ALWAYS, cut, *asked) == drawn(NEVER, whole, *asked)
+                with leaving(ALWAYS):
+                    drawn = draws_of(cut, length, weighed, seed)
+                with leaving(NEVER):
+                    assert drawn == draws_of(whole, length, weighed, seed)
 
 
 @settings(max_examples=examples(25), suppress_health_check=list(HealthCheck))

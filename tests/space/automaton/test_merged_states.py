@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from functools import cache
-from itertools import chain, islice
+from itertools import islice
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -15,14 +15,14 @@ from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.space.engines import LEVELS, Level
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.engines.reachability import equal_groups
-from prag_asp.space.sampling.streams import make_sampler, sample_batches
 from prag_asp.space.weights.weights import Weights, parse_weights
 from tests.chance import Chance, examples
 from tests.domains import domain_of
 from tests.orbits.units import draw_units
+from tests.spaces import draws_of
 from tests.strategies import symmetric_texts
 
-SHOWN, UNITS = 300, 40
+SHOWN, UNITS = 300, 24
 """Words that are compared, and how many domains are drawn whose entities belong to each other."""
 
 
@@ -58,13 +58,7 @@ def check_that_merging_changes_nothing(
     if total and level != "skeleton":
         for weighed in (Weights(), weights):
             if plain.weighed(length, weighed).total(length):
-                facts = model.domain.facts
-                made = [(make_sampler(engine, facts, level, length, weighed), engine) for engine in (plain, merged)]
-                drawn = [
-                    list(islice(chain.from_iterable(sample_batches(sampler, engine.letters, seed)), 20))
-                    for sampler, engine in made
-                ]
-                assert drawn[0] == drawn[1]
+                assert draws_of(merged, length, weighed, seed) == draws_of(plain, length, weighed, seed)
 
 
 @pytest.mark.parametrize("level", LEVELS)
@@ -86,7 +80,7 @@ def test_shipped_domains_are_the_same_merged_or_not(
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(30), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(20), suppress_health_check=list(HealthCheck))
 @given(symmetric_texts(), st.sampled_from(LEVELS), st.integers(0, 99))
 def test_random_symmetric_domains_are_the_same_merged_or_not(text: str, level: Level, seed: int) -> None:
     model = DomainLogic(domain_of(text))

@@ -12,53 +12,13 @@ from hypothesis import strategies as st
 from prag_asp import Condition, QueryError, TaskSpace, load_domain
 from tests.brute_force import Action, Toy, agrees, term
 from tests.chance import Chance, examples
-from tests.conditions import Clause, achieves, clauses, ends, entities, runs, satisfied
+from tests.conditions import clauses, runs
 from tests.domains import domain_of
 from tests.spaces import with_engine
 from tests.strategies import toys
 
 LENGTH = 3
 ENGINES = ("automaton", "clingo")
-
-
-@pytest.mark.slow
-@settings(max_examples=examples(40), suppress_health_check=list(HealthCheck))
-@given(toys(closed=False), st.data())
-def test_both_engines_agree_with_brute_force_on_open_worlds(toy: Toy, data: st.DataObject) -> None:
-    check_agreement(toy, data)
-
-
-@pytest.mark.slow
-@settings(max_examples=examples(40), suppress_health_check=list(HealthCheck))
-@given(toys(closed=True), st.data())
-def test_both_engines_agree_with_brute_force_on_closed_worlds(toy: Toy, data: st.DataObject) -> None:
-    check_agreement(toy, data)
-
-
-@pytest.mark.slow
-@settings(max_examples=examples(60), suppress_health_check=list(HealthCheck))
-@given(toys(closed=False), st.data())
-def test_one_first_and_one_last_state_satisfy_all_that_is_asked_of_them(toy: Toy, data: st.DataObject) -> None:
-    check_agreement(toy, data, data.draw(st.lists(st.one_of(ends(toy), achieves(toy)), min_size=1, max_size=3)))
-
-
-def check_agreement(toy: Toy, data: st.DataObject, asked: list[Clause] | None = None) -> None:
-    asked = asked or data.draw(st.lists(clauses(toy), min_size=1, max_size=3))
-    domain = domain_of(toy.text() + "#program base.\n" + entities(toy), "at_most")
-    automaton = TaskSpace(domain, 0, engine="automaton").where(*(clause.words for clause in asked))
-    spaces = [automaton, with_engine(automaton, "clingo")]
-    for length in range(LENGTH + 1):
-        plans = [plan for plan in toy.plans(length) if satisfied(toy, plan, asked)]
-        expected = {tuple(term(toy, i) for i in plan) for plan in plans}
-        names = {tuple(action.partition("(")[0] for action in plan) for plan in expected}
-        for space in spaces:
-            here = space.at(length)
-            assert here.count("plan") == len(expected)
-            assert here.count("skeleton") == len(names)
-            if length == LENGTH:
-                assert here.count("task") == len(expected)  # no entities are interchangeable: a task is a plan
-            assert sorted(here.enumerate("plan")) == sorted(expected)
-            assert list(here.enumerate("skeleton")) == sorted(names)
 
 
 @settings(max_examples=examples(40), suppress_health_check=list(HealthCheck))

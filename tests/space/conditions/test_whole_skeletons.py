@@ -60,7 +60,7 @@ def test_the_nearest_that_whole_skeletons_allow_comes_with_a_warning() -> None:
 
 
 def test_classes_are_adjusted_where_there_are_too_many_skeletons_to_list(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("prag_asp.space.splits.MOST_SKELETONS", 3)
+    monkeypatch.setattr("prag_asp.space.conditions.whole_skeletons.MOST_SKELETONS", 3)
     space = TaskSpace(domain_of(SKEWED), 4)
     for seed in range(3):
         parts = space.split_skeletons({"train": 0.8, "test": 0.2}, seed=seed)

@@ -23,7 +23,7 @@ from tests.chance import Chance, examples
 from tests.domains import domain_of
 from tests.ganak import CountModels, counting_by, one_process
 from tests.processes import gone, interrupt, interruptible, until_it_works, workers
-from tests.space.engines.test_engines import BEYOND, CARRIED, TWO
+from tests.space.engines.test_engines import BEYOND, TWO
 from tests.space.test_known_counts import COUNTS
 from tests.strategies import toys
 
@@ -60,29 +60,6 @@ def test_sharp_counts_what_is_too_much_to_enumerate() -> None:
     assert space.count("plan", ["a"]) == 2**39
 
 
-@pytest.mark.slow
-@settings(max_examples=examples(60), suppress_health_check=list(HealthCheck))
-@given(st.booleans().flatmap(lambda closed: toys(closed=closed)), st.data())
-def test_sat_agrees_with_brute_force_at_every_level(toy: Toy, data: st.DataObject) -> None:
-    space = TaskSpace(domain_of(toy.text(), "at_most"), 0, engine="sat")
-    for length in range(5):
-        here = space.at(length)
-        expected = [tuple(term(toy, i) for i in plan) for plan in toy.plans(length)]
-        names = {tuple(action.partition("(")[0] for action in plan) for plan in expected}
-        assert [here.count("plan"), here.count("skeleton")] == [len(expected), len(names)]
-        if length == 4:
-            assert here.count("task") == len(expected)  # no entities are interchangeable: a task is a plan
-        assert list(here.enumerate("plan")) == sorted(expected)
-        assert list(here.enumerate("skeleton")) == sorted(names)
-        word = tuple(term(toy, data.draw(st.integers(0, len(toy.actions) - 1))) for _ in range(length))
-        assert (word in here) == (word in expected)
-        if expected:
-            rank = data.draw(st.integers(0, len(expected) - 1))
-            assert here[rank].actions == here[rank - len(expected)].actions
-            assert tuple(map(str, here[rank].actions)) == sorted(expected)[rank]
-            assert here.index(here[rank]) == rank
-
-
 @needs_ganak
 @pytest.mark.slow
 @settings(max_examples=examples(12), suppress_health_check=list(HealthCheck))
@@ -114,13 +91,6 @@ def test_steps_that_are_no_function_are_counted(engine: str, rules: str, plans: 
 def test_a_disjunction_is_refused() -> None:
     with pytest.raises(EngineError, match=r"disjunction as its head.*choose the engine clingo"):
         TaskSpace(domain_of(TWO + "x(t) ; y(t)."), 2, engine="sat").count("plan")
-
-
-@pytest.mark.parametrize(("base", "define", "test"), CARRIED)
-def test_what_an_author_carries_along_is_counted(base: str, define: str, test: str) -> None:
-    domain = domain_of(TWO + define + test + "\n#program base.\n" + base.replace("parity(0)", "parity(0,0)"))
-    sat, clingo = (TaskSpace(domain, 5, engine=engine) for engine in ("sat", "clingo"))
-    assert list(sat.enumerate("plan")) == list(clingo.enumerate("plan"))
 
 
 LOOPS = [
@@ -196,16 +166,7 @@ def test_connectivity_by_rules_that_go_around_is_that_of_the_graph(engine: str) 
     assert space.at(3).count("plan") == 0
 
 
-def test_actions_without_arguments_are_told_from_names() -> None:
-    """The action a is one of two of the name a."""
-    domain = domain_of("fluent(f). action(a). action(a(1)). precondition(a,f,true). initially(f,false).")
-    space = TaskSpace(domain, 2, engine="sat")
-    assert list(space.enumerate("plan")) == [("a(1)", "a(1)")]
-    assert ("a", "a(1)") not in space
-    assert space.count("skeleton", ["a"]) == 1
-
-
-@pytest.mark.parametrize("engine", ["sat", pytest.param("sharp", marks=needs_ganak)])
+@pytest.mark.parametrize("engine", ["automaton", "clingo", "sat", pytest.param("sharp", marks=needs_ganak)])
 def test_the_edges_of_counting_are_the_same(engine: str) -> None:
     empty = TaskSpace(domain_of("fluent(f)."), 0, engine=engine)
     assert [empty.at(n).count(by) for n in (0, 1, 5) for by in LEVELS] == [1, 1, 1] + [0] * 6

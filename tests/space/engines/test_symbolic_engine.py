@@ -19,14 +19,11 @@ from prag_asp.space.engines.auto_engine import Growth
 from prag_asp.space.engines.symbolic_engine import SymbolicEngine
 from prag_asp.space.limits import limit_error
 from prag_asp.stop_reason import StopKind, StopReason
-from tests.brute_force import Toy, term
 from tests.chance import Chance, examples
-from tests.conditions import clauses, entities, satisfied
 from tests.domains import domain_of
 from tests.spaces import with_engine
-from tests.strategies import hierarchies, symmetric_texts, toys
+from tests.strategies import symmetric_texts
 
-LENGTH = 3
 UNCACHED = Limits(cached=False)
 ONE_SECOND = Limits(seconds=1, cached=False)
 
@@ -73,23 +70,6 @@ def compare(symbolic: TaskSpace, other: TaskSpace, by: Level) -> list[tuple[str,
     assert [engine.unrank(length, rank) for rank in range(len(words))] == words
     assert [engine.rank(word) for word in words] == list(range(len(words)))
     return words
-
-
-@pytest.mark.slow
-@settings(max_examples=examples(50), suppress_health_check=list(HealthCheck))
-@given(st.one_of(toys(closed=True), toys(closed=False), hierarchies(closed=True)), st.data())
-def test_it_agrees_with_brute_force_at_every_level_under_conditions(toy: Toy, data: st.DataObject) -> None:
-    asked = data.draw(st.lists(clauses(toy), max_size=2)) if not toy.composites else []
-    domain = domain_of(toy.text() + "#program base.\n" + entities(toy), "at_most")
-    symbolic = TaskSpace(domain, 0, engine="symbolic").where(*(clause.words for clause in asked))
-    automaton = with_engine(symbolic, "automaton")
-    for length in range(LENGTH + 1):
-        plans = [plan for plan in toy.plans(length) if satisfied(toy, plan, asked)]
-        expected = {tuple(term(toy, i) for i in plan) for plan in plans}
-        assert sorted(compare(symbolic.at(length), automaton.at(length), "plan")) == sorted(expected)
-        assert symbolic.at(length).count("task") == len(expected)
-        names = {tuple(action.partition("(")[0] for action in plan) for plan in expected}
-        assert compare(symbolic.at(length), automaton.at(length), "skeleton") == sorted(names)
 
 
 @pytest.mark.slow
@@ -233,7 +213,7 @@ def test_a_limit_ends_it_with_one_line(by: Level) -> None:
 
 @dataclass(frozen=True)
 class Looks:
-    """Limits, and a budget, that are spent after so many looks; then there is time to tell what was found."""
+    """Limits, and a clock, that are spent after so many looks; then there is time to tell what was found."""
 
     left: list[int]
     limits: Limits = ONE_SECOND

@@ -24,7 +24,7 @@ class(cup). class(can). entity((cup_1;cup_2),cup). entity(can_1,can). fluent(cle
 action(wash(C)) :- entity(C,_). postcondition(wash(C),clean(C),true) :- entity(C,_).
 """
 
-DOMAINS, LENGTH = 60, 2
+DOMAINS, LENGTH = 32, 2
 
 
 @pytest.mark.parametrize("engine", [each for each in ENGINES if each != "sharp"])

@@ -22,45 +22,6 @@ from tests.domains import domain_of
 from tests.spaces import with_engine
 from tests.strategies import hierarchies
 
-LENGTH = 5
-
-
-@pytest.mark.slow
-@settings(max_examples=examples(40), suppress_health_check=list(HealthCheck))
-@given(hierarchies(closed=False))
-def test_both_engines_agree_with_brute_force_on_open_worlds(toy: Toy) -> None:
-    check_agreement(toy)
-
-
-@pytest.mark.slow
-@settings(max_examples=examples(40), suppress_health_check=list(HealthCheck))
-@given(hierarchies(closed=True))
-def test_both_engines_agree_with_brute_force_on_closed_worlds(toy: Toy) -> None:
-    check_agreement(toy)
-
-
-def check_agreement(toy: Toy, longest: int = LENGTH) -> None:
-    domain = domain_of(toy.text(), "at_most")
-    automaton = TaskSpace(domain, 0, engine="automaton")
-    spaces = [automaton, with_engine(automaton, "clingo")]
-    for length in range(longest + 1):
-        expected = sorted(tuple(term(toy, i) for i in plan) for plan in toy.plans(length))
-        names = sorted({tuple(action.partition("(")[0] for action in plan) for plan in expected})
-        for space in spaces:
-            here = space.at(length)
-            assert here.count("plan") == len(expected)
-            assert here.count("skeleton") == len(names)
-            if length in (0, 3):
-                assert here.count("task") == len(expected)  # no entities are interchangeable: a task is a plan
-                assert sorted(here.enumerate("plan")) == expected
-                assert list(here.enumerate("skeleton")) == names
-
-
-@settings(max_examples=examples(15), suppress_health_check=list(HealthCheck))
-@given(hierarchies(closed=True))
-def test_a_few_domains_agree_in_every_run(toy: Toy) -> None:
-    check_agreement(toy, longest=3)
-
 
 @settings(max_examples=examples(60), suppress_health_check=list(HealthCheck))
 @given(hierarchies(closed=False))

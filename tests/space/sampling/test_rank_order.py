@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from fractions import Fraction
-from itertools import islice
+from itertools import count, islice
 
 import pytest
 
@@ -57,7 +57,7 @@ def test_numbers_beyond_64_bits_are_met_as_any_other() -> None:
 
 
 def keys(part: TaskOrder, first: int = 0, some: int | None = None) -> list[tuple[int, int]]:
-    return [(len(each.word), each.rank) for each in islice(part.draws(first), some)]
+    return [(len(each.word), each.rank) for each in islice(part.pick(count(first)), some)]
 
 
 @pytest.mark.parametrize("division", ["tasks", "skeletons", "hold out"])
@@ -90,7 +90,9 @@ def test_parts_of_one_length_are_those_of_a_split(prag: TaskSpace) -> None:
     split = space.split({"train": "0.8", "test": "0.2"}, seed=4)
     parts = ordered_parts(space, Division.parse({"train": "0.8", "test": "0.2"}), seed=4, weights=Weights())
     for name, part in parts.items():
-        assert [task.actions for task in split[name]] == [task.actions for _, task in with_tasks(space, part.draws())]
+        assert [task.actions for task in split[name]] == [
+            task.actions for _, task in with_tasks(space, part.pick(count()))
+        ]
 
 
 def test_draws_by_weight_come_as_often_as_their_weights_say(kitchen: TaskSpace, chance: Chance) -> None:
@@ -105,7 +107,7 @@ def test_draws_by_weight_come_as_often_as_their_weights_say(kitchen: TaskSpace, 
     times = chance.examples(300)
     for seed in map(chance.seed, range(times)):
         (part,) = ordered_parts(space, Division.parse(None), seed=seed, weights=space.weights(weights)).values()
-        first, second = islice(part.draws(), 2)
+        first, second = islice(part.pick(count()), 2)
         firsts[first.word] += 1
         seconds[second.word] += 1
     for word, probability in exact.items():

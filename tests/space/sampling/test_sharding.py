@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
-from itertools import chain, islice
+from itertools import chain, count, islice
 
 import pytest
 
@@ -46,8 +46,8 @@ def test_what_is_dealt_are_the_draws_of_all_in_their_order(weights: dict[str, in
     for number in (1, 2, 3):
         dealt = ordered_parts(space, division, seed=5, weights=space.weights(weights), deal=Deal(number, 3))
         for name, part in whole.items():
-            right = list(islice(part.draws(), number - 1, None, 3))
-            assert list(dealt[name].draws()) == right and dealt[name].size == len(right)
-            assert list(dealt[name].draws(1)) == right[1:]
+            right = list(islice(part.pick(count()), number - 1, None, 3))
+            assert list(dealt[name].pick(count())) == right and dealt[name].size == len(right)
+            assert list(dealt[name].pick(count(1))) == right[1:]
             picked = [own for own in range(len(right)) if own % 2]
             assert list(dealt[name].pick(picked)) == [right[own] for own in picked]

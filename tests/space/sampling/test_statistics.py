@@ -20,16 +20,11 @@ from prag_asp.space.weights.weights import Number
 from tests.brute_force import Toy, term
 from tests.chance import Chance, examples
 from tests.domains import domain_of
-from tests.space.sampling.test_sampling import KINDS, expected_weight, pairs, words_of_pairs
+from tests.space.sampling.test_sampling import ENTITIES, KINDS, expected_weight, pairs, words_of_pairs
 from tests.spaces import with_engine
 from tests.strategies import toys
 
 DOMAIN = load_domain("prag")
-ENTITIES = {
-    "apple_1": {"apple", "graspable"}, "apple_2": {"apple", "graspable"}, "box_1": {"box", "graspable"},
-    "can_1": {"can", "graspable"}, "bowl_1": {"bowl", "location"}, "crate_1": {"crate", "location"},
-    "panda": {"gripper"},
-}  # fmt: skip
 
 
 def check(found: Statistics, weighed: dict[tuple[str, ...], Fraction]) -> None:

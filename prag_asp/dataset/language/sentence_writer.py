@@ -1,0 +1,177 @@
+"""Write unambiguous sentences: each is parsed back before it is used; another wording replaces an ambiguous one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from hashlib import blake2b
+from typing import TypeVar
+
+from prag_asp.atom import Atom
+from prag_asp.dataset.language.descriptions import View
+from prag_asp.dataset.language.instruction_reader import InstructionReader
+from prag_asp.dataset.language.sentences import Sentence
+from prag_asp.errors import QueryError
+from prag_asp.grammar.phrasings import Phrasings
+
+Option = TypeVar("Option")
+
+VARIANTS = (0, 1)
+"""Wordings of a relation, the shorter one first."""
+
+CACHED = 1 << 16
+"""Sentences that are cached: tasks of one space share most of them."""
+
+ClearSentence = tuple[str, str | None]
+"""An unambiguous sentence and its topic."""
+
+
+class PhraseRng:
+    """A random generator seeded by a text, the same on every machine and in every version of Python.
+
+    Its numbers are digits of the text's digest in a mixed base.
+    """
+
+    def __init__(self, text: str) -> None:
+        self._seed = text.encode()
+        self._value, self._left = 0, 1
+
+    def number(self, options: int) -> int:
+        """Return a number from 0 below the number of options."""
+        if self._left < options << 32:
+            self._seed = blake2b(self._seed).digest()
+            self._value, self._left = int.from_bytes(self._seed, "big"), 1 << 512
+        self._value, found = divmod(self._value, options)
+        self._left //= options
+        return found
+
+    def pick(self, options: Sequence[Option]) -> Option:
+        """Return a random one of some options."""
+        return options[self.number(len(options))]
+
+
+@dataclass(frozen=True)
+class _Paraphrases:
+    """The sentences for an action or a fluent: those `given`, and `spare` ones for where all of them are ambiguous.
+
+    `things` are the entities in it, `known` is set where the domain has it at all, and `clear` caches the unambiguous
+    sentence for each way in which the things are described.
+    """
+
+    given: tuple[Sentence, ...]
+    spare: tuple[Sentence, ...]
+    things: tuple[str, ...]
+    known: bool
+    clear: dict[object, ClearSentence | None] = field(default_factory=dict)
+
+
+class SentenceWriter:
+    """Writes the sentences of a language that a reader parses back to one action, or to one fluent and its value."""
+
+    def __init__(self, reader: InstructionReader, phrasings: Phrasings) -> None:
+        self._reader, self._lexicon, self._phrasings = reader, reader.lexicon, phrasings
+        self._paraphrases: dict[tuple[Atom, bool, bool], _Paraphrases] = {}
+        self._cached = 0
+
+    def write(
+        self,
+        view: View,
+        atom: Atom,
+        topic: str | None,
+        rng: PhraseRng | None,
+        *,
+        value: bool = True,
+        fact: bool = False,
+    ) -> ClearSentence:
+        """Return an unambiguous sentence of an action, or of a `fact` with its value, and its topic.
+
+        Raises:
+            QueryError: there is none.
+        """
+        key = (atom, value, fact)
+        sentences = self._paraphrases.get(key)
+        if sentences is None:
+            sentences = self._paraphrases[key] = self._find_paraphrases(*key)
+        first = rng.number(len(sentences.given)) if sentences.given and rng else 0
+        way = (view.context, topic, first, view.related(sentences.things))
+        try:
+            found = sentences.clear[way]
+        except KeyError:
+            ordered = (*sentences.given[first:], *sentences.given[:first], *sentences.spare)
+            found, of_state = self._search(view, ordered, key, topic)
+            if not of_state:
+                if self._cached > CACHED:
+                    for each in self._paraphrases.values():
+                        each.clear.clear()
+                    self._cached = 0
+                sentences.clear[way] = found
+                self._cached += 1
+        if found is not None:
+            return found
+        domain, language = self._lexicon.domain.name, self._lexicon.language
+        if not sentences.known:
+            raise QueryError(f"{atom} is no {'fluent' if fact else 'action'} of {domain}; give tasks of that domain")
+        raise QueryError(
+            f"no sentence for {atom} that means nothing else; write one that names all that it refers to "
+            f"under [language.{language}.{'facts' if fact else 'actions'}]"
+        )
+
+    def facts(
+        self, view: View, facts: Mapping[Atom, bool], topic: str | None = None, rng: PhraseRng | None = None
+    ) -> list[str]:
+        """Return a sentence for each fact that has an unambiguous one."""
+        texts = []
+        for fluent, value in facts.items():
+            try:
+                texts.append(self.write(view, fluent, topic, rng, value=value, fact=True)[0])
+            except QueryError:
+                continue
+        return texts
+
+    def _search(
+        self, view: View, sentences: Sequence[Sentence], meaning: tuple[Atom, bool, bool], topic: str | None
+    ) -> tuple[ClearSentence | None, bool]:
+        """Return the first of some sentences that is unambiguous, and whether that depends on the state.
+
+        It does not where it depends on the descriptions of the things alone.
+        """
+        (atom, value, fact), of_state, phrases = meaning, False, self._lexicon.phrases
+        for variant in VARIANTS:
+            for clause in sentences:
+                words = []
+                for slot in clause.template.slots:
+                    thing = atom.arguments[slot.argument]
+                    if thing == topic:
+                        words.append(phrases.pronoun(thing, slot.case))
+                    else:
+                        words.append(phrases.write(view, thing, slot.case, variant))
+                text = clause.template.fill(words)
+                meanings, unsure = self._reader.parse_sentence(view, text, topic, of_actions=not fact)
+                of_state |= unsure
+                if len(meanings) == 1:
+                    (parsed,) = meanings
+                    if (parsed.atom, parsed.value) == (atom, value):
+                        return (text, parsed.topic), of_state
+        return None, of_state
+
+    def _find_paraphrases(self, atom: Atom, value: bool, fact: bool) -> _Paraphrases:
+        """Collect the sentences; where only some phrasings are written, an action has no other ones."""
+        lexicon = self._lexicon
+        table = lexicon.sentences.facts if fact else lexicon.sentences.actions
+        known = [each for each in table.get((atom.name, len(atom.arguments)), ()) if each.value == value]
+        usable = []
+        for each in known:
+            template = each.template
+            first = lexicon.phrases.gender(atom.arguments[template.arguments[0]]) if template.slots else ""
+            if not template.genders or first in template.genders:
+                usable.append(each)
+        given = [each for each in usable if not each.spare and each.identifies(atom, lexicon.appearance.robots)]
+        if fact:  # with one robot it needs no mention
+            fewest = min((len(each.template.slots) for each in given), default=0)
+            given = [each for each in given if len(each.template.slots) == fewest]
+        chosen = [each for each in given if self._phrasings.has(each.template.phrasing)]
+        if chosen or not fact:
+            given = chosen
+        spare = [each for each in usable if each.spare and (fact or self._phrasings.all <= 1)]
+        things = tuple(each for each in atom.arguments if each in lexicon.appearance.nouns)
+        return _Paraphrases(tuple(given), tuple(spare), things, any(atom in clause.atoms for clause in known))
