@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 Act = tuple[str, ...]
-"""An action: its name, then what it speaks of."""
+"""An action: its name, then what it refers to."""
 
 Word = tuple[Act, ...]
 Configuration = tuple[Hashable, frozenset[Word]]
@@ -32,7 +32,7 @@ class Simulation:
         return Simulation(self.start, self.actions, self.step, tuple((action,) for action in self.actions))
 
     def without(self, things: Iterable[str]) -> Simulation:
-        """Return the simulation in which no action speaks of any of `things`."""
+        """Return the simulation in which no action refers to any of `things`."""
         kept = tuple(action for action in self.actions if not set(things) & set(action))
         units = tuple(unit for unit in self.units if set(unit) <= set(kept))
         return Simulation(self.start, kept, self.step, units)

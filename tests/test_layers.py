@@ -87,7 +87,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     "tables": ("toml_text", "report", "json_fields"),
     "scene": (
         "predicate_names", "boxes", "cameras", "colours", "forms", "shape_kinds", "scene", "geometry",
-        "footprint", "furniture", "solids", "variation", "robots", "read", "scene_loader",
+        "footprint", "furniture", "solids", "mass", "variation", "robots", "read", "surfaces", "scene_loader",
     ),
     "logic": ("ground", "step", "diagram", "symmetry", "domain_logic", "formula"),
     "space": (
@@ -96,7 +96,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
         "task_space", "without_replacement", "emptiness",
     ),
     "physics": (
-        "bullet", "required", "temporary_files", "robot", "witness", "situation", "predicates",
+        "bullet", "required", "temporary_files", "robot", "grasps", "witness", "situation", "predicates",
         "symbolic_facts", "world", "proofs", "search", "motion", "checks", "demonstration", "filming",
         "pictures", "verdict", "tiers", "validator", "validation",
     ),

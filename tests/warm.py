@@ -27,7 +27,7 @@ ROOT = Path(__file__).parent.parent
 SERVE = "import sys; from tests.warm import serve; serve(sys.argv[1])"
 
 OFTEN = ("prag", "tabletop")
-"""Domains that most commands speak of: what logic says of them is computed before the first fork, for all."""
+"""Domains that most commands refer to: what logic says of them is computed before the first fork, for all."""
 
 PLACE = "place"
 """Where the process is asked, in the folder of the program: a whole path may be longer than sockets allow."""

@@ -114,7 +114,7 @@ def languages(context: click.Context, typed: str) -> Iterable[str]:
 
 @_completer
 def plan(context: click.Context, typed: str) -> Iterable[str]:
-    """Complete one more action."""
+    """Return completions for the next action of a plan."""
     return _after(typed, map(str, _domain(context).facts.actions))
 
 

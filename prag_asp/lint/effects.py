@@ -136,7 +136,7 @@ class Findings:
             hint = f"declared terms look like {same}; fix its arguments, or declare {kind}({term})"
         else:
             hint = did_you_mean(_name(term), map(_name, declared), f"declare it with {kind}({term})")
-        self._add((kind, _name(term)), f"{predicate} speaks of the undeclared {kind} {term}", hint, predicate, row)
+        self._add((kind, _name(term)), f"{predicate} refers to the undeclared {kind} {term}", hint, predicate, row)
 
     def _add(self, key: tuple[str, str], text: str, hint: str, predicate: str, row: Row) -> None:
         culprit = self._culprits.setdefault(key, _Culprit(text, hint))
@@ -169,7 +169,7 @@ def limit_problems(
             spelled = name.name if name.type == clingo.SymbolType.Function else str(name)
             hint = f"actions are {', '.join(sorted(names))}"
             hint = f"give the name alone, {spelled}" if spelled in names else did_you_mean(spelled, names, hint)
-            yield Problem(*place, f"at_most speaks of {name}, which is not the name of an action; {hint}")
+            yield Problem(*place, f"at_most refers to {name}, which is not the name of an action; {hint}")
         elif most.type != clingo.SymbolType.Number or most.number < 0:
             yield Problem(*place, f"{name} cannot occur at most {most} times; write a number, as in at_most({name},2)")
     if limits and not any(atom.signature == LIMIT for each in statements for atom in each.body):

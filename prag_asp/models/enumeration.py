@@ -27,7 +27,7 @@ Printed = tuple[clingo.Symbol, ...]
 class Enumeration:
     """The answer sets of a program, enumerated anew for each query.
 
-    Memory does not grow with their number, unless clingo repeats equivalent answer sets (`_repeats`).
+    Memory does not depend on their number, unless clingo repeats equivalent answer sets (`_repeats`).
     """
 
     given: GivenProgram

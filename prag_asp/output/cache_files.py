@@ -70,7 +70,7 @@ def write_cached(path: Path, content: bytes) -> bool:
 
 
 def checksum(content: bytes | memoryview) -> bytes:
-    """Return the checksum of a content, which is written after it."""
+    """Return the checksum that is appended to the content of a cache file."""
     return zlib.crc32(content).to_bytes(CHECKSUM, "little")
 
 

@@ -38,8 +38,9 @@ TIERS = tuple(Tier)
 class Budget:
     """How hard to search for a witness, and what it has to pass.
 
-    `restarts` are the initial states tried for a task, `samples` the attempts at each action. `tier` is the most
-    expensive tier of checks, as a `Tier` or its name; those before it in `TIERS` are included.
+    `restarts` are the initial states tried for a task, `samples` the attempts at each action. Where objects lack room,
+    a few further restarts pack them tightly. `tier` is the most expensive tier of checks, as a `Tier` or its name;
+    those before it in `TIERS` are included.
 
     Raises:
         QueryError: a number is not positive, or the tier is unknown.
@@ -110,8 +111,8 @@ class Verdict:
 
     `reason` says why a task is proved infeasible, or the cause for which most attempts failed; `causes` counts the
     failed attempts by their cause (one of `CAUSES`), and `details` say of which facts and bodies; `restarts` is the
-    number of initial states tried. `seed` and `index` together repeat the search. `demonstration` is there if the
-    budget includes one; it is too large for JSON, and has a separate file.
+    number of initial states tried, those that were packed tightly included. `seed` and `index` together repeat the
+    search. `demonstration` is there if the budget includes one; it is too large for JSON, and has a separate file.
     """
 
     status: Status

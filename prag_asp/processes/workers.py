@@ -36,7 +36,7 @@ class WorkerEnded(Exception):
 
 
 class RemoteTraceback(Exception):
-    """The traceback of an error that was raised in a worker: the cause of that error here."""
+    """The traceback of an error in a worker; it becomes the `__cause__` of the error that the parent raises."""
 
 
 @dataclass(frozen=True, eq=False)

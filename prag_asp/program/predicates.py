@@ -67,6 +67,6 @@ REQUEST, MEMORY, FINDING = (
 """Predicates of conditions and weights: their requests, their memory after a step, and their findings at a step."""
 
 
-def speaks_of(text: str, predicate: EncodingPredicate) -> bool:
+def refers_to(text: str, predicate: EncodingPredicate) -> bool:
     """Return whether a program text contains the name of a predicate."""
     return re.search(rf"\b{predicate.name}\b", text) is not None

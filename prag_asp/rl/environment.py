@@ -5,6 +5,7 @@ from __future__ import annotations
 import weakref
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import gymnasium
@@ -21,8 +22,8 @@ from prag_asp.physics import Budget, Witness, require_physics
 from prag_asp.rl.arena import PERIOD, Arena
 from prag_asp.rl.camera_views import Image, Viewer
 from prag_asp.rl.control import SIZES, Control
-from prag_asp.rl.environment_options import Until, check_episodes, check_figures, moves_of, options_of
-from prag_asp.rl.goals import PLACES
+from prag_asp.rl.environment_options import Until, check_episodes, check_figures, moves_of, options_of, steps_left_of
+from prag_asp.rl.goals import PLACES, subgoals_of
 from prag_asp.rl.observations import Layout, observe
 from prag_asp.rl.reward_annealing import RewardAnnealing
 from prag_asp.rl.rewards import Reward, reached, step_rewards
@@ -43,6 +44,9 @@ Observation = dict[str, Any]
 STEPS = 100
 """The default limit of steps for a subgoal."""
 
+REBUILT = ("domain", "scene", "layout", "situation", "_resources", "_viewer", "_sampler", "_arena", "_start")
+"""The attributes that a copy of an environment builds anew, from its arguments and its episode."""
+
 
 class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     """One agent moves all arms of a scene; its tasks come from a `space`, a `dataset`, or are one `task` alone.
@@ -61,9 +65,13 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     With a `part` of the space, only its tasks are used. A `curriculum` chooses the tasks: `Lengths`, `Novelty`,
     `Adaptive` or `Bandit`; `Backwards` chooses the initial subgoals; or give two, one of each kind. It learns from the
-    episodes of this environment alone. `info` has the exact `probability` of the task and of its
-    stage (`stage_probability`), and the number of samples that were `rejected` before it. Images of `cameras` are in
-    observations, too, as `camera_` and the name: 8-bit colours, of `size` width and height in pixels.
+    episodes of this environment alone. `info` has the same keys at a reset and at each step, among them the exact
+    `probability` of the task and of its stage (`stage_probability`), and the number of samples that were `rejected`
+    before it. Images of `cameras` are in observations, too, as `camera_` and the name: 8-bit colours, of `size` width
+    and height in pixels.
+
+    A copy, by `pickle` or `copy.deepcopy`, has simulators of its own and continues the episode in the same way, bit for
+    bit: it performs the actions of the episode again.
 
     Raises:
         QueryError: an argument is wrong, or the task has no witness.
@@ -96,6 +104,12 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         size: int | tuple[int, int] | None = None,
         render_mode: Literal["rgb_array"] | None = None,
     ) -> None:
+        self._arguments = {
+            "space": space, "part": part, "dataset": dataset, "task": task, "witness": witness, "domain": domain,
+            "curriculum": curriculum, "stage": stage, "until": until, "reward": reward, "fade": fade,
+            "discount": discount, "control": control, "everything": everything, "steps": steps, "budget": budget,
+            "cameras": cameras, "size": size, "render_mode": render_mode,
+        }  # fmt: skip
         origin = TaskOrigin(space, part, dataset, task, curriculum)
         check_episodes(until=until, reward=reward, control=control, stage=stage, steps=steps)
         modes = self.metadata["render_modes"]
@@ -148,24 +162,24 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self._over = False
         self._last = self.stage if self._until == "subgoal" else len(start.subgoals) - 1
         self._left = self._steps * (self._last + 1 - self.stage)
-        if self._arena is None:
-            self._arena = Arena(self.scene, self._resources)
         if self._annealing is not None:
             self._share = self._annealing.share
-        self.situation = self._arena.start(self.witness, self.stage)
+        self._moves: list[NDArray[np.float64]] = []
+        self._perform()
         measured, here = self._goal(self.situation)
         self._before = here
-        info, curriculum = start.info() | self._info(measured, success=False), self._sampler.summary()
-        return self._observation(self.situation, here), info | ({"curriculum": curriculum} if curriculum else {})
+        self._episode_info, self._curriculum = start.info(), self._sampler.summary()
+        return self._observation(self.situation, here), self._info(measured, success=False)
 
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Apply an action for 1/20 s; its numbers are clipped to -1 and 1.
 
         Raises:
-            QueryError: the action is malformed, or no episode has begun.
+            QueryError: the action is malformed or not finite, or no episode has begun.
         """
         arena, moves = self._begun_arena, moves_of(action, SIZES[self.control] * len(self.layout.robots))
         self.situation = situation = arena.act(moves, self.control)
+        self._moves.append(moves)
         measured, here = self._goal(situation)
         if here[1:].max() <= 0.0 and self.stage < self._last:
             self.stage += 1
@@ -195,6 +209,17 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """Return whether steps that lead to `achieved_goal` reach their goals; `info` is not used."""
         is_reached = reached(np.asarray(achieved_goal)[..., 0, :], np.asarray(desired_goal)[..., 0, :])
         return bool(is_reached) if is_reached.ndim == 0 else is_reached
+
+    def compute_truncated(
+        self, achieved_goal: NDArray[np.floating], desired_goal: NDArray[np.floating], info: Any
+    ) -> Any:
+        """Return whether steps end an episode short of their goals: no `steps_left` in `info`, and no goal reached.
+
+        `info` is that of a step, or has one for each step of a batch; nothing is truncated where it lacks `steps_left`.
+        """
+        is_reached = reached(np.asarray(achieved_goal)[..., 0, :], np.asarray(desired_goal)[..., 0, :])
+        is_truncated = ~is_reached & (steps_left_of(info) <= 0.0)
+        return bool(is_truncated) if is_truncated.ndim == 0 else is_truncated
 
     def render(self) -> Image | None:
         """Return an image of the first of the `cameras`, or of the scene's first one; None without a render mode.
@@ -277,6 +302,34 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             raise QueryError("no episode has begun; reset the environment")
         return self._arena
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Return the arguments, the state of the samplers, and the episode as its task and its actions."""
+        return {
+            "arguments": self._arguments,
+            "sampler": self._sampler.state_dict() if self._sampler.seeded else None,
+            "start": None if self._arena is None else replace(self._start, subgoals=()),
+            "attributes": {name: value for name, value in self.__dict__.items() if name not in REBUILT},
+        }
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        TaskEnv.__init__(self, **state["arguments"])
+        self.__dict__.update(state["attributes"])
+        if state["sampler"] is not None:
+            self._sampler.load_state_dict(state["sampler"])
+            self._sampler.seeded = True
+        if state["start"] is not None:
+            subgoals = subgoals_of(state["start"].assignment.task, self.scene)
+            self._start = replace(state["start"], subgoals=subgoals)
+            self._perform()
+
+    def _perform(self) -> None:
+        """Start the episode in the simulator, and perform the actions that it has had so far."""
+        if self._arena is None:
+            self._arena = Arena(self.scene, self._resources)
+        self.situation = self._arena.start(self.witness, self._start.stage)
+        for moves in self._moves:
+            self.situation = self._arena.act(moves, self.control)
+
     def _rewards(self, achieved: NDArray[np.floating], desired: NDArray[np.floating]) -> tuple[Any, Any]:
         now, before, goal = achieved[..., 0, :], achieved[..., 1, :], desired[..., 0, :]
         return step_rewards(before, now, goal, discount=self._discount, share=self._share)
@@ -298,5 +351,11 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     def _info(self, measured: list[float], *, success: bool) -> dict[str, Any]:
         """Return the information that goes with an observation."""
-        reached = self._start.subgoals[self.stage].reached(measured)
-        return {"stage": self.stage, "action": str(self.action), "reached": reached, "is_success": success}
+        info = self._episode_info | {
+            "stage": self.stage,
+            "action": str(self.action),
+            "reached": " ".join(self._start.subgoals[self.stage].reached(measured)),
+            "is_success": success,
+            "steps_left": self._left,
+        }
+        return info | ({"curriculum": dict(self._curriculum)} if self._curriculum else {})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from numbers import Real
 from typing import Any, Literal, TypeGuard, get_args
 
@@ -75,12 +75,25 @@ def moves_of(action: object, size: int) -> NDArray[np.float64]:
         QueryError: it has another shape, or is not finite.
     """
     try:
-        moves = np.minimum(np.maximum(np.asarray(action, dtype=np.float64), -1.0), 1.0)
+        moves = np.asarray(action, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         moves = np.array(np.nan)
-    if moves.shape != (size,) or np.isnan(moves).any():
+    if moves.shape != (size,) or not np.isfinite(moves).all():
         raise QueryError(f"an action has the shape {(size,)} and finite numbers; got {action!s:.80}")
-    return moves
+    clipped: NDArray[np.float64] = np.minimum(np.maximum(moves, -1.0), 1.0)
+    return clipped
+
+
+def steps_left_of(info: object) -> NDArray[np.float64]:
+    """Return the `steps_left` of the info of a step or a batch of steps, infinity where it is missing.
+
+    Gymnasium's vector environments have one info with arrays, replay buffers have a sequence of infos.
+    """
+    if isinstance(info, Mapping):
+        return np.asarray(info.get("steps_left", np.inf), dtype=np.float64)
+    if isinstance(info, Sequence | np.ndarray):
+        return np.array([each.get("steps_left", np.inf) for each in info], dtype=np.float64)
+    return np.array(np.inf)
 
 
 def is_whole(number: object) -> TypeGuard[int | np.integer[Any]]:

@@ -49,7 +49,7 @@ def subgoals_of(task: Task, scene: Scene) -> tuple[Subgoal, ...]:
     """Return the subgoals of a task as physics sees them, one for each action.
 
     Raises:
-        SceneError: the scene lacks the shape or the yaw of an entity that a spatial fluent speaks about.
+        SceneError: the scene lacks the shape or the yaw of an entity that a spatial fluent refers to.
     """
     subgoals = []
     for effect, fluents in zip(physical_task(task, scene).effects, task.subgoals, strict=True):

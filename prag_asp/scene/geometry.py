@@ -155,6 +155,29 @@ def outline(shape: Shape, pose: Pose) -> Outline:
     return shape.traits.form.outline(shape.half, x, y, yaw_of(pose.quaternion))
 
 
+@lru_cache(maxsize=1 << 11)
+def base(shape: Shape, pose: Pose) -> Outline:
+    """Return the outline from above of what an upright body stands on."""
+    return outline(shape, pose) if shape.model is None else _placed(shape.model.base, pose)
+
+
+@lru_cache(maxsize=1 << 11)
+def crown(shape: Shape, pose: Pose) -> Outline:
+    """Return the outline from above of what stands on an upright body."""
+    return outline(shape, pose) if shape.model is None else _placed(shape.model.crown, pose)
+
+
+def _placed(polygon: Outline, pose: Pose) -> Outline:
+    """Return an outline in the axes of an upright body in those of the world."""
+    (x, y, _), (cosine, sine) = pose.position, heading(pose.quaternion)
+    return tuple((x + cosine * a - sine * b, y + sine * a + cosine * b) for a, b in polygon)
+
+
+def centre_of_mass(shape: Shape, pose: Pose) -> Vector:
+    """Return the centre of mass of a body in metres."""
+    return pose.position if shape.model is None else compose(pose, Pose(shape.model.centre)).position
+
+
 def inside_by(polygon: Outline, point: Point) -> float:
     """Return how far a point lies within a convex counter-clockwise polygon in metres; negative outside."""
     depth = math.inf

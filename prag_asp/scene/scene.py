@@ -46,16 +46,35 @@ class Solid(NamedTuple):
 
 
 class BodyModel(NamedTuple):
-    """The model of a body from a URDF: its collision solids, and its mass in kilograms."""
+    """The model of a body from a file, in the frame of the body, whose origin is the centre of its bounding box.
+
+    It has the collision solids, the `mass` in kilograms, the `centre` of mass in metres, and the principal `moments` of
+    inertia in kg m² about `axes`, a unit quaternion (x, y, z, w).
+
+    `base` and `crown` are the convex outlines, seen from above and counter-clockwise, of what it stands on and of what
+    stands on it: its lowest and its highest points. `settled` is by how many radians it was tilted from how its file
+    has it, because it does not rest like that.
+    """
 
     solids: tuple[Solid, ...]
     mass: float
+    centre: Size = (0.0, 0.0, 0.0)
+    moments: Size = (0.0, 0.0, 0.0)
+    axes: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+    base: tuple[tuple[float, float], ...] = ()
+    crown: tuple[tuple[float, float], ...] = ()
+    settled: float = 0.0
+
+    def with_mass(self, mass: float) -> BodyModel:
+        """Return the model with another mass in kilograms, distributed alike."""
+        x, y, z = (moment * mass / self.mass for moment in self.moments)
+        return self._replace(mass=mass, moments=(x, y, z))
 
 
 class Shape(NamedTuple):
     """The shape of a body: its kind (of `KINDS`), the sides of its bounding box, and the thickness of walls in metres.
 
-    A shape from a URDF has a `model`.
+    A shape from a file has a `model`.
     """
 
     kind: str

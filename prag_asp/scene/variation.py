@@ -50,7 +50,7 @@ class Variation:
         for entity, kilograms in self.mass.items():
             shape = shapes.get(entity)
             if shape is not None and shape.model is not None:
-                shapes[entity] = shape._replace(model=shape.model._replace(mass=kilograms))
+                shapes[entity] = shape._replace(model=shape.model.with_mass(kilograms))
             elif shape is not None:
                 material = materials.get(entity, scene.material(entity))
                 density = material.density * kilograms / weight(scene, entity)

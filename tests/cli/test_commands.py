@@ -102,7 +102,7 @@ def test_sample_without_physics_follows_weights_and_seed() -> None:
     assert ok_apart(*arguments) == text != ok(*arguments, "--seed", "1")
 
 
-def test_sample_speaks_the_language_of_the_domain() -> None:
+def test_sample_uses_the_language_of_the_domain() -> None:
     text = ok("sample", "prag", "-n", "1", "--no-physics", "--count", "30", "--format", "sentences")
     assert "grasp can 1" in text.splitlines() and "(" not in text
     assert ok("enumerate", "blocks", "-n", "1", "--limit", "1", "--format", "sentences") == "pick up a\n"
@@ -118,7 +118,7 @@ def test_tasks_are_told_to_somebody_who_sees_the_scene(tmp_path: Path) -> None:
     lines = ok("task", "tabletop", "-n", "2", "--index", "100", "--format", "instructions").splitlines()
     assert [line.split()[0] for line in lines] == ["vague", "default", "exact", "1", "2"]
     named = ok("task", "blocks", "-n", "1", "--index", "0", "--format", "instructions").splitlines()[-1]
-    assert named == "named    a: nothing that can be seen tells them from others"
+    assert named == "named    a: not visually distinguishable from other objects"
     ok(
         *["split", "blocks", "a=0.5", "b=0.5", "-n", "3", "--count", "2", "--format", "instructions", "-o", "parts"],
         cwd=tmp_path,
@@ -129,7 +129,10 @@ def test_tasks_are_told_to_somebody_who_sees_the_scene(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (["sample", "hanoi", "-n", "1", "--format", "instructions", "--language", "de"], "hanoi does not speak 'de'"),
+        (
+            ["sample", "hanoi", "-n", "1", "--format", "instructions", "--language", "de"],
+            "hanoi has no sentences in 'de'",
+        ),
         (["sample", "hanoi", "-n", "1", "--language", "de"], "--language de goes with --format instructions"),
         (["enumerate", "hanoi", "-n", "1", "--level", "exact"], "--level exact goes with --format instructions"),
         (["task", "hanoi", "-n", "1", "--index", "0", "--language", "en"], "got --format full"),

@@ -268,7 +268,7 @@ def test_a_wrong_request_is_refused_in_one_line(kitchen: TaskSpace, numbers: Pat
     refused("need physics", starts=2)
     refused("need physics", demonstrate=True)
     refused("cameras film demonstrations; ask for them", staging=Staging(("front",)))
-    refused("does not speak|speaks", language="xx")
+    refused("has no sentences in", language="xx")
     refused("shard 0: give a number from 1 to 20000", shard=0)
     refused("shard 1000000: give a number from 1 to 20000", shard=10**6)
     refused("need physics", budget=Budget())

@@ -19,9 +19,9 @@ WRONG = [
     ("../contract", r"no such rule; "),
     ("no_undo(1)", r"^no_undo\(1\): the rule no_undo takes no arguments; write no_undo$"),
     ("at_most(press)", r"^at_most\(press\): the rule at_most takes 2 arguments, not 1; see the head of .*at_most\.lp$"),
-    ("at_most(pres,1)", r"^rule at_most\(pres,1\):1: at_most speaks of pres, .* action; did you mean press\?$"),
-    ("at_most(fly,1)", r"^rule at_most\(fly,1\):1: at_most speaks of fly, .*; actions are press, release$"),
-    ("at_most(press(lamp_1),1)", r":1: at_most speaks of press\(lamp_1\), .*; give the name alone, press$"),
+    ("at_most(pres,1)", r"^rule at_most\(pres,1\):1: at_most refers to pres, .* action; did you mean press\?$"),
+    ("at_most(fly,1)", r"^rule at_most\(fly,1\):1: at_most refers to fly, .*; actions are press, release$"),
+    ("at_most(press(lamp_1),1)", r":1: at_most refers to press\(lamp_1\), .*; give the name alone, press$"),
     ("at_most(press,x)", r":1: press cannot occur at most x times; write a number, as in at_most\(press,2\)$"),
     ("at_most(press,-1)", r":1: press cannot occur at most -1 times; write a number, as in at_most\(press,2\)$"),
 ]

@@ -227,10 +227,10 @@ def _beyond(seen: Seen, container: str, at: Array) -> Iterator[float]:
 
 
 def _height(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
-    """The tool between the body's top and 5 mm below its foot."""
+    """The tool between the body's top and 5 mm below its foot; at what is flat, fingertips 2 mm below the top."""
     low, high = seen.layout.span(arguments[1])
     height = seen.tools[arguments[0]].at[2]
-    yield height - high[2]
+    yield min(height - high[2], max(height - low[2] - 0.011, height - 0.009 - high[2] + 0.002))
     yield low[2] - 0.005 - height
 
 

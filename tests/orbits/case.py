@@ -238,7 +238,7 @@ class Case:
         return whole, actions, never_after, conditions
 
     def _meaning(self, place: int, clause: Clause, renamed_action: Names, told: dict[object, States]) -> object:
-        """Return what a condition means, or None where all satisfy it, or it speaks of the first or last state."""
+        """Return what a condition means, or None where all satisfy it, or it refers to the first or last state."""
         if clause.plan:
             kept = self._kept[place]
             if len(kept) == len(self._sequences):

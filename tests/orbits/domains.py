@@ -18,7 +18,7 @@ SCHEMES = {"a": "X", "b": "X", "t": "XZ", "u": "XY", "n": ""}
 
 SPOKEN = {"": ["g"], "X": ["p(X)", "q(X)", "r(X)", "g"], "XZ": ["p(X)", "p(Z)", "q(Z)", "l(X,Z)"],
           "XY": ["p(X)", "s(Y)", "g"]}  # fmt: skip
-"""The fluents that actions speak of."""
+"""The fluents that actions refer to."""
 
 
 def ground(text: str, entities: dict[str, str]) -> Iterator[Names]:

@@ -29,7 +29,7 @@ SCHEMES = {
     "t": ("XZ", ["p(X)", "p(Z)", "g"]),
     "n": ("", ["g", "g"]),
 }
-"""Names of actions, what they name, and the fluents that they speak of: Y is whom X belongs to, Z is another X."""
+"""Names of actions, what they name, and the fluents that they refer to: Y is whom X belongs to, Z is another X."""
 
 INVARIANTS = [
     ("implies", "s(Y)", "p(X)"), ("implies", "p(X)", "s(Y)"), ("exclusive", "p(X)", "s(Y)"), ("implies", "p(X)", "g"),

@@ -91,7 +91,7 @@ def test_bounded_numbers_have_the_plans_of_a_search_over_numbers(
         (
             "(decrease (fuel ?t) 1.5)",
             "(forall (?p - place) (decrease (fuel ?t) 0.1))",
-            "a 'forall' changes fuel several",
+            "a 'forall' changes fuel",
         ),
         (
             "(decrease (fuel ?t) 1.5)",

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 FLUENTS = {"p": "X", "q": "X", "r": "XZ", "s": "YX", "g": ""}
-"""Fluents and what they speak of: X, Z and W are things, Y is a box."""
+"""Fluents and what they refer to: X, Z and W are things, Y is a box."""
 
 ACTIONS = {"a": "X", "b": "XZ", "c": "YX", "d": ""}
 BOUND = {"X": "is_a(X,thing)", "Z": "is_a(Z,thing)", "W": "is_a(W,thing)", "Y": "is_a(Y,box)"}

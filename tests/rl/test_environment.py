@@ -1,11 +1,14 @@
 from __future__ import annotations
 
+import copy
 import json
 import math
 import os
+import pickle
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +22,7 @@ import prag_asp.rl
 from prag_asp import Dataset, Task, TaskSpace, load_domain
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Validator, Witness
-from prag_asp.rl import TaskEnv, oracle
+from prag_asp.rl import Adaptive, TaskEnv, oracle
 from prag_asp.rl.control import STRIDE
 from prag_asp.rl.goals import PLACES
 from prag_asp.rl.tasks import episode_sampler
@@ -115,6 +118,74 @@ def test_the_oracle_reaches_the_subgoals_and_whole_tasks(name: str, given: Mappi
     assert all(ends)
 
 
+def test_info_has_the_same_keys_at_a_reset_and_at_each_step_and_arrays_hold_it(space: TaskSpace) -> None:
+    env = TaskEnv(space, stage="any", curriculum=Adaptive(), steps=3)
+    _, info = env.reset(seed=1)
+    infos = [info, *(env.step(STILL)[4] for _ in range(8))]
+    assert all(set(each) == set(info) for each in infos) and {"task", "probability", "curriculum"} <= set(info)
+    assert [each["steps_left"] for each in infos] == [info["steps_left"] - i for i in range(9)]
+    assert {each["task"] for each in infos} == {str(env.task)}
+    for name in set(info) - {"rank", "curriculum"}:
+        assert np.asarray([each[name] for each in infos]).dtype.kind in "biufU", name
+    assert info["probability"] == Fraction(1, space.count()) == Fraction(str(info["probability"]))
+    infos[0]["curriculum"].clear()
+    assert env.step(STILL)[4]["curriculum"], "each info is the reader's own"
+    env.close()
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
+def test_a_copy_continues_the_episode_and_those_after_it_in_the_same_way(
+    chance: Chance, space: TaskSpace, copied: Callable[[Any], Any]
+) -> None:
+    env = gymnasium.make("prag_asp/Task-v0", space=space, stage="any", curriculum=Adaptive(), steps=20)
+    untouched = copied(env)
+    env.reset(seed=chance.seed(8))
+    env.action_space.seed(chance.seed(9))
+    for _ in range(9):
+        env.step(env.action_space.sample())
+    other = copied(env)
+
+    def continued(one: Any) -> list[Any]:
+        found: list[Any] = []
+        for _ in range(60):
+            observation, *rest = one.step(one.action_space.sample())
+            found += [observation[name].tobytes() for name in sorted(observation)] + rest
+            if rest[1] or rest[2]:
+                found.append(one.reset()[1])
+        return found
+
+    assert continued(other) == continued(env)
+    with pytest.raises(QueryError, match="no episode has begun"):
+        untouched.unwrapped.step(STILL)
+    env.close()
+    again = copied(env)
+    with pytest.raises(QueryError, match="no episode has begun"):
+        again.unwrapped.step(STILL)
+    for each in (untouched, other, again):
+        each.close()
+
+
+def test_compute_truncated_is_what_a_step_says_alone_and_in_batches(given: Mapping[str, list[Given]]) -> None:
+    task, witness = given["tabletop"][0]
+    env = TaskEnv(task=task, witness=witness, steps=2, until="subgoal")
+    env.reset()
+    rows = []
+    for _ in range(3):
+        observation, _, _, truncated, info = env.step(STILL)
+        goal = observation["achieved_goal"], observation["desired_goal"]
+        assert env.compute_truncated(*goal, info) is truncated
+        rows.append((*goal, info, truncated))
+    achieved, desired, infos, truncated = zip(*rows, strict=True)
+    stacked = np.stack(achieved), np.stack(desired)
+    assert truncated == (False, True, True)
+    assert env.compute_truncated(*stacked, infos).tolist() == [*truncated]
+    together = {"steps_left": np.array([info["steps_left"] for info in infos])}
+    assert env.compute_truncated(*stacked, together).tolist() == [*truncated]
+    assert not env.compute_truncated(*stacked, [{}] * 3).any(), "goals alone end nothing"
+    assert env.compute_truncated(achieved[2], achieved[2], infos[2]) is False, "it is reached"
+    env.close()
+
+
 def test_any_subgoal_can_be_begun_with_and_is_the_end_where_that_is_asked(given: Mapping[str, list[Given]]) -> None:
     task, witness = given["tabletop"][0]
     env = TaskEnv(task=task, witness=witness, until="subgoal", reward="sparse")
@@ -175,7 +246,7 @@ def moved_to(env: TaskEnv, place: Sequence[float]) -> tuple[float, NDArray[np.fl
     return total, observation["achieved_goal"]
 
 
-def test_to_push_what_the_subgoal_does_not_speak_of_earns_nothing(given: Mapping[str, list[Given]]) -> None:
+def test_to_push_what_the_subgoal_does_not_refer_to_earns_nothing(given: Mapping[str, list[Given]]) -> None:
     task, witness = given["tabletop"][0]
     env = TaskEnv(task=task, witness=witness, steps=1000)
     first, _ = env.reset()
@@ -197,7 +268,7 @@ def test_what_the_options_say_is_begun(space: TaskSpace, given: Mapping[str, lis
     assert info["task"] == str(space[100]) and info["rank"] == 100
     task, witness = given["tabletop"][1]
     _, info = env.reset(options={"task": task, "witness": witness, "stage": 2})
-    assert info["task"] == str(task) and info["stage"] == 2 and set(info["reached"])
+    assert info["task"] == str(task) and info["stage"] == 2 and info["reached"]
 
 
 def test_options_that_mean_nothing_are_refused_and_the_episode_goes_on(env: TaskEnv) -> None:
@@ -358,6 +429,8 @@ def test_what_is_no_action_and_steps_outside_an_episode_are_refused(given: Mappi
         np.zeros(4),
         np.zeros((5, 1)),
         np.full(5, np.nan),
+        np.array([0.0, np.inf, 0.0, 0.0, 0.0]),
+        np.full(5, -np.inf, dtype=np.float32),
         "up",
         None,
         [[1], [1, 2]],
@@ -366,7 +439,7 @@ def test_what_is_no_action_and_steps_outside_an_episode_are_refused(given: Mappi
     ):
         with pytest.raises(QueryError, match=r"an action has the shape \(5,\) and finite numbers"):
             env.step(action)
-    assert env.step(np.full(5, np.inf))[0]["observation"].shape == (56,)
+    assert env.step(np.full(5, 1e300))[0]["observation"].shape == (56,)
     env.close()
     with pytest.raises(QueryError, match="no episode has begun"):
         env.step(STILL)

@@ -63,6 +63,12 @@ def check(*, request: DomainOptions, symmetries: bool) -> None:
         scene,
     ]
     say(f"{domain.label}: ok; {', '.join(parts)}")
+    if domain.settings.scene:
+        from prag_asp.cli.body_summary import body_lines
+        from prag_asp.dataset.scenes import scene_of
+
+        for line in body_lines(scene_of(domain)):
+            say(line)
     if symmetries:
         from prag_asp.space.task_space import TaskSpace
 
@@ -97,16 +103,17 @@ def _check_learned(domain: Domain) -> None:
 
 
 def _scene_warnings(domain: Domain) -> Iterable[Problem]:
-    """Return warnings about grasps and places of the domain that are impossible in its scene."""
+    """Return warnings about the bodies of a scene, and about grasps and places that are impossible in it."""
     if not domain.settings.scene:
         return ()
     if domain.reduction:
         domain = replace(domain, facts=domain.reduction.facts_with_all_entities)
+    from prag_asp.cli.body_summary import tilted
     from prag_asp.dataset.scenes import scene_of
     from prag_asp.domain.load import shown_warnings
     from prag_asp.physics.proofs.grips import never_gripped
     from prag_asp.physics.proofs.reaching import out_of_reach
 
     scene = scene_of(domain)
-    warnings = (*never_gripped(domain, scene), *out_of_reach(domain, scene))
+    warnings = (*never_gripped(domain, scene), *out_of_reach(domain, scene), *tilted(domain, scene))
     return shown_warnings(warnings, domain.settings)

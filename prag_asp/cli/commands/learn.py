@@ -62,12 +62,12 @@ def learn(*, request: DomainOptions, number: int, seed: int, validation: Physics
         before = replace(request, learned=False).space(tell)
         path = Path(LEARNED)
         if write:
-            for option, given in (("--const", request.constants), ("--settings", request.settings)):
-                if given:
-                    raise QueryError(f"--write writes rules for the unchanged folder; leave {option} out")
             if before.domain.folder is None:
                 what = f"--write writes {LEARNED} into a domain's folder"
                 raise QueryError(f"{what}, but {before.domain.name} has none; give a folder")
+            for option, given in (("--const", request.constants), ("--settings", request.settings)):
+                if given:
+                    raise QueryError(f"--write writes rules for the unchanged folder; leave {option} out")
             path = file_in(before.domain.folder, LEARNED)
             require_writable(str(path))
         rules = learn_rules(before.domain, path=path, progress=tell)

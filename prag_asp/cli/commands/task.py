@@ -66,7 +66,7 @@ def task(*, request: DomainOptions, index: int | None, plan: str | None, task_fo
             for number, sentence in enumerate(texts.subgoals, 1):
                 say(f"{number:>5}    {sentence}")
             if texts.named:
-                say(f"named    {', '.join(texts.named)}: nothing that can be seen tells them from others")
+                say(f"named    {', '.join(texts.named)}: not visually distinguishable from other objects")
         else:
             say(task_format.line(space.domain, seed)(Record(found)))
 

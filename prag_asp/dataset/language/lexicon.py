@@ -88,9 +88,9 @@ def _reader(domain: Domain, language: str) -> GrammarReader:
     known = languages(domain.settings)
     if language not in known:
         if language not in shipped_languages():
-            raise QueryError(f"{domain.name} does not speak {language!r}; it speaks {listed(known)}")
+            raise QueryError(f"{domain.name} has no sentences in {language!r}; it has those in {listed(known)}")
         raise QueryError(
-            f"{domain.name} does not speak {language!r}; write its sentences under [language.{language}.actions], "
+            f"{domain.name} has no sentences in {language!r}; write its sentences under [language.{language}.actions], "
             f"or take {listed(known)}"
         )
     reader = GrammarReader(domain.settings, domain.facts, language)

@@ -34,7 +34,7 @@ def captioner_of(domain: Domain, language: str, seed: int, phrasings: str = "") 
     A task that has no unambiguous text is described by the names of its entities, at the single level ``plain``.
 
     Raises:
-        QueryError: the domain does not speak the language, or has no such phrasings.
+        QueryError: the domain has no sentences in the language, or has no such phrasings.
     """
     return captioner_with(instruction_writer_of(domain, language, phrasings=phrasings), domain, seed)
 

@@ -21,7 +21,7 @@ from prag_asp.program.predicates import (
     SUCCESSOR,
     UNIT_INTRODUCED,
     EncodingPredicate,
-    speaks_of,
+    refers_to,
 )
 from prag_asp.program.sources import ADDED, CONTRACT, Program, Source, owned, read_sources
 from prag_asp.program.tokens import blanked
@@ -126,10 +126,10 @@ def _added_facts(facts: Facts, program: Program) -> list[str]:
     """
     own = [source.text for source, own in owned(program) if own]
     named = facts.actions if _read(program, NAME) else facts.tried
-    named = facts.declared_actions if any(speaks_of(text, NAME) for text in own) else named
+    named = facts.declared_actions if any(refers_to(text, NAME) for text in own) else named
     added = [PRUNED.fact(term) for term in (*facts.pruned, *facts.unreachable)]
     added += map(name_fact, named)
-    if any(speaks_of(text, MENTIONS) for text in own):
+    if any(refers_to(text, MENTIONS) for text in own):
         return [*added, *mention_facts(facts.declared_actions, facts.entities)]
     return [*added, *mention_facts(facts.actions, facts.entities)] if _read(program, MENTIONS) else added
 
@@ -137,7 +137,7 @@ def _added_facts(facts: Facts, program: Program) -> list[str]:
 def _read(program: Program, predicate: EncodingPredicate) -> bool:
     """Return whether a file other than those of `DESCRIBING` mentions a predicate."""
     files = (each.text for each, own in owned(program) if own or each.path.name not in DESCRIBING)
-    return any(speaks_of(text, predicate) for text in files)
+    return any(refers_to(text, predicate) for text in files)
 
 
 def with_facts(program: Program, facts: Sequence[str]) -> Program:

@@ -15,9 +15,9 @@ from prag_asp.physics.search.attempt import UNSETTLED, UNSTABLE, PhysicsFault
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import PhysicalTask, physical_task
 from prag_asp.physics.witness import Moment, Witness
-from prag_asp.physics.world.bodies import make_body, make_table, mass, parking_place
+from prag_asp.physics.world.bodies import body_pose, make_body, make_table, parking_place, put_body, set_mass
 from prag_asp.physics.world.furniture_bodies import read_opening, set_opening
-from prag_asp.physics.world.simulator import open_client, read_pose, start_world
+from prag_asp.physics.world.simulator import open_client, start_world
 from prag_asp.scene.geometry import Pose, turn_between
 from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
@@ -76,17 +76,17 @@ class Settling:
         """Return the state after settling."""
         client = self._client
         for entity, body in bodies.items():
-            pybullet.resetBasePositionAndOrientation(body, *moment.poses[entity], physicsClientId=client)
+            put_body(client, scene, entity, body, moment.poses[entity])
         for entity, opening in moment.openings.items():
             set_opening(client, bodies[entity], opening)
         for entity in moment.held:
-            pybullet.changeDynamics(bodies[entity], -1, mass=0.0, physicsClientId=client)
+            set_mass(client, scene, entity, bodies[entity], still=True)
         for _ in range(STEPS):
             pybullet.stepSimulation(physicsClientId=client)
-        settled = {entity: read_pose(client, body) for entity, body in bodies.items()}
+        settled = {entity: body_pose(client, scene, entity, body) for entity, body in bodies.items()}
         speeds = {e: pybullet.getBaseVelocity(body, physicsClientId=client)[0] for e, body in bodies.items()}
         for entity in moment.held:
-            pybullet.changeDynamics(bodies[entity], -1, mass=mass(scene, entity), physicsClientId=client)
+            set_mass(client, scene, entity, bodies[entity])
         openings = {entity: read_opening(client, bodies[entity]) for entity in moment.openings}
         displaced = [
             entity

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 
 from prag_asp.physics.predicates import PREDICATES
-from prag_asp.physics.predicates.gripper import grip_width, lowest_grip, slips
+from prag_asp.physics.predicates.gripper import grip_width, lowest_grip, slips, twists
 from prag_asp.physics.situation import Situation, fixed_pose
 from prag_asp.physics.symbolic_facts import PhysicalTask
 from prag_asp.physics.witness import Arm, Moment
@@ -51,21 +51,29 @@ def state_problems(moment: Moment, physical: PhysicalTask, k: int, simulator: Si
             yield from _grip_problems(situation, name, arm.held)
             if slips(situation.scene, arm.held, name) is not None and not contacts(situation, arm.held, poses):
                 yield f"{arm.held} slips out of the gripper"
+            in_air = situation.shape(arm.held).model is not None and not contacts(situation, arm.held, poses)
+            if in_air and twists(situation, arm.held, name):
+                yield f"{arm.held} turns between the pads"
 
 
 def _grip_problems(situation: Situation, robot: str, held: str) -> Iterator[str]:
-    """Yield violations of what proofs assume about a grasp: from above, of an upright body that the gripper spans."""
+    """Yield violations of what proofs assume about a grasp: from above, of an upright body that the gripper spans.
+
+    A body with a model is held in any direction: whether both pads touch it is what `holding` says.
+    """
+    if weight(situation.scene, held) > situation.robot(robot).payload:
+        yield f"{held} is heavier than the gripper carries"
+    if situation.shape(held).model is not None:
+        return
     if tilt(situation.tool(robot).quaternion, DOWN) > TURN_TOLERANCE:
         yield f"{held} is not held from above"
     if situation.shape(held).traits.flat and tilt(situation.pose(held).quaternion, UP) > TURN_TOLERANCE:
         yield f"{held} does not stand upright in the gripper"
     if grip_width(situation, held, robot) > situation.robot(robot).opening + POSITION_TOLERANCE:
         yield f"{held} is wider than the gripper opens"
-    lowest = situation.bottom(held) + lowest_grip(situation.robot(robot))
+    lowest = situation.bottom(held) + lowest_grip(situation.robot(robot), situation.shape(held).size[2])
     if situation.tool(robot).position[2] < lowest - POSITION_TOLERANCE:
         yield f"the fingers reach below {held}"
-    if weight(situation.scene, held) > situation.robot(robot).payload:
-        yield f"{held} is heavier than the gripper carries"
 
 
 def tilt(quaternion: Quaternion, direction: Vector) -> float:

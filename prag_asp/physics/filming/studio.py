@@ -30,7 +30,7 @@ from prag_asp.physics.filming.backdrop import (
 )
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.witness import Moment
-from prag_asp.physics.world.bodies import make_body
+from prag_asp.physics.world.bodies import make_body, put_body
 from prag_asp.physics.world.collisions import BASE_LINK
 from prag_asp.physics.world.furniture_bodies import JOINT, set_opening
 from prag_asp.physics.world.simulated_arm import load_robot_files, set_joints
@@ -105,7 +105,7 @@ class Studio:
             set_joints(self._client, self._arms[name], self._robots[name], arm.joints, arm.width)
             self._joints[name] = arm.joints
         for entity, pose in moment.poses.items():
-            pybullet.resetBasePositionAndOrientation(self._bodies[entity], *pose, physicsClientId=self._client)
+            put_body(self._client, self._scene, entity, self._bodies[entity], pose)
         for entity, opening in moment.openings.items():
             set_opening(self._client, self._bodies[entity], opening)
 

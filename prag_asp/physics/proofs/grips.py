@@ -6,8 +6,10 @@ from collections.abc import Iterator
 
 from prag_asp.atom import atom_of
 from prag_asp.domain.load import Domain
+from prag_asp.physics.grasps.opposite_faces import is_never_spanned
+from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.physics.predicates import PREDICATES, Gripper
-from prag_asp.physics.predicates.gripper import CLEARANCE, bearable, lowest_grip
+from prag_asp.physics.predicates.gripper import CLEARANCE, bearable, pad_friction
 from prag_asp.program.problem import Problem
 from prag_asp.scene.read.scene_values import ancestors
 from prag_asp.scene.robots import robot_of
@@ -39,15 +41,17 @@ def never_gripped(domain: Domain, scene: Scene) -> Iterator[Problem]:
 def _faults(scene: Scene, name: str, entity: str) -> Iterator[tuple[str, str, str]]:
     """Yield why a robot cannot hold a body in its easiest size: the name of the warning, its table, and its text."""
     robot, shapes = robot_of(scene, name), scene.ranges.get(entity, (scene.shapes[entity],))
-    width = min(shape.breadth(widest=False) for shape in shapes)
-    if width > robot.opening - CLEARANCE:
-        limit = (robot.opening - CLEARANCE) * 1000
-        opens = f"the gripper opens {robot.opening * 1000:.3g} mm; it never closes around more than {limit:.3g} mm"
-        yield "too-wide", "shapes", f"{width * 1000:.3g} mm wide and {opens}, so make it narrower"
-    height, lowest = max(shape.size[2] for shape in shapes), lowest_grip(robot)
-    if height < lowest:
-        text = f"{height * 1000:.3g} mm high and the gripper takes nothing that is less than {lowest * 1000:.3g} mm"
-        yield "too-low", "shapes", f"{text} high, for its fingers reach below the grip; make it higher"
+    limit = (robot.opening - CLEARANCE) * 1000
+    opens = f"the gripper opens {robot.opening * 1000:.3g} mm; it never closes around more than {limit:.3g} mm"
+    if shapes[0].model is not None:
+        gripper = ParallelGripper.of(robot)._replace(opening=robot.opening - CLEARANCE)
+        if is_never_spanned(shapes[0], gripper, pad_friction(scene, entity)):
+            wide = f"wider than {limit:.3g} mm between all sides that face each other"
+            yield "too-wide", "shapes", f"{wide} and {opens}, so make it narrower"
+    else:
+        width = min(shape.breadth(widest=False) for shape in shapes)
+        if width > robot.opening - CLEARANCE:
+            yield "too-wide", "shapes", f"{width * 1000:.3g} mm wide and {opens}, so make it narrower"
     mass = min(weight(scene.with_shapes({entity: shape}), entity) for shape in shapes)
     bears = bearable(scene, entity, name)
     if mass > robot.payload:

@@ -23,6 +23,7 @@ RELATION = "a relation of the state does not hold"
 OBJECTS_COLLIDE = "objects collide"
 UNSUPPORTED = "an object would fall"
 NO_GRASP = "no grasp fits the object"
+TWISTS = "the pads cannot bear the torque of the object"
 NO_KINEMATICS_AT = "no arm configuration at the object"
 NO_KINEMATICS_ABOVE = "no arm configuration above the object"
 ARM_COLLIDES = "the arm collides"
@@ -39,6 +40,7 @@ CAUSES = (
     OBJECTS_COLLIDE,
     UNSUPPORTED,
     NO_GRASP,
+    TWISTS,
     NO_KINEMATICS_AT,
     NO_KINEMATICS_ABOVE,
     ARM_COLLIDES,
@@ -78,13 +80,17 @@ class Exhausted(Exception):
 
 @dataclass(frozen=True)
 class Search:
-    """What a search uses: the simulator, the task's objects and random generator, and the room for later actions."""
+    """What a search uses: the simulator, the task's objects and random generator, and the room for later actions.
+
+    One that `packs` places objects tightly: it is for what random placement does not find.
+    """
 
     simulator: Simulator
     objects: tuple[str, ...]
     rng: np.random.Generator
     foresight: Foresight
     spans: Spans = field(default_factory=dict)
+    packs: bool = False
 
     @property
     def scene(self) -> Scene:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from prag_asp.physics.grasps.body_grasps import free_opening
+from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.physics.search.allowed_region import relevant_facts, sample_yaws, yaw_ranges
-from prag_asp.physics.search.attempt import OBJECTS_COLLIDE, Failure, Search, Snapshot
+from prag_asp.physics.search.attempt import ARM_COLLIDES, OBJECTS_COLLIDE, Failure, Search, Snapshot
 from prag_asp.physics.search.grasping import LIFT, CollisionQuery, configure, descend
 from prag_asp.physics.search.moving import move_object, moved_arm, raise_arm, require_free, with_riders
-from prag_asp.physics.search.placement import known_support, sample_pose, sample_resting_pose
+from prag_asp.physics.search.packing import pose_on, resting_pose
+from prag_asp.physics.search.placement import known_support
 from prag_asp.physics.symbolic_facts import ActionEffect
 from prag_asp.physics.witness import Arm
 from prag_asp.physics.world.collisions import colliding
@@ -28,7 +31,7 @@ def release(search: Search, snapshot: Snapshot, effect: ActionEffect) -> Snapsho
         at, above, poses = arm.joints, snapshot.above, situation.poses
     else:
         if entity in effect.moved:
-            rest = sample_resting_pose(search, situation, entity, effect.after, effect.number)
+            rest = resting_pose(search, situation, entity, effect.after, effect.number)
         else:
             others = {other: pose for other, pose in situation.poses.items() if other != entity}
             rest = raised(situation.poses[entity], resting_height(situation, entity, others) - situation.bottom(entity))
@@ -44,10 +47,25 @@ def release(search: Search, snapshot: Snapshot, effect: ActionEffect) -> Snapsho
             raise Failure(OBJECTS_COLLIDE, *pair)
         for name, joints in (("approach", above), ("at", at)):
             snapshot = snapshot.with_arm(replace(arm, joints=joints)).with_waypoint(name)
-    after = snapshot.with_poses(poses).with_arm(Arm(at, search.robot.opening), above)
+    after = snapshot.with_poses(poses).with_arm(Arm(at, _free_width(search, snapshot, entity)), above)
     require_free(search, after, entity)
     after = after.with_waypoint("at")
     return after if effect.stays else raise_arm(search, after)
+
+
+def _free_width(search: Search, snapshot: Snapshot, entity: str) -> float:
+    """Return how far the fingers open to let go of an object, in metres.
+
+    Raises:
+        Failure: they are not free of it at any opening.
+    """
+    shape, arm = snapshot.situation.shape(entity), snapshot.arm
+    if shape.model is None or arm.grasp is None:
+        return search.robot.opening
+    width = free_opening(shape, ParallelGripper.of(search.robot), invert(arm.grasp), arm.width)
+    if width is None:
+        raise Failure(ARM_COLLIDES, entity)
+    return width
 
 
 def carry(search: Search, snapshot: Snapshot, entity: str, effect: ActionEffect) -> Snapshot:
@@ -68,7 +86,7 @@ def carry(search: Search, snapshot: Snapshot, entity: str, effect: ActionEffect)
         elif support != TABLE:
             depth = cavity(situation.shape(support))[2]
         height = max(LIFT, depth + OVER_RIM)
-        pose = sample_pose(search, situation, entity, support, effect.after, effect.number, height=height)
+        pose = pose_on(search, situation, entity, support, effect.after, effect.number, height=height)
     poses = move_object(search, snapshot, entity, pose)
     query = CollisionQuery(situation.with_poses(poses), arm.width, entity)
     joints = configure(search, compose(pose, invert(arm.grasp)), query)
@@ -77,7 +95,7 @@ def carry(search: Search, snapshot: Snapshot, entity: str, effect: ActionEffect)
 
 def relocate(search: Search, snapshot: Snapshot, effect: ActionEffect, entity: str) -> Snapshot:
     """Move an object that no gripper touches, as in domains without a gripper."""
-    pose = sample_resting_pose(search, snapshot.situation, entity, effect.after, effect.number)
+    pose = resting_pose(search, snapshot.situation, entity, effect.after, effect.number)
     relocated = snapshot.with_poses(move_object(search, snapshot, entity, pose))
     require_free(search, relocated)
     return relocated

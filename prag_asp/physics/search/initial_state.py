@@ -13,7 +13,7 @@ from prag_asp.physics.search.attempt import RELATION, Failure, Search, Snapshot
 from prag_asp.physics.search.furniture_handling import sample_openings
 from prag_asp.physics.search.meeting import move_over
 from prag_asp.physics.search.moving import raise_arm, require_free, turn_to, verify_objects
-from prag_asp.physics.search.placement import sample_resting_pose
+from prag_asp.physics.search.packing import pack, resting_pose
 from prag_asp.physics.situation import Situation, fixed_pose
 from prag_asp.physics.symbolic_facts import Fact, PhysicalTask, of_robot
 from prag_asp.physics.witness import Arm
@@ -93,12 +93,14 @@ def _arrange(search: Search, physical: PhysicalTask, still: Situation) -> Situat
     """Return a situation with all objects at poses that the facts allow, placed one after the other.
 
     If there is no pose for one, backtrack to an earlier object to which it has a relation: to the last one first, the
-    next time to the one before that.
+    next time to the one before that. A search that `packs` places them tightly instead.
 
     Raises:
         Failure: there is no such object, or `BACKTRACKS` steps have been made.
     """
     order = [entity for entity in order_of(physical, search.scene) if entity not in still.poses]
+    if search.packs:
+        return pack(search, still, order, lambda entity, situation: _about(physical, entity, situation))
     partners: dict[str, set[str]] = {}
     for fact in physical.initial:
         for entity in fact.arguments if fact.value else ():
@@ -108,7 +110,7 @@ def _arrange(search: Search, physical: PhysicalTask, still: Situation) -> Situat
         entity, situation = order[len(situations) - 1], situations[-1]
         try:
             about = _about(physical, entity, situation)
-            pose = sample_resting_pose(search, situation, entity, about, 0)
+            pose = resting_pose(search, situation, entity, about, 0)
         except Failure:
             earlier = [i for i, other in enumerate(order[: len(situations) - 1]) if other in partners.get(entity, ())]
             if not earlier or failures.total() >= BACKTRACKS:

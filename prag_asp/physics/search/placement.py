@@ -65,32 +65,32 @@ def known_support(situation: Situation, entity: str, facts: Iterable[Fact]) -> s
     return None
 
 
-def sample_resting_pose(search: Search, situation: Situation, entity: str, facts: Iterable[Fact], state: int) -> Pose:
-    """Return a random pose of an object on a support, which the facts of a state allow.
+def choose_support(search: Search, situation: Situation, entity: str, facts: Iterable[Fact]) -> str:
+    """Return what an object is to stand on or in: what the facts name, or a random choice of what they allow.
 
     A support that they do not name is the table, unless the object is known not to be on it. If a user-defined
     relation lets it stand on or in another object, that is an equally likely choice.
 
     Raises:
-        Failure: every support is ruled out, or there is no pose on it.
+        Failure: every support is ruled out.
     """
     facts = list(facts)
     support = known_support(situation, entity, facts)
-    if support is None:
-        own = [(fact, fact.arguments[-1]) for fact in facts if fact.arguments[0] == entity]
-        ruled_out = {other for fact, other in own if fact.predicate.supports and not fact.value}
-        bearing = {other for fact, other in own if fact.predicate.rests_on_other and fact.value}
-        possible = [
-            other
-            for other in situation.poses
-            if other != entity and other not in ruled_out and situation.shape(other).traits.flat
-        ]
-        if not any(map(situation.is_table, ruled_out)):
-            possible = [TABLE, *(other for other in possible if other in bearing)]
-        if not possible:
-            raise Failure(EMPTY_VOLUME, entity)
-        support = TABLE if possible == [TABLE] else possible[int(search.rng.integers(len(possible)))]
-    return sample_pose(search, situation, entity, support, facts, state)
+    if support is not None:
+        return support
+    own = [(fact, fact.arguments[-1]) for fact in facts if fact.arguments[0] == entity]
+    ruled_out = {other for fact, other in own if fact.predicate.supports and not fact.value}
+    bearing = {other for fact, other in own if fact.predicate.rests_on_other and fact.value}
+    possible = [
+        other
+        for other in situation.poses
+        if other != entity and other not in ruled_out and situation.shape(other).traits.flat
+    ]
+    if not any(map(situation.is_table, ruled_out)):
+        possible = [TABLE, *(other for other in possible if other in bearing)]
+    if not possible:
+        raise Failure(EMPTY_VOLUME, entity)
+    return TABLE if possible == [TABLE] else possible[int(search.rng.integers(len(possible)))]
 
 
 def sample_pose(
@@ -119,11 +119,7 @@ def sample_pose(
     room = TABLE_ROOM if support == TABLE else FINGER_ROOM
     favourite = preferred.floor(room) or preferred.floor() or everything
     checked = [fact for fact in about if not shapes_volume(fact, entity)]
-    # It is kept apart from all others except those that the facts require to be closer.
-    touched = {
-        name for fact in about if fact.value and fact.predicate.apart[1] < SPACING for name in fact.arguments[:2]
-    }
-    others = [other for other in situation.poses if other not in touched]
+    others = kept_apart(situation, about)
     below = _neighbours(situation, others, support, half, volume.low[2] - height)
     beside = _neighbours(situation, others, support, half, volume.low[2]) if height > 0.0 else below
     failed = Failure(RELATION, entity)
@@ -148,6 +144,14 @@ def sample_pose(
     raise failed
 
 
+def kept_apart(situation: Situation, about: Iterable[Fact]) -> list[str]:
+    """Return the bodies from which an object is kept apart: all but those that the facts about it require close."""
+    touched = {
+        name for fact in about if fact.value and fact.predicate.apart[1] < SPACING for name in fact.arguments[:2]
+    }
+    return [other for other in situation.poses if other not in touched]
+
+
 def _place(search: Search, situation: Situation, request: PlacementRequest) -> tuple[Quaternion, Volume, Floor]:
     """Return the orientation of an object, its volume with that, and the floor of the volume.
 
@@ -160,7 +164,7 @@ def _place(search: Search, situation: Situation, request: PlacementRequest) -> t
     first: tuple[Quaternion, Volume, Floor] | None = None
     for yaw in _yaws(search, situation, request):
         quaternion = yaw_quaternion(yaw)
-        whole = _volume(situation, request, quaternion)
+        whole = placement_volume(situation, request, quaternion)
         # Room for what comes between is ample if possible, else just enough.
         parts = (
             whole.meet(spacing_volume(situation, request.entity, quaternion, chained)) if chained else whole
@@ -203,7 +207,7 @@ def _ahead(search: Search, situation: Situation, entity: str, support: str, stat
     return tuple(volumes)
 
 
-def _volume(situation: Situation, request: PlacementRequest, quaternion: Quaternion) -> Volume:
+def placement_volume(situation: Situation, request: PlacementRequest, quaternion: Quaternion) -> Volume:
     """Return the volume of an object with its orientation on or above a support, as the facts require.
 
     An object on the table has to be in the workspace and within reach. It may be anywhere on the table if it is known

@@ -1,4 +1,4 @@
-"""Make the table and the objects of a scene as PyBullet bodies of exact primitives."""
+"""Make the table and the objects of a scene as PyBullet bodies, and move them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from prag_asp.physics.world.furniture_bodies import make_furniture
 from prag_asp.physics.world.primitives import make_shapes
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.colours import rgb
-from prag_asp.scene.geometry import yaw_quaternion
+from prag_asp.scene.geometry import Pose, compose, invert, yaw_quaternion
 from prag_asp.scene.scene import Material, Scene, Solid
 from prag_asp.scene.solids import solids, walls, weight
 
@@ -68,9 +68,41 @@ def make_body(
     if shape.model is None:
         made_of = solids(shape) if floor else walls(shape)
         return _make(made_of, material, mass(scene, entity), at, client, color, free)
-    body = _make(shape.model.solids, material, mass(scene, entity), at, client, color)
+    body = _make(shape.model.solids, material, mass(scene, entity), at, client, color, frame=mass_frame(scene, entity))
     pybullet.changeDynamics(body, -1, collisionMargin=NO_MARGIN, physicsClientId=client)
+    set_mass(client, scene, entity, body)
     return body
+
+
+def mass_frame(scene: Scene, entity: str) -> Pose | None:
+    """Return the frame of the mass of a body in its own frame: centre of mass, principal axes; None if they are equal.
+
+    PyBullet's poses of bodies are those of this frame.
+    """
+    model = scene.shapes[entity].model
+    return None if model is None or entity in scene.fixed else Pose(model.centre, model.axes)
+
+
+def put_body(client: int, scene: Scene, entity: str, body: int, pose: Pose) -> None:
+    """Move the body of an object to a pose."""
+    frame = mass_frame(scene, entity)
+    at, turn = pose if frame is None else compose(pose, frame)
+    pybullet.resetBasePositionAndOrientation(body, at, turn, physicsClientId=client)
+
+
+def body_pose(client: int, scene: Scene, entity: str, body: int) -> Pose:
+    """Return the pose of the body of an object."""
+    position, quaternion = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
+    frame, pose = mass_frame(scene, entity), Pose(tuple(position), tuple(quaternion))
+    return pose if frame is None else compose(pose, invert(frame))
+
+
+def set_mass(client: int, scene: Scene, entity: str, body: int, still: bool = False) -> None:
+    """Give the body of an object its mass and inertia, or none if it is to be `still`."""
+    model, kilograms = scene.shapes[entity].model, 0.0 if still else mass(scene, entity)
+    pybullet.changeDynamics(body, -1, mass=kilograms, physicsClientId=client)
+    if model is not None and kilograms > 0.0:
+        pybullet.changeDynamics(body, -1, localInertiaDiagonal=model.moments, physicsClientId=client)
 
 
 def mass(scene: Scene, entity: str) -> float:
@@ -86,10 +118,12 @@ def _make(
     client: int,
     color: str | None,
     free: bool = False,
+    frame: Pose | None = None,
 ) -> int:
-    """Make one body of several solids; without a colour it is invisible."""
+    """Make one body of several solids, with a `frame` of its mass; without a colour it is invisible."""
     solid, looks = make_shapes(made_of, client, color)
-    body = pybullet.createMultiBody(mass, solid, looks, at, useMaximalCoordinates=free, physicsClientId=client)
+    own = {} if frame is None else {"baseInertialFramePosition": frame[0], "baseInertialFrameOrientation": frame[1]}
+    body = pybullet.createMultiBody(mass, solid, looks, at, useMaximalCoordinates=free, physicsClientId=client, **own)
     if body < 0:
         raise SceneError(f"PyBullet refuses a body of {list(made_of)}")
     rolls = len(made_of) == 1 and made_of[0].kind == "sphere"

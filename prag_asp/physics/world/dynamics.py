@@ -13,7 +13,7 @@ from prag_asp.physics.bullet import STDOUT, mute_output, pybullet
 from prag_asp.physics.predicates.gripper import FINGER_FRICTION
 from prag_asp.physics.robot.robot_files import robot_file
 from prag_asp.physics.witness import ROBOT_PARTS, Arm, Moment
-from prag_asp.physics.world.bodies import make_body, make_table, parking_place
+from prag_asp.physics.world.bodies import body_pose, make_body, make_table, parking_place, put_body
 from prag_asp.physics.world.collisions import BASE_LINK
 from prag_asp.physics.world.furniture_bodies import JOINT, UPRIGHT, read_opening, set_opening
 from prag_asp.physics.world.simulated_arm import load_robot_files, set_joints
@@ -135,7 +135,7 @@ class Dynamics:
         for entity, opening in moment.openings.items():
             set_opening(self.client, self._bodies[entity], opening)
         for entity, body in self._bodies.items():
-            pybullet.resetBasePositionAndOrientation(body, *moment.poses[entity], physicsClientId=self.client)
+            put_body(self.client, self.scene, entity, body, moment.poses[entity])
         for name, arm in moment.arms.items():
             loaded = self._arms[name]
             set_joints(self.client, loaded.body, loaded.robot, arm.joints, arm.width)
@@ -174,7 +174,7 @@ class Dynamics:
 
     def poses(self) -> dict[str, Pose]:
         """Return the poses of the objects."""
-        return {entity: read_pose(self.client, body) for entity, body in self._bodies.items()}
+        return {entity: body_pose(self.client, self.scene, entity, body) for entity, body in self._bodies.items()}
 
     def openings(self) -> dict[str, float]:
         """Return how far furniture is open, in metres or radians."""

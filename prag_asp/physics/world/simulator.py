@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import STDOUT, mute_output, pybullet
 from prag_asp.physics.witness import Moment
-from prag_asp.physics.world.bodies import make_body, make_table, parking_place, show_zone
+from prag_asp.physics.world.bodies import body_pose, make_body, make_table, parking_place, put_body, show_zone
 from prag_asp.physics.world.furniture_bodies import set_opening
 from prag_asp.physics.world.simulated_arm import SimulatedArm
 from prag_asp.scene.geometry import Pose, finite
@@ -58,7 +58,7 @@ class Simulator:
         self._poses: dict[str, Pose] = {}
         self._openings: dict[str, float] = {}
         for i, body in enumerate(self._pool.values()):
-            self._put(body, Pose(parking_place(i)))
+            move(client, body, Pose(parking_place(i)))
 
     def use(self, scene: Scene) -> None:
         """Switch to the bodies of a scene with other sizes from the ranges of this one.
@@ -90,7 +90,7 @@ class Simulator:
             if current is not pose and current != pose:
                 if not finite(pose):
                     raise SceneError(f"{entity} has the pose {pose}, which is not a finite position and rotation")
-                self._put(self.body(entity), pose)
+                put_body(self.client, self.scene, entity, self.body(entity), pose)
                 self._poses[entity] = pose
         for entity in [entity for entity in self._poses if entity not in poses]:
             self._park(entity)
@@ -138,7 +138,7 @@ class Simulator:
         Raises:
             SceneError: it has no body.
         """
-        return read_pose(self.client, self.body(entity))
+        return body_pose(self.client, self.scene, entity, self.body(entity))
 
     def body(self, entity: str) -> int:
         """Return the id of an object's body.
@@ -153,12 +153,8 @@ class Simulator:
     def _park(self, entity: str) -> None:
         """Move a body to its parking place."""
         i = list(self._pool).index((entity, self.scene.shapes[entity]))
-        self._put(self.bodies[entity], Pose(parking_place(i)))
+        move(self.client, self.bodies[entity], Pose(parking_place(i)))
         del self._poses[entity]
-
-    def _put(self, body: int, pose: Pose) -> None:
-        """Move a body to a pose."""
-        pybullet.resetBasePositionAndOrientation(body, pose.position, pose.quaternion, physicsClientId=self.client)
 
     def _chosen(self) -> dict[str, int]:
         """Return the body of each object in its present size."""
@@ -178,8 +174,13 @@ def start_world(client: int) -> None:
     pybullet.setGravity(0, 0, -9.81, physicsClientId=client)
 
 
+def move(client: int, body: int, pose: Pose) -> None:
+    """Move a body; the pose is that of its mass."""
+    pybullet.resetBasePositionAndOrientation(body, pose.position, pose.quaternion, physicsClientId=client)
+
+
 def read_pose(client: int, body: int) -> Pose:
-    """Return the pose of a body."""
+    """Return the pose of a body: that of its mass."""
     position, quaternion = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
     return Pose(tuple(position), tuple(quaternion))
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from prag_asp.physics.predicates.inside import floor_height, hollow
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.forms import Outline, Point, rectangle
-from prag_asp.scene.geometry import hull, inside_by, intersection, outline, yaw_of
+from prag_asp.scene.geometry import base, centre_of_mass, crown, hull, inside_by, intersection, yaw_of
 from prag_asp.scene.solids import weight
 
 CONTACT = 0.002
@@ -42,7 +42,7 @@ def _contacts(situation: Situation, entity: str, tops: Iterable[tuple[str, float
     contacts = []
     for support, height in tops:
         if support != entity and abs(bottom - height) <= CONTACT:
-            below = below or outline(situation.shape(entity), situation.pose(entity))
+            below = below or base(situation.shape(entity), situation.pose(entity))
             inside = support == TABLE and all(abs(x - at_x) <= half_x and abs(y - at_y) <= half_y for x, y in below)
             region = below if inside else ()
             region = region or intersection(below, _top(situation, support))
@@ -53,7 +53,7 @@ def _contacts(situation: Situation, entity: str, tops: Iterable[tuple[str, float
 
 def resting_height(situation: Situation, entity: str, others: Iterable[str]) -> float:
     """Return the height of the highest surface below a body, in metres."""
-    below = outline(situation.shape(entity), situation.pose(entity))
+    below = base(situation.shape(entity), situation.pose(entity))
     bottom = situation.bottom(entity) + CONTACT
     heights = [
         height
@@ -74,19 +74,22 @@ def unsupported(situation: Situation, entities: Iterable[str], margin: float = 0
     (at_x, at_y), (half_x, half_y) = _table(situation)
     high = []
     for body in loose:
-        # The usual case is checked first: a body that stands on the table, with its centre over it, is stable.
+        # The usual case is checked first: a body that stands on the table, with its centre over it, is stable. One with
+        # a model, whose base may be at its side, has to be over the table as a whole.
         measured = situation.body(body)
         x, y, _ = measured.pose.position
-        if not (abs(measured.low[2]) <= CONTACT and abs(x - at_x) <= half_x and abs(y - at_y) <= half_y):
+        dx, dy = (0.0, 0.0) if situation.scene.shapes[body].model is None else measured.half[:2]
+        over = abs(x - at_x) + dx <= half_x and abs(y - at_y) + dy <= half_y
+        if not (abs(measured.low[2]) <= CONTACT and over):
             high.append(body)
     tops = list(_tops(situation, bodies)) if high else []
     resting = {body: _contacts(situation, body, tops) for body in high}
     bearing = {contact.support for touching in resting.values() for contact in touching}
     resting.update({body: contacts(situation, body, ()) for body in loose if body in bearing and body not in high})
     for body, touching in resting.items():
-        base = hull([point for contact in touching for point in contact.region])
-        needed = min(margin, max(0.0, inside_by(base, _middle(base)) / 2)) if base else 0.0
-        if not base or inside_by(base, _load(situation, body, resting)[1]) < needed - BALANCE:
+        ground = hull([point for contact in touching for point in contact.region])
+        needed = min(margin, max(0.0, inside_by(ground, _middle(ground)) / 2)) if ground else 0.0
+        if not ground or inside_by(ground, _load(situation, body, resting)[1]) < needed - BALANCE:
             return body
     return None
 
@@ -101,7 +104,7 @@ def riders(situation: Situation, entity: str, others: Iterable[str]) -> list[str
             continue
         for other in candidates:
             if other not in bodies and abs(situation.bottom(other) - height) <= CONTACT:
-                outer = outline(situation.shape(other), situation.pose(other))
+                outer = base(situation.shape(other), situation.pose(other))
                 if intersection(outer, _top(situation, current)):
                     bodies.append(other)
     return bodies[1:]
@@ -131,7 +134,7 @@ def _top(situation: Situation, support: str) -> Outline:
         return rectangle(x, y, half_x, half_y, 0.0)
     shape = situation.shape(support)
     if not shape.traits.hollow:
-        return outline(shape, situation.pose(support))
+        return crown(shape, situation.pose(support))
     pose, inner = hollow(situation, support)
     x, y, _ = pose.position
     return rectangle(x, y, inner[0] / 2, inner[1] / 2, yaw_of(pose.quaternion))
@@ -150,7 +153,8 @@ def _load(situation: Situation, body: str, resting: Mapping[str, list[Contact]])
     share, at the centre of the contact.
     """
     total = weight(situation.scene, body)
-    x, y = (total * value for value in situation.pose(body).position[:2])
+    centre = centre_of_mass(situation.shape(body), situation.pose(body))
+    x, y = total * centre[0], total * centre[1]
     for rider, touching in resting.items():
         for contact in touching:
             if contact.support == body:

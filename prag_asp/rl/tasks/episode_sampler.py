@@ -9,6 +9,7 @@ from fractions import Fraction
 from typing import Any, Literal, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
@@ -27,6 +28,13 @@ CACHED = 512
 Made = TypeVar("Made")
 
 
+class Probability(Fraction):
+    """An exact probability, which arrays hold as a number: recorders of episodes store `info` in such."""
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[np.float64]:
+        return np.array(float(self), dtype=dtype)
+
+
 @dataclass(frozen=True)
 class EpisodeStart:
     """The task of an episode with its subgoals, and the `stage`, the number of the initial subgoal.
@@ -41,14 +49,14 @@ class EpisodeStart:
     named: bool
 
     def info(self) -> dict[str, Any]:
-        """Return the information that goes with the first observation."""
+        """Return the information that goes with each observation of the episode."""
         assignment = self.assignment
         return {
             "task": str(assignment.task),
             "rank": assignment.rank,
             "log_probability": assignment.task.log_probability,
-            "probability": assignment.probability,
-            "stage_probability": self.chance,
+            "probability": None if assignment.probability is None else Probability(assignment.probability),
+            "stage_probability": None if self.chance is None else Probability(self.chance),
             "rejected": assignment.rejected,
         }
 

@@ -83,7 +83,7 @@ class WitnessFinder:
         """Return a witness of a task, None where none is found; it depends on the arguments alone.
 
         Raises:
-            SceneError: the task speaks about something for which the scene has no shape.
+            SceneError: the task refers to something for which the scene has no shape.
         """
         if self._validator is None:
             self._validator = self._resources.enter_context(open_validator(self.scene))
@@ -112,7 +112,7 @@ class SingleTask:
     assignment: Assignment
 
     def seed(self, seed: int) -> None:
-        """Ignore it: nothing is random."""
+        """Ignore the seed, because the order is fixed."""
 
     def draw(self) -> Assignment:
         """Return the task."""
@@ -146,7 +146,7 @@ def assign_witness(task: Task, witness: Witness, scene: Scene) -> Assignment:
 
     Raises:
         QueryError: it is of another task: not all facts of a state hold in it, or it has too few or too many states.
-        SceneError: the task speaks about something for which the scene has no shape.
+        SceneError: the task refers to something for which the scene has no shape.
     """
     states, moments = physical_task(task, scene).states, witness.moments
     if len(states) != len(moments):

@@ -6,7 +6,7 @@ Lengths are metres, angles in the file degrees.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from itertools import combinations, islice
 from typing import Any
@@ -20,7 +20,6 @@ from prag_asp.scene.read.layout import check_places, read_fixed, read_table, rea
 from prag_asp.scene.read.predicates import read_own
 from prag_asp.scene.read.scene_values import DomainNames, color
 from prag_asp.scene.read.shapes import read_shapes
-from prag_asp.scene.read.stability import falls
 from prag_asp.scene.robots import ROBOTS
 from prag_asp.scene.scene import IGNORED, Material, Mount, Own, Ranges, Scene, Shape, TableTop, only_robot
 from prag_asp.tables.report import TableEntry, is_number, shown
@@ -89,6 +88,8 @@ def read_scene(root: TableEntry, names: DomainNames) -> Scene:
     arms = {entity: shape for entity, shape in shapes.items() if shape.kind == "robot"}
     robots = _robots(root.section("robots"), shapes, usual)
     top = read_table(root.section("table"))
+    fixed = read_fixed(root.section("fixed"), names, shapes)
+    shapes |= _resting(root.section("shapes"), names, shapes, fixed)
     scene = Scene(
         shapes=shapes,
         robots=robots,
@@ -96,7 +97,7 @@ def read_scene(root: TableEntry, names: DomainNames) -> Scene:
         workspace=read_workspace(root.section("workspace")),
         table=top,
         colors=_colors(root.section("colors"), names, shapes, top.color),
-        fixed=read_fixed(root.section("fixed"), names, shapes),
+        fixed=fixed,
         predicates=_predicates(root.section("predicates"), own),
         rotations=_rotations(root.section("rotations")),
         materials=_materials(root.section("materials"), names),
@@ -113,31 +114,45 @@ def read_scene(root: TableEntry, names: DomainNames) -> Scene:
 def _check_bodies(root: TableEntry, scene: Scene, names: DomainNames) -> None:
     """Report bodies with an impossible place.
 
-    These are bodies larger than the table, fixed bodies off the table or overlapping each other or a robot, bodies that
-    fall over, and furniture without a place.
+    These are bodies larger than the table, fixed bodies off the table or overlapping each other or a robot, and
+    furniture without a place.
     """
     report, shapes, places = root.report, root.section("shapes"), root.section("fixed")
     for entity, shape in scene.shapes.items():
         if shape.traits.furniture and entity not in scene.fixed:
             places.at(entity).needs(f"the place of {entity}, because a {shape.kind} does not move")
-    fallen: dict[str, str] = {}
     for entity, shape in scene.shapes.items():
         if not shape.traits.body:
             continue
         owner = next(name for name in names.line(entity) if name in shapes.value)
-        if shape.model is not None and entity not in scene.fixed and falls(shape.model.solids):
-            fallen.setdefault(owner, entity)
         sides, room = sorted(shape.size[:2]), sorted(scene.table.size)
         if sides[0] > room[0] or sides[1] > room[1]:
             text = f"{sides[1]:g} x {sides[0]:g} m is larger than the table, which is {room[1]:g} x {room[0]:g} m"
             shapes.at(owner).add(f"{text}; make it smaller")
             report.doubtful.add(entity)
-    for owner, entity in fallen.items():
-        text = f"{entity} falls over: its centre of mass, the centre of its box, is not above its base"
-        shapes.at(owner).at("path").add(f"{text}; turn it, widen its base, or fix its place")
     fixed = {entity: place for entity, place in scene.fixed.items() if entity not in report.doubtful}
     check_places(places, scene.table, scene.shapes, fixed)
     check_bases(places, replace(scene, fixed=fixed))
+
+
+def _resting(
+    section: TableEntry, names: DomainNames, shapes: Mapping[str, Shape], fixed: Collection[str]
+) -> dict[str, Shape]:
+    """Return the shapes of the bodies with a model that can move, as they come to rest; report those that roll on."""
+    models = {entity: shape for entity, shape in shapes.items() if shape.model is not None and entity not in fixed}
+    if not models:
+        return {}
+    from prag_asp.scene.read.body import resting  # noqa: PLC0415 - few domains have bodies with a model
+
+    found = {shape: resting(shape) for shape in set(models.values())}
+    fallen: dict[str, str] = {}
+    for entity, shape in models.items():
+        if found[shape] is None:
+            fallen.setdefault(next(name for name in names.line(entity) if name in section.value), entity)
+    for owner, entity in fallen.items():
+        text = f"{entity} does not come to rest: it is round, or its base is too small; widen it, or fix its place"
+        section.at(owner).at("path").add(text)
+    return {entity: rest for entity, shape in models.items() if (rest := found[shape]) is not None}
 
 
 def _predicates(section: TableEntry, own: Mapping[str, Own]) -> dict[str, str]:

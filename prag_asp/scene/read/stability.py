@@ -1,4 +1,4 @@
-"""The static stability of a body from a URDF that stands upright.
+"""How a body from a file rests on the ground: whether it stands, and how it comes to rest otherwise.
 
 Its base is the convex hull of all its points within `CONTACT` of the lowest one. Boxes and meshes are sampled at their
 corners, cylinders and balls all around, balls also just above their lowest point.
@@ -10,8 +10,15 @@ import math
 from collections.abc import Iterator, Sequence
 from itertools import product
 
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.scene.forms import Outline, Point
+from prag_asp.scene.geometry import hull, inside_by
 from prag_asp.scene.read.mesh import mesh_points
 from prag_asp.scene.scene import Size, Solid
+
+Floats = NDArray[np.float64]
 
 Rows = tuple[Size, Size, Size]
 CONTACT = 0.002
@@ -20,32 +27,104 @@ CONTACT = 0.002
 STABLE_DEPTH = 0.0025
 """The smallest distance of the centre of mass from the edge of the base, in metres: a little more than `CONTACT`."""
 
+TOUCHING = 1e-7
+"""The height in metres up to which a point is on the ground, apart from rounding errors."""
+
+MOST_STEPS = 500
+"""The number of edges over which a body tips: a ball that is sampled in 64 directions has 64 around."""
+
 TURNS = tuple(2 * math.pi * i / 64 for i in range(64))
 """The directions, in radians, in which the base and round surfaces are sampled: one every 5.6 degrees."""
 
 
-def falls(solids: Sequence[Solid]) -> bool:
-    """Return whether the centre of mass of a body, the origin of its solids, is outside its base or at its edge.
-
-    A round base counts as if it were flat.
+def surface_points(solids: Sequence[Solid]) -> Floats:
+    """Return points (n, 3) of the surface of solids in the frame of their body, in metres.
 
     Raises:
         SceneError: a mesh cannot be read.
     """
-    points = []
-    for solid in solids:
-        rows = rotation(solid.turn)
-        for point in _own_points(solid):
-            turned = (sum(a * b for a, b in zip(row, point, strict=True)) for row in rows)
-            points.append([side + at for side, at in zip(turned, solid.at, strict=True)])
-    lowest = min(z for _, _, z in points)
-    base = [(x, y) for x, y, z in points if z <= lowest + CONTACT]
-    # The depth of the centre within the hull of the base: its smallest distance from a line that bounds the base.
-    headings = [(math.cos(turn), math.sin(turn)) for turn in TURNS]
-    return min(max(x * a + y * b for x, y in base) for a, b in headings) < STABLE_DEPTH
+    own = ((np.array(list(own_points(solid))), solid) for solid in solids)
+    return np.concatenate([points @ np.array(rotation(solid.turn)).T + solid.at for points, solid in own])
 
 
-def _own_points(solid: Solid) -> Iterator[Size]:
+def base_of(points: Floats) -> Outline:
+    """Return the convex outline, seen from above, of the lowest of points (n, 3)."""
+    near = points[points[:, 2] <= points[:, 2].min() + CONTACT]
+    return hull([(x, y) for x, y, _ in near.tolist()])
+
+
+def crown_of(points: Floats) -> Outline:
+    """Return the convex outline, seen from above, of the highest of points (n, 3)."""
+    return base_of(points * (1.0, 1.0, -1.0))
+
+
+def falls(points: Floats, centre: Floats) -> bool:
+    """Return whether a body, given by points (n, 3) of its surface, falls over as it stands.
+
+    It does if its `centre` of mass (3,) is outside its base or at its edge. A round base counts as if it were flat.
+    """
+    return inside_by(base_of(points), (float(centre[0]), float(centre[1]))) < STABLE_DEPTH
+
+
+def settle(points: Floats, centre: Floats) -> Floats | None:
+    """Return the rotation (3, 3) by which a body comes to rest on its convex hull, None if it rolls on.
+
+    It tips over the edge of its base that is nearest to its centre of mass, until the next point of its surface
+    touches the ground, as a body does that loses no contact and has no momentum (Goldberg et al., "Part pose
+    statistics", 1999). Each step lowers the centre of mass, or starts from an edge on which the body cannot stay.
+    """
+    rows = np.eye(3)
+    for _ in range(MOST_STEPS):
+        turned = points @ rows.T
+        x, y, _ = rows @ centre
+        lowest = turned[:, 2].min()
+        on_ground = turned[:, 2] <= lowest + TOUCHING
+        base = hull([(a, b) for a, b, _ in turned[on_ground].tolist()])
+        if inside_by(base, (x, y)) >= 0.0 and not falls(turned, rows @ centre):
+            return rows
+        (px, py), (dx, dy) = _pivot(base, (float(x), float(y)))
+        ahead = (turned[:, 0] - px) * dx + (turned[:, 1] - py) * dy
+        angles = np.arctan2(turned[:, 2] - lowest, ahead)
+        # What is on the ground ahead of the pivot is on the pivot, but for rounding errors.
+        angle = float(angles[~on_ground].min(initial=np.pi))
+        rows = _tipping((dx, dy), angle) @ rows
+    return None
+
+
+def _pivot(base: Outline, at: Point) -> tuple[Point, Point]:
+    """Return a point of a base around which a body tips, and the direction in which it tips: a unit vector.
+
+    `at` is below its centre of mass.
+    """
+    nearest: tuple[float, Point, Point] | None = None
+    for (ax, ay), (bx, by) in zip(base, base[1:] + base[:1], strict=True) if len(base) > 1 else ():
+        length = math.hypot(bx - ax, by - ay)
+        along = ((at[0] - ax) * (bx - ax) + (at[1] - ay) * (by - ay)) / length**2
+        outside = ((at[0] - ax) * (by - ay) - (at[1] - ay) * (bx - ax)) / length
+        # Of a base that is only a line, either side is one; the other one comes with the edge back.
+        if 0.0 <= along <= 1.0 and (len(base) > 2 or outside >= 0.0):
+            found = (abs(outside), (ax, ay), ((by - ay) / length, (ax - bx) / length))
+            nearest = found if nearest is None else min(nearest, found)
+    corner = min(base, key=lambda point: math.dist(point, at))
+    distance = math.dist(corner, at)
+    if nearest is not None and (inside_by(base, at) >= 0.0 or nearest[0] <= distance):
+        return nearest[1], nearest[2]
+    if distance < TOUCHING:
+        return corner, (1.0, 0.0)
+    return corner, ((at[0] - corner[0]) / distance, (at[1] - corner[1]) / distance)
+
+
+def _tipping(direction: Point, angle: float) -> Floats:
+    """Return the rotation (3, 3) that tips what is above the ground towards a direction, by an angle in radians."""
+    x, y = direction
+    ahead, across, up = np.array([x, y, 0.0]), np.array([-y, x, 0.0]), np.array([0.0, 0.0, 1.0])
+    cosine, sine = math.cos(angle), math.sin(angle)
+    tilted = np.stack([cosine * ahead - sine * up, across, sine * ahead + cosine * up], axis=1)
+    rotated: Floats = tilted @ np.stack([ahead, across, up])
+    return rotated
+
+
+def own_points(solid: Solid) -> Iterator[Size]:
     """Yield points of the surface of a solid in its own axes, in metres."""
     x, y, z = (side / 2 for side in solid.size)
     circle = [(math.cos(turn), math.sin(turn)) for turn in TURNS]

@@ -1,68 +1,174 @@
-"""Read a URDF of one rigid link: its collision solids, their bounding box, and its mass.
+"""Read a URDF of one rigid body: its collision solids, mass, centre of mass and inertia.
 
-The solids are boxes, cylinders, balls and meshes (.obj and .stl, of which simulators take convex hulls); other elements
-are ignored. No simulator is loaded, so that the linter can measure a body. Lengths are metres.
+Several links are one body if all their joints are fixed. The solids are boxes, cylinders, balls and meshes; other
+elements are ignored. No simulator is loaded, so that the linter can measure a body. Lengths are metres.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from itertools import count
 from pathlib import Path
+from typing import NamedTuple
 from xml.etree import ElementTree
 from xml.parsers import expat
 
+import numpy as np
+from numpy.typing import NDArray
+
 from prag_asp.errors import SceneError
-from prag_asp.safe_reading import is_inside, read_bytes
-from prag_asp.scene.forms import FORMS
-from prag_asp.scene.read.mesh import mesh_points, thickness
+from prag_asp.safe_reading import read_bytes
+from prag_asp.scene.mass import MassProperties, combined, point_mass
+from prag_asp.scene.read.asset_paths import find_asset, require_inside
+from prag_asp.scene.read.body import body_shape, ends, roll_pitch_yaw, solid_mass, too_thin
 from prag_asp.scene.read.scene_values import SMALLEST
 from prag_asp.scene.read.stability import rotation
-from prag_asp.scene.scene import BodyModel, Shape, Size, Solid
+from prag_asp.scene.scene import Shape, Size, Solid
 from prag_asp.wording import plural
+
+Floats = NDArray[np.float64]
 
 ZEROS = "0 0 0"
 LARGEST = 1_000_000
-"""The largest size of a URDF in bytes, ample for one rigid link."""
+"""The largest size of a URDF in bytes, ample for one rigid body."""
 
 MOST_SOLIDS = 1000
 """The largest number of collision solids of a body: each takes time in every check of every pose."""
 
 
+PROLOGUE = re.compile(rb"((?:\xef\xbb\xbf|\s|<!--.*?-->)+)(<\?xml\s.*?\?>)", re.DOTALL)
+"""What some files have before the XML declaration, although XML allows nothing there."""
+
+INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+"""The attributes of ``<inertia>``: the upper triangle of the matrix, by rows."""
+
+
+class Frame(NamedTuple):
+    """A rotation matrix (3, 3) and a position (3,) in metres."""
+
+    rows: Floats
+    at: Floats
+
+
 def read_urdf(path: Path, folder: Path) -> Shape:
     """Return the shape of the body that a URDF describes; the file and its meshes have to be inside a folder.
 
-    The centre of the bounding box of the solids becomes the origin, and counts as the centre of mass.
+    The centre of the bounding box of the solids becomes the origin. A link whose ``<inertial>`` has no ``<origin>`` has
+    its centre of mass in the centre of the volume of its solids; an inertia that no body of this size and mass has is
+    replaced by that of uniform solids.
 
     Raises:
         SceneError: a file is missing, outside or malformed, or does not describe one rigid body.
     """
-    _require_inside(path, folder)
+    require_inside(path, folder)
     root, lines = _parsed(path, folder)
+    frames = _frames(root, lines, path)
+    solids: list[Solid] = []
+    masses: list[MassProperties] = []
+    for link, frame in frames.items():
+        name = f"link {link.get('name', 'without a name')}"
+        own = []
+        for number, element in enumerate(link.iter("collision"), 1):
+            with _errors_at(path, lines[element], f"{name}, collision {number}"):
+                own.append(_solid(element, path, folder))
+                list(ends(own[-1]))
+        mass = link.find("inertial/mass")
+        if mass is not None:
+            with _errors_at(path, lines[mass], name):
+                masses += _mass(link, mass, own, frame, len(frames) > 1)
+        solids += own if frame is None else [_moved(solid, frame) for solid in own]
+    if not masses or not solids:
+        first = next(iter(frames))
+        missing = "<collision>" if masses else "<mass> in an <inertial>"
+        one = f"link {first.get('name', 'without a name')} has no"
+        text = f"{one if len(frames) == 1 else 'none of its links has a'} {missing}"
+        raise SceneError(f"{path}:{lines[first]}: {text}; add one")
+    return body_shape("urdf", solids, combined(masses))
+
+
+def _frames(
+    root: ElementTree.Element, lines: Mapping[ElementTree.Element, int], path: Path
+) -> dict[ElementTree.Element, Frame | None]:
+    """Return the frame of each link in that of the first, which is None; all joints between them are fixed.
+
+    Raises:
+        SceneError: there is no link, a joint moves, or the joints do not connect the links.
+    """
     links = root.findall("link")
-    if len(links) != 1:
+    joints = root.findall("joint")
+    for joint in joints:
+        kind = joint.get("type", "without a type")
+        if kind != "fixed":
+            text = f"joint {joint.get('name', 'without a name')} is {kind}, and a body is rigid; make it fixed"
+            raise SceneError(f"{path}:{lines[joint]}: {text}")
+    ends_of = {
+        joint: tuple("" if (end := joint.find(tag)) is None else end.get("link", "") for tag in ("parent", "child"))
+        for joint in joints
+    }
+    children = {child for _, child in ends_of.values()}
+    by_name = {link.get("name", ""): link for link in links}
+    roots = [link for link in links if link.get("name", "") not in children]
+    if len(roots) != 1 or len(by_name) != len(links):
         named = ", ".join(f"{link.get('name')} in line {lines[link]}" for link in links)
         content = f"{plural(len(links), 'link')}{f' ({named})' if named else ''}"
-        raise SceneError(f"{path}:{lines[root]}: has {content}; give a URDF of one rigid link")
-    (link,) = links
-    name = f"link {link.get('name', 'without a name')}"
-    solids, corners = [], list[Size]()
-    for number, element in enumerate(link.iter("collision"), 1):
-        with _errors_at(path, lines[element], f"{name}, collision {number}"):
-            solids.append(_solid(element, path, folder))
-            corners += _ends(solids[-1])
-    mass = link.find("inertial/mass")
-    if mass is None or not solids:
-        missing = "<collision>" if mass is not None else "<mass> in an <inertial>"
-        raise SceneError(f"{path}:{lines[link]}: {name} has no {missing}; add one")
-    with _errors_at(path, lines[mass], name):
-        weight = _lengths(mass, "value", 1)[0]
-    low, high = (_size([end(corner[i] for corner in corners) for i in range(3)]) for end in (min, max))
-    middle = _size([(a + b) / 2 for a, b in zip(low, high, strict=True)])
-    centred = tuple(solid._replace(at=_minus(solid.at, middle)) for solid in solids)
-    return Shape("urdf", _minus(high, low), model=BodyModel(centred, weight))
+        connected = ", or connect them by fixed joints" if links else ""
+        raise SceneError(f"{path}:{lines[root]}: has {content}; give a URDF of one rigid link{connected}")
+    frames: dict[ElementTree.Element, Frame | None] = {roots[0]: None}
+    for link, frame in (waiting := list(frames.items())):
+        for joint, (parent, child) in ends_of.items():
+            if parent == link.get("name", "") and child in by_name and by_name[child] not in frames:
+                with _errors_at(path, lines[joint], f"joint {joint.get('name', 'without a name')}"):
+                    own = _frame(joint.find("origin"))
+                frames[by_name[child]] = placed = own if frame is None else _composed(frame, own)
+                waiting.append((by_name[child], placed))
+    apart = next((link for link in links if link not in frames), None)
+    if apart is not None:
+        raise SceneError(f"{path}:{lines[apart]}: link {apart.get('name')} is not connected to the others by joints")
+    return frames
+
+
+def _frame(origin: ElementTree.Element | None) -> Frame:
+    """Return the frame of an origin."""
+    at, turn = _origin(origin)
+    return Frame(np.array(rotation(turn)), np.array(at))
+
+
+def _composed(outer: Frame, inner: Frame) -> Frame:
+    """Return the frame of what has a frame within another."""
+    return Frame(outer.rows @ inner.rows, outer.rows @ inner.at + outer.at)
+
+
+def _moved(solid: Solid, frame: Frame) -> Solid:
+    """Return a solid of a link in the frame of the body."""
+    rows, at = _composed(frame, Frame(np.array(rotation(solid.turn)), np.array(solid.at)))
+    x, y, z = map(float, at)
+    return solid._replace(at=(x, y, z), turn=roll_pitch_yaw(rows))
+
+
+def _mass(
+    link: ElementTree.Element, mass: ElementTree.Element, solids: list[Solid], frame: Frame | None, among_others: bool
+) -> list[MassProperties]:
+    """Return the mass properties of a link in the frame of the body, none of a massless one `among_others`."""
+    if among_others and _numbers(mass.get("value", ""), 1, "the value of <mass>")[0] == 0.0:
+        return []
+    kilograms = _lengths(mass, "value", 1)[0]
+    uniform = solid_mass(solids).scaled(kilograms) if solids else point_mass(kilograms, np.zeros(3))
+    origin = link.find("inertial/origin")
+    own = _frame(origin)
+    result = uniform if origin is None else uniform._replace(centre=own.at)
+    inertia = link.find("inertial/inertia")
+    if inertia is not None and solids:
+        values = [_numbers(inertia.get(name, "0"), 1, f"the {name} of <inertia>")[0] for name in INERTIA]
+        xx, xy, xz, yy, yz, zz = values
+        matrix = own.rows @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ own.rows.T
+        stated = result._replace(inertia=matrix)
+        points = np.array([end for solid in solids for end in ends(solid)])
+        if stated.fits(points.min(0), points.max(0)):
+            result = stated
+    return [result if frame is None else result.moved(*frame)]
 
 
 def _parsed(path: Path, folder: Path) -> tuple[ElementTree.Element, dict[ElementTree.Element, int]]:
@@ -71,6 +177,10 @@ def _parsed(path: Path, folder: Path) -> tuple[ElementTree.Element, dict[Element
         content = read_bytes(path, within=folder, at_most=LARGEST)
     except OSError as error:
         raise SceneError(f"{path}: cannot be read: {error.strerror}") from error
+    # The declaration goes first; no line moves, because it is on one.
+    before = PROLOGUE.match(content)
+    if before is not None:
+        content = before[2] + before[1].replace(b"\xef\xbb\xbf", b"") + content[before.end() :]
     builder, parser = ElementTree.TreeBuilder(), expat.ParserCreate()
     lines: dict[ElementTree.Element, int] = {}
     solids = count(1)
@@ -100,26 +210,15 @@ def _errors_at(path: Path, line: int, what: str) -> Iterator[None]:
         raise SceneError(f"{path}:{line}: {what}: {error}") from error
 
 
-def _require_inside(path: Path, folder: Path) -> None:
-    """Check that a file exists inside a folder."""
-    if not is_inside(path, folder):
-        raise SceneError(f"{path}: lies outside the domain; copy it into {folder}")
-    if not path.is_file():
-        raise SceneError(f"{path}: there is no such file; give the path from the folder of the domain")
-
-
 def _solid(element: ElementTree.Element, path: Path, folder: Path) -> Solid:
     """Return the solid of a collision element."""
-    origin = element.find("origin")
-    at, turn = ((ZEROS if origin is None else origin.get(name, ZEROS)) for name in ("xyz", "rpy"))
-    place = (_numbers(at, 3, "the xyz of <origin>"), _numbers(turn, 3, "the rpy of <origin>"))
+    place = _origin(element.find("origin"))
     geometry = element.find("geometry")
     shape = None if geometry is None else next(iter(geometry), None)
     if shape is None:
         raise SceneError("has no <geometry>; give it a box, cylinder, sphere or mesh")
     if shape.tag == "mesh":
-        file = path.parent / shape.get("filename", "").removeprefix("package://")
-        _require_inside(file, folder)
+        file = find_asset(shape.get("filename", ""), path, folder)
         return Solid("mesh", _lengths(shape, "scale", 3, "1 1 1"), *place, str(file))
     if shape.tag == "box":
         return _thick(Solid("box", _lengths(shape, "size", 3), *place))
@@ -130,16 +229,17 @@ def _solid(element: ElementTree.Element, path: Path, folder: Path) -> Solid:
     raise SceneError(f"unknown geometry <{shape.tag}>; known are box, cylinder, sphere and mesh")
 
 
+def _origin(origin: ElementTree.Element | None) -> tuple[Size, Size]:
+    """Return the position in metres, and roll, pitch and yaw in radians, of an origin; zeros without one."""
+    at, turn = ((ZEROS if origin is None else origin.get(name, ZEROS)) for name in ("xyz", "rpy"))
+    return _numbers(at, 3, "the xyz of <origin>"), _numbers(turn, 3, "the rpy of <origin>")
+
+
 def _thick(solid: Solid) -> Solid:
     """Return a solid after a check that it is thick enough to collide with."""
     if min(solid.size) < SMALLEST:
-        raise SceneError(f"a <{solid.kind}> is {_thin(min(solid.size))}")
+        raise SceneError(f"a <{solid.kind}> is {too_thin(min(solid.size))}")
     return solid
-
-
-def _thin(thickness: float) -> str:
-    """Return the problem of a solid that is too thin, and the remedy, in words."""
-    return f"{thickness:.3g} m thin; make it at least {SMALLEST:g} m thick"
 
 
 def _lengths(element: ElementTree.Element, name: str, count: int, default: str = "") -> Size:
@@ -158,30 +258,5 @@ def _numbers(text: str, count: int, name: str) -> Size:
         values = []
     if len(values) != count or not all(map(math.isfinite, values)):
         raise SceneError(f"{name} is {text!r}; give {count} finite number{'s' if count > 1 else ''}")
-    return _size([*values, 0.0, 0.0][:3])
-
-
-def _ends(solid: Solid) -> Iterator[Size]:
-    """Yield points that have the bounding box of a solid in the frame of the link."""
-    rows = rotation(solid.turn)
-    if solid.mesh:
-        points = mesh_points(solid.mesh, solid.size)
-        if thickness(points) < SMALLEST:
-            raise SceneError(f"{solid.mesh}: the mesh is {_thin(thickness(points))}")
-        turned = [[sum(a * b for a, b in zip(row, point, strict=True)) for row in rows] for point in points]
-    else:
-        half = _size([side / 2 for side in solid.size])
-        reach = [FORMS[solid.kind].reach(half, row) for row in rows]
-        turned = [reach, [-side for side in reach]]
-    for point in turned:
-        yield _size([a + b for a, b in zip(point, solid.at, strict=True)])
-
-
-def _minus(one: Size, two: Size) -> Size:
-    """Return the difference of two vectors."""
-    return (one[0] - two[0], one[1] - two[1], one[2] - two[2])
-
-
-def _size(values: list[float]) -> Size:
-    """Return three numbers as a tuple."""
-    return (values[0], values[1], values[2])
+    x, y, z = [*values, 0.0, 0.0][:3]
+    return (x, y, z)

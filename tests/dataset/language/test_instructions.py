@@ -99,16 +99,16 @@ def test_a_task_without_actions_is_told_in_no_words() -> None:
 @pytest.mark.parametrize(
     ("name", "language", "words"),
     [
-        ("tabletop", "fr", "tabletop does not speak 'fr'; it speaks de, en"),
-        ("hanoi", "de", "hanoi does not speak 'de'; write its sentences under .language.de.actions., or take en"),
+        ("tabletop", "fr", "tabletop has no sentences in 'fr'; it has those in de, en"),
+        ("hanoi", "de", "hanoi has no sentences in 'de'; write its sentences under .language.de.actions., or take en"),
     ],
 )
-def test_a_language_that_a_domain_does_not_speak_is_told(name: str, language: str, words: str) -> None:
+def test_a_language_that_a_domain_has_no_sentences_in_is_refused(name: str, language: str, words: str) -> None:
     with pytest.raises(QueryError, match=words):
         instruction_writer_of(shipped(name), language)
 
 
-def test_any_domain_speaks_english_by_the_names_that_it_has() -> None:
+def test_any_domain_has_english_sentences_by_the_names_that_it_has() -> None:
     text = """
     #include "rules/closed_world.lp".
     class(lamp).   entity((hall; attic), lamp).

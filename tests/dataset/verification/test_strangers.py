@@ -91,7 +91,7 @@ REFUSED: dict[str, tuple[Change, str]] = {
     "deep values": (lambda folder: (folder / "dataset.json").write_text("[" * 10**5), "values are nested too deeply"),
     "a large dataset.json": (lambda folder: os.truncate(folder / "dataset.json", 10**12), "it is larger than 64 MB"),
     "a language elsewhere": (
-        said(lambda told: told["spec"].update(language="../../x\x1b")), r"does not speak '../../x\x1b'"
+        said(lambda told: told["spec"].update(language="../../x\x1b")), r"has no sentences in '../../x\x1b'"
     ),
 }  # fmt: skip
 

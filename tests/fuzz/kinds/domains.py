@@ -152,7 +152,7 @@ def logic(chance: Random, number: int) -> Mutant:
 
 
 def _statement(text: str, chance: Random) -> str:
-    """Return a statement that speaks of what a domain has."""
+    """Return a statement that refers to what a domain has."""
     if chance.random() < 0.5:
         return chance.choice([each for each in STATEMENTS if each.endswith(".")])
     lines = [line for line in text.split("\n") if line.endswith(".") and not line.startswith(("%", "#"))]

@@ -7,7 +7,6 @@ from math import comb
 import pytest
 
 from prag_asp import EngineError, TaskSpace, load_domain
-from prag_asp.logic import domain_logic
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.ground.ground_step import GroundStep, extend_step, ground_step
 from prag_asp.logic.ground.program import canonical_extension
@@ -95,7 +94,7 @@ def test_the_rules_of_tasks_are_ground_on_top_of_the_step_of_plans_unless_a_rule
         steps.append(ground_step(program, facts, reads))
         return steps[-1]
 
-    monkeypatch.setattr(domain_logic, "ground_step", ground_step_once)
+    monkeypatch.setattr("prag_asp.logic.ground.ground_step.ground_step", ground_step_once)
     logic = DomainLogic(load_domain(text=NAMED + rules))
     transition = logic.transition(tasks=True)
     assert logic.groups(0) and len(steps) == (1 if extended else 2)

@@ -11,8 +11,10 @@ from prag_asp.physics import Budget, check_witness, open_validator, validate_tas
 from prag_asp.physics.predicates import gripper
 from prag_asp.physics.predicates.gripper import GRAVITY, SLIPS, bearable
 from prag_asp.physics.proofs.prover import Impossibility, Prover
+from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.search import moving
 from prag_asp.physics.symbolic_facts import physical_task
+from prag_asp.scene.robots.panda import PANDA
 from prag_asp.scene.scene import Material, Scene, Shape
 from prag_asp.task import Task
 from tests.chance import Chance
@@ -56,24 +58,33 @@ def reason(asked: Task, made: Scene) -> str | None:
     return None if proof is None else str(proof)
 
 
-@pytest.mark.parametrize(("height", "held"), [(0.01099, False), (0.011, True), (0.01101, True)])
-def test_what_is_lower_than_the_fingers_reach_is_proved_never_held_and_what_is_higher_is_held(
+@pytest.mark.parametrize(("height", "held"), [(0.00249, False), (0.0026, True), (0.01099, True), (0.011, True)])
+def test_what_the_pads_do_not_overlap_is_proved_never_held_and_what_is_higher_is_held(
     height: float, held: bool
 ) -> None:
     made = scene((0.05, 0.05, height))
     verdict = validate_task(LIFTED, made, seed=1)
     assert verdict.status == ("feasible" if held else "infeasible")
     if verdict.witness is None:
-        assert verdict.reason.endswith("cube 1 is 11 mm high, the gripper takes what is at least 11 mm high")
+        assert verdict.reason.endswith("cube 1 is 2.49 mm high, the gripper takes what is at least 2.5 mm high")
     else:
         assert check_witness(LIFTED, verdict.witness, made) == []
 
 
+@pytest.mark.parametrize("height", [0.003, 0.007, 0.0105])
+def test_the_fingertips_are_just_above_the_table_at_a_flat_body_and_the_pads_overlap_it(height: float) -> None:
+    verdict = validate_task(LIFTED, scene((0.05, 0.05, height)), seed=1)
+    assert verdict.witness is not None
+    taken = next(waypoint for waypoint in verdict.witness.motions[0] if waypoint.name == "at")
+    tips = tool_pose(PANDA, taken.joints).position[2] - PANDA.fingertip
+    assert tips == pytest.approx(0.0005, abs=1e-4) and height - tips >= 0.002
+
+
 def test_a_body_of_which_some_size_can_be_held_is_not_proved_too_low_or_too_heavy() -> None:
-    flat = [Shape("box", (0.05, 0.05, height)) for height in (0.008, 0.012)]
+    flat = [Shape("box", (0.05, 0.05, height)) for height in (0.002, 0.003)]
     cubes = [Shape("box", (side, side, side)) for side in (0.03, 0.06)]
     for made, possible, impossible in (
-        (scene((0.05, 0.05, 0.012)), flat, flat[:1]),
+        (scene((0.05, 0.05, 0.003)), flat, flat[:1]),
         (of_mass(1.7), cubes, cubes[1:]),
     ):
         assert reason(LIFTED, replace(made, ranges={"cube_1": tuple(possible)})) is None
@@ -83,7 +94,7 @@ def test_a_body_of_which_some_size_can_be_held_is_not_proved_too_low_or_too_heav
 def test_the_check_of_a_witness_demands_that_the_fingers_stay_above_what_they_hold(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    made = scene((0.05, 0.05, 0.0111))
+    made = scene((0.05, 0.05, 0.013))
     witness = validate_task(LIFTED, made, seed=1).witness
     assert witness is not None and check_witness(LIFTED, witness, made) == []
     monkeypatch.setattr(gripper, "TIP_ROOM", gripper.TIP_ROOM + 0.001)

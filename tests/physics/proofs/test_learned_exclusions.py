@@ -190,7 +190,7 @@ def test_an_action_that_is_ruled_out_is_explained(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "line", "problem"),
     [
-        ("impossible(holding(panda,cube_1), holding(panda,cube_9)).", 1, "speaks of the undeclared fluent"),
+        ("impossible(holding(panda,cube_1), holding(panda,cube_9)).", 1, "refers to the undeclared fluent"),
         ("% why\nexclusive(holding(panda,cube_1), holding(panda,cube_2)).", 2, "only impossible(F,G) may be stated"),
         ("#program step(t).\n:- occurs(A,t).", 1, "only impossible(F,G) may be stated"),
         ("{ impossible(F,F) : fluent(F) }.", 1, "only impossible(F,G) may be stated"),

@@ -10,7 +10,7 @@ from prag_asp.physics.world.support import riders, unsupported
 from prag_asp.scene.forms import rectangle
 from prag_asp.scene.geometry import Pose, hull, inside_by, intersection, yaw_quaternion
 from prag_asp.scene.robots import PANDA
-from prag_asp.scene.scene import Material, Scene, Shape
+from prag_asp.scene.scene import BodyModel, Material, Scene, Shape, Solid
 
 PLANK = Shape("box", (0.2, 0.05, 0.02))
 CUBE = Shape("box", (0.05, 0.05, 0.05))
@@ -98,3 +98,29 @@ def test_what_bears_a_load_depends_on_the_materials():
     for density, falls in ((400.0, "plank"), (4000.0, None)):
         scene = Scene(shapes=SHAPES, materials={"plank": Material(density)})
         assert unsupported(Situation(scene, poses), list(poses)) == falls
+
+
+@pytest.mark.parametrize(
+    ("x", "falls"), [(0.5, "hammer"), (0.47, "hammer"), (0.43, None), (0.42, None), (0.36, "hammer")]
+)
+def test_a_body_is_borne_at_its_centre_of_mass_and_not_at_the_middle_of_its_box(x, falls):
+    # A bar of 160 mm whose centre of mass is 60 mm to the right of its middle, over a post of 40 mm at 0.5 m.
+    outline = rectangle(0.0, 0.0, 0.08, 0.02, 0.0)
+    model = BodyModel((Solid("box", (0.16, 0.04, 0.03)),), 0.3, (0.06, 0.0, 0.0), base=outline, crown=outline)
+    shapes = {"hammer": Shape("urdf", (0.16, 0.04, 0.03), model=model), "post": Shape("box", (0.04, 0.04, 0.08))}
+    poses = {"hammer": Pose((x, 0.0, 0.095)), "post": Pose((0.5, 0.0, 0.04))}
+    scene = Scene(shapes=shapes, fixed={"post": (0.5, 0.0, 0.0)})
+    assert unsupported(Situation(scene, poses), list(poses)) == falls
+
+
+def test_a_body_stands_on_its_foot_and_bears_others_on_its_crown():
+    foot, crown = rectangle(0.0, 0.0, 0.01, 0.01, 0.0), rectangle(0.03, 0.0, 0.02, 0.02, 0.0)
+    lamp = Shape(
+        "urdf", (0.1, 0.06, 0.1), model=BodyModel((Solid("box", (0.1, 0.06, 0.1)),), 1.0, base=foot, crown=crown)
+    )
+    scene = Scene(shapes={"lamp": lamp, "cube": CUBE, "edge": CUBE}, fixed={"edge": (0.53, 0.0, 0.0)})
+    for x, falls in ((0.53, None), (0.48, "cube"), (0.56, "cube")):
+        poses = {"lamp": Pose((0.5, 0.0, 0.05)), "cube": Pose((x, 0.0, 0.125))}
+        assert unsupported(Situation(scene, poses), list(poses)) == falls
+    poses = {"lamp": Pose((0.5, 0.0, 0.1)), "edge": Pose((0.53, 0.0, 0.025))}  # its foot is beside the block
+    assert unsupported(Situation(scene, poses), list(poses)) == "lamp"

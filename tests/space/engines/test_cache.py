@@ -155,7 +155,7 @@ def test_a_second_run_answers_the_same_without_grounding_a_step(folder: Path, mo
     def refuse(*_: object, **__: object) -> None:
         raise AssertionError("the step was ground")
 
-    monkeypatch.setattr("prag_asp.logic.domain_logic.ground_step", refuse)
+    monkeypatch.setattr("prag_asp.logic.ground.ground_step.ground_step", refuse)
     again = TaskSpace(load_domain("prag"), 3)
     assert [again.count(by) for by in ("plan", "task", "skeleton")] == fresh[0]
     with pytest.raises(AssertionError, match="was ground"):

@@ -1,0 +1,365 @@
+"""Antipodal grasps of a parallel gripper on the surface of a body.
+
+A grasp is antipodal if the line between its two contacts lies in both friction cones; with soft fingers it is then in
+force closure (Nguyen, "Constructing force-closure grasps", 1988). Candidates are sampled: a point of the surface, the
+line through it against its normal, each place where that line leaves the body, and tool directions around the line.
+Each is then judged by what the pads touch when they close, exactly (`ParallelGripper.contact`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.physics.grasps.pads import TOUCH, PadContact, ParallelGripper
+from prag_asp.scene.boxes import Box
+from prag_asp.scene.geometry import Pose, compose, matrix
+from prag_asp.scene.surfaces import in_frame
+
+Floats = NDArray[np.float64]
+
+POINTS = 400
+"""Points of the surface at which grasps are sampled."""
+
+DENSE = 4000
+"""Points of the surface that must not be inside the hand: one every 4 mm on an object of 150 mm."""
+
+TILTS = (0.0, 0.35, 0.7, 1.05, 1.4)
+"""The angles in radians between the tool's direction and straight down that are tried: from above to the side."""
+
+CONE_SHARE = 0.6
+"""The share of the friction angle that a sampled contact may use: the rest bears what lifting accelerates."""
+
+FLATTER = (0.5, 0.95)
+"""The shares of the cone by which an axis is turned from the normal to the horizontal."""
+
+UPRIGHT = 1e-3
+"""The slope in radians below which a normal is horizontal, and the cosine below which it is vertical."""
+
+SMALLEST_PATCH = 6e-6
+"""The least area of a contact in m²: 2 x 3 mm, a corner of a pad."""
+
+OPPOSITE = 0.004
+"""How far the centres of both contacts may be apart along the pads, in metres, so that they do not turn the body."""
+
+ROOM = 0.003
+"""The distance in metres between open fingers and the body on each side when the hand descends."""
+
+BELOW = 0.0005
+"""The least distance of the fingertips from the plane on which the body stands, in metres."""
+
+ENOUGH_POINTS, UNSURE = 8, 0.15
+"""Points between the pads from which a contact is judged before it is computed, and the error of that cosine."""
+
+MOST = 48
+"""Grasps that are kept of a body, the best of those that differ."""
+
+PARALLEL = 1e-15
+"""The volume in m³ of a triangle's sides and a unit vector below which this is parallel to the triangle."""
+
+STEEP = -0.3
+"""The tool's direction along z above which fingers are not lifted off the ground: they come from the side."""
+
+LONG_LEVER, TILT_COST = 0.05, 0.3
+"""How far the centre of mass is off in metres to cost 1 of a score, and what a radian of tilt costs."""
+
+ENOUGH_SLACK, WIDE_CONTACT = 0.01, 0.005
+"""The room at a finger, and the radius of a contact, beyond which more does not count; metres."""
+
+APART, TURNED = 0.008, 0.25
+"""Grasps differ if their tools are as far apart in metres, or their axes turned by as much in radians."""
+
+
+class Grasp(NamedTuple):
+    """A way to hold a body.
+
+    `tool` is the pose of the tool in the frame of the body; `width` the distance of the pads that touch it and
+    `approach` that of the pads when the hand comes, in metres; `tilt` the angle between the tool's direction and
+    straight down in radians; `lever` the horizontal distance in metres of the centre of mass from the line between the
+    pads; `radius` how far from that line friction acts, in metres; `score` is higher for better grasps.
+    """
+
+    tool: Pose
+    width: float
+    approach: float
+    tilt: float
+    lever: float
+    radius: float
+    score: float
+
+
+class GraspProblem(NamedTuple):
+    """What grasps are sampled of: a body's convex parts as triangles, its centre of mass, and friction.
+
+    `parts` have the shape (n, 3, 3), in the body's frame in metres; z is up as the body stands. `friction` is the
+    coefficient between pad and body.
+    """
+
+    parts: tuple[Floats, ...]
+    centre: tuple[float, float, float]
+    friction: float
+
+
+def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Grasp, ...]:
+    """Return grasps of a body that differ, those first that promise most; none if no sample is one.
+
+    The samples are fixed, so the same body has the same grasps.
+    """
+    rng = np.random.default_rng(0)
+    triangles = np.concatenate(problem.parts)
+    points, normals = _surface_points(problem.parts, POINTS, rng)
+    dense, facing = _surface_points(problem.parts, DENSE, rng)
+    candidates: list[tuple[float, int, float, Floats, Floats]] = []
+    for point, far, axis in _antipodal_pairs(points, normals, triangles, problem.friction, gripper.opening):
+        middle = (point + far) / 2
+        for tilt, rotation in _tools(axis):
+            lever = middle - problem.centre
+            lever -= (lever @ axis) * axis
+            candidates.append(
+                (
+                    math.hypot(lever[0], lever[1]) / LONG_LEVER + TILT_COST * tilt,
+                    len(candidates),
+                    tilt,
+                    middle,
+                    rotation,
+                )
+            )
+    kept: list[Grasp] = []
+    for _, _, tilt, middle, rotation in sorted(candidates, key=lambda each: each[:2]):
+        place = _above_ground(gripper, triangles, middle, rotation)
+        if place is None or not all(_differ(place, other.tool) for other in kept):
+            continue
+        if not _promises(in_frame(dense[None], place)[0], facing @ matrix(place)[:3, 1], gripper, problem.friction):
+            continue
+        grasp = _judged(problem, gripper, triangles, dense, place, tilt)
+        if grasp is not None and all(_differ(grasp.tool, other.tool) for other in kept):
+            kept.append(grasp)
+            if len(kept) == MOST:
+                break
+    return tuple(sorted(kept, key=lambda grasp: -grasp.score))
+
+
+def _surface_points(parts: Sequence[Floats], number: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
+    """Return points of the surface, evenly by area, and their outward normals; those inside another part left out."""
+    owners = np.concatenate([np.full(len(part), i) for i, part in enumerate(parts)])
+    triangles = np.concatenate(parts)
+    crossed = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    lengths = np.linalg.norm(crossed, axis=1)
+    steps = (np.arange(number) + rng.random(number)) / number
+    chosen = np.searchsorted(np.cumsum(lengths) / lengths.sum(), steps)
+    chosen = np.minimum(chosen, len(triangles) - 1)
+    one, two = np.sqrt(rng.random(number)), rng.random(number)
+    shares = np.stack([1 - one, one * (1 - two), one * two], 1)
+    points = np.einsum("ij,ijk->ik", shares, triangles[chosen])
+    normals = crossed[chosen] / lengths[chosen, None]
+    free = np.ones(number, bool)
+    for i, part in enumerate(parts):
+        planes = np.cross(part[:, 1] - part[:, 0], part[:, 2] - part[:, 0])
+        planes /= np.linalg.norm(planes, axis=1)[:, None]
+        depth = (points @ planes.T - np.einsum("ij,ij->i", planes, part[:, 0])).max(1)
+        free &= (owners[chosen] == i) | (depth > -1e-6)
+    return points[free], normals[free]
+
+
+def _antipodal_pairs(
+    points: Floats, normals: Floats, triangles: Floats, friction: float, opening: float
+) -> Iterator[tuple[Floats, Floats, Floats]]:
+    """Yield points of the surface, points opposite to them, and the unit vectors from these to those."""
+    least = math.cos(CONE_SHARE * math.atan(friction))
+    corner, one, two = triangles[:, 0], triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+    facing = np.cross(one, two)
+    facing /= np.linalg.norm(facing, axis=1)[:, None]
+    rays = [(point, axis) for point, normal in zip(points, normals, strict=True) for axis in _axes(normal, least)]
+    for point, normal in rays:
+        # Möller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997.
+        crossed = np.cross(-normal, two)
+        scale = np.einsum("ij,ij->i", one, crossed)
+        # What is parallel to the line is not hit: the distance along it is then 0.
+        scale[np.abs(scale) < PARALLEL] = math.inf
+        offset = point - corner
+        u = np.einsum("ij,ij->i", offset, crossed) / scale
+        other = np.cross(offset, one)
+        v = (other @ -normal) / scale
+        way = np.einsum("ij,ij->i", two, other) / scale
+        hit = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (way > 1e-5) & (way <= opening) & (facing @ -normal >= least)
+        for length in sorted({round(float(each), 6) for each in way[hit]}):
+            yield point, point - length * normal, normal
+
+
+def _axes(normal: Floats, least: float) -> Iterator[Floats]:
+    """Yield axes to close along at a contact: its normal, and flatter ones within the cone of cosine `least`.
+
+    The flatter the axis, the farther is the hand, which is broad along it, from the ground.
+    """
+    yield normal
+    flat, slope = math.hypot(normal[0], normal[1]), math.asin(max(-1.0, min(1.0, float(normal[2]))))
+    if flat < UPRIGHT or abs(slope) < UPRIGHT:
+        return
+    for share in FLATTER:
+        left = max(0.0, abs(slope) - share * math.acos(least))
+        turned = math.copysign(left, slope)
+        yield np.array([*(normal[:2] / flat * math.cos(turned)), math.sin(turned)])
+        if left == 0.0:
+            return
+
+
+def _tools(axis: Floats) -> Iterator[tuple[float, Floats]]:
+    """Yield directions of the tool around an axis of opening: the angle to straight down, and the axes as columns."""
+    down = np.array([0.0, 0.0, -1.0])
+    side = down - (down @ axis) * axis
+    length = float(np.linalg.norm(side))
+    if length < 1e-3:
+        return
+    side /= length
+    across = np.cross(axis, side)
+    steepest = math.acos(min(1.0, length))
+    for tilt in TILTS:
+        if tilt < steepest and tilt + 0.35 > steepest:
+            turns = {0.0}
+        elif tilt >= steepest:
+            turn = math.acos(min(1.0, math.cos(tilt) / length))
+            turns = {turn, -turn}
+        else:
+            continue
+        for turn in sorted(turns):
+            direction = math.cos(turn) * side + math.sin(turn) * across
+            angle = math.acos(max(-1.0, min(1.0, -float(direction[2]))))
+            yield angle, np.stack([np.cross(axis, direction), axis, direction], 1)
+
+
+def _above_ground(gripper: ParallelGripper, triangles: Floats, middle: Floats, rotation: Floats) -> Pose | None:
+    """Return the pose of a tool with its fingertips above the ground, moved back as far as that needs.
+
+    None if the tool comes from the side and its fingers would be in the ground, or if the palm would be.
+    """
+    tips = min(
+        z * rotation[2, 2] - np.abs(rotation[2]) @ (x_half, y + y_half + gripper.opening / 2, z_half)
+        for (_, y, z), (x_half, y_half, z_half) in gripper.fingers
+    )
+    ground = float(triangles[:, :, 2].min()) + BELOW
+    miss = ground - (middle[2] + tips)
+    if miss > 0.0:
+        if rotation[2, 2] > STEEP:
+            return None
+        middle = middle + miss / rotation[2, 2] * rotation[:, 2]
+    centre, sides = gripper.palm
+    if middle[2] + rotation[2] @ centre - np.abs(rotation[2]) @ sides < ground + ROOM:
+        return None
+    return Pose((float(middle[0]), float(middle[1]), float(middle[2])), _quaternion(rotation))
+
+
+def _promises(points: Floats, facing: Floats, gripper: ParallelGripper, friction: float) -> bool:
+    """Return whether a place may be a grasp, judged by points of the surface in its frame, to spare exact contacts.
+
+    `facing` is how far the normals at the points point along the axis of the fingers.
+    """
+    if not _free(points, (gripper.palm,)):
+        return False
+    x, y, z = points.T
+    low, high = gripper.low_z, gripper.high_z
+    between = (np.abs(x) < gripper.half_x) & (z > low) & (z < high) & (np.abs(y) < gripper.opening / 2)
+    if between.sum() < ENOUGH_POINTS:
+        return True
+    y, facing = y[between], facing[between]
+    least = math.cos(CONE_SHARE * math.atan(friction)) - UNSURE
+    for side in (1.0, -1.0):
+        outermost = (side * y >= (side * y).max() - 2 * TOUCH) & (side * facing > 0.0)
+        if not outermost.any() or (side * facing[outermost]).mean() < least:
+            return False
+    return True
+
+
+def open_width(problem: GraspProblem, gripper: ParallelGripper, tool: Pose, width: float) -> float | None:
+    """Return the widest opening in metres at which the hand at a tool is free of the body, None if there is none.
+
+    `width` is that of the material between the pads.
+    """
+    dense, _ = _surface_points(problem.parts, DENSE, np.random.default_rng(0))
+    return _widest(in_frame(dense[None], tool)[0], gripper, width)
+
+
+def _widest(points: Floats, gripper: ParallelGripper, width: float) -> float | None:
+    """Return the widest opening in metres at which the hand is free of points in its frame, None if there is none."""
+    openings = (gripper.opening, width + 4 * ROOM, width + 2 * ROOM)
+    return next((wide for wide in openings if wide <= gripper.opening and _free(points, gripper.boxes(wide))), None)
+
+
+def _judged(
+    problem: GraspProblem, gripper: ParallelGripper, triangles: Floats, dense: Floats, place: Pose, tilt: float
+) -> Grasp | None:
+    """Return the grasp with the pads around a place of the body, None if there is none."""
+    contact = gripper.contact(in_frame(triangles, place))
+    if contact is None or contact.width > gripper.opening - 2 * ROOM or not _holds(contact, problem.friction):
+        return None
+    tool = compose(place, Pose((0.0, (contact.low + contact.high) / 2, 0.0)))
+    points = in_frame(dense[None], tool)[0]
+    approach = _widest(points, gripper, contact.width)
+    if approach is None:
+        return None
+    arm, radius = lever_of(problem.centre, tool, contact), contact.radius
+    slack = min((gripper.opening - contact.width) / 2, ENOUGH_SLACK) / ENOUGH_SLACK
+    flat = min(radius, WIDE_CONTACT) / WIDE_CONTACT
+    score = flat + 0.5 * slack - arm / LONG_LEVER - TILT_COST * tilt + 0.2 * (approach == gripper.opening)
+    return Grasp(tool, contact.width, approach, tilt, arm, radius, score)
+
+
+def lever_of(centre: tuple[float, float, float], tool: Pose, contact: PadContact) -> float:
+    """Return how far a centre of mass is horizontally from the line between two pads, across it; metres.
+
+    The tool is given in the frame of a body that is upright.
+    """
+    x, z = ((a + b) / 2 for a, b in zip(contact.patches[0].centre, contact.patches[1].centre, strict=True))
+    offset = np.array(compose(tool, Pose((x, 0.0, z))).position) - centre
+    axis = matrix(tool)[:3, 1]
+    offset -= (offset @ axis) * axis
+    return math.hypot(offset[0], offset[1])
+
+
+def _holds(contact: PadContact, friction: float) -> bool:
+    """Return whether both pads touch enough, in their friction cones, and opposite to each other."""
+    one, two = contact.patches
+    least = math.cos(CONE_SHARE * math.atan(friction))
+    apart = math.hypot(one.centre[0] - two.centre[0], one.centre[1] - two.centre[1])
+    return min(one.area, two.area) >= SMALLEST_PATCH and min(one.slope, two.slope) >= least and apart <= OPPOSITE
+
+
+def _free(points: Floats, boxes: Sequence[Box]) -> bool:
+    """Return whether no point is in one of the boxes, all in the frame of the tool.
+
+    The hand comes along its own direction, so what its fingers pass is what they and the palm take up at the end.
+    """
+    return not any(bool((np.abs(points - centre) < half).all(1).any()) for centre, half in boxes)
+
+
+def _quaternion(rotation: Floats) -> tuple[float, float, float, float]:
+    """Return a rotation matrix as a quaternion, by the largest of its parts (Shepperd, 1978)."""
+    trace = rotation.trace()
+    squares = [1 + 2 * rotation[i, i] - trace for i in range(3)] + [1 + trace]
+    k = int(np.argmax(squares))
+    if k == 3:
+        parts = [
+            rotation[2, 1] - rotation[1, 2],
+            rotation[0, 2] - rotation[2, 0],
+            rotation[1, 0] - rotation[0, 1],
+            squares[3],
+        ]
+    else:
+        i, j = (k + 1) % 3, (k + 2) % 3
+        parts = [0.0, 0.0, 0.0, rotation[j, i] - rotation[i, j]]
+        parts[k], parts[i], parts[j] = squares[k], rotation[i, k] + rotation[k, i], rotation[j, k] + rotation[k, j]
+    x, y, z, w = (np.array(parts) / np.linalg.norm(parts)).tolist()
+    return (x, y, z, w)
+
+
+def _differ(one: Pose, two: Pose) -> bool:
+    """Return whether two tools differ in place or direction; half a turn about the tool's own axis is no difference."""
+    ax, ay, az, aw = one.quaternion
+    bx, by, bz, bw = two.quaternion
+    same = abs(ax * bx + ay * by + az * bz + aw * bw)
+    # The other tool turned by half a turn about z has the quaternion (y, -x, w, -z).
+    turned = abs(ax * by - ay * bx + az * bw - aw * bz)
+    return math.dist(one.position, two.position) > APART or 2 * math.acos(min(1.0, max(same, turned))) > TURNED

@@ -1,0 +1,162 @@
+"""The pads and fingers of a parallel gripper, and the material that is between them, in the frame of the tool.
+
+The tool's origin is the point between the pads, z points along the fingers towards their tips, y is the axis along
+which they open.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.scene.boxes import Box, box_between
+from prag_asp.scene.robots import Robot
+
+Floats = NDArray[np.float64]
+
+PALM = (0.063, 0.204, 0.066)
+"""The sizes of the hand of a robot that has no palm of its own in its description, in metres: Franka's."""
+
+TOUCH = 0.001
+"""The depth to which the rubber of a pad gives way, in metres: what is as near to the outermost material is touched."""
+
+
+TINY = 1e-15
+"""What is added up to less is taken for nothing: areas in m² and lengths of normals."""
+
+
+class PadContact(NamedTuple):
+    """What pads touch when they close: the interval of the material along y in metres, and a patch on either side."""
+
+    low: float
+    high: float
+    patches: tuple[PadPatch, PadPatch]
+
+    @property
+    def width(self) -> float:
+        """The distance between the pads in metres."""
+        return self.high - self.low
+
+    @property
+    def radius(self) -> float:
+        """The smaller radius of gyration of both patches in metres: how far off their line friction acts."""
+        return min(patch.gyration for patch in self.patches)
+
+
+class PadPatch(NamedTuple):
+    """What one pad touches: the area in m², the centroid (x, z) in m, the radius of gyration in m, the mean normal.
+
+    `slope` is the cosine of the angle between the mean outward normal and the direction in which the pad lies.
+    """
+
+    area: float
+    centre: tuple[float, float]
+    gyration: float
+    slope: float
+
+
+class ParallelGripper(NamedTuple):
+    """The sizes of a parallel gripper in metres: half a pad along x, the ends of a pad along z, the opening.
+
+    `fingers` are the boxes of the finger on the side of positive y when the gripper is closed, `palm` is that of the
+    hand; all in the frame of the tool.
+    """
+
+    half_x: float
+    low_z: float
+    high_z: float
+    opening: float
+    fingers: tuple[Box, ...]
+    palm: Box
+
+    @staticmethod
+    def of(robot: Robot) -> ParallelGripper:
+        """Return the gripper of a robot."""
+        pad = robot.finger_boxes[0]
+        offset = robot.fingertip - pad.at[2] - pad.size[2] / 2
+        fingers = tuple(
+            (
+                (solid.at[0], solid.at[1], solid.at[2] + offset),
+                (solid.size[0] / 2, solid.size[1] / 2, solid.size[2] / 2),
+            )
+            for solid in robot.finger_boxes
+        )
+        x, y, z = PALM if robot.hand is None else robot.hand.palm
+        palm = box_between((-x / 2, x / 2), (-y / 2, y / 2), (-robot.finger_depth - z, -robot.finger_depth))
+        low, high = robot.fingertip - pad.size[2], robot.fingertip
+        return ParallelGripper(pad.size[0] / 2, low, high, robot.opening, fingers, palm)
+
+    def boxes(self, width: float) -> tuple[Box, ...]:
+        """Return the boxes of both fingers and the palm with the pads `width` metres apart."""
+        fingers = [((x, side * (y + width / 2), z), half) for (x, y, z), half in self.fingers for side in (1.0, -1.0)]
+        return (*fingers, self.palm)
+
+    def contact(self, triangles: Floats) -> PadContact | None:
+        """Return what the pads touch when they close on a body; None if there is nothing between them.
+
+        `triangles`, shape (n, 3, 3), are the surface of the body in the frame of the tool, in metres. The interval is
+        exact for that surface: its triangles are clipped to the prism that the pads sweep.
+        """
+        low = np.array([-self.half_x, -self.opening / 2, self.low_z])
+        high = np.array([self.half_x, self.opening / 2, self.high_z])
+        triangles = triangles[((triangles.min(1) <= high) & (triangles.max(1) >= low)).all(1)]
+        normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+        polygons = Polygons(triangles, normals / np.maximum(np.linalg.norm(normals, axis=1), TINY)[:, None])
+        for axis in range(3):
+            polygons = polygons.cut(axis, 1.0, high[axis]).cut(axis, -1.0, -low[axis])
+        if not len(polygons.corners):
+            return None
+        ends = float(polygons.corners[:, :, 1].min()), float(polygons.corners[:, :, 1].max())
+        return PadContact(*ends, (polygons.patch(ends[0], -1.0), polygons.patch(ends[1], 1.0)))
+
+
+class Polygons(NamedTuple):
+    """Convex polygons with their unit normals; `corners` has the shape (n, m, 3), the last corner repeated."""
+
+    corners: Floats
+    normals: Floats
+
+    def cut(self, axis: int, sign: float, end: float) -> Polygons:
+        """Return the parts where ``sign * coordinate <= end`` along an axis (Sutherland and Hodgman, 1974)."""
+        depth = end - sign * self.corners[:, :, axis]
+        some = (depth >= 0.0).any(1)
+        corners, depth = self.corners[some], depth[some]
+        if (depth >= 0.0).all():
+            return Polygons(corners, self.normals[some])
+        following, after = np.roll(corners, -1, 1), np.roll(depth, -1, 1)
+        inside, crossing = depth >= 0.0, (depth >= 0.0) != (after >= 0.0)
+        share = np.where(crossing, depth / np.where(crossing, depth - after, 1.0), 0.0)
+        points = np.stack([corners, corners + share[:, :, None] * (following - corners)], 2)
+        used = np.stack([inside, crossing], 2).reshape(len(corners), -1)
+        points = points.reshape(len(corners), -1, 3)
+        order = np.argsort(~used, axis=1, kind="stable")
+        counts = used.sum(1)
+        places = np.minimum(np.arange(counts.max(initial=1)), counts[:, None] - 1)
+        return Polygons(
+            np.take_along_axis(points, np.take_along_axis(order, places, 1)[:, :, None], 1), self.normals[some]
+        )
+
+    def patch(self, end: float, side: float) -> PadPatch:
+        """Return what a pad touches on one side: the surface that faces it and is within `TOUCH` of the outermost."""
+        corners, normals = self.cut(1, -side, TOUCH - side * end)
+        facing = side * normals[:, 1]
+        flat, facing = corners[facing > 0.0][:, :, [0, 2]], facing[facing > 0.0]
+        if flat.shape[1] < 3:
+            return PadPatch(0.0, (0.0, 0.0), 0.0, 0.0)
+        first = np.broadcast_to(flat[:, :1], flat[:, 1:-1].shape)
+        fans = np.stack([first, flat[:, 1:-1], flat[:, 2:]], 2)
+        slopes = np.broadcast_to(facing[:, None], fans.shape[:2]).ravel()
+        fans = fans.reshape(-1, 3, 2)
+        one, two = fans[:, 1] - fans[:, 0], fans[:, 2] - fans[:, 0]
+        areas = np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]) / 2
+        total = float(areas.sum())
+        if total <= TINY:
+            return PadPatch(0.0, (0.0, 0.0), 0.0, 0.0)
+        share, centroids = areas / total, fans.mean(1)
+        centre = share @ centroids
+        # The mean of |p|² over a triangle with the corners v and the centroid c is (Σ|v|² + 9|c|²) / 12.
+        square = float(share @ ((fans**2).sum((1, 2)) + 9 * (centroids**2).sum(1))) / 12
+        gyration = max(square - float(centre @ centre), 0.0) ** 0.5
+        return PadPatch(total, (float(centre[0]), float(centre[1])), gyration, float(share @ slopes))

@@ -1,0 +1,265 @@
+"""Pack objects tightly, side by side from a corner, where random placement leaves no room for all of them.
+
+Objects are placed in order of their size, axis-aligned or along their support, at the first free places from a random
+corner: vertices of the allowed region, places that touch a neighbour with some spacing, and a lattice. If there is no
+place for one, the search backtracks to the object before it. Of several spacings the largest that succeeds is used.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
+from itertools import chain, islice
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.physics.search.allowed_region import relevant_facts, shapes_volume, yaw_ranges
+from prag_asp.physics.search.attempt import OBJECTS_COLLIDE, Failure, Search
+from prag_asp.physics.search.placement import (
+    SPACING,
+    PlacementRequest,
+    choose_support,
+    kept_apart,
+    placement_volume,
+    sample_pose,
+)
+from prag_asp.physics.search.spans import FINGER_ROOM
+from prag_asp.physics.situation import Situation
+from prag_asp.physics.symbolic_facts import Fact
+from prag_asp.physics.world.simulator import COLLISION
+from prag_asp.physics.world.support import TABLE
+from prag_asp.scene.boxes import box_of
+from prag_asp.scene.furniture import swept
+from prag_asp.scene.geometry import Pose, Quaternion, extents, multiply, yaw_of, yaw_quaternion
+
+SPACINGS = (FINGER_ROOM, FINGER_ROOM / 2, SPACING, 0.005, 0.002, 0.0)
+"""Metres between objects, the most first; on the table it is at least `SPACING`."""
+
+BRANCHES = 4
+"""The places of an object that are tried before the one before it is moved."""
+
+PLACED = 10
+"""How often each object is placed, on average, until a spacing is given up."""
+
+LATTICE = 7
+"""Lines of the lattice in each direction, for regions whose corners are out of reach."""
+
+ROUNDING = 1e-9
+"""Metres by which a place may violate a bound that it was calculated from."""
+
+
+def turned(points: NDArray[np.float64], yaw: float) -> NDArray[np.float64]:
+    """Return points of shape (n, 2), turned about the origin by a yaw in radians."""
+    cosine, sine = math.cos(yaw), math.sin(yaw)
+    rotated: NDArray[np.float64] = points @ np.array(((cosine, sine), (-sine, cosine)))
+    return rotated
+
+
+class Corner(NamedTuple):
+    """The corner from which places are filled: the signs of both axes, and whether rows are along x."""
+
+    x: int
+    y: int
+    along_x: bool
+
+    @classmethod
+    def sample(cls, search: Search) -> Corner:
+        """Return a random corner."""
+        x, y, along = search.rng.integers(2, size=3).tolist()
+        return cls(2 * x - 1, 2 * y - 1, bool(along))
+
+    def order(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return points of shape (n, 2) in order: row by row from the corner."""
+        x, y = self.x * points[:, 0], self.y * points[:, 1]
+        # In whole micrometres, so that rounding errors do not mix up the rows.
+        keys = [np.round(each, 6) for each in ((y, x) if self.along_x else (x, y))]
+        ordered: NDArray[np.float64] = points[np.lexsort(keys[::-1])]
+        return ordered
+
+
+def pack(
+    search: Search, still: Situation, order: Sequence[str], about: Callable[[str, Situation], Iterable[Fact]]
+) -> Situation:
+    """Return a situation with all objects of an `order` placed, so that the facts `about` each of them hold.
+
+    Raises:
+        Failure: there is no room for one of them.
+    """
+    if not order:
+        return still
+    corner, (*ample, least) = Corner.sample(search), SPACINGS
+    tight = _fill(search, still, order, about, (corner, least))
+    for spacing in ample:
+        with suppress(Failure):
+            return _fill(search, still, order, about, (corner, spacing))
+    return tight
+
+
+def resting_pose(search: Search, situation: Situation, entity: str, facts: Iterable[Fact], state: int) -> Pose:
+    """Return a pose of an object on a support: a random one or, in a search that `packs`, a tight one where that fails.
+
+    Raises:
+        Failure: every support is ruled out, or there is no pose on it.
+    """
+    facts = list(facts)
+    support = choose_support(search, situation, entity, facts)
+    return pose_on(search, situation, entity, support, facts, state)
+
+
+def pose_on(
+    search: Search,
+    situation: Situation,
+    entity: str,
+    support: str,
+    facts: Iterable[Fact],
+    state: int,
+    *,
+    height: float = 0.0,
+) -> Pose:
+    """Return a pose of an object on a given support, or `height` metres above it, as `resting_pose` does.
+
+    Raises:
+        Failure: there is no pose.
+    """
+    facts = list(facts)
+    try:
+        return sample_pose(search, situation, entity, support, facts, state, height=height)
+    except Failure:
+        if not search.packs:
+            raise
+        corner = Corner.sample(search)
+        for spacing in SPACINGS:
+            for pose in packed_poses(situation, entity, support, facts, (corner, spacing), height=height):
+                return pose
+        raise
+
+
+def packed_poses(
+    situation: Situation,
+    entity: str,
+    support: str,
+    facts: Iterable[Fact],
+    filling: tuple[Corner, float],
+    *,
+    height: float = 0.0,
+) -> Iterator[Pose]:
+    """Yield free poses of an object on a support that the facts allow, from a corner, with a spacing in metres."""
+    corner, spacing = filling
+    situation = situation.with_poses({other: pose for other, pose in situation.poses.items() if other != entity})
+    about = relevant_facts(facts, entity, situation)
+    checked = [fact for fact in about if not shapes_volume(fact, entity)]
+    request = PlacementRequest(entity, support, about, height, (), ())
+    frame = 0.0 if support == TABLE else yaw_of(situation.pose(support).quaternion)
+    for quaternion in _orientations(situation, entity, about, frame):
+        volume = placement_volume(situation, request, quaternion)
+        floor = volume.floor()
+        if floor is None:
+            continue
+        z = volume.low[2]
+        taken = _taken(situation, request, quaternion, z, frame)
+        corners = np.array([point for patch in floor for point in patch.polygon])
+        places = _places(turned(corners, -frame), taken, max(spacing, SPACING) if support == TABLE else spacing)
+        ordered = turned(corner.order(places), frame).tolist()
+        # From the corner, and by turns from the opposite one: an order of the objects may need that.
+        for x, y in chain.from_iterable(zip(ordered, reversed(ordered), strict=True)):
+            pose = Pose((x, y, z), quaternion)
+            if volume.miss_distance(pose.position) > ROUNDING:
+                continue
+            trial = situation.with_pose(entity, pose)
+            if all(fact.is_satisfied(trial) for fact in checked):
+                yield pose
+
+
+def _fill(
+    search: Search,
+    still: Situation,
+    order: Sequence[str],
+    about: Callable[[str, Situation], Iterable[Fact]],
+    filling: tuple[Corner, float],
+) -> Situation:
+    """Return a situation with all objects placed from a corner with a spacing, by backtracking.
+
+    Raises:
+        Failure: there is no room for one of them, or too many places were tried; it names the farthest object.
+    """
+    situations, options, farthest = [still], list[Iterator[Pose]](), 0
+    for _ in range(PLACED * len(order)):
+        entity, situation = order[len(options)], situations[-1]
+        facts = list(about(entity, situation))
+        support = choose_support(search, situation, entity, facts)
+        options.append(islice(packed_poses(situation, entity, support, facts, filling), BRANCHES))
+        farthest = max(farthest, len(options) - 1)
+        while (pose := next(options[-1], None)) is None:
+            options.pop()
+            if not options:
+                raise Failure(OBJECTS_COLLIDE, order[farthest])
+            situations.pop()
+        situations.append(situations[-1].with_pose(order[len(options) - 1], pose))
+        if len(options) == len(order):
+            return situations[-1]
+    raise Failure(OBJECTS_COLLIDE, order[farthest])
+
+
+def _places(corners: NDArray[np.float64], taken: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
+    """Return the places in the bounding box of some corners, shape (n, 2), that keep a spacing from what is `taken`.
+
+    They are on lines through the corners, through places that touch a neighbour, and of a lattice.
+    """
+    lines = []
+    for axis in range(2):
+        low, high = corners[:, axis].min(), corners[:, axis].max()
+        centre, reach = taken[:, axis], taken[:, axis + 2] + spacing
+        lattice = np.linspace(low, high, LATTICE)
+        values = np.concatenate([corners[:, axis], centre - reach, centre + reach, lattice])
+        lines.append(np.unique(values[(low <= values) & (values <= high)]))
+    points = np.stack(np.meshgrid(*lines), axis=-1).reshape(-1, 2)
+    reach = taken[:, 2:] + spacing - ROUNDING
+    overlaps = np.all(np.abs(points[:, None] - taken[None, :, :2]) < reach, axis=2)
+    free: NDArray[np.float64] = points[~np.any(overlaps, axis=1)]
+    return free
+
+
+def _taken(
+    situation: Situation, request: PlacementRequest, quaternion: Quaternion, z: float, frame: float
+) -> NDArray[np.float64]:
+    """Return the centres of the bodies that an object can meet at a height, and where it touches them, shape (n, 4).
+
+    All are seen from above in a frame that is turned by a yaw: a box around each body in that frame.
+    """
+    back = yaw_quaternion(-frame)
+    own = extents(situation.shape(request.entity), multiply(back, quaternion))
+    rows = []
+    for other in kept_apart(situation, request.about):
+        shape, pose = situation.scene.shapes[other], situation.pose(other)
+        if shape.traits.hollow and request.support != TABLE:
+            continue
+        if shape.traits.furniture:
+            boxes = [(box_of(corners), frame) for corners in swept(shape, pose)]
+        else:
+            boxes = [((pose.position, extents(shape, multiply(back, pose.quaternion))), 0.0)]
+        for ((x, y, other_z), (half_x, half_y, half_z)), turn in boxes:
+            if abs(z - other_z) < own[2] + half_z + COLLISION:
+                cosine, sine = abs(math.cos(turn)), abs(math.sin(turn))
+                reach_x, reach_y = cosine * half_x + sine * half_y, sine * half_x + cosine * half_y
+                rows.append((x, y, own[0] + reach_x, own[1] + reach_y))
+    taken = np.array(rows).reshape(-1, 4)
+    taken[:, :2] = turned(taken[:, :2], -frame)
+    return taken
+
+
+def _orientations(situation: Situation, entity: str, about: Iterable[Fact], frame: float) -> Iterator[Quaternion]:
+    """Yield orientations along a frame, or in the middle of the ranges of yaws that facts allow."""
+    try:
+        ranges = yaw_ranges(situation, entity, about)
+    except Failure:
+        return
+    if ranges is not None:
+        yield from (yaw_quaternion(allowed.centre) for allowed in ranges)
+        return
+    shape = situation.shape(entity)
+    yield yaw_quaternion(frame)
+    if not shape.traits.round and shape.half[0] != shape.half[1]:
+        yield yaw_quaternion(frame + math.pi / 2)

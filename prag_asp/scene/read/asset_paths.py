@@ -1,0 +1,58 @@
+"""Find the files that a model names, as PyBullet, ROS and model folders write their paths.
+
+A path is relative to the folder of the model or to one above it, the nearest first, as PyBullet resolves it. In
+``package://NAME/PATH`` and ``model://NAME/PATH`` the name is a folder too, or that of the package around the model,
+which may have another name here. Nothing outside the folder of the domain is found.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from prag_asp.errors import SceneError
+from prag_asp.safe_reading import is_inside
+
+SCHEMES = ("package://", "model://")
+"""The prefixes of paths that begin with the name of a package."""
+
+FILE = "file://"
+
+
+def find_asset(name: str, model: Path, folder: Path) -> Path:
+    """Return the file that a model in the folder of a domain names.
+
+    Raises:
+        SceneError: there is none in the folder.
+    """
+    candidates = list(_candidates(name, model, folder))
+    for path in candidates:
+        if is_inside(path, folder) and path.is_file():
+            return path
+    first = candidates[0]
+    require_inside(first, folder)
+    return first
+
+
+def require_inside(path: Path, folder: Path) -> None:
+    """Check that a file exists inside a folder.
+
+    Raises:
+        SceneError: it does not.
+    """
+    if not is_inside(path, folder):
+        raise SceneError(f"{path}: lies outside the domain; copy it into {folder}")
+    if not path.is_file():
+        raise SceneError(f"{path}: there is no such file; give the path from the folder of the domain")
+
+
+def _candidates(name: str, model: Path, folder: Path) -> Iterator[Path]:
+    """Yield the paths that a name can mean, the likeliest first."""
+    scheme = next((scheme for scheme in SCHEMES if name.startswith(scheme)), "")
+    plain = name.removeprefix(scheme).removeprefix(FILE)
+    names = [plain] if not scheme else [plain, plain.partition("/")[2]]
+    above = [parent for parent in (model.parent, *model.parent.parents) if is_inside(parent, folder)]
+    for each in filter(None, names):
+        yield from (parent / each for parent in above)
+    if not any(names):
+        yield model.parent

@@ -1,0 +1,161 @@
+"""Make the shape of a rigid body of its solids and mass properties."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.errors import SceneError
+from prag_asp.scene.forms import FORMS
+from prag_asp.scene.geometry import Pose, matrix
+from prag_asp.scene.mass import MassProperties, combined, polyhedron_mass, primitive_mass, principal
+from prag_asp.scene.read.convex import convex_hull, is_closed
+from prag_asp.scene.read.mesh import mesh_parts, mesh_points, thickness
+from prag_asp.scene.read.scene_values import SMALLEST
+from prag_asp.scene.read.stability import base_of, crown_of, falls, rotation, settle, surface_points
+from prag_asp.scene.scene import BodyModel, Shape, Size, Solid
+
+Floats = NDArray[np.float64]
+
+
+def body_shape(kind: str, solids: Sequence[Solid], mass: MassProperties, settled: float = 0.0) -> Shape:
+    """Return the shape of a body of solids; the centre of their bounding box becomes the origin of its frame.
+
+    It has `settled` by an angle in radians.
+
+    Raises:
+        SceneError: a mesh cannot be read.
+    """
+    corners = [end for solid in solids for end in ends(solid)]
+    low, high = (_size([end(corner[i] for corner in corners) for i in range(3)]) for end in (min, max))
+    middle = _size([(a + b) / 2 for a, b in zip(low, high, strict=True)])
+    centred = tuple(solid._replace(at=_minus(solid.at, middle)) for solid in solids)
+    moments, axes = principal(mass.inertia)
+    centre = _minus(_size(mass.centre.tolist()), middle)
+    points = surface_points(centred)
+    model = BodyModel(
+        centred, mass.mass, centre, moments, quaternion_of(axes), base_of(points), crown_of(points), settled
+    )
+    return Shape(kind, _minus(high, low), model=model)
+
+
+def resting(shape: Shape) -> Shape | None:
+    """Return the shape of a body with a model as it comes to rest, None if it does not: the same if it stands.
+
+    Raises:
+        SceneError: a mesh cannot be read.
+    """
+    model = shape.model
+    assert model is not None
+    points, centre = surface_points(model.solids), np.array(model.centre)
+    if not falls(points, centre):
+        return shape
+    rows = settle(points, centre)
+    return None if rows is None else turned_shape(shape, rows, math.acos(max(-1.0, min(1.0, float(rows[2, 2])))))
+
+
+def turned_shape(shape: Shape, rows: Floats, settled: float = 0.0) -> Shape:
+    """Return the shape of a body with a model after a rotation (3, 3), by which it may have `settled` in radians."""
+    model = shape.model
+    assert model is not None
+    solids = []
+    for solid in model.solids:
+        x, y, z = (rows @ solid.at).tolist()
+        solids.append(solid._replace(at=(x, y, z), turn=roll_pitch_yaw(rows @ np.array(rotation(solid.turn)))))
+    axes = matrix(Pose((0.0, 0.0, 0.0), model.axes))[:3, :3]
+    mass = MassProperties(model.mass, np.array(model.centre), axes @ np.diag(model.moments) @ axes.T)
+    return body_shape(shape.kind, solids, mass.moved(rows, np.zeros(3)), settled)
+
+
+def ends(solid: Solid) -> Iterator[Size]:
+    """Yield points that have the bounding box of a solid in the frame of its body.
+
+    Raises:
+        SceneError: a mesh cannot be read, or is too thin.
+    """
+    rows = rotation(solid.turn)
+    if solid.mesh:
+        points = mesh_points(solid.mesh, solid.size)
+        if thickness(points) < SMALLEST:
+            raise SceneError(f"{solid.mesh}: the mesh is {too_thin(thickness(points))}")
+        turned = [[sum(a * b for a, b in zip(row, point, strict=True)) for row in rows] for point in points]
+    else:
+        half = _size([side / 2 for side in solid.size])
+        reach = [FORMS[solid.kind].reach(half, row) for row in rows]
+        turned = [reach, [-side for side in reach]]
+    for point in turned:
+        yield _size([a + b for a, b in zip(point, solid.at, strict=True)])
+
+
+def too_thin(thickness: float) -> str:
+    """Return the problem of a solid that is too thin, and the remedy, in words."""
+    return f"{thickness:.3g} m thin; make it at least {SMALLEST:g} m thick"
+
+
+def solid_mass(solids: Iterable[Solid]) -> MassProperties:
+    """Return the mass properties of solids of density 1 in the frame of their body.
+
+    A closed part of a mesh counts as what is inside, any other one as its convex hull.
+
+    Raises:
+        SceneError: a mesh cannot be read.
+    """
+    masses = []
+    for solid in solids:
+        parts = [_part_mass(part) for part in _parts(solid)] if solid.mesh else [primitive_mass(solid)]
+        masses += [part.moved(np.array(rotation(solid.turn)), np.array(solid.at)) for part in parts]
+    return combined(masses)
+
+
+def _parts(solid: Solid) -> Iterator[Floats]:
+    """Yield the triangles of each part of a mesh."""
+    for part in mesh_parts(solid.mesh, solid.size):
+        yield np.array(part, dtype=float)
+
+
+def _part_mass(triangles: Floats) -> MassProperties:
+    """Return the mass properties of a part of a mesh of density 1."""
+    if is_closed(triangles):
+        found = polyhedron_mass(triangles)
+        if found.mass < 0.0:
+            found = polyhedron_mass(triangles[:, ::-1])
+        if found.mass > 0.0:
+            return found
+    return polyhedron_mass(convex_hull(triangles.reshape(-1, 3)))
+
+
+def quaternion_of(rows: Floats) -> tuple[float, float, float, float]:
+    """Return the unit quaternion (x, y, z, w) of a rotation matrix (3, 3), by Bar-Itzhack's eigenvector method."""
+    (a, b, c), (d, e, f), (g, h, i) = rows.tolist()
+    matrix = np.array(
+        [
+            [a - e - i, b + d, c + g, h - f],
+            [b + d, e - a - i, f + h, c - g],
+            [c + g, f + h, i - a - e, d - b],
+            [h - f, c - g, d - b, a + e + i],
+        ]
+    )
+    x, y, z, w = np.linalg.eigh(matrix)[1][:, -1].tolist()
+    sign = -1.0 if w < 0.0 else 1.0
+    return (sign * x, sign * y, sign * z, sign * w)
+
+
+def roll_pitch_yaw(rows: Floats) -> Size:
+    """Return the roll, pitch and yaw about the fixed axes of a rotation matrix (3, 3), in radians."""
+    pitch = math.asin(max(-1.0, min(1.0, -float(rows[2, 0]))))
+    if abs(rows[2, 0]) > 1.0 - 1e-12:  # roll and yaw have the same axis: all of the turn is roll
+        return (math.atan2(-float(rows[0, 1]) * math.copysign(1.0, float(rows[2, 0])), float(rows[1, 1])), pitch, 0.0)
+    return (math.atan2(rows[2, 1], rows[2, 2]), pitch, math.atan2(rows[1, 0], rows[0, 0]))
+
+
+def _minus(one: Size, two: Size) -> Size:
+    """Return the difference of two vectors."""
+    return (one[0] - two[0], one[1] - two[1], one[2] - two[2])
+
+
+def _size(values: Sequence[float]) -> Size:
+    """Return three numbers as a tuple."""
+    return (values[0], values[1], values[2])

@@ -1,0 +1,101 @@
+"""Convex hulls of points in space, and whether a mesh is closed or convex."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+ROUNDING = 1e-9
+"""Points within this share of the extent of all points from a face of the hull are on it."""
+
+CONVEX = 0.02
+"""Points of a convex mesh are at most this share of its smallest extent outside a face, or `DENT` metres."""
+
+DENT = 0.0005
+"""The depth of a dent in metres that collisions cannot notice: PyBullet's contacts are less exact."""
+
+
+def convex_hull(points: Floats) -> Floats:
+    """Return the triangles (n, 3, 3) of the convex hull of points (m, 3), counter-clockwise seen from outside.
+
+    The hull grows by the farthest point outside a face: all faces that the point sees are replaced by the triangles
+    between it and their common border (Barber, Dobkin and Huhdanpaa, "The Quickhull algorithm", 1996). Points within
+    rounding errors of a face are left out. The points must not lie in a plane.
+    """
+    points = np.unique(points, axis=0)
+    rounding = ROUNDING * float(np.ptp(points, axis=0).max())
+    start = _tetrahedron(points)
+    inner = points[start].mean(0)
+    faces: list[tuple[int, int, int]] = []
+    normals, offsets = np.empty((0, 3)), np.empty(0)
+
+    def planes(new: list[tuple[int, int, int]]) -> tuple[Floats, Floats]:
+        a, b, c = (points[[face[i] for face in new]] for i in range(3))
+        normal = np.cross(b - a, c - a)
+        normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+        return normal, np.einsum("ij,ij->i", normal, a)
+
+    for a, b, c in ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3)):
+        one, two, three = points[start[a]], points[start[b]], points[start[c]]
+        outward = np.cross(two - one, three - one) @ (one - inner) > 0.0
+        faces.append((start[a], start[b], start[c]) if outward else (start[a], start[c], start[b]))
+    normals, offsets = planes(faces)
+    waiting = np.ones(len(points), dtype=bool)
+    waiting[start] = False
+    while waiting.any():
+        candidates = np.flatnonzero(waiting)
+        heights = points[candidates] @ normals.T - offsets
+        # What no face sees is inside for good; each point is added at most once, so that rounding errors end too.
+        outside = heights.max(1) > rounding
+        waiting[candidates[~outside]] = False
+        if not outside.any():
+            break
+        highest = int(heights.max(1).argmax())
+        corner, seen = int(candidates[highest]), heights[highest] > rounding
+        waiting[corner] = False
+        edges = {(face[i - 1], face[i]) for face, each in zip(faces, seen, strict=True) if each for i in range(3)}
+        new = [(one, two, corner) for one, two in sorted(edges) if (two, one) not in edges]
+        faces = [face for face, each in zip(faces, seen, strict=True) if not each] + new
+        more, further = planes(new)
+        normals, offsets = np.concatenate([normals[~seen], more]), np.concatenate([offsets[~seen], further])
+    hull: Floats = points[np.array(faces)]
+    return hull
+
+
+def _tetrahedron(points: Floats) -> list[int]:
+    """Return the numbers of four points that span a tetrahedron: each the farthest from those before it."""
+    first = int(points[:, 0].argmin())
+    second = int(np.linalg.norm(points - points[first], axis=1).argmax())
+    along = (points[second] - points[first]) / np.linalg.norm(points[second] - points[first])
+    across = (points - points[first]) - np.outer((points - points[first]) @ along, along)
+    third = int(np.linalg.norm(across, axis=1).argmax())
+    normal = np.cross(along, across[third])
+    fourth = int(np.abs((points - points[first]) @ normal).argmax())
+    return [first, second, third, fourth]
+
+
+def is_closed(triangles: Floats) -> bool:
+    """Return whether triangles (n, 3, 3) bound a volume: each edge has one in either direction."""
+    _, numbers = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
+    faces = numbers.reshape(-1, 3)
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    keys, back = (edges[:, i] * len(numbers) + edges[:, 1 - i] for i in (0, 1))
+    return len(np.unique(keys)) == len(keys) and bool(np.array_equal(np.sort(keys), np.sort(back)))
+
+
+def is_convex(triangles: Floats) -> bool:
+    """Return whether triangles (n, 3, 3) lie on their convex hull, apart from small dents."""
+    points = np.unique(triangles.reshape(-1, 3), axis=0)
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    areas = np.linalg.norm(normals, axis=1)
+    normals, anchors = normals[areas > 0.0] / areas[areas > 0.0, None], triangles[areas > 0.0, 0]
+    dent = min(DENT, CONVEX * float(np.ptp(points, axis=0).min()))
+    for begin in range(0, len(normals), 256):
+        heights = points @ normals[begin : begin + 256].T
+        offsets = np.einsum("ij,ij->i", normals[begin : begin + 256], anchors[begin : begin + 256])
+        # Some exporters turn faces inwards: all points may be on either side.
+        if np.any(np.minimum((heights - offsets).max(0), (offsets - heights).max(0)) > dent):
+            return False
+    return True

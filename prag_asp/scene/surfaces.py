@@ -1,0 +1,109 @@
+"""The surface of a body as triangles in its own frame, for questions of geometry: grasps, proofs, cavities."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from itertools import pairwise, product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.scene.geometry import Pose, matrix
+from prag_asp.scene.read.mesh import mesh_parts, state_of
+from prag_asp.scene.read.stability import rotation
+from prag_asp.scene.scene import Shape, Solid
+from prag_asp.scene.solids import solids
+
+Floats = NDArray[np.float64]
+
+SIDES = 32
+"""Sides of a tessellated cylinder or ball: the surface misses half a percent of the radius at most."""
+
+
+def part_surfaces(shape: Shape) -> tuple[Floats, ...]:
+    """Return the triangles of each convex part of a body in its own frame, metres; arrays of shape (n, 3, 3).
+
+    The corners of a triangle are counter-clockwise seen from outside.
+
+    Raises:
+        SceneError: a mesh cannot be read.
+    """
+    return _part_surfaces(shape, mesh_states(shape))
+
+
+@lru_cache(maxsize=64)
+def _part_surfaces(shape: Shape, files: tuple[tuple[int, int], ...]) -> tuple[Floats, ...]:
+    """Return the triangles of each part; the states of the files are a key of the cache."""
+    return tuple(part for solid in solids(shape) for part in _placed_parts(solid))
+
+
+def surface(shape: Shape) -> Floats:
+    """Return the triangles of all parts of a body in its own frame, metres; an array of shape (n, 3, 3).
+
+    Raises:
+        SceneError: a mesh cannot be read.
+    """
+    return np.concatenate(part_surfaces(shape))
+
+
+def mesh_states(shape: Shape) -> tuple[tuple[int, int], ...]:
+    """Return what identifies the contents of the mesh files of a body, for caches.
+
+    Raises:
+        SceneError: a mesh cannot be read.
+    """
+    return tuple(state_of(solid.mesh) for solid in solids(shape) if solid.mesh)
+
+
+def in_frame(triangles: Floats, frame: Pose) -> Floats:
+    """Return triangles, shape (n, 3, 3), in the axes of a frame that is given in theirs."""
+    turned = matrix(frame)
+    result: Floats = (triangles - turned[:3, 3]) @ turned[:3, :3]
+    return result
+
+
+def _placed_parts(solid: Solid) -> list[Floats]:
+    """Return the triangles of the convex parts of a solid in the frame of its body."""
+    rows = np.array(rotation(solid.turn))
+    if solid.mesh:
+        parts = [_outward(np.array(part)) for part in mesh_parts(solid.mesh, solid.size)]
+    else:
+        parts = [_primitive(solid.kind, solid.size)]
+    return [part @ rows.T + solid.at for part in parts]
+
+
+def _outward(triangles: Floats) -> Floats:
+    """Return the triangles of a convex part with their corners counter-clockwise from outside, flat ones left out."""
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    inward = np.einsum("ij,ij->i", normals, triangles.mean(1) - triangles.mean((0, 1))) < 0.0
+    triangles = np.where(inward[:, None, None], triangles[:, ::-1], triangles)
+    kept: Floats = triangles[np.linalg.norm(normals, axis=1) > 0.0]
+    return kept
+
+
+@lru_cache(maxsize=256)
+def _primitive(kind: str, size: tuple[float, float, float]) -> Floats:
+    """Return the triangles of a box, cylinder or ball around the origin."""
+    half = np.array(size) / 2
+    if kind == "box":
+        corners = np.array(list(product((-1.0, 1.0), repeat=3))) * half
+        faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+        return _outward(corners[[(a, b, c) for a, b, c, _ in faces] + [(a, c, d) for a, _, c, d in faces]])
+    angles = np.arange(SIDES) * 2 * np.pi / SIDES
+    if kind == "cylinder":
+        heights, radii = (-1.0, 1.0), (1.0, 1.0)
+    else:
+        slopes = np.linspace(-np.pi / 2, np.pi / 2, SIDES // 2 + 1)[1:-1]
+        heights, radii = tuple(np.sin(slopes)), tuple(np.cos(slopes))
+    rings = [
+        np.stack([r * np.cos(angles), r * np.sin(angles), np.full(SIDES, h)], 1) * half
+        for h, r in zip(heights, radii, strict=True)
+    ]
+    ends = [np.array([0.0, 0.0, z * half[2]]) for z in (-1.0, 1.0)]
+    following = np.roll(np.arange(SIDES), -1)
+    triangles = []
+    for low, high in pairwise(rings):
+        triangles += [np.stack([low, low[following], high], 1), np.stack([low[following], high[following], high], 1)]
+    for end, ring in ((ends[0], rings[0]), (ends[1], rings[-1])):
+        triangles.append(np.stack([np.broadcast_to(end, ring.shape), ring, ring[following]], 1))
+    return _outward(np.concatenate(triangles))
