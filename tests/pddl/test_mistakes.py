@@ -43,8 +43,6 @@ PROBLEM = "(define (problem e)\n (:domain d)\n (:objects o - b)\n (:init (q k o)
         ("(increase (total-cost) 1)", "(increase (total-cost) 1.2.3)", "domain.pddl:11: 1.2.3 is no number; write one"),
         ("(increase (total-cost) 1)", "(increase (total-cost) (fat k))", "domain.pddl:11: unknown function fat; did"),
         ("(increase (total-cost) 1)", "(oneof (p k) (p ?x))", "domain.pddl:11: oneof: effects by chance"),
-        ("(and (p ?x) (q ?x ?y))\n  :effect (and", "(> (far k) 1)\n  :effect (and (decrease (far k) 1)",
-         "domain.pddl:9: .> ....: far changes, and numeric fluents cannot be imported where conditions read them"),
         ("(p ?x) (q ?x ?y)", "(p ?x)) (q ?x ?y)", "domain.pddl:11: this '.' closes nothing; remove it"),
         (":parameters", ":parameter", "domain.pddl:8: ':parameter' is not expected here; look for a misspelt word"),
         ("(:predicates", "(:functions (f) - number) (:predicates",
