@@ -26,6 +26,7 @@ from prag_asp.physics.search.attempt import (
     Search,
     Snapshot,
 )
+from prag_asp.physics.search.failures import FailureLog
 from prag_asp.physics.search.foresight import foresee
 from prag_asp.physics.search.initial_state import sample_initial_state
 from prag_asp.physics.search.spans import foresee_spans
@@ -89,19 +90,19 @@ class Validator:
         self, physical: PhysicalTask, search: Search, budget: Budget, seeds: tuple[int, int], staging: Staging
     ) -> Verdict:
         """Search for a witness that passes the tiers of a budget."""
-        faults = Counter[PhysicsFault]()
+        log = FailureLog()
         status: Status = "not_found"
         restarts, witness, demonstration = 0, None, None
-        for restarts, candidate in self._restarts(physical, search, budget, faults):
+        for restarts, candidate in self._restarts(physical, search, budget, log):
             if candidate is None:
                 continue
             outcome = self._tiers.run(physical, candidate, budget, (*seeds, restarts - 1), staging)
             if outcome.fault is None:
                 status, (witness, _, demonstration) = "feasible", outcome
                 break
-            faults[outcome.fault] += 1
+            log.add(outcome.fault, len(physical.effects))
         counted: Counter[str] = Counter()
-        for fault, number in faults.items():
+        for fault, number in log.faults.items():
             counted[fault.cause] += number
         return Verdict(
             status,
@@ -113,11 +114,12 @@ class Validator:
             restarts=restarts,
             witness=witness,
             demonstration=demonstration,
-            details=_details(faults, self._scene),
+            details=_details(log.faults, self._scene),
+            nearest="" if witness is not None else log.nearest(physical.effects),
         )
 
     def _restarts(
-        self, physical: PhysicalTask, search: Search, budget: Budget, faults: Counter[PhysicsFault]
+        self, physical: PhysicalTask, search: Search, budget: Budget, log: FailureLog
     ) -> Iterator[tuple[int, Witness | None]]:
         """Yield the number of each restart, from 1, with its witness if it finds one.
 
@@ -128,7 +130,7 @@ class Validator:
         begun = False
         for number in range(budget.restarts + min(budget.restarts, PACKED)):
             if number == budget.restarts:
-                causes = {fault.cause for fault in faults}
+                causes = {fault.cause for fault in log.faults}
                 if causes.isdisjoint(CROWDED) or (begun and not causes <= CROWDED):
                     return
                 search = replace(search, packs=True)
@@ -138,9 +140,9 @@ class Validator:
                 self._simulator.use(scene)
                 search = replace(search, foresight=foresee(physical, scene))
             sizes = {entity: shape.size for entity, shape in drawn.items()}
-            initial = _initial_state(physical, search, budget.samples, faults)
+            initial = _initial_state(physical, search, budget.samples, log)
             begun = begun or initial is not None
-            follow = None if initial is None else _follow(physical, search, initial, sizes, budget.samples, faults)
+            follow = None if initial is None else _follow(physical, search, initial, sizes, budget.samples, log)
             yield number + 1, follow
 
 
@@ -179,11 +181,9 @@ def validate_task(
         return validator.validate(task, seed=seed, index=index, budget=budget, staging=staging)
 
 
-def _initial_state(
-    physical: PhysicalTask, search: Search, samples: int, faults: Counter[PhysicsFault]
-) -> Snapshot | None:
+def _initial_state(physical: PhysicalTask, search: Search, samples: int, log: FailureLog) -> Snapshot | None:
     """Return an initial state, None if all samples fail; a search that packs tries once, because it backtracks."""
-    trial = _retry(0, 1 if search.packs else samples, faults, lambda _: sample_initial_state(search, physical))
+    trial = _retry((0, 1 if search.packs else samples), log, -1, lambda _: sample_initial_state(search, physical))
     return None if trial is None else trial.result
 
 
@@ -193,7 +193,7 @@ def _follow(
     snapshot: Snapshot,
     sizes: Mapping[str, Size],
     samples: int,
-    faults: Counter[PhysicsFault],
+    log: FailureLog,
 ) -> Witness | None:
     """Return a witness from an initial state, None if all samples of an action fail.
 
@@ -203,7 +203,7 @@ def _follow(
     tried = [0] * len(physical.effects)
     while len(motions) < len(physical.effects):
         k = len(motions)
-        trial = _retry(tried[k], samples, faults, partial(advance, search, snapshots[k], physical.effects[k]))
+        trial = _retry((tried[k], samples), log, k, partial(advance, search, snapshots[k], physical.effects[k]))
         if trial is None:
             grasped = _grasped_before(physical, k, search.scene)
             if grasped is None:
@@ -237,16 +237,19 @@ class _Trial(Generic[Result]):
 
 
 def _retry(
-    first: int, samples: int, faults: Counter[PhysicsFault], attempt: Callable[[int], Result]
+    numbers: tuple[int, int], log: FailureLog, done: int, attempt: Callable[[int], Result]
 ) -> _Trial[Result] | None:
-    """Return the first success of an attempt, which gets its number from `first` on; None if all `samples` fail."""
-    for number in range(first, samples):
+    """Return the first success of an attempt, which gets its number, from the first to before the last of two.
+
+    None if all fail; `done` is the number of actions before.
+    """
+    for number in range(*numbers):
         try:
             return _Trial(number, attempt(number))
         except Exhausted:
             break
         except Failure as failure:
-            faults[failure.fault] += 1
+            log.add(failure.fault, done)
     return None
 
 

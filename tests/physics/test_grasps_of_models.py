@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from prag_asp.physics import Budget, check_demonstration, check_witness, open_validator, validate_task
+from prag_asp.physics.grasps.body_grasps import is_hand_free
+from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.search.attempt import NO_GRASP, TWISTS
@@ -22,20 +24,21 @@ from tests.independent.frames import Frame, frame
 from tests.independent.grips import grip_faults, points_on
 from tests.physics.scenarios import state, task
 
-LIFTED = task(
-    state("on_top(thing_1,table_1)", "-holding(panda,thing_1)"),
-    ("pick(panda,thing_1)", state("holding(panda,thing_1)", "-on_top(thing_1,table_1)")),
-)
+PICK = ("pick(panda,thing_1)", state("holding(panda,thing_1)", "-on_top(thing_1,table_1)"))
+LIFTED = task(state("on_top(thing_1,table_1)", "-holding(panda,thing_1)"), PICK)
 MOVED = task(
     state("on_top(thing_1,table_1)", "-holding(panda,thing_1)"),
-    ("pick(panda,thing_1)", state("holding(panda,thing_1)", "-on_top(thing_1,table_1)")),
+    PICK,
     ("put(panda,thing_1)", state("-holding(panda,thing_1)", "on_top(thing_1,shelf_1)")),
 )
 
 
 def model(size: tuple[float, float, float], mass: float, *solids: Solid) -> Shape:
     """Return a body with a model of boxes, whose bounding box has a size."""
-    return Shape("urdf", size, model=BodyModel(solids, mass))
+    x, y = size[0] / 2, size[1] / 2
+    outline = ((-x, -y), (x, -y), (x, y), (-x, y))
+    moment = mass * max(size) ** 2 / 10
+    return Shape("urdf", size, model=BodyModel(solids, mass, moments=(moment,) * 3, base=outline, crown=outline))
 
 
 def walls(side: float, wall: float, height: float) -> tuple[Solid, ...]:
@@ -174,3 +177,31 @@ def test_the_pose_of_a_held_body_goes_with_the_tool(verdicts: dict[str, Verdict]
         tool = tool_pose(PANDA, arm.joints)
         expected = compose(invert(tool), moment.poses["thing_1"])
         assert arm.grasp is not None and math.dist(arm.grasp.position, expected.position) < 1e-4
+
+
+def test_a_put_for_which_the_fingers_have_no_room_is_tried_with_another_grasp() -> None:
+    brick = model((0.05, 0.07, 0.05), 0.1, Solid("box", (0.05, 0.07, 0.05)))
+    # The slot is 58 mm wide and 170 mm long inside: the brick fits along it, and the fingers at its ends alone.
+    slot, there = Shape("container", (0.066, 0.178, 0.05), wall=0.004), {"slot_1": (0.5, 0.25, 0.0)}
+    made = scene(brick)
+    made = replace(made, shapes={**made.shapes, "slot_1": slot}, fixed=there)
+    put = ("put(panda,thing_1)", state("-holding(panda,thing_1)", "inside(thing_1,slot_1)"))
+    asked = task(state("on_top(thing_1,table_1)", "-holding(panda,thing_1)"), PICK, put)
+    found = 0
+    with open_validator(made) as validator:
+        for seed in range(6):
+            verdict = validator.validate(asked, seed=seed, budget=Budget(1, 12))
+            found += verdict.status == "feasible"
+            assert verdict.witness is None or check_witness(asked, verdict.witness, made) == []
+    assert found >= 5
+
+
+def test_a_hand_that_is_in_what_it_holds_is_found(verdicts: dict[str, Verdict]) -> None:
+    gripper = ParallelGripper.of(PANDA)
+    for name, verdict in verdicts.items():
+        assert verdict.witness is not None
+        moment = verdict.witness.moments[1]
+        arm = moment.arms["panda"]
+        tool = compose(invert(moment.poses["thing_1"]), tool_pose(PANDA, arm.joints))
+        assert is_hand_free(HELD[name], gripper, tool, arm.width)
+        assert not is_hand_free(HELD[name], gripper, tool, arm.width - 0.012)

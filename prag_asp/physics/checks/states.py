@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
+from prag_asp.physics.grasps.body_grasps import is_hand_free
+from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.predicates.gripper import grip_width, lowest_grip, slips, twists
 from prag_asp.physics.situation import Situation, fixed_pose
@@ -14,7 +16,7 @@ from prag_asp.physics.world.collisions import arm_collision, colliding
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.physics.world.support import contacts, unsupported
 from prag_asp.scene.boxes import Vector
-from prag_asp.scene.geometry import Pose, Quaternion, compose, rotate, turn_between, yaw_quaternion
+from prag_asp.scene.geometry import Pose, Quaternion, compose, invert, rotate, turn_between, yaw_quaternion
 from prag_asp.scene.solids import weight
 
 POSITION_TOLERANCE = 1e-4
@@ -64,6 +66,10 @@ def _grip_problems(situation: Situation, robot: str, held: str) -> Iterator[str]
     if weight(situation.scene, held) > situation.robot(robot).payload:
         yield f"{held} is heavier than the gripper carries"
     if situation.shape(held).model is not None:
+        tool = compose(invert(situation.pose(held)), situation.tool(robot))
+        gripper = ParallelGripper.of(situation.robot(robot))
+        if not is_hand_free(situation.shape(held), gripper, tool, situation.arm(robot).width):
+            yield f"the hand is in {held}"
         return
     if tilt(situation.tool(robot).quaternion, DOWN) > TURN_TOLERANCE:
         yield f"{held} is not held from above"

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.physics.motion.carried_motion import MOST, bearable_acceleration, time_carried
 from prag_asp.physics.motion.route import (
     carry_object,
     free_path,
@@ -74,15 +75,17 @@ def action_legs(action: Action) -> Iterator[Leg]:
 def plan_path(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, action: Action) -> Angles | None:
     """Return the joint angles of every time step on a path, shape (steps, 7); None if no free one is found.
 
-    The path is straight up or down or along the fingers, that of the witness, or another free one. `situation` is the
-    actual one, `arm` the target of the motors.
+    The path is straight up or down or along the fingers, that of the witness, or another free one; a heavy object is
+    accelerated less. `situation` is the actual one, `arm` the target of the motors.
     """
     robot, waypoint = planner.robot, leg.waypoint
+    most = MOST if arm.held is None else bearable_acceleration(situation.scene, arm.held, waypoint.robot)
     if is_straight(robot, leg.start, waypoint.joints):
         tool = _moved_on(planner.robot, leg, arm.joints)
         goal = adjust_joints(robot, tool, waypoint.joints) or waypoint.joints
-        path = straight_path(robot, arm.joints, goal) or [arm.joints, goal]
-        return time_path(path, TIME_STEP, joint_limits(robot))
+        line = straight_path(robot, arm.joints, goal)
+        if line is not None or is_vertical(robot, leg.start, waypoint.joints):
+            return time_carried(robot, line or [arm.joints, goal], TIME_STEP, joint_limits(robot), most)
     tool = _corrected(leg, tool_pose(robot, waypoint.joints), situation, action)
     goal = adjust_joints(robot, tool, waypoint.joints) or waypoint.joints
     if leg.way:
@@ -91,10 +94,14 @@ def plan_path(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, acti
         shares = np.linspace(0.0, 1.0, len(leg.way) + 2)[1:-1, None]
         between = np.array(leg.way) + (1 - shares) * first + shares * last
         path = [arm.joints, *map(tuple, between.tolist()), goal]
-        return time_path(path, TIME_STEP, joint_limits(robot, loaded=arm.held is not None))
+        return time_carried(robot, path, TIME_STEP, joint_limits(robot, loaded=arm.held is not None), most)
     grasp = _measured_grasp(situation, waypoint.robot, arm.held)
     loaded = carry_object(arm, situation.arm(waypoint.robot).width, arm.held, grasp)
-    return free_path(planner, situation, loaded, goal, TIME_STEP)
+    found = free_path(planner, situation, loaded, goal, TIME_STEP)
+    if found is None or most >= MOST:
+        return found
+    path = [arm.joints, *map(tuple, found.tolist())]
+    return time_carried(robot, path, TIME_STEP, joint_limits(robot, loaded=True), most)
 
 
 def _moved_on(robot: Robot, leg: Leg, joints: Joints) -> Pose:

@@ -49,6 +49,9 @@ OPPOSITE = 0.004
 ROOM = 0.003
 """The distance in metres between open fingers and the body on each side when the hand descends."""
 
+SOFT = 0.002
+"""The depth in metres to which fingers may be in what they hold: their rubber gives way, and grasps are not exact."""
+
 BELOW = 0.0005
 """The least distance of the fingertips from the plane on which the body stands, in metres."""
 
@@ -280,6 +283,16 @@ def open_width(problem: GraspProblem, gripper: ParallelGripper, tool: Pose, widt
     """
     dense, _ = _surface_points(problem.parts, DENSE, np.random.default_rng(0))
     return _widest(in_frame(dense[None], tool)[0], gripper, width)
+
+
+def hand_is_free(problem: GraspProblem, gripper: ParallelGripper, tool: Pose, width: float) -> bool:
+    """Return whether the hand at a tool, with the pads `width` metres apart, is in the body by `SOFT` at most."""
+    dense, _ = _surface_points(problem.parts, DENSE, np.random.default_rng(0))
+    boxes = [
+        (centre, (max(x - SOFT, 0.0), max(y - SOFT, 0.0), max(z - SOFT, 0.0)))
+        for centre, (x, y, z) in gripper.boxes(width)
+    ]
+    return _free(in_frame(dense[None], tool)[0], boxes)
 
 
 def _widest(points: Floats, gripper: ParallelGripper, width: float) -> float | None:

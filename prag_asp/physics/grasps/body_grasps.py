@@ -9,7 +9,7 @@ from functools import lru_cache
 from typing import Any
 
 from prag_asp.output.cache_files import cache_folder, read_cached, write_cached
-from prag_asp.physics.grasps.antipodal import Grasp, GraspProblem, lever_of, open_width, sampled_grasps
+from prag_asp.physics.grasps.antipodal import Grasp, GraspProblem, hand_is_free, lever_of, open_width, sampled_grasps
 from prag_asp.physics.grasps.pads import PadContact, ParallelGripper
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.scene import Shape
@@ -55,6 +55,17 @@ def free_opening(shape: Shape, gripper: ParallelGripper, tool: Pose, width: floa
     return open_width(_problem(shape, 0.0), gripper, tool, width)
 
 
+def is_hand_free(shape: Shape, gripper: ParallelGripper, tool: Pose, width: float) -> bool:
+    """Return whether no finger is in what a gripper holds, nor the palm, by more than the rubber of the pads gives way.
+
+    `tool` is the pose of the tool in the frame of the body, `width` the distance of the pads in metres.
+
+    Raises:
+        SceneError: a mesh cannot be read.
+    """
+    return hand_is_free(_problem(shape, 0.0), gripper, tool, width)
+
+
 @lru_cache(maxsize=256)
 def _grasps(
     shape: Shape, gripper: ParallelGripper, friction: float, files: tuple[tuple[int, int], ...]
@@ -96,7 +107,7 @@ def lever(shape: Shape, tool: Pose, contact: PadContact) -> float:
 
 def _centre(shape: Shape) -> tuple[float, float, float]:
     """Return the centre of mass of a body in its frame, in metres."""
-    return getattr(shape.model, "centre", (0.0, 0.0, 0.0))
+    return (0.0, 0.0, 0.0) if shape.model is None else shape.model.centre
 
 
 @lru_cache(maxsize=1 << 10)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from itertools import islice
+from collections import Counter
+from itertools import chain, islice
 from typing import NamedTuple
 
 from prag_asp.physics.predicates.gaps import ROUNDING
@@ -16,7 +17,7 @@ from prag_asp.physics.predicates.gripper import (
     lowest_grip,
     pad_friction,
 )
-from prag_asp.physics.robot.kinematics import inverse
+from prag_asp.physics.robot.kinematics import adjust_joints, inverse
 from prag_asp.physics.search.attempt import (
     ARM_COLLIDES,
     NO_GRASP,
@@ -49,11 +50,16 @@ LARGEST_STEP = 1.2
 """The largest turn of a joint between a grasp and `LIFT` above it, in radians: no other branch of the kinematics."""
 
 DOWN = (1.0, 0.0, 0.0, 0.0)
+UP = (0.0, 0.0, 1.0)
 HALF_TURN = (0.0, 0.0, 1.0, 0.0)
 """Half a turn of the tool about its own axis, which gives the same grasp."""
 
 EASE = 0.3
 """What it is worth in a grasp's score that the arm comes to it from its own side."""
+
+SECTOR, SIDEWAYS = math.pi / 4, 0.7
+"""Grasps are of a kind if their axes are in one sector, in radians, and both or none come from the side: the cosine of
+a tool's slope below which it does."""
 
 STRAIGHT_DOWN = 1e-7
 """By how much the cosine of a tool's slope may be below 1: half a milliradian."""
@@ -108,9 +114,22 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
         # The palm's x axis points away from the base, and so does a slanted tool: the wrist is then on the arm's side.
         if _along(tool, (1.0, 0.0, 0.0), outward) < 0.0:
             tool = Pose(tool.position, multiply(tool.quaternion, HALF_TURN))
-        ease = _along(tool, (1.0, 0.0, 0.0), outward) + 2 * _along(tool, (0.0, 0.0, 1.0), outward)
-        ranked.append((EASE * ease + grasp.score, GraspOption(tool, grasp.approach)))
-    return [option for _, option in sorted(ranked, key=lambda row: -row[0])]
+        ease = _along(tool, (1.0, 0.0, 0.0), outward) + 2 * min(0.0, _along(tool, (0.0, 0.0, 1.0), outward))
+        ranked.append((EASE * ease + grasp.score, _kind(tool), GraspOption(tool, grasp.approach)))
+    ranked.sort(key=lambda row: -row[0])
+    # The best of each kind come first, then the second ones: what one cannot do, the next may.
+    counts = Counter[tuple[int, bool]]()
+    order = []
+    for _, kind, option in ranked:
+        order.append((counts[kind], option))
+        counts[kind] += 1
+    return [option for _, option in sorted(order, key=lambda row: row[0])]
+
+
+def _kind(tool: Pose) -> tuple[int, bool]:
+    """Return the sector of the axis along which a tool closes, seen from above, and whether it comes from the side."""
+    x, y, _ = rotate(tool.quaternion, (0.0, 1.0, 0.0))
+    return round(math.atan2(y, x) / SECTOR) % round(math.pi / SECTOR), _along(tool, (0.0, 0.0, 1.0), UP) > -SIDEWAYS
 
 
 def _along(pose: Pose, axis: Vector, direction: Vector) -> float:
@@ -226,7 +245,9 @@ def near_joints(
 
     None if none of the first configurations, `tries` or all, is both.
     """
-    for high in islice(inverse(search.robot, tool, near=low), tries):
+    # The elbow swings more at a slant; the least change of all joints keeps the way between both straight.
+    adjusted = None if is_downward(tool) else adjust_joints(search.robot, tool, low)
+    for high in chain(() if adjusted is None else (adjusted,), islice(inverse(search.robot, tool, near=low), tries)):
         turn = max(abs(a - b) for a, b in zip(low, high, strict=True))
         if turn <= LARGEST_STEP and collide(search, high, query) is None:
             return high

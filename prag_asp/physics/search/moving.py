@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from prag_asp.physics.predicates.gripper import slips
+from prag_asp.physics.predicates.grip_torque import grip_load
+from prag_asp.physics.predicates.gripper import SLIPS, slips
 from prag_asp.physics.search.attempt import (
     LOST,
     NO_KINEMATICS_ABOVE,
     OBJECTS_COLLIDE,
+    TWISTS,
     UNSUPPORTED,
     Failure,
     Search,
@@ -34,13 +36,15 @@ def raise_arm(search: Search, snapshot: Snapshot) -> Snapshot:
     """Move a lowered gripper straight up with what it holds; an empty one back along the direction of its fingers.
 
     Raises:
-        Failure: the object slips out of the gripper, or there is a collision.
+        Failure: the object slips out of the gripper or turns in it, or there is a collision.
     """
     assert snapshot.above is not None
     poses, held, above = snapshot.situation.poses, snapshot.arm.held, snapshot.above
     if held is not None:
         if slips(search.scene, held, snapshot.acting) is not None:
             raise Failure(LOST, held)
+        if grip_load(snapshot.situation, held, snapshot.acting) > SLIPS:
+            raise Failure(TWISTS, held)
         poses = move_object(search, snapshot, held, raised(poses[held], LIFT))
     if not is_downward(snapshot.tool):
         goal = backed(snapshot.tool) if held is None else raised(snapshot.tool, LIFT)
