@@ -225,6 +225,7 @@ def test_every_warning_that_the_linter_gives_has_a_name_of_the_list() -> None:
     lint = Path(prag_asp.lint.__file__).parent
     proofs = lint.parent / "physics" / "proofs"
     grammar = Path(prag_asp.grammar.__file__).parent / "problems.py"
-    files = [*lint.rglob("*.py"), grammar, proofs / "grips.py", proofs / "reaching.py"]
+    bodies = lint.parent / "cli" / "body_summary.py"
+    files = [*lint.rglob("*.py"), grammar, proofs / "grips.py", proofs / "reaching.py", bodies]
     text = "\n".join(path.read_text(encoding="utf-8") for path in files)
     assert {*re.findall(r'"([a-z]+(?:-[a-z]+)+)"', text), *re.findall(r'else "(un[a-z]+)"', text)} == set(WARNINGS)
