@@ -52,8 +52,8 @@ class BodyModel(NamedTuple):
     inertia in kg m² about `axes`, a unit quaternion (x, y, z, w).
 
     `base` and `crown` are the convex outlines, seen from above and counter-clockwise, of what it stands on and of what
-    stands on it: its lowest and its highest points. `settled` is by how many radians it was tilted from how its file
-    has it, because it does not rest like that.
+    stands on it: its lowest and its highest points; if empty, of its box. `settled` is by how many radians it was
+    tilted from how its file has it, because it does not rest like that.
     """
 
     solids: tuple[Solid, ...]
