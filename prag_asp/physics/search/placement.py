@@ -30,6 +30,7 @@ from prag_asp.physics.world.support import TABLE
 from prag_asp.scene.boxes import Vector, box_of
 from prag_asp.scene.furniture import swept
 from prag_asp.scene.geometry import Pose, Quaternion, extents, yaw_of, yaw_quaternion
+from prag_asp.scene.part_boxes import part_boxes
 
 TRIES = 8  # samples with each spacing
 SPACING = 0.01  # metres between objects on the table, which do not touch then
@@ -254,15 +255,17 @@ def _close(situation: Situation, entity: str, volume: Volume, about: Iterable[Fa
 def _neighbours(situation: Situation, others: Iterable[str], support: str, half: Vector, z: float) -> list[Neighbour]:
     """Return the others that the bounding box of an object at a height can meet, without containers it is put into.
 
-    Furniture has the bounding boxes of its body and of the swept moving part.
+    Furniture has the bounding boxes of its body and of the swept moving part, a body from a file those of its parts.
     """
     neighbours = []
     for other in others:
-        shape = situation.scene.shapes[other]
+        shape, boxes = situation.scene.shapes[other], [box(situation, other)]
         if shape.traits.hollow and support != TABLE:
             continue
-        furniture = shape.traits.furniture
-        boxes = map(box_of, swept(shape, situation.pose(other))) if furniture else (box(situation, other),)
+        if shape.traits.furniture:
+            boxes = [box_of(corners) for corners in swept(shape, situation.pose(other))]
+        elif shape.model is not None:
+            boxes = part_boxes(shape, situation.pose(other))
         for (x, y, other_z), (half_x, half_y, half_z) in boxes:
             if abs(z - other_z) < half[2] + half_z + COLLISION:
                 neighbours.append((x, y, half_x + half[0], half_y + half[1]))

@@ -45,7 +45,7 @@ def read_parts(path: str, content: bytes) -> list[Floats]:
         ValueError: the file is not a mesh.
     """
     try:
-        import trimesh  # type: ignore[import-untyped]  # noqa: PLC0415 - an extra
+        import trimesh  # noqa: PLC0415 - an extra
     except ImportError:
         remedy = 'install it: pip install "prag_asp[meshes]", or give an .obj or an .stl'
         raise SceneError(f"{path}: meshes of this format need trimesh; {remedy}") from None

@@ -143,8 +143,8 @@ def _weighed(
     """Return the shapes of meshes without a mass, which is their volume times the density of their material."""
     found = {}
     for entity, shape in shapes.items():
-        table = next((section.value[name] for name in names.line(entity) if name in section.value), {})
-        if shape.model is not None and shape.kind == "mesh" and "mass" not in table:
+        owner = next(name for name in names.line(entity) if name in section.value)
+        if shape.model is not None and shape.kind == "mesh" and "mass" not in section.value[owner]:
             density = materials.get(entity, Material()).density
             found[entity] = shape._replace(model=shape.model.with_mass(shape.model.mass * density))
     return found
