@@ -217,7 +217,10 @@ def placement_volume(situation: Situation, request: PlacementRequest, quaternion
     entity, support, about, height, *_ = request
     out_of_reach = any(fact.predicate.gripper is Gripper.REACHES and not fact.value for fact in about)
     if support != TABLE:
-        rests = INSIDE if situation.shape(support).traits.hollow else ON_TOP
+        # A body from a file with a cavity can bear others on its rim, too.
+        on_it = any(fact.value and fact.predicate is ON_TOP and fact.arguments == (entity, support) for fact in about)
+        shape = situation.shape(support)
+        rests = INSIDE if shape.traits.hollow or (shape.hollow and not on_it) else ON_TOP
         volume = rests.volume(situation, (entity, support), quaternion)
     else:
         half_x, half_y, z = extents(situation.shape(entity), quaternion)
@@ -234,8 +237,8 @@ def placement_volume(situation: Situation, request: PlacementRequest, quaternion
         robot = next(iter(situation.scene.robots))
         volume = volume.meet(REACHABLE.volume(situation, (robot, entity), quaternion))
     for fact in about:
-        on_it = fact.arguments == (entity, support) and fact.predicate.supports
-        if not on_it and shapes_volume(fact, entity):
+        stands = fact.arguments == (entity, support) and fact.predicate.supports
+        if not stands and shapes_volume(fact, entity):
             volume = volume.meet(allowed_volume(situation, fact, entity, quaternion))
     return volume
 

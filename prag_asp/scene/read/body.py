@@ -12,10 +12,12 @@ from prag_asp.errors import SceneError
 from prag_asp.scene.forms import FORMS
 from prag_asp.scene.geometry import Pose, matrix
 from prag_asp.scene.mass import MassProperties, combined, polyhedron_mass, primitive_mass, principal
-from prag_asp.scene.read.convex import convex_hull, is_closed
+from prag_asp.scene.read.cavities import find_cavity
+from prag_asp.scene.read.convex import convex_hull, is_closed, is_convex
+from prag_asp.scene.read.decomposition import can_decompose
 from prag_asp.scene.read.mesh import file_parts, mesh_points, thickness
 from prag_asp.scene.read.scene_values import SMALLEST
-from prag_asp.scene.read.stability import base_of, crown_of, falls, rotation, settle, surface_points
+from prag_asp.scene.read.stability import base_of, crown_of, falls, own_points, rotation, settle, surface_points
 from prag_asp.scene.scene import BodyModel, Shape, Size, Solid
 
 Floats = NDArray[np.float64]
@@ -37,7 +39,15 @@ def body_shape(kind: str, solids: Sequence[Solid], mass: MassProperties, settled
     centre = _minus(_size(mass.centre.tolist()), middle)
     points = surface_points(centred)
     model = BodyModel(
-        centred, mass.mass, centre, moments, quaternion_of(axes), base_of(points), crown_of(points), settled
+        centred,
+        mass.mass,
+        centre,
+        moments,
+        quaternion_of(axes),
+        base_of(points),
+        crown_of(points),
+        settled,
+        find_cavity(np.concatenate([part for solid in centred for part in _triangles(solid)])),
     )
     return Shape(kind, _minus(high, low), model=model)
 
@@ -135,6 +145,14 @@ def solid_mass(solids: Iterable[Solid]) -> MassProperties:
         parts = [_part_mass(part) for part in _parts(solid)] if solid.mesh else [primitive_mass(solid)]
         masses += [part.moved(np.array(rotation(solid.turn)), np.array(solid.at)) for part in parts]
     return combined(masses)
+
+
+def _triangles(solid: Solid) -> Iterator[Floats]:
+    """Yield the triangles of the parts of a solid in the frame of its body, as they collide."""
+    parts = _parts(solid) if solid.mesh else [convex_hull(np.array(list(own_points(solid))))]
+    for part in parts:
+        collides = part if not solid.mesh or can_decompose() or is_convex(part) else convex_hull(part.reshape(-1, 3))
+        yield collides @ np.array(rotation(solid.turn)).T + solid.at
 
 
 def _parts(solid: Solid) -> Iterator[Floats]:
