@@ -15,16 +15,19 @@ if TYPE_CHECKING:
 class Tally:
     """The number of validated tasks, of feasible ones, and of failures by reason.
 
-    `reasons` counts the tasks that failed by status and reason, `causes` the failed attempts of all tasks.
+    `reasons` counts the tasks that failed by status and reason, `causes` the failed attempts of all tasks. `nearest`
+    says in words how far the best attempts at the first task came that was not found.
     """
 
     seen: int = 0
     passed: int = 0
     reasons: Counter[tuple[str, str]] = field(default_factory=Counter)
     causes: Counter[str] = field(default_factory=Counter)
+    nearest: str = ""
 
     def add(self, verdict: Verdict) -> None:
         """Count a verdict."""
+        self.nearest = self.nearest or verdict.nearest
         self.count(verdict.status, verdict.reason, verdict.causes)
 
     def count(self, status: str, reason: str, causes: Mapping[str, int] | None = None) -> None:

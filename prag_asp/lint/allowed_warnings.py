@@ -6,14 +6,10 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
-from prag_asp.program.problem import WARNINGS, Problem
+from prag_asp.program.problem import WARNINGS, Problem, allowed_by_comments, allowed_in_sources
 from prag_asp.program.settings import Settings
 from prag_asp.program.sources import Source
-from prag_asp.program.tokens import comments
 from prag_asp.wording import did_you_mean
-
-ALLOW = re.compile(r"\blint:\s*allow\b(?P<names>[^*#%\n]*)")
-"""Such a comment in a logic program (after %, or in %* *%) or in domain.toml (after #)."""
 
 TOML_COMMENT = re.compile(r"#(?P<words>[^#]*\blint:.*)$")
 
@@ -23,20 +19,9 @@ Allowed = Mapping[tuple[Path, int], tuple[str, ...]]
 
 def allowed_names(sources: Iterable[Source], settings: Settings) -> Allowed:
     """Return the names that the comments of sources and of a domain.toml allow."""
-    allowed: dict[tuple[Path, int], tuple[str, ...]] = {}
-    for source in sources:
-        if "lint:" in source.text:
-            allowed |= {(source.path, line): names for line, names in _names(comments(source.text))}
     lines = enumerate(settings.text.split("\n"), 1)
     spoken = ((line, match["words"]) for line, text in lines if (match := TOML_COMMENT.search(text)))
-    return allowed | {(settings.path, line): names for line, names in _names(spoken)}
-
-
-def _names(spoken: Iterable[tuple[int, str]]) -> Iterator[tuple[int, tuple[str, ...]]]:
-    for line, words in spoken:
-        match = ALLOW.search(words)
-        if match:
-            yield line, tuple(re.findall(r"[^\s,]+", match["names"]))
+    return allowed_in_sources(sources) | {(settings.path, line): names for line, names in allowed_by_comments(spoken)}
 
 
 def not_allowed(problems: Iterable[Problem], allowed: Allowed) -> Iterator[Problem]:

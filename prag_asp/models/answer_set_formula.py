@@ -41,12 +41,13 @@ def model_formula(ground: GroundModels, *, project: bool, copied: bool) -> Model
     names = {symbol: value(atom) for symbol, atom in ground.names}
     if project and ground.projected is not None:
         printed = [(symbol, value(atom)) for symbol, atom in ground.names if atom in ground.projected]
+        projection = list(map(value, ground.projected))  # in aspif, some have no names
     else:
         printed = [
             (symbol, clauses.any_of([clauses.all_of(map(value, condition)) for condition in conditions]))
             for symbol, conditions in ground.shown
         ]
-    projection = [literal for _, literal in printed] if project else list(completion.values.values())
+        projection = [literal for _, literal in printed] if project else list(completion.values.values())
     shown = tuple(sorted({abs(literal) for literal in projection} | {TRUE}))
     cnf = Cnf(clauses.variables, tuple(clauses.clauses), names, shown)
     return ModelFormula(completion, cnf, tuple(printed), whole=not project)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from itertools import count as counting
 from itertools import islice
 from pathlib import Path
 
@@ -25,12 +26,17 @@ from prag_asp.models.atom_weights import (
     stated_weights,
     unknown_weights,
 )
-from prag_asp.models.compiler import Progress, compile_formula, prepare
+from prag_asp.models.compiler import PreparedFormula, Progress, compile_formula, prepare
 from prag_asp.models.diagram import WeightedDiagram
-from prag_asp.models.enumeration import Enumeration
+from prag_asp.models.enumeration.bounded_enumeration import BoundedEnumeration
+from prag_asp.models.enumeration.effort import SECOND, first_effort, is_worth_enumerating
+from prag_asp.models.enumeration.enumeration import Enumeration
 from prag_asp.models.foundedness import list_models
 from prag_asp.models.ground_program import GroundModels, ground_models
-from prag_asp.models.program_reader import GivenProgram, read_program
+from prag_asp.models.program_reader import GivenProgram, places_of_costs, read_program
+from prag_asp.models.questions.conflict import Conflict, find_conflict
+from prag_asp.models.questions.facets import Facet, facets_of_diagram, facets_of_lists
+from prag_asp.models.questions.optimum import Optimum, find_optimum, only_optimal
 from prag_asp.models.shifting import is_head_cycle_free
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.constants import Constant
@@ -41,8 +47,11 @@ AnswerSet = tuple[clingo.Symbol, ...]
 
 Tell = Callable[[str], None]
 
-PATIENCE = 2.0
-"""Seconds of compilation before a counter starts in parallel."""
+PATIENCE = 500
+"""Calls of `look`, each after 64 visits of nodes, before a counter starts in parallel: about 2 s of compilation."""
+
+HEAD_START = 1.0
+"""Processor seconds of a counter before compiling begins as well, for tight programs: most are counted by then."""
 
 
 class _Counted(Exception):
@@ -59,6 +68,7 @@ def answer_sets(
     constants: Mapping[str, Constant] | None = None,
     project: bool = False,
     weighted: bool = False,
+    optimal: bool = False,
     engine: str = "auto",
     tell: Tell | None = None,
     progress: Progress | None = None,
@@ -67,22 +77,34 @@ def answer_sets(
 
     With `project`, answer sets that agree on the projection variables count as one: the atoms of ``#project`` or,
     without such a statement, all shown symbols. With `weighted`, the weight of an answer set is the product over its
-    atoms of the facts ``weight(Atom, W)``. `tell` receives notes, such as that another engine counts in parallel, and
-    `progress` the progress of long computations.
+    atoms of the facts ``weight(Atom, W)``. With `optimal`, only the answer sets of best value count, by the weak
+    constraints, ``#minimize`` and ``#maximize`` of the program. `tell` receives notes, such as that another engine
+    counts in parallel, and `progress` the progress of long computations.
 
     Raises:
         DomainError: a file cannot be read or ground, or has unsupported statements, one per line of the message.
-        QueryError: there is no such engine, or no weight.
+        QueryError: there is no such engine, no weight, or nothing to optimise.
     """
     if engine not in ENGINES:
         raise QueryError(f"engine {engine!r}: there is none; choose {', '.join(ENGINES)}")
-    program = read_program([*files, *([] if text is None else [text_source("text", text)])], constants or {})
+    program = read_program(
+        [*files, *([] if text is None else [text_source("text", text)])], constants or {}, optimal=optimal
+    )
+    if optimal and next(places_of_costs(program.program), None) is None:
+        raise QueryError(
+            "--optimal: the program optimises nothing; add #minimize or a weak constraint, or leave it out"
+        )
     stage("grounding the program")
     ground = ground_models(program)
     stated = stated_weights(ground, program.program) if weighted else {}
-    answers = AnswerSets(program, ground, project, stated, engine, tell, progress)
+    optimum = find_optimum(program, ground) if optimal else None
+    if optimum is not None:
+        ground = only_optimal(ground, optimum)
+    answers = AnswerSets(program, ground, project, stated, engine, optimum, tell, progress)
     for note in ground.notes:
         answers.note(f"{note}; clingo leaves this out")
+    if optimum is not None:
+        answers.note(str(optimum))
     unknown = unknown_weights(stated, ground, program.program)
     if unknown:
         answers.note(unknown)
@@ -94,7 +116,8 @@ class AnswerSets:
     """The answer sets of one program; compiled formulas are cached between queries.
 
     Iteration is lazy and in a fixed order: of two answer sets, that with the first symbol in clingo's order that only
-    one of them has comes first. If clingo enumerates, its own order is used.
+    one of them has comes first. If clingo enumerates, its own order is used. With an `optimum`, they are the optimal
+    answer sets only.
     """
 
     given: GivenProgram
@@ -102,42 +125,71 @@ class AnswerSets:
     project: bool
     stated: Mapping[clingo.Symbol, Fraction]
     engine: str
+    optimum: Optimum | None = None
     tell: Tell | None = None
     progress: Progress | None = None
 
     def count(self) -> int:
         """Return their exact number, regardless of weights.
 
-        With engine auto, a diagram and a counter run in parallel if the program is not tight, and the first answers:
-        either may be faster by orders of magnitude.
+        With engine auto, clingo enumerates first, with limited work. If there are more answer sets, a counter and the
+        compiler of a diagram run in parallel, and the first answers: either may be faster by orders of magnitude. The
+        counter begins if the program is tight, otherwise the compiler.
 
         Raises:
             EngineError: the engine ganak is not installed, or fails.
         """
+        if self.engine == "auto" and "_diagram" not in self.__dict__ and not self._reason_to_enumerate:
+            number = self._count_by_enumeration()
+            if number is not None:
+                return number
         how = self._way(counts=True)
         if how == "clingo":
             return self._enumeration.count()
-        if how == "ganak":
+        if self.engine == "ganak":
             stage("counting models with ganak")
             return count_models(self._counting_formula.cnf, request="engine ganak")
         if self.engine == "auto" and has_ganak() and "_diagram" not in self.__dict__:
-
-            def begins() -> None:
-                self.note(
-                    f"ganak counts as well, because compiling takes longer than {PATIENCE:g} s; the first answers"
-                )
-
-            def look() -> None:
-                number = beside()
-                if number is not None:
-                    raise _Counted(number)
-
-            with CountBeside(lambda: (self._counting_formula.cnf, ()), PATIENCE, begins) as beside:
-                try:
-                    self.__dict__["_diagram"] = self._compile(look)  # fills the cached_property
-                except _Counted as counted:
-                    return counted.number
+            number = self._count_beside(HEAD_START if how == "ganak" else None)
+            if number is not None:
+                return number
         return WeightedDiagram(self._diagram.diagram, {}).total
+
+    def _count_beside(self, head_start: float | None) -> int | None:
+        """Return their number by a counter, or None if the diagram was compiled before.
+
+        The counter starts at once with a head start in processor seconds, or, without it, after `PATIENCE`.
+        """
+        looks = counting()
+
+        def begins() -> None:
+            if head_start is None:
+                self.note("ganak counts as well, because compiling takes long; the first answers")
+
+        def look() -> None:
+            number = beside() if head_start is not None or next(looks) >= PATIENCE else None
+            if number is not None:
+                raise _Counted(number)
+
+        with CountBeside(lambda: (self._counting_formula.cnf, ()), 0, begins) as beside:
+            if head_start is not None:
+                stage("counting models with ganak")
+                number = beside.alone(head_start)
+                if number is not None:
+                    return number
+            try:
+                self.__dict__["_diagram"] = self._compile(look)  # fills the cached_property
+            except _Counted as counted:
+                return counted.number
+        return None
+
+    def _count_by_enumeration(self) -> int | None:
+        """Return their number if clingo is likely to be the fastest engine, and enumerates all within limits."""
+        enumeration = BoundedEnumeration(self.ground, project=self.project)
+        number = enumeration.count(first_effort(self.ground))
+        if number is None and is_worth_enumerating(enumeration.depth(), self._prepared.order.width):
+            number = enumeration.count(SECOND)
+        return number
 
     def estimate(self, epsilon: float = 0.8, delta: float = 0.2, seed: int = 0) -> Estimate:
         """Return an estimate of their number, regardless of weights.
@@ -192,6 +244,31 @@ class AnswerSets:
         weights = self._diagram.marginals() | {TRUE: whole}
         return {symbol: Fraction(weights.get(literal, 0), whole) for symbol, literal in self._formula.printed}
 
+    def facets(self) -> dict[clingo.Symbol, Facet]:
+        """Return for each symbol that may be shown its share, whether it is a facet, and how much it narrows them.
+
+        Raises:
+            NotFound: there is no answer set.
+            QueryError: they are weighted.
+        """
+        if self.stated:
+            raise QueryError("facets are counted, not weighed; leave out --weighted, or ask for marginals")
+        if self._way() == "clingo":
+            found = facets_of_lists(self._symbols, self)
+            self._require(any(facet.share for facet in found.values()) or self.count())
+            return found
+        diagram = WeightedDiagram(self._diagram.diagram, {})
+        self._require(diagram.total)
+        return facets_of_diagram(diagram.diagram, self._formula.printed, diagram.marginals(), diagram.total)
+
+    def explain(self) -> Conflict | None:
+        """Return lines of the program that together exclude every answer set, or None if there is one.
+
+        Raises:
+            QueryError: the program is ground already.
+        """
+        return find_conflict(self.given, self.ground)
+
     def __iter__(self) -> Iterator[AnswerSet]:
         if self._way() == "clingo":
             yield from self._enumeration
@@ -199,7 +276,9 @@ class AnswerSets:
         stage("searching answer sets")
         formula = self._formula
         order = [literal for _, literal in formula.printed]
-        if formula.whole:
+        if not formula.whole:
+            order += formula.cnf.shown
+        else:
             order += [formula.completion.value(atom) for _, atom in self.ground.names]
             order += map(formula.completion.value, formula.completion.values)
         yield from map(self._print, list_models(formula, order))
@@ -246,7 +325,8 @@ class AnswerSets:
         elif any(rule.is_disjunctive for rule in self.ground.rules) and not is_head_cycle_free(self.ground.rules):
             reason = "atoms of one disjunction depend on each other"
         elif self.ground.contested:
-            first = min(symbol for symbol, atom in self.ground.names if atom in self.ground.contested)
+            contested = sorted(symbol for symbol, atom in self.ground.names if atom in self.ground.contested)
+            first = contested[0] if contested else "an atom without a name"
             reason = f"a rule derives {first}, which is #external and not false"
         return reason
 
@@ -273,14 +353,17 @@ class AnswerSets:
         return self._compile()
 
     def _compile(self, look: Callable[[], None] = lambda: None) -> WeightedDiagram:
-        weights = self._weights.weights
-        kept = {abs(literal) for _, literal in self._formula.printed} | {abs(literal) for literal in weights}
-        stage("ordering variables")
-        prepared = prepare(self._formula, kept)
-        if prepared.clauses:
-            self.note(f"compiling {prepared.cost}")
+        if self._prepared.clauses:
+            self.note(f"compiling {self._prepared.cost}")
         stage("compiling")
-        return WeightedDiagram(compile_formula(self._formula, prepared, self.progress, look), weights)
+        diagram = compile_formula(self._formula, self._prepared, self.progress, look)
+        return WeightedDiagram(diagram, self._weights.weights)
+
+    @cached_property
+    def _prepared(self) -> PreparedFormula:
+        printed = {abs(literal) for _, literal in self._formula.printed}
+        stage("ordering variables")
+        return prepare(self._formula, printed | {abs(literal) for literal in self._weights.weights})
 
     @cached_property
     def _symbols(self) -> tuple[clingo.Symbol, ...]:
@@ -307,7 +390,7 @@ class AnswerSets:
             )
             if left:
                 raise projected_away(left[0], self.ground, self.given.program)
-        return Enumeration(self.given, self.ground, self.project, self.stated, self.progress)
+        return Enumeration(self.given, self.ground, self.project, self.stated, self.optimum, self.progress)
 
     def note(self, line: str) -> None:
         """Pass a line to `tell`, if there is one."""

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import clingo
 
 from prag_asp.logic.ground.rules import Condition, GroundRecorder, Rule, Unsupported
 from prag_asp.models.program_reader import GivenProgram
-from prag_asp.program.grounding import Grounder
+from prag_asp.program.grounding import REMARKS, Grounder
+from prag_asp.program.problem import allowed_in_sources
 
 
 @dataclass(frozen=True)
@@ -19,7 +20,10 @@ class GroundModels:
     `names` has the atoms by their symbols, sorted, and `shown` the shown symbols, sorted, each with alternative
     conditions. `projected` has the atoms of ``#project``, or is None without such a statement. `acyclic` is true if a
     graph has to be acyclic (``#edge``), which rules do not express; `contested` has the externals that are not false
-    but also derived by rules. `notes` are clingo's notes on instances dropped because an operation is undefined.
+    but also derived by rules. `minimized` has the weighted literals of each priority, the highest first. `notes` are
+    clingo's notes on instances dropped because an operation is undefined, and `remarks` those on atoms that no rule
+    derives, unless a comment ``% lint: allow undefined`` stands on their line. `grounder` has the ground program, which
+    it does not optimise.
     """
 
     rules: tuple[Rule, ...]
@@ -28,7 +32,10 @@ class GroundModels:
     projected: frozenset[int] | None
     acyclic: bool
     contested: frozenset[int]
+    minimized: tuple[tuple[int, tuple[tuple[int, int], ...]], ...]
     notes: tuple[str, ...]
+    remarks: tuple[str, ...]
+    grounder: Grounder = field(repr=False, compare=False)
 
     @cached_property
     def facts(self) -> frozenset[int]:
@@ -55,8 +62,8 @@ def ground_models(given: GivenProgram) -> GroundModels:
     Raises:
         DomainError: clingo cannot ground it.
     """
-    grounder, recorder = Grounder(given.program, *given.arguments, strict=False), GroundRecorder()
-    grounder.control.register_observer(recorder)
+    recorder = GroundRecorder()
+    grounder = given.grounder(REMARKS, "--opt-mode=ignore", observer=recorder)
     grounder.ground([("base", [])])
     # Atom 0 stands for symbols that no rule can derive.
     names = sorted((atom.symbol, atom.literal) for atom in grounder.control.symbolic_atoms if atom.literal)
@@ -66,6 +73,21 @@ def ground_models(given: GivenProgram) -> GroundModels:
     either = {atom: values[value] for atom, value in recorder.externals.items() if value in values}
     stated = recorder.all_rules
     rules = (*stated, *(Rule((atom,), (), free) for atom, free in either.items()))
+    minimized = sorted(((each, tuple(sums)) for each, sums in recorder.minimized.items()), reverse=True)
     contested = frozenset(head for rule in stated for head in rule.heads) & either.keys()
     acyclic = Unsupported.ACYCLIC in recorder.unsupported
-    return GroundModels(rules, tuple(names), tuple(shown), projected, acyclic, contested, tuple(grounder.notes))
+    allowed = allowed_in_sources(given.program.sources)
+    remarks = (each for each in grounder.remarks if each.name not in allowed.get((each.path, each.line), ()))
+    told = tuple(f"{each.path}:{each.line}: info: {each.text} [{each.name}]" for each in remarks)
+    return GroundModels(
+        rules,
+        tuple(names),
+        tuple(shown),
+        projected,
+        acyclic,
+        contested,
+        tuple(minimized),
+        tuple(grounder.notes),
+        told,
+        grounder,
+    )

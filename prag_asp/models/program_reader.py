@@ -11,7 +11,10 @@ import clingo
 from clingo.ast import ASTType
 
 from prag_asp.errors import DomainError
+from prag_asp.models.aspif import MINIMIZE, aspif_problems, aspif_text, is_aspif
+from prag_asp.models.recursive_heads import recursive_head_problems
 from prag_asp.program.constants import Constant, parse_constants, set_constants
+from prag_asp.program.grounding import Grounder
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.problem import Problem, raise_problems
 from prag_asp.program.sources import Program, Source, read_sources
@@ -20,7 +23,7 @@ from prag_asp.program.tokens import blanked
 from prag_asp.wording import did_you_mean
 
 REFUSED: Mapping[ASTType, tuple[str, str]] = {
-    ASTType.Minimize: ("it optimises", "leave it out, or bound the cost by a constraint with #sum"),
+    ASTType.Minimize: ("it optimises", "add --optimal to keep only optimal answer sets, or bound the cost with #sum"),
     ASTType.TheoryDefinition: ("a theory means nothing to clingo alone", "leave it out"),
     ASTType.Script: ("a script is not run", "state by rules or facts what it computes"),
 }
@@ -36,9 +39,19 @@ class GivenProgram:
     program: Program
     arguments: tuple[str, ...]
 
+    def grounder(self, *arguments: str, observer: clingo.Observer | None = None) -> Grounder:
+        """Return a control of clingo for the program, with further arguments and an observer."""
+        source = self.program.sources[0]
+        text = aspif_text(source) if is_aspif(source) else None
+        return Grounder(self.program, *self.arguments, *arguments, strict=False, text=text, observer=observer)
 
-def read_program(files: Sequence[str | Path | Source], constants: Mapping[str, Constant]) -> GivenProgram:
-    """Return the program of some files with the values of constants.
+
+def read_program(
+    files: Sequence[str | Path | Source], constants: Mapping[str, Constant], *, optimal: bool = False
+) -> GivenProgram:
+    """Return the program of some files with the values of constants; a file in aspif has to be the only one.
+
+    Statements that minimize are refused unless `optimal`.
 
     Raises:
         DomainError: a file cannot be read or parsed, has an unsupported statement, or a constant is not used.
@@ -51,9 +64,12 @@ def read_program(files: Sequence[str | Path | Source], constants: Mapping[str, C
         folder = (entry.path if isinstance(entry, Source) else entry).parent
         by_path.update({source.path.resolve(): source for source in read_sources(entry, folder)})
     sources = tuple(by_path.values())
+    if any(map(is_aspif, sources)):
+        return _ground_program(sources, constants, optimal=optimal)
     statements, problems = parse_sources((source, True) for source in sources)
     suspects = {source.path for source in sources if re.search("[&@]", blanked(source.text))}
-    raise_problems([*problems, *_refusals(statements, suspects)])
+    refusals = _refusals(statements, suspects, optimal=optimal)
+    raise_problems([*problems, *refusals, *recursive_head_problems(statements)])
     values = parse_constants(constants)
     declared = {statement.node.name for statement in statements if statement.kind == ASTType.Definition}
     paths = " ".join(str(source.path) for source in sources)
@@ -77,10 +93,37 @@ def _options(statements: Sequence[Statement], values: Mapping[str, str], declare
         yield f"-c{name}={text}"
 
 
-def _refusals(statements: Sequence[Statement], suspects: Collection[Path]) -> Iterator[Problem]:
+def places_of_costs(program: Program) -> Iterator[str]:
+    """Yield ``file:line:`` of each statement that minimizes."""
+    for source in program.sources:
+        if is_aspif(source):
+            lines = enumerate(source.text.split("\n"), 1)
+            yield from (f"{source.path}:{number}:" for number, line in lines if line.startswith(f"{MINIMIZE} "))
+        else:
+            statements, _ = parse_sources([(source, True)])
+            costs = (each for each in statements if each.kind == ASTType.Minimize)
+            yield from (f"{each.path}:{each.line}:" for each in costs)
+
+
+def _ground_program(sources: Sequence[Source], constants: Mapping[str, Constant], *, optimal: bool) -> GivenProgram:
+    """Return the program of a file in aspif.
+
+    Raises:
+        DomainError: the file is malformed, there are other files, or constants.
+    """
+    source = next(filter(is_aspif, sources))
+    if len(sources) > 1:
+        raise DomainError(f"{source.path}:1: a ground program in aspif has to be the only file; leave the others out")
+    for name in constants:
+        raise DomainError(f"constant {name}: {source.path} is ground already; set it where the program is ground")
+    raise_problems(aspif_problems(source, optimal=optimal))
+    return GivenProgram(Program((source,)), ())
+
+
+def _refusals(statements: Sequence[Statement], suspects: Collection[Path], *, optimal: bool) -> Iterator[Problem]:
     """Yield unsupported statements; terms are searched only in `suspects` because the search is slow."""
     for statement in statements:
-        if statement.kind in REFUSED:
+        if statement.kind in REFUSED and not (optimal and statement.kind == ASTType.Minimize):
             wrong, todo = REFUSED[statement.kind]
             name = NAMES.get(statement.kind) or f"#theory {statement.node.name}"
             yield statement.problem(f"{name} is not supported because {wrong}; {todo}")

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -26,13 +26,14 @@ from prag_asp.physics.search.attempt import (
     Search,
     Snapshot,
 )
+from prag_asp.physics.search.failures import FailureLog
 from prag_asp.physics.search.foresight import foresee
 from prag_asp.physics.search.initial_state import sample_initial_state
 from prag_asp.physics.search.spans import foresee_spans
 from prag_asp.physics.symbolic_facts import PhysicalTask, physical_task
 from prag_asp.physics.tiers import TierPipeline
 from prag_asp.physics.verdict import Budget, Detail, Status, Verdict
-from prag_asp.physics.witness import Witness
+from prag_asp.physics.witness import Waypoint, Witness
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.processes.progress_events import stage
 from prag_asp.scene.scene import Scene, Size
@@ -89,19 +90,19 @@ class Validator:
         self, physical: PhysicalTask, search: Search, budget: Budget, seeds: tuple[int, int], staging: Staging
     ) -> Verdict:
         """Search for a witness that passes the tiers of a budget."""
-        faults = Counter[PhysicsFault]()
+        log = FailureLog()
         status: Status = "not_found"
         restarts, witness, demonstration = 0, None, None
-        for restarts, candidate in self._restarts(physical, search, budget, faults):
+        for restarts, candidate in self._restarts(physical, search, budget, log):
             if candidate is None:
                 continue
             outcome = self._tiers.run(physical, candidate, budget, (*seeds, restarts - 1), staging)
             if outcome.fault is None:
                 status, (witness, _, demonstration) = "feasible", outcome
                 break
-            faults[outcome.fault] += 1
+            log.add(outcome.fault, len(physical.effects))
         counted: Counter[str] = Counter()
-        for fault, number in faults.items():
+        for fault, number in log.faults.items():
             counted[fault.cause] += number
         return Verdict(
             status,
@@ -113,11 +114,12 @@ class Validator:
             restarts=restarts,
             witness=witness,
             demonstration=demonstration,
-            details=_details(faults, self._scene),
+            details=_details(log.faults, self._scene),
+            nearest="" if witness is not None else log.nearest(physical.effects),
         )
 
     def _restarts(
-        self, physical: PhysicalTask, search: Search, budget: Budget, faults: Counter[PhysicsFault]
+        self, physical: PhysicalTask, search: Search, budget: Budget, log: FailureLog
     ) -> Iterator[tuple[int, Witness | None]]:
         """Yield the number of each restart, from 1, with its witness if it finds one.
 
@@ -128,7 +130,7 @@ class Validator:
         begun = False
         for number in range(budget.restarts + min(budget.restarts, PACKED)):
             if number == budget.restarts:
-                causes = {fault.cause for fault in faults}
+                causes = {fault.cause for fault in log.faults}
                 if causes.isdisjoint(CROWDED) or (begun and not causes <= CROWDED):
                     return
                 search = replace(search, packs=True)
@@ -138,9 +140,9 @@ class Validator:
                 self._simulator.use(scene)
                 search = replace(search, foresight=foresee(physical, scene))
             sizes = {entity: shape.size for entity, shape in drawn.items()}
-            initial = _initial_state(physical, search, budget.samples, faults)
+            initial = _initial_state(physical, search, budget.samples, log)
             begun = begun or initial is not None
-            follow = None if initial is None else _follow(physical, search, initial, sizes, budget.samples, faults)
+            follow = None if initial is None else _follow(physical, search, initial, sizes, budget.samples, log)
             yield number + 1, follow
 
 
@@ -179,11 +181,10 @@ def validate_task(
         return validator.validate(task, seed=seed, index=index, budget=budget, staging=staging)
 
 
-def _initial_state(
-    physical: PhysicalTask, search: Search, samples: int, faults: Counter[PhysicsFault]
-) -> Snapshot | None:
+def _initial_state(physical: PhysicalTask, search: Search, samples: int, log: FailureLog) -> Snapshot | None:
     """Return an initial state, None if all samples fail; a search that packs tries once, because it backtracks."""
-    return _retry(1 if search.packs else samples, faults, lambda _: sample_initial_state(search, physical))
+    trial = _retry((0, 1 if search.packs else samples), log, -1, lambda _: sample_initial_state(search, physical))
+    return None if trial is None else trial.result
 
 
 def _follow(
@@ -192,29 +193,63 @@ def _follow(
     snapshot: Snapshot,
     sizes: Mapping[str, Size],
     samples: int,
-    faults: Counter[PhysicsFault],
+    log: FailureLog,
 ) -> Witness | None:
-    """Return a witness from an initial state, None if all samples of an action fail."""
-    moments, motions = [snapshot.moment()], []
-    for effect in physical.effects:
-        outcome = _retry(samples, faults, partial(advance, search, snapshot, effect))
-        if outcome is None:
-            return None
-        snapshot, waypoints = outcome
-        moments.append(snapshot.moment())
-        motions.append(waypoints)
-    return Witness(tuple(moments), tuple(motions), sizes)
+    """Return a witness from an initial state, None if all samples of an action fail.
+
+    If a body with a model cannot be moved or put down as it is held, the next of its grasps is tried.
+    """
+    snapshots, motions = [snapshot], list[tuple[Waypoint, ...]]()
+    tried = [0] * len(physical.effects)
+    while len(motions) < len(physical.effects):
+        k = len(motions)
+        trial = _retry((tried[k], samples), log, k, partial(advance, search, snapshots[k], physical.effects[k]))
+        if trial is None:
+            grasped = _grasped_before(physical, k, search.scene)
+            if grasped is None:
+                return None
+            tried[grasped + 1 :] = [0] * (len(tried) - grasped - 1)
+            del snapshots[grasped + 1 :], motions[grasped:]
+            continue
+        tried[k] = trial.number + 1
+        snapshots.append(trial.result[0])
+        motions.append(trial.result[1])
+    return Witness(tuple(each.moment() for each in snapshots), tuple(motions), sizes)
 
 
-def _retry(samples: int, faults: Counter[PhysicsFault], attempt: Callable[[int], Result]) -> Result | None:
-    """Return the first result of an attempt, which gets its number from 0; None if all `samples` fail."""
-    for number in range(samples):
+def _grasped_before(physical: PhysicalTask, k: int, scene: Scene) -> int | None:
+    """Return the action that grasped the body with a model which action `k` moves or puts down, None if there is none.
+
+    Primitives have few grasps, so their tasks start over.
+    """
+    entity = physical.effects[k].releases or physical.effects[k].holds
+    if entity is None or scene.shapes[entity].model is None:
+        return None
+    return max((i for i in range(k) if physical.effects[i].grasps == entity), default=None)
+
+
+@dataclass(frozen=True)
+class _Trial(Generic[Result]):
+    """An attempt that succeeded: its number from 0, and its result."""
+
+    number: int
+    result: Result
+
+
+def _retry(
+    numbers: tuple[int, int], log: FailureLog, done: int, attempt: Callable[[int], Result]
+) -> _Trial[Result] | None:
+    """Return the first success of an attempt, which gets its number, from the first to before the last of two.
+
+    None if all fail; `done` is the number of actions before.
+    """
+    for number in range(*numbers):
         try:
-            return attempt(number)
+            return _Trial(number, attempt(number))
         except Exhausted:
             break
         except Failure as failure:
-            faults[failure.fault] += 1
+            log.add(failure.fault, done)
     return None
 
 

@@ -113,6 +113,7 @@ class Verdict:
     failed attempts by their cause (one of `CAUSES`), and `details` say of which facts and bodies; `restarts` is the
     number of initial states tried, those that were packed tightly included. `seed` and `index` together repeat the
     search. `demonstration` is there if the budget includes one; it is too large for JSON, and has a separate file.
+    `nearest` says in words how far the best attempts at a task came that was not found; it is no part of JSON either.
     """
 
     status: Status
@@ -125,6 +126,7 @@ class Verdict:
     witness: Witness | None = None
     demonstration: Demonstration | None = None
     details: tuple[Detail, ...] = ()
+    nearest: str = field(default="", compare=False)
 
     @property
     def feasible(self) -> bool:

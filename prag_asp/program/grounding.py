@@ -10,9 +10,10 @@ import clingo
 from prag_asp.errors import DomainError
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.finite.checks import Checks
-from prag_asp.program.finite.guards import guard_program
+from prag_asp.program.finite.guards import Guarded, guard_program
 from prag_asp.program.parse import require_memory
-from prag_asp.program.sources import Program
+from prag_asp.program.problem import Problem
+from prag_asp.program.sources import ADDED, Program
 
 POSITION = r"<(?:string|block)>:(?P<line>\d+):[-\d:]+: *(?:error|info|warning|note): *"
 UNSAFE = r"'([^']+)' is unsafe"
@@ -20,30 +21,48 @@ UNSAFE = r"'([^']+)' is unsafe"
 SCRIPT = "#Script"
 """The text that clingo prints for the value of a check in an undefined operation."""
 
+REMARKS = "--warn=atom-undefined"
+"""The option that has clingo remark on atoms that no rule derives."""
+
+MESSAGES = 1000
+"""The number of messages after which clingo is silent."""
+
 Part = tuple[str, Sequence[clingo.Symbol]]
 
 
 class Grounder:
     """A clingo control for one program, without output.
 
-    `notes` are the messages on undefined operations, which are errors only if `strict`.
+    `notes` are the messages on undefined operations, which are errors only if `strict`. `remarks` are those on atoms
+    that no rule derives; clingo makes them with the option `REMARKS`. With `text`, this program in aspif is ground
+    without further checks. An `observer` receives all that clingo grounds.
 
     Raises:
         DomainError: clingo cannot parse the program, or one of its intervals is too wide.
     """
 
-    def __init__(self, program: Program, *arguments: str, strict: bool = True) -> None:
+    def __init__(
+        self,
+        program: Program,
+        *arguments: str,
+        strict: bool = True,
+        text: str | None = None,
+        observer: clingo.Observer | None = None,
+    ) -> None:
         self._program, self._strict = program, strict
         self.notes: list[str] = []
+        self.remarks: list[Problem] = []
         self._parts = 0
-        guarded = guard_program(program)
+        guarded = guard_program(program) if text is None else Guarded(text, (), endless_steps=False)
         self._checks = Checks(guarded.sites)
         self._messages: list[tuple[clingo.MessageCode, str]] = []
         self.control = clingo.Control(
             ["--warn=no-atom-undefined", *arguments],
             logger=lambda code, text: self._messages.append((code, text)),
-            message_limit=100,
+            message_limit=MESSAGES,
         )
+        if observer is not None:
+            self.control.register_observer(observer)  # before aspif is read, which adds its rules at once
         self._run(lambda: self.control.add("base", [], guarded.text))
 
     def ground(self, parts: Iterable[Part]) -> None:
@@ -99,6 +118,8 @@ class Grounder:
         if notes and self._strict:
             raise DomainError(f"{next(iter(notes))}; guard the operation")
         self.notes += notes
+        remarks = (text for code, text in self._messages if code == clingo.MessageCode.AtomUndefined)
+        self.remarks += dict.fromkeys(_remark(self._program, text) for text in remarks)
 
 
 def locate_message(program: Program, message: str) -> str:
@@ -113,3 +134,11 @@ def locate_message(program: Program, message: str) -> str:
         return f"{text}; bind it in the body by an atom without `not`"
     words = " ".join(re.sub(POSITION, "", message).split())
     return f"{path}:{line}: {words}"
+
+
+def _remark(program: Program, message: str) -> Problem:
+    """Return a message of clingo on an atom that no rule derives as a warning, without the checks in its arguments."""
+    place = re.search(POSITION, message)
+    path, line = program.locate(int(place["line"])) if place else (ADDED, 0)
+    words = " ".join(re.sub(POSITION, "", message).split())
+    return Problem(path, line, re.sub(rf"\+{SCRIPT}\d+", "", words), "undefined")

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
 from prag_asp.errors import DomainError, one_line
+from prag_asp.program.sources import Source
+from prag_asp.program.tokens import comments
 from prag_asp.wording import plural
 
 WARNINGS: Mapping[str, str] = {
@@ -16,6 +19,7 @@ WARNINGS: Mapping[str, str] = {
     "never-holds": "an atom of a rule that nothing stated can be",
     "never-occurs": "an action or a composite that can never occur: it is pruned",
     "no-effect": "a statement, a key or a comment that changes nothing",
+    "no-grasp": "a body with a model on which no grasp is found",
     "no-plan": "an unreachable goal, or an initial state in which nothing can occur: every count is 0",
     "no-words": "a missing word of a language of instructions",
     "out-of-reach": "a place of actions that no gripper reaches",
@@ -31,6 +35,9 @@ WARNINGS: Mapping[str, str] = {
 
 SHOWN = 5
 """The maximum number of warnings of one name that are shown: more of them rarely say anything new."""
+
+ALLOW = re.compile(r"\blint:\s*allow\b(?P<names>[^*#%\n]*)")
+"""Such a comment in a logic program (after %, or in %* *%) or in domain.toml (after #)."""
 
 
 class Problem(NamedTuple):
@@ -82,3 +89,20 @@ def first_of_each(warnings: Iterable[Problem]) -> Iterator[Problem]:
         elif texts[each.name] == SHOWN:
             more = plural(total[each.name] - SHOWN, "more warning")
             yield each._replace(text=f"{each.text} (and {more} like it)")
+
+
+def allowed_in_sources(sources: Iterable[Source]) -> dict[tuple[Path, int], tuple[str, ...]]:
+    """Return the names that the comments of sources allow, by file and line, even those that name no warning."""
+    allowed: dict[tuple[Path, int], tuple[str, ...]] = {}
+    for source in sources:
+        if "lint:" in source.text:
+            allowed |= {(source.path, line): names for line, names in allowed_by_comments(comments(source.text))}
+    return allowed
+
+
+def allowed_by_comments(spoken: Iterable[tuple[int, str]]) -> Iterator[tuple[int, tuple[str, ...]]]:
+    """Yield the lines of comments that allow warnings, with the names."""
+    for line, words in spoken:
+        match = ALLOW.search(words)
+        if match:
+            yield line, tuple(re.findall(r"[^\s,]+", match["names"]))

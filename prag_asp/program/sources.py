@@ -39,6 +39,8 @@ END = re.compile(r"(?<!\.)\.(?!\.)")
 
 SETS = re.compile(r"\b(?:holds|_known)\b")
 INCLUDE = re.compile(r'#include\s*"(?P<file>[^"\\\n]*)"\s*\.')
+SCRIPT = re.compile(r"#include\s*<\s*incmode\s*>")
+"""The only file that clingo brings along: a script that grounds and solves step by step."""
 
 
 @dataclass(frozen=True)
@@ -98,6 +100,11 @@ def _read(source: Source, encodings: Path, own: Path, sources: dict[Path, Source
     for keyword in KEYWORD.finditer(blanked(text)):
         line = text.count("\n", 0, keyword.start()) + 1
         include = INCLUDE.match(text, keyword.start())
+        if SCRIPT.match(text, keyword.start()):
+            raise DomainError(
+                f"{path}:{line}: #include <incmode> is not supported because it is a script, and a script is not run; "
+                "state its steps by rules, such as step(1..n)"
+            )
         if include is None:
             raise DomainError(f'{path}:{line}: unreadable #include; write it as #include "file.lp".')
         for folder, limit in ((path.parent, own), (path.parent, encodings), (encodings, encodings)):

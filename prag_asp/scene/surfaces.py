@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.scene.geometry import Pose, matrix
+from prag_asp.scene.read.convex import convex_hull
 from prag_asp.scene.read.mesh import mesh_parts, state_of
 from prag_asp.scene.read.stability import rotation
 from prag_asp.scene.scene import Shape, Solid
@@ -28,6 +29,12 @@ def part_surfaces(shape: Shape) -> tuple[Floats, ...]:
     Raises:
         SceneError: a mesh cannot be read.
     """
+    return _part_surfaces(shape, mesh_states(shape))
+
+
+@lru_cache(maxsize=64)
+def _part_surfaces(shape: Shape, files: tuple[tuple[int, int], ...]) -> tuple[Floats, ...]:
+    """Return the triangles of each part; the states of the files are a key of the cache."""
     return tuple(part for solid in solids(shape) for part in _placed_parts(solid))
 
 
@@ -60,7 +67,8 @@ def _placed_parts(solid: Solid) -> list[Floats]:
     """Return the triangles of the convex parts of a solid in the frame of its body."""
     rows = np.array(rotation(solid.turn))
     if solid.mesh:
-        parts = [_outward(np.array(part)) for part in mesh_parts(solid.mesh, solid.size)]
+        # A part collides as its convex hull, as simulators do.
+        parts = [convex_hull(np.array(part).reshape(-1, 3)) for part in mesh_parts(solid.mesh, solid.size)]
     else:
         parts = [_primitive(solid.kind, solid.size)]
     return [part @ rows.T + solid.at for part in parts]

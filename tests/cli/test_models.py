@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from prag_asp.integers import digits_of
 from tests.commands import PRAG, ok, run, run_apart
 from tests.processes import family, gone, interrupt, interruptible, until_it_works
 
@@ -55,6 +58,7 @@ def test_what_compiling_takes_and_what_clingo_leaves_out_is_told_beside_the_resu
     ("text", "code", "told"),
     [
         ("a :- b(X).\n#minimize { 1 : a }.", 2, "given.lp:2: a weak constraint or #minimize is not supported"),
+        ("asp 1 0 0\n1 0 1 0 0 0\n0\n", 2, "given.lp:2: expected an atom, and found '0'; correct the line"),
         ("a\n:- b", 2, "given.lp:2: the file ends within a statement"),
         ("a. :- a.", 1, "there is no answer set"),
     ],
@@ -105,13 +109,64 @@ def test_a_pipe_that_is_closed_ends_the_answer_without_a_word(question: str, tmp
     assert not [line for line in told.splitlines() if not line.startswith("note: ")]
 
 
-@pytest.mark.parametrize("question", ["count", "sample", "list", "marginals"])
+@pytest.mark.parametrize("question", ["count", "sample", "list", "facets"])
 def test_a_closed_stdout_is_an_error_of_output(question: str, tmp_path: Path) -> None:
     (tmp_path / "few.lp").write_text("{ a }.")
     shell = f"{shlex.join([*PRAG, 'models', question, 'few.lp'])} >&-"
     done = subprocess.run(["sh", "-c", shell], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
     lines = [line for line in done.stderr.splitlines() if not line.startswith("note: ")]
     assert (done.returncode, lines) == (4, ["stdout: Bad file descriptor"])
+
+
+def document(*words: str) -> Any:
+    return json.loads(ok("models", *words, "--format", "json"))
+
+
+def test_all_answers_are_read_as_json(queens: str, tmp_path: Path) -> None:
+    size = ("-c", "n=6")
+    assert document("count", queens, *size) == {"count": 4}
+    listed = ok("models", "list", queens, *size).splitlines()
+    assert document("list", queens, *size)["answer_sets"] == [line.split() for line in listed]
+    assert document("list", queens, *size, "-n", "2")["answer_sets"] == [line.split() for line in listed[:2]]
+    assert document("list", queens, "-c", "n=3") == {"answer_sets": []}
+    drawn = [line.split() for line in ok("models", "sample", queens, *size, "-n", "3").splitlines()]
+    assert document("sample", queens, *size, "-n", "3")["answer_sets"] == drawn
+    shares = dict(reversed(line.split("  ")) for line in ok("models", "marginals", queens, *size).splitlines())
+    assert document("marginals", queens, *size) == {"marginals": shares}
+    assert document("facets", queens, *size)["facets"]["q(1,2)"] == {
+        "share": "1/4",
+        "facet": True,
+        "chosen": {"answer_sets": 1, "facets": 0, "of_answer_sets": "3/4", "of_facets": "1"},
+        "excluded": {"answer_sets": 3, "facets": 18, "of_answer_sets": "1/4", "of_facets": "1/4"},
+    }
+    (tmp_path / "coins.lp").write_text("{ head(1..2) }. weight(head(1),(1,3)). :~ head(2). [3@2]")
+    weighted = document("count", str(tmp_path / "coins.lp"), "--weighted", "--optimal")
+    assert weighted == {"optimum": [{"priority": 2, "value": 0}], "total_weight": "4/3"}
+    (tmp_path / "many.lp").write_text("{ a(1..15000) }. #show.")
+    huge = ok("models", "count", str(tmp_path / "many.lp"), "--engine", "diagram", "--format", "json")
+    assert huge.split()[2] == digits_of(2**15000)
+
+
+def test_the_lines_that_exclude_every_answer_set_are_printed(tmp_path: Path) -> None:
+    (tmp_path / "given.lp").write_text("{ a(1..n) } = n.\n:- a(X), X > 1.\nb.\n:~ b. [1]\n")
+    done = run("models", "explain", "given.lp", "-c", "n=2", cwd=tmp_path)
+    lines = "  given.lp:1: { a(1..n) } = n.\n  given.lp:2: :- a(X), X > 1.\n"
+    assert (done.returncode, done.stderr) == (1, "")
+    assert done.stdout == f"these lines together exclude every answer set:\n{lines}"
+    found = json.loads(run("models", "explain", "given.lp", "-c", "n=2", "--format", "json", cwd=tmp_path).stdout)
+    assert (found["satisfiable"], found["minimal"], len(found["lines"])) == (False, True, 2)
+    assert found["lines"][1] == {"file": "given.lp", "line": 2, "text": ":- a(X), X > 1."}
+    done = run("models", "explain", "given.lp", "-c", "n=1", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (0, "there is an answer set\n")
+
+
+def test_the_optimum_is_printed_beside_the_number_of_optimal_answer_sets(tmp_path: Path) -> None:
+    (tmp_path / "given.lp").write_text("{ pick(1..4) }.\n:- pick(1), pick(2).\n:~ not pick(X), X=1..4. [X]")
+    done = run("models", "count", "given.lp", "--optimal", cwd=tmp_path)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "1\n", "note: the best value is 1\n")
+    assert ok("models", "list", str(tmp_path / "given.lp"), "--optimal") == "pick(2) pick(3) pick(4)\n"
+    done = run("models", "facets", "given.lp", "--optimal", "--weighted", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "") and "the program states no weight" in done.stderr
 
 
 def test_help_loads_no_solver() -> None:

@@ -8,6 +8,7 @@ import clingo
 import pytest
 
 from prag_asp import DomainError, EngineError, QueryError, answer_sets
+from tests.commands import run
 
 
 @pytest.mark.parametrize(
@@ -18,6 +19,7 @@ from prag_asp import DomainError, EngineError, QueryError, answer_sets
         ("a :-\n &sum { x } > 0.", 2, "theory atom &sum is not supported"),
         ("#theory t { }.", 1, "#theory t is not supported"),
         ("#script (python) def f(): return 1 #end.", 1, "#script is not supported"),
+        ("a.\n#include <incmode>.", 2, "#include <incmode> is not supported because it is a script"),
         ("a.\nb(X) :- a.", 2, "unsafe variable X"),
         ("a.\nb :- ,.", 2, "unexpected ,"),
         ("a(1).\nb(X+2147483647) :- a(X).", 2, "out of range"),
@@ -145,3 +147,19 @@ def test_a_weight_of_an_atom_that_no_rule_derives_is_noted(more: str, note: str,
     weighed = [note for note in notes if "no rule derives" in note]
     assert len(weighed) == bool(note)
     assert all(each.startswith(f"{tmp_path / 'coins.lp'}:2: {note}") for each in weighed)
+
+
+def test_atoms_that_no_rule_derives_are_noted_once_by_their_line_unless_that_is_allowed(tmp_path: Path) -> None:
+    file = tmp_path / "given.lp"
+    file.write_text(
+        "{b}. a :- c(X), b, not e.\nd :- e. % lint: allow undefined\n"
+        "d :- k(X), not f(X*X+1), not f(X*X+1). k(1).\n#defined g/0. d :- g."
+    )
+    assert answer_sets(file).ground.remarks == (
+        f"{file}:1: info: atom does not occur in any rule head: c(X) [undefined]",
+        f"{file}:1: info: atom does not occur in any rule head: e [undefined]",
+        f"{file}:3: info: atom does not occur in any rule head: f((((X*X)+1))) [undefined]",
+    )
+    shown = run("models", "count", str(file))
+    assert shown.stdout == "2\n"
+    assert shown.stderr.splitlines() == [*answer_sets(file).ground.remarks]

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import json
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import islice
+from itertools import chain, islice, pairwise
 from typing import TYPE_CHECKING
 
 import click
@@ -14,14 +15,16 @@ import click
 from prag_asp.cli import options, shell_completion
 from prag_asp.cli.arguments import parse_constant_options
 from prag_asp.cli.domain_options import source_of
+from prag_asp.cli.exits import Exit
 from prag_asp.cli.options import Approximation, grouped, whole
-from prag_asp.cli.terminal import progress, say, tell_line
+from prag_asp.cli.terminal import aligned, progress, say, tell_line
 from prag_asp.errors import QueryError
 from prag_asp.integers import digits_of
 from prag_asp.models import ENGINES
 
 if TYPE_CHECKING:
     from prag_asp.models.answer_sets import AnswerSet, AnswerSets
+    from prag_asp.models.questions.facets import Facet
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,7 @@ class ProgramOptions:
     constants: tuple[str, ...]
     project: bool
     weighted: bool
+    optimal: bool
     engine: str
 
     @contextmanager
@@ -40,52 +44,72 @@ class ProgramOptions:
         from prag_asp.models.answer_sets import answer_sets
 
         with progress() as tell:
-            yield answer_sets(
+            found = answer_sets(
                 *map(source_of, self.files),
                 constants=parse_constant_options(self.constants),
                 project=self.project,
                 weighted=self.weighted,
+                optimal=self.optimal,
                 engine=self.engine,
                 tell=lambda line: tell_line(f"note: {line}"),
                 progress=tell,
             )
+            for line in found.ground.remarks:
+                tell_line(line)
+            yield found
 
+
+constant_option = click.option(
+    "-c", "--const", "constants", metavar="NAME=VALUE", multiple=True, help="Value of a constant, such as n=8."
+)
 
 program_options = grouped(
     "program", ProgramOptions,
     (
         click.argument("files", metavar="FILE...", nargs=-1, required=True, shell_complete=shell_completion.files),
-        click.option(
-            "-c", "--const", "constants", metavar="NAME=VALUE", multiple=True, help="Value of a constant, such as n=8."
-        ),
+        constant_option,
         click.option(
             "--project", is_flag=True,
             help="Count answer sets that agree on the atoms of #project once; without #project, on the shown atoms.",
         ),
         click.option("--weighted", is_flag=True, help="Weigh answer sets by facts such as weight(in(1),2)."),
         click.option(
+            "--optimal", is_flag=True,
+            help="Only answer sets of best value, by #minimize, #maximize and weak constraints.",
+        ),
+        click.option(
             "--engine", type=click.Choice(ENGINES), default="auto", show_default=True,
             help="ganak, a model counter (count only); diagram, a compiled decision diagram; clingo, enumeration; or "
-            "auto, the best of them for the program.",
+            "auto, the best of them for the program, by limits of work.",
         ),
     ),
 )  # fmt: skip
 """Give a command the options of a program, as one value `program`."""
+
+format_option = click.option(
+    "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True,
+    help="Lines of text, or one JSON object; fractions are strings.",
+)  # fmt: skip
+
+
+FACETS_HEADER = ("atom", "share", "answer sets +", "answer sets -", "facets +", "facets -")
 
 
 @click.group(subcommand_metavar="COMMAND ...")
 def models() -> None:
     """Count, sample or list the answer sets of any logic program.
 
-    FILE is a clingo program, or - for standard input; several files are one program. Optimization statements, theories
-    and scripts are not supported. An #external is false, as in clingo.
+    FILE is a clingo program, or - for standard input; several files are one program. A single file may be ground, in
+    aspif. Optimization statements need --optimal; theories and scripts are not supported. An #external is false, as in
+    clingo.
     """
 
 
 @models.command()
 @program_options
 @options.approximation
-def count(*, program: ProgramOptions, approximation: Approximation) -> None:
+@format_option
+def count(*, program: ProgramOptions, approximation: Approximation, form: str) -> None:
     """Count the answer sets exactly.
 
     With --weighted, prints the exact sum of their weights. With --approximate, prints an estimate with its bounds, and
@@ -96,49 +120,160 @@ def count(*, program: ProgramOptions, approximation: Approximation) -> None:
         raise QueryError("--approximate estimates numbers, not weights; leave out --weighted")
     with program.answer_sets() as found:
         if estimate is not None:
-            say(str(found.estimate(**estimate)))
+            about = found.estimate(**estimate)
+            fields = {
+                "about": digits_of(about.about),
+                "epsilon": json.dumps(about.tolerance.epsilon),
+                "delta": json.dumps(about.tolerance.delta),
+            }
+            say(_document(found, fields) if form == "json" else str(about))
             return
-        say(_spelled(found.total()) if program.weighted else digits_of(found.count()))
+        number = _spelled(found.total()) if program.weighted else digits_of(found.count())
+        fields = {"total_weight": json.dumps(number)} if program.weighted else {"count": number}
+        say(_document(found, fields) if form == "json" else number)
 
 
 @models.command()
 @program_options
-@click.option("--count", "number", type=whole(0), default=10, show_default=True, help="Number of answer sets.")
+@click.option(
+    "-n", "--count", "number", type=whole(0), default=10, metavar="K", show_default=True, help="Number of answer sets."
+)
 @options.seed
-def sample(*, program: ProgramOptions, number: int, seed: int) -> None:
+@format_option
+def sample(*, program: ProgramOptions, number: int, seed: int, form: str) -> None:
     """Sample answer sets uniformly.
 
     With --weighted, samples them in proportion to their weights. Probabilities are exact. Each line has the shown atoms
     of an answer set. The same seed gives the same lines.
     """
     with program.answer_sets() as found:
-        _say_all(islice(found.sample(number, seed), number))
+        _say_all(found, islice(found.sample(number, seed), number), form)
 
 
 @models.command(name="list")
 @program_options
-@click.option("--count", "number", type=whole(0), metavar="K", help="Stop after K answer sets.")
-def list_(*, program: ProgramOptions, number: int | None) -> None:
+@click.option("-n", "--count", "number", type=whole(0), metavar="K", help="Stop after K answer sets.")
+@format_option
+def list_(*, program: ProgramOptions, number: int | None, form: str) -> None:
     """List all answer sets, one per line, always in the same order."""
     with program.answer_sets() as found:
-        _say_all(islice(found, number))
+        _say_all(found, islice(found, number), form)
 
 
 @models.command()
 @program_options
-def marginals(*, program: ProgramOptions) -> None:
+@format_option
+def marginals(*, program: ProgramOptions, form: str) -> None:
     """Print for each shown atom the share of answer sets that contain it.
 
     Shares are exact. With --weighted, they are shares of the total weight.
     """
     with program.answer_sets() as found:
-        for symbol, share in found.marginals().items():
-            say(f"{_spelled(share)}  {symbol}")
+        shares = {str(symbol): _spelled(share) for symbol, share in found.marginals().items()}
+        if form == "json":
+            rows = ",\n".join(f"  {json.dumps(symbol)}: {json.dumps(share)}" for symbol, share in shares.items())
+            say(_document(found, {"marginals": f"{{\n{rows}\n }}"}))
+            return
+        for symbol, share in shares.items():
+            say(f"{share}  {symbol}")
 
 
-def _say_all(found: Iterator[AnswerSet]) -> None:
-    for each in found:
-        say(" ".join(map(str, each)))
+@models.command()
+@program_options
+@format_option
+def facets(*, program: ProgramOptions, form: str) -> None:
+    """Print which shown atoms are facets, and how much each narrows the answer sets.
+
+    A facet is an atom that some answer sets have and others lack. For each shown atom, prints the exact share of the
+    answer sets that have it; for a facet also by which share the number of answer sets and the number of facets shrink
+    if it is chosen (+) and if it is excluded (-).
+    """
+    with program.answer_sets() as found:
+        atoms = found.facets().items()
+        if form == "json":
+            rows = ",\n".join(f"  {json.dumps(str(symbol))}: {_facet_object(facet)}" for symbol, facet in atoms)
+            say(_document(found, {"facets": f"{{\n{rows}\n }}"}))
+            return
+        rows_of_text = ((str(symbol), _spelled(facet.share), *_cells(facet)) for symbol, facet in atoms)
+        for line in aligned([FACETS_HEADER, *rows_of_text]):
+            say(line)
+
+
+@models.command()
+@click.argument("files", metavar="FILE...", nargs=-1, required=True, shell_complete=shell_completion.files)
+@constant_option
+@format_option
+def explain(*, files: tuple[str, ...], constants: tuple[str, ...], form: str) -> None:
+    """Explain why a program has no answer set.
+
+    Prints a set of lines of the program that together exclude every answer set, while no part of them does: lifting any
+    one of them, so that a constraint is dropped and a rule only allows its head, leaves an answer set. The exit code is
+    1 if there is something to explain, otherwise 0.
+    """
+    from prag_asp.models.questions.conflict import explain_program
+
+    with progress():
+        found = explain_program([source_of(file) for file in files], parse_constant_options(constants))
+    lines = () if found is None else found.lines
+    if form == "json":
+        minimal = None if found is None else found.minimal
+        listed = [{"file": str(each.path), "line": each.line, "text": each.text} for each in lines]
+        say(json.dumps({"satisfiable": found is None, "lines": listed, "minimal": minimal}, indent=1))
+    elif found is None:
+        say("there is an answer set")
+    else:
+        parts = "" if found.minimal else ", and perhaps fewer do"
+        say(f"these lines together exclude every answer set{parts}:")
+        for each in lines:
+            say(f"  {each}")
+    if found is not None:
+        raise click.exceptions.Exit(Exit.NOT_FOUND)
+
+
+def _say_all(found: AnswerSets, listed: Iterator[AnswerSet], form: str) -> None:
+    if form == "text":
+        for each in listed:
+            say(" ".join(map(str, each)))
+        return
+    first = next(listed, None)  # an error comes before any output
+    say(_document(found, {"answer_sets": "["}).removesuffix("\n}"))
+    texts = (json.dumps([str(symbol) for symbol in each]) for each in chain([] if first is None else [first], listed))
+    for text, following in pairwise(chain(texts, [None])):
+        say(f"  {text}{'' if following is None else ','}")
+    say(" ]\n}")
+
+
+def _document(found: AnswerSets, fields: Mapping[str, str]) -> str:
+    """Return a JSON object of an optimum and some fields, whose values are JSON already: numbers may be of any size."""
+    lines = [f' "{name}": {value}' for name, value in {**_optimum(found), **fields}.items()]
+    return "{\n" + ",\n".join(lines) + "\n}"
+
+
+def _optimum(found: AnswerSets) -> dict[str, str]:
+    """Return the optimum as a field of JSON, if there is one."""
+    if found.optimum is None:
+        return {}
+    return {"optimum": json.dumps([{"priority": priority, "value": value} for priority, value in found.optimum.values])}
+
+
+def _facet_object(facet: Facet) -> str:
+    """Return the share of an atom, and what choosing and excluding it leaves, as JSON."""
+    objects = [
+        f'{{"answer_sets": {digits_of(each.answer_sets)}, "facets": {each.facets}, '
+        f'"of_answer_sets": "{_spelled(each.of_answer_sets)}", "of_facets": "{_spelled(each.of_facets)}"}}'
+        if each is not None
+        else "null"
+        for each in (facet.chosen, facet.excluded)
+    ]
+    flag = json.dumps(facet.is_facet)
+    return f'{{"share": "{_spelled(facet.share)}", "facet": {flag}, "chosen": {objects[0]}, "excluded": {objects[1]}}}'
+
+
+def _cells(facet: Facet) -> list[str]:
+    """Return the cells of an atom in the table of facets after its share."""
+    both = (facet.chosen, facet.excluded)
+    shrunk = [each and (each.of_answer_sets, each.of_facets) for each in both]
+    return [_spelled(each[place]) if each else "-" for place in (0, 1) for each in shrunk]
 
 
 def _spelled(number: Fraction) -> str:

@@ -21,6 +21,7 @@ from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
+    from prag_asp.dataset.pass_rates import Tally
     from prag_asp.space.task_space import TaskSpace
 
 DRAWS_PER_TASK = 1000
@@ -140,4 +141,19 @@ def _write_feasible(
                 out.write(line(record), flush=True)
     if tally.passed < requested_count:
         found = f"only {tally.passed} of {plural(requested_count, 'task')} found in {plural(tally.seen, 'draw')}"
-        raise NotFound(f"{found}; raise --max-draws" if tally.seen == drawing["draws"] else found)
+        raise NotFound(found + (f"; {_remedy(tally)}" if tally.seen == drawing["draws"] else ""))
+
+
+def _remedy(tally: Tally) -> str:
+    """Return what to do where a number of draws has too few feasible tasks.
+
+    More draws help where some tasks are feasible, and a larger budget where none was found; neither helps against
+    proofs.
+    """
+    if tally.passed:
+        return "raise --max-draws"
+    if tally.proved == tally.seen:
+        (_, reason), _ = tally.reasons.most_common(1)[0]
+        every = "it is" if tally.seen == 1 else "all are"
+        return f"{every} proved infeasible, because {reason}; change the domain or its scene, or see prag-asp learn"
+    return f"nearest to working: {tally.nearest}; raise --budget or --max-draws"

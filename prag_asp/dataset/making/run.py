@@ -301,7 +301,11 @@ def too_few(part: PartManifest, available: TaskOrder, limit: int) -> str:
     draws = plural(part.draws, "draw")
     summary = f"only {part.tasks} of {plural(part.requested, 'task')} for {part.name} found in {draws}"
     if part.draws >= limit:
-        return f"{summary}; raise --max-draws"
+        proved = sum(tally.infeasible for shard in part.shards for tally in shard.tally)
+        remedy = "change the domain or its scene, or see prag-asp learn"
+        return (
+            f"{summary}, all proved infeasible; {remedy}" if proved == part.draws else f"{summary}; raise --max-draws"
+        )
     if part.draws >= available.size:
         return f"{summary}, which are all that there are"
     return f"{summary}; those left weigh next to nothing: give other weights, or --uniform"

@@ -17,6 +17,7 @@ from typing import Any
 from prag_asp.errors import EngineError, LimitReached
 from prag_asp.logic.formula.clause_builder import Literal
 from prag_asp.logic.formula.cnf import Cnf
+from prag_asp.processes.machine import processor_time_of
 from prag_asp.processes.workers import Worker, WorkerEnded, WorkerGroup, ready_workers
 from prag_asp.stop_reason import StopKind, StopReason
 
@@ -36,6 +37,9 @@ APPROXMC = Counter("ApproxMC", "pyapproxmc", "approximate", "prag_asp.logic.form
 
 SHARP = "engine sharp"
 """The engine that needs Ganak, as messages name it."""
+
+POLL = 0.05
+"""Seconds between two measurements of the processor time of a counter."""
 
 LARGEST = 2**24
 """The largest number of variables of a formula: beyond it, Ganak needs unbounded memory or aborts."""
@@ -141,6 +145,14 @@ class CountBeside:
         if due and self._child is not None:
             self._begins()  # an error of the callback is no failure of the counter
         return None
+
+    def alone(self, seconds: float) -> int | None:
+        """Return the number of models, or None if the counter fails or takes more processor time than `seconds`."""
+        number = self()
+        while number is None and self._child is not None and processor_time_of(self._child.process.pid) < seconds:
+            ready_workers([self._child], POLL)
+            number = self()
+        return number
 
 
 def _checked_formula(

@@ -6,15 +6,22 @@ from collections.abc import Iterator
 from typing import Any
 
 from prag_asp.errors import EngineError
+from prag_asp.logic.formula.solver import Solver
 
 
 def answers(messages: Iterator[Any]) -> Iterator[int]:
     """Yield the number of models of each formula, given as the number of variables, the shown ones, and the clauses.
 
+    A solver looks for a model first: without one, Ganak may take seconds for a dozen variables.
+
     Raises:
         EngineError: Ganak fails.
     """
     for variables, shown, clauses in messages:
+        with Solver(variables, clauses) as solver:
+            if not solver.satisfiable():
+                yield 0
+                continue
         try:
             import pyganak  # noqa: PLC0415
 

@@ -46,7 +46,8 @@ class GroundRecorder(clingo.Observer):
 
     `rules` are those of each program part; the caller sets the `part` before it is ground. Without `base_facts`, facts
     of the base part are not recorded. `shown` are the conditions under which a symbol is shown, `projected` the atoms
-    of ``#project``, None without such a statement. `externals` have the last value of each.
+    of ``#project``, None without such a statement. `externals` have the last value of each, `minimized` the weighted
+    literals of each priority.
     """
 
     def __init__(self, *, base_facts: bool = True) -> None:
@@ -55,6 +56,7 @@ class GroundRecorder(clingo.Observer):
         self.shown: dict[clingo.Symbol, list[Condition]] = {}
         self.projected: set[int] | None = None
         self.externals: dict[int, clingo.TruthValue] = {}
+        self.minimized: dict[int, list[tuple[int, int]]] = {}
         self.unsupported: dict[Unsupported, None] = {}
         self._base_facts = base_facts
 
@@ -92,8 +94,9 @@ class GroundRecorder(clingo.Observer):
         """Record the value of an external atom."""
         self.externals[atom] = value
 
-    def minimize(self, *_: object) -> None:
-        """Record that there is a sum to minimize."""
+    def minimize(self, priority: int, literals: Sequence[tuple[int, int]]) -> None:
+        """Record a part of the sum to minimize at a priority, as literals with their weights."""
+        self.minimized.setdefault(priority, []).extend(literals)
         self.unsupported[Unsupported.MINIMIZE] = None
 
     def acyc_edge(self, *_: object) -> None:
@@ -109,6 +112,8 @@ class GroundRecorder(clingo.Observer):
         self.unsupported[Unsupported.THEORY] = None
 
     def _add(self, head: Sequence[int], body: Condition, choice: bool, bound: int = 0, weights: Condition = ()) -> None:
-        """Add a rule; a disjunction may name an atom twice."""
+        """Add a rule; a disjunction may name an atom twice, and a choice among no atoms states nothing."""
+        if choice and not head:
+            return
         heads = tuple(head) if len(head) < 2 else tuple(dict.fromkeys(head))
         self.rules.setdefault(self.part, []).append(Rule(heads, body, choice, bound, weights))

@@ -12,12 +12,12 @@ from typing import NamedTuple
 
 from prag_asp.physics.checks.states import POSITION_TOLERANCE, near, situation_of
 from prag_asp.physics.predicates import Gripper
-from prag_asp.physics.search.grasping import LIFT
+from prag_asp.physics.search.grasping import LIFT, backed
 from prag_asp.physics.symbolic_facts import Fact, of_robot
 from prag_asp.physics.witness import TRANSIT, Moment, Waypoint
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.physics.world.support import contacts
-from prag_asp.scene.geometry import Pose, compose
+from prag_asp.scene.geometry import Pose, compose, raised
 from prag_asp.scene.robots import Joints
 
 
@@ -94,13 +94,12 @@ def _not_above(passed: Sequence[Stop]) -> Iterator[str]:
     for one, two in pairwise(stops):
         if one.pulls and two.pulls:
             continue
-        if one.down and not _straight_above(two.tool, one.tool):
+        if one.down and not _straight_off(two.tool, one.tool):
             yield f"it does not leave by {LIFT * 100:.0f} cm straight up"
-        if two.down and not _straight_above(one.tool, two.tool):
+        if two.down and not _straight_off(one.tool, two.tool):
             yield f"it does not come down by {LIFT * 100:.0f} cm straight onto the object"
 
 
-def _straight_above(high: Pose, low: Pose) -> bool:
-    """Return whether one pose of the tool is `LIFT` straight above another."""
-    x, y, z = low.position
-    return near(high, Pose((x, y, z + LIFT), low.quaternion))
+def _straight_off(off: Pose, low: Pose) -> bool:
+    """Return whether one pose of the tool is `LIFT` straight above another, or back along the fingers."""
+    return near(off, raised(low, LIFT)) or near(off, backed(low))

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
+from prag_asp.physics.grasps.body_grasps import is_hand_free
+from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.physics.predicates import PREDICATES
-from prag_asp.physics.predicates.gripper import grip_width, lowest_grip, slips
+from prag_asp.physics.predicates.gripper import grip_width, lowest_grip, slips, twists
 from prag_asp.physics.situation import Situation, fixed_pose
 from prag_asp.physics.symbolic_facts import PhysicalTask
 from prag_asp.physics.witness import Arm, Moment
@@ -14,7 +16,7 @@ from prag_asp.physics.world.collisions import arm_collision, colliding
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.physics.world.support import contacts, unsupported
 from prag_asp.scene.boxes import Vector
-from prag_asp.scene.geometry import Pose, Quaternion, compose, rotate, turn_between, yaw_quaternion
+from prag_asp.scene.geometry import Pose, Quaternion, compose, invert, rotate, turn_between, yaw_quaternion
 from prag_asp.scene.solids import weight
 
 POSITION_TOLERANCE = 1e-4
@@ -51,10 +53,24 @@ def state_problems(moment: Moment, physical: PhysicalTask, k: int, simulator: Si
             yield from _grip_problems(situation, name, arm.held)
             if slips(situation.scene, arm.held, name) is not None and not contacts(situation, arm.held, poses):
                 yield f"{arm.held} slips out of the gripper"
+            in_air = situation.shape(arm.held).model is not None and not contacts(situation, arm.held, poses)
+            if in_air and twists(situation, arm.held, name):
+                yield f"{arm.held} turns between the pads"
 
 
 def _grip_problems(situation: Situation, robot: str, held: str) -> Iterator[str]:
-    """Yield violations of what proofs assume about a grasp: from above, of an upright body that the gripper spans."""
+    """Yield violations of what proofs assume about a grasp: from above, of an upright body that the gripper spans.
+
+    A body with a model is held in any direction: whether both pads touch it is what `holding` says.
+    """
+    if weight(situation.scene, held) > situation.robot(robot).payload:
+        yield f"{held} is heavier than the gripper carries"
+    if situation.shape(held).model is not None:
+        tool = compose(invert(situation.pose(held)), situation.tool(robot))
+        gripper = ParallelGripper.of(situation.robot(robot))
+        if not is_hand_free(situation.shape(held), gripper, tool, situation.arm(robot).width):
+            yield f"the hand is in {held}"
+        return
     if tilt(situation.tool(robot).quaternion, DOWN) > TURN_TOLERANCE:
         yield f"{held} is not held from above"
     if situation.shape(held).traits.flat and tilt(situation.pose(held).quaternion, UP) > TURN_TOLERANCE:
@@ -64,8 +80,6 @@ def _grip_problems(situation: Situation, robot: str, held: str) -> Iterator[str]
     lowest = situation.bottom(held) + lowest_grip(situation.robot(robot), situation.shape(held).size[2])
     if situation.tool(robot).position[2] < lowest - POSITION_TOLERANCE:
         yield f"the fingers reach below {held}"
-    if weight(situation.scene, held) > situation.robot(robot).payload:
-        yield f"{held} is heavier than the gripper carries"
 
 
 def tilt(quaternion: Quaternion, direction: Vector) -> float:

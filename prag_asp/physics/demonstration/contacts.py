@@ -8,24 +8,37 @@ intends contacts between
 - what the robot moves and what that rests on, or what rests on it, in the state before the action or after it;
 - two bodies that rest on what the robot moves.
 
-Any other contact is a fault if its force exceeds `GENTLE`.
+Any other contact is a fault if its force exceeds `GENTLE`. An intended one is a fault if it is deeper than `DEEPEST` or
+its force exceeds a bound for the object that the robot moves: `FIRM`, and `FACTOR` times its weight.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain
 from typing import NamedTuple
 
 from prag_asp.physics.predicates import Gripper
+from prag_asp.physics.predicates.gripper import GRAVITY
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import PhysicalTask
 from prag_asp.physics.witness import ROBOT_PARTS
 from prag_asp.physics.world.support import TABLE, contacts
+from prag_asp.scene.scene import Scene
+from prag_asp.scene.solids import weight
 
 GENTLE = 1.0
 """The largest force of an unintended contact, in newtons."""
+
+FIRM, FACTOR = 20.0, 10.0
+"""The largest force of an intended contact: newtons, and a multiple of the weight of the object that is moved.
+
+A stiff arm that puts down 50 g a millimetre too low presses with 25 N; heavy objects press by their weight alone.
+"""
+
+DEEPEST = 0.002
+"""The largest depth of an intended contact, in metres."""
 
 ARM, *FINGERS = ROBOT_PARTS
 BOARD = "table"
@@ -33,16 +46,21 @@ Pair = tuple[str, str]
 
 
 class Touch(NamedTuple):
-    """A contact of two bodies in a frame, with the largest force in newtons since the frame before."""
+    """A contact of two bodies in a frame: the largest force in newtons and depth in metres since the frame before.
+
+    The depth is 0 where it is not known, as in recordings.
+    """
 
     frame: int
     one: str
     two: str
     force: float
+    depth: float = 0.0
 
     def sentence(self) -> str:
         """Return a sentence for the contact."""
-        return f"{_named(self.one)} presses on {_named(self.two)} with {self.force:.1f} N"
+        deep = f", {1000 * self.depth:.1f} mm deep" if self.depth > DEEPEST else ""
+        return f"{_named(self.one)} presses on {_named(self.two)} with {self.force:.1f} N{deep}"
 
 
 @dataclass(frozen=True)
@@ -86,10 +104,33 @@ def intended_contacts(physical: PhysicalTask, number: int, *around: Situation) -
 
 def unintended_contacts(touches: Iterable[Touch], intended: IntendedContacts) -> list[Touch]:
     """Return the unintended contacts of an action, for each pair of bodies the strongest one."""
+    handled = handled_contacts(touches, intended)
+    return _strongest(each.touch for each in handled if not each.intended and each.touch.force > GENTLE)
+
+
+def excessive_contacts(touches: Iterable[Touch], intended: IntendedContacts, scene: Scene) -> list[Touch]:
+    """Return the intended contacts of an action that are too strong or too deep, for each pair the strongest one."""
+    excessive = []
+    for touch, is_intended, moved in handled_contacts(touches, intended):
+        heaviest = max((weight(scene, entity) for entity in moved if entity in scene.shapes), default=0.0)
+        if is_intended and (touch.force > FIRM + FACTOR * GRAVITY * heaviest or touch.depth > DEEPEST):
+            excessive.append(touch)
+    return _strongest(excessive)
+
+
+class HandledContact(NamedTuple):
+    """A contact of a robot or of what it moves, whether the task intends it, and which of both bodies is `moved`."""
+
+    touch: Touch
+    intended: bool
+    moved: frozenset[str]
+
+
+def handled_contacts(touches: Iterable[Touch], intended: IntendedContacts) -> Iterator[HandledContact]:
+    """Yield the contacts of robots and of what they move: bodies that fingers touch, and what rests on these."""
     frames: dict[int, list[Touch]] = {}
     for touch in touches:
         frames.setdefault(touch.frame, []).append(touch)
-    strongest: dict[Pair, Touch] = {}
     for together in frames.values():
         pairs = [pair for touch in together for pair in ((touch.one, touch.two), (touch.two, touch.one))]
         touched = {two for one, two in pairs if _part(one)[0] in FINGERS and not _part(two)[0]} - {BOARD}
@@ -98,14 +139,23 @@ def unintended_contacts(touches: Iterable[Touch], intended: IntendedContacts) ->
             moved |= more
         for touch in together:
             pair = (touch.one, touch.two)
-            if touch.force > GENTLE and not _is_intended(pair, touched, moved, intended):
-                worst = strongest.get(pair)
-                strongest[pair] = touch if worst is None or touch.force > worst.force else worst
+            if any(_part(body)[0] for body in pair) or not moved.isdisjoint(pair):
+                is_intended = _is_intended(pair, touched, moved, intended)
+                yield HandledContact(touch, is_intended, frozenset(moved.intersection(pair)))
+
+
+def _strongest(touches: Iterable[Touch]) -> list[Touch]:
+    """Return the strongest contact of each pair of bodies, in the order of their frames."""
+    strongest: dict[Pair, Touch] = {}
+    for touch in touches:
+        pair = (touch.one, touch.two)
+        if pair not in strongest or touch.force > strongest[pair].force:
+            strongest[pair] = touch
     return sorted(strongest.values(), key=lambda touch: touch.frame)
 
 
 def _is_intended(pair: Pair, touched: set[str], moved: set[str], intended: IntendedContacts) -> bool:
-    """Return whether a contact is intended, or concerns no robot.
+    """Return whether a contact of a robot, or of what it moves, is intended.
 
     `moved` are the bodies that robots move: those `touched` by fingers, and what rests on these.
     """
@@ -116,9 +166,7 @@ def _is_intended(pair: Pair, touched: set[str], moved: set[str], intended: Inten
         return part in FINGERS and pair[1] in intended.handled[robot]
     if other_part:
         return other_part in FINGERS and pair[0] in intended.handled[other_robot]
-    if moved.isdisjoint(pair) or moved - touched >= set(pair):
-        return True
-    return pair in intended.resting or pair[::-1] in intended.resting
+    return moved - touched >= set(pair) or pair in intended.resting or pair[::-1] in intended.resting
 
 
 def _part(body: str) -> tuple[str, str]:

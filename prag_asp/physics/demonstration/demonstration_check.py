@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from prag_asp.errors import SceneError
-from prag_asp.physics.demonstration.contacts import intended_contacts, unintended_contacts
+from prag_asp.physics.demonstration.contacts import excessive_contacts, intended_contacts, unintended_contacts
 from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import physical_task
@@ -12,11 +12,16 @@ from prag_asp.task import Task
 
 
 def check_demonstration(task: Task, demonstration: Demonstration, scene: Scene) -> list[str]:
-    """Return the facts of the task that do not hold in the episode, and its unintended contacts; nothing if it passes.
+    """Return the facts of the task that do not hold in the episode, and what is wrong with its contacts and motions.
+
+    These are unintended and excessive contacts, objects that slip or turn in the hand, and accelerations beyond the
+    limits of joints. Nothing is returned if it passes.
 
     Raises:
         SceneError: the task names an entity that has no shape.
     """
+    from prag_asp.physics.demonstration.handling import handling_faults  # noqa: PLC0415 - it loads kinematics
+
     physical = physical_task(task, scene)
     states, ends = physical.states, demonstration.ends.tolist()
     if len(ends) != len(states):
@@ -37,7 +42,9 @@ def check_demonstration(task: Task, demonstration: Demonstration, scene: Scene) 
             return [f"state {k}: {error}"]
         touches = demonstration.touches(ends[k - 1] + 1 if k else 0, frame)
         during = f"action {k}, {task.actions[k - 1]}" if k else "before the first action"
-        faults += [f"{during}: {touch.sentence()}" for touch in unintended_contacts(touches, intended)]
+        pressing = list(touches)
+        wrong = (*unintended_contacts(pressing, intended), *excessive_contacts(pressing, intended, situation.scene))
+        faults += [f"{during}: {touch.sentence()}" for touch in wrong]
         faults += [f"state {k}: it does not hold that {fact.sentence()}" for fact in broken]
         previous = situation
-    return faults
+    return [*faults, *(fault.text for fault in handling_faults(demonstration, scene))]

@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from itertools import islice
 
 from prag_asp.physics.demonstration.acting import Actor, PerformanceFailed
-from prag_asp.physics.demonstration.contacts import intended_contacts, unintended_contacts
+from prag_asp.physics.demonstration.contacts import excessive_contacts, intended_contacts, unintended_contacts
 from prag_asp.physics.demonstration.demonstration import Demonstration
+from prag_asp.physics.demonstration.handling import handling_faults
 from prag_asp.physics.demonstration.planning import Action
 from prag_asp.physics.demonstration.recording import Recorder
 from prag_asp.physics.predicates import Gripper
-from prag_asp.physics.search.attempt import LOST, NOT_REACHED, PRESSED
+from prag_asp.physics.search.attempt import LOST, NOT_REACHED, OVERBEARING, PRESSED
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import PhysicalTask, physical_task
 from prag_asp.physics.witness import Witness
@@ -34,8 +36,9 @@ class Performer:
     def perform(self, physical: PhysicalTask, witness: Witness, variation: Variation | None = None) -> Demonstration:
         """Return the episode of executing a task from the initial state of a witness, in a varied world if requested.
 
-        There must be no unintended contacts, and after every action each fact of the state has to hold; otherwise the
-        episode ends there, with the cause.
+        There must be no unintended contacts and no excessive ones, and after every action each fact of the state has to
+        hold; otherwise the episode ends there, with the cause. A complete episode fails if an object slips or turns in
+        the hand, or a joint exceeds its acceleration.
         """
         scene, first = self._scene.with_sizes(witness.sizes), witness.moments[0]
         self._planner.use(scene)
@@ -54,8 +57,11 @@ class Performer:
                 actor.rest()
                 situation = recorder.end_state()
                 intended = intended_contacts(physical, k, previous or situation, situation)
-                for touch in unintended_contacts(recorder.touches(), intended)[:1]:
+                touches = recorder.touches()
+                for touch in unintended_contacts(touches, intended)[:1]:
                     raise PerformanceFailed(PRESSED, f"during {part} {touch.sentence()}")
+                for touch in excessive_contacts(touches, intended, scene)[:1]:
+                    raise PerformanceFailed(OVERBEARING, f"during {part} {touch.sentence()}")
                 broken = [fact for fact in facts if not fact.is_satisfied(situation)]
                 lost = [fact for fact in broken if fact.predicate.gripper is Gripper.HOLDS and fact.value]
                 for fact in (lost or broken)[:1]:
@@ -64,7 +70,10 @@ class Performer:
                 previous = situation
         except PerformanceFailed as failed:
             cause, detail = failed.args
-        return replace(recorder.finish(cause, detail), variation=variation)
+        episode = recorder.finish(cause, detail)
+        for fault in islice(() if cause else handling_faults(episode, scene), 1):
+            episode = replace(episode, cause=fault.cause, detail=fault.text)
+        return replace(episode, variation=variation)
 
 
 @contextmanager

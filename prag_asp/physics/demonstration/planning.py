@@ -12,7 +12,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.motion.route import carry_object, free_path, grasp_of, is_vertical, pull_path, straight_path
+from prag_asp.physics.motion.carried_motion import MOST, bearable_acceleration, time_carried
+from prag_asp.physics.motion.route import (
+    carry_object,
+    free_path,
+    grasp_of,
+    is_straight,
+    is_vertical,
+    pull_path,
+    straight_path,
+)
 from prag_asp.physics.motion.trajectory import joint_limits, time_path
 from prag_asp.physics.robot.kinematics import adjust_joints, tool_pose
 from prag_asp.physics.situation import Situation
@@ -21,7 +30,7 @@ from prag_asp.physics.witness import TRANSIT, Arm, Moment, Waypoint
 from prag_asp.physics.world.dynamics import TIME_STEP
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.scene.geometry import Pose, compose, invert, multiply, raised, rotate, wrap, yaw_of, yaw_quaternion
-from prag_asp.scene.robots import Joints
+from prag_asp.scene.robots import Joints, Robot
 
 Angles = NDArray[np.float64]
 LARGEST_TURN = 0.3
@@ -66,16 +75,17 @@ def action_legs(action: Action) -> Iterator[Leg]:
 def plan_path(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, action: Action) -> Angles | None:
     """Return the joint angles of every time step on a path, shape (steps, 7); None if no free one is found.
 
-    The path is straight up or down, that of the witness, or another free one. `situation` is the actual one, `arm` the
-    target of the motors.
+    The path is straight up or down or along the fingers, that of the witness, or another free one; a heavy object is
+    accelerated less. `situation` is the actual one, `arm` the target of the motors.
     """
     robot, waypoint = planner.robot, leg.waypoint
-    if is_vertical(robot, leg.start, waypoint.joints):
-        height = tool_pose(robot, waypoint.joints).position[2] - tool_pose(robot, leg.start).position[2]
-        tool = raised(tool_pose(robot, arm.joints), height)
+    most = MOST if arm.held is None else bearable_acceleration(situation.scene, arm.held, waypoint.robot)
+    if is_straight(robot, leg.start, waypoint.joints):
+        tool = _moved_on(planner.robot, leg, arm.joints)
         goal = adjust_joints(robot, tool, waypoint.joints) or waypoint.joints
-        path = straight_path(robot, arm.joints, goal) or [arm.joints, goal]
-        return time_path(path, TIME_STEP, joint_limits(robot))
+        line = straight_path(robot, arm.joints, goal)
+        if line is not None or is_vertical(robot, leg.start, waypoint.joints):
+            return time_carried(robot, line or [arm.joints, goal], TIME_STEP, joint_limits(robot), most)
     tool = _corrected(leg, tool_pose(robot, waypoint.joints), situation, action)
     goal = adjust_joints(robot, tool, waypoint.joints) or waypoint.joints
     if leg.way:
@@ -84,10 +94,22 @@ def plan_path(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, acti
         shares = np.linspace(0.0, 1.0, len(leg.way) + 2)[1:-1, None]
         between = np.array(leg.way) + (1 - shares) * first + shares * last
         path = [arm.joints, *map(tuple, between.tolist()), goal]
-        return time_path(path, TIME_STEP, joint_limits(robot, loaded=arm.held is not None))
+        return time_carried(robot, path, TIME_STEP, joint_limits(robot, loaded=arm.held is not None), most)
     grasp = _measured_grasp(situation, waypoint.robot, arm.held)
     loaded = carry_object(arm, situation.arm(waypoint.robot).width, arm.held, grasp)
-    return free_path(planner, situation, loaded, goal, TIME_STEP)
+    found = free_path(planner, situation, loaded, goal, TIME_STEP)
+    if found is None or most >= MOST:
+        return found
+    path = [arm.joints, *map(tuple, found.tolist())]
+    return time_carried(robot, path, TIME_STEP, joint_limits(robot, loaded=True), most)
+
+
+def _moved_on(robot: Robot, leg: Leg, joints: Joints) -> Pose:
+    """Return the pose of a tool after the straight motion of a leg, up or down or along the fingers."""
+    first, last, now = (tool_pose(robot, each) for each in (leg.start, leg.waypoint.joints, joints))
+    if is_vertical(robot, leg.start, leg.waypoint.joints):
+        return raised(now, last.position[2] - first.position[2])
+    return compose(now, Pose((0.0, 0.0, compose(invert(first), last).position[2])))
 
 
 def plan_pull(planner: Simulator, situation: Situation, arm: Arm, furniture: str, opening: float) -> Angles:

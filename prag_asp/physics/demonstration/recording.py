@@ -11,7 +11,7 @@ from prag_asp.physics.demonstration.contacts import Touch
 from prag_asp.physics.demonstration.demonstration import Demonstration, situation_of
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
-from prag_asp.physics.world.dynamics import TIME_STEP, ArmCommand, Dynamics
+from prag_asp.physics.world.dynamics import NO_PRESSING, TIME_STEP, ArmCommand, Dynamics, Pressing
 
 FRAME_STEPS = 6
 """Time steps of a frame: 20 frames a second."""
@@ -29,22 +29,25 @@ class Recorder:
         self._openings: list[list[float]] = []
         self._contacts: list[tuple[int, int, int]] = []
         self._forces: list[float] = []
-        self._pressing: dict[tuple[int, int], float] = {}
+        self._depths: list[float] = []
+        self._pressing: dict[tuple[int, int], Pressing] = {}
         self._ends: list[int] = []
 
     def step(self) -> None:
-        """Collect contact forces after a time step; the next frame has the largest ones."""
-        for pair, force in self._world.contacts().items():
-            if force > self._pressing.get(pair, 0.0):
-                self._pressing[pair] = force
+        """Collect contact forces and depths after a time step; the next frame has the largest ones."""
+        for pair, (force, depth) in self._world.contacts().items():
+            before = self._pressing.get(pair, NO_PRESSING)
+            if force > before.force or depth > before.depth:
+                self._pressing[pair] = Pressing(max(force, before.force), max(depth, before.depth))
 
     def frame(self, commands: Mapping[str, ArmCommand]) -> None:
         """Record a frame, with the targets of the motors of each arm."""
         arms = self._world.arms()
         rows = [[*pose.position, *pose.quaternion] for pose in self._world.poses().values()]
-        for (one, two), force in sorted(self._pressing.items()):
+        for (one, two), (force, depth) in sorted(self._pressing.items()):
             self._contacts.append((len(self._arms), one, two))
             self._forces.append(force)
+            self._depths.append(depth)
         self._pressing.clear()
         self._arms.append([[*arm.joints, arm.width] for arm in arms.values()])
         self._commands.append([[*commands[name].joints, commands[name].opening] for name in arms])
@@ -58,8 +61,10 @@ class Recorder:
         forces = np.array(self._forces[begun:], dtype=np.float32).tolist()
         names = (*self._world.parts, *self._objects)
         return [
-            Touch(frame, names[one], names[two], force)
-            for (frame, one, two), force in zip(self._contacts[begun:], forces, strict=True)
+            Touch(frame, names[one], names[two], force, depth)
+            for (frame, one, two), force, depth in zip(
+                self._contacts[begun:], forces, self._depths[begun:], strict=True
+            )
         ]
 
     def end_state(self) -> Situation:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.grasps.pads import PadContact, ParallelGripper
+from prag_asp.physics.grasps.pads import TOUCH, PadContact, ParallelGripper
 from prag_asp.scene.boxes import Box
 from prag_asp.scene.geometry import Pose, compose, matrix
 from prag_asp.scene.surfaces import in_frame
@@ -34,6 +34,12 @@ TILTS = (0.0, 0.35, 0.7, 1.05, 1.4)
 CONE_SHARE = 0.6
 """The share of the friction angle that a sampled contact may use: the rest bears what lifting accelerates."""
 
+FLATTER = (0.5, 0.95)
+"""The shares of the cone by which an axis is turned from the normal to the horizontal."""
+
+UPRIGHT = 1e-3
+"""The slope in radians below which a normal is horizontal, and the cosine below which it is vertical."""
+
 SMALLEST_PATCH = 6e-6
 """The least area of a contact in m²: 2 x 3 mm, a corner of a pad."""
 
@@ -43,8 +49,14 @@ OPPOSITE = 0.004
 ROOM = 0.003
 """The distance in metres between open fingers and the body on each side when the hand descends."""
 
+SOFT = 0.002
+"""The depth in metres to which fingers may be in what they hold: their rubber gives way, and grasps are not exact."""
+
 BELOW = 0.0005
 """The least distance of the fingertips from the plane on which the body stands, in metres."""
+
+ENOUGH_POINTS, UNSURE = 8, 0.15
+"""Points between the pads from which a contact is judged before it is computed, and the error of that cosine."""
 
 MOST = 48
 """Grasps that are kept of a body, the best of those that differ."""
@@ -103,7 +115,7 @@ def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Gra
     rng = np.random.default_rng(0)
     triangles = np.concatenate(problem.parts)
     points, normals = _surface_points(problem.parts, POINTS, rng)
-    dense, _ = _surface_points(problem.parts, DENSE, rng)
+    dense, facing = _surface_points(problem.parts, DENSE, rng)
     candidates: list[tuple[float, int, float, Floats, Floats]] = []
     for point, far, axis in _antipodal_pairs(points, normals, triangles, problem.friction, gripper.opening):
         middle = (point + far) / 2
@@ -123,6 +135,8 @@ def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Gra
     for _, _, tilt, middle, rotation in sorted(candidates, key=lambda each: each[:2]):
         place = _above_ground(gripper, triangles, middle, rotation)
         if place is None or not all(_differ(place, other.tool) for other in kept):
+            continue
+        if not _promises(in_frame(dense[None], place)[0], facing @ matrix(place)[:3, 1], gripper, problem.friction):
             continue
         grasp = _judged(problem, gripper, triangles, dense, place, tilt)
         if grasp is not None and all(_differ(grasp.tool, other.tool) for other in kept):
@@ -180,11 +194,20 @@ def _antipodal_pairs(
 
 
 def _axes(normal: Floats, least: float) -> Iterator[Floats]:
-    """Yield axes to close along at a contact: its normal, and the horizontal within the cone of cosine `least`."""
+    """Yield axes to close along at a contact: its normal, and flatter ones within the cone of cosine `least`.
+
+    The flatter the axis, the farther is the hand, which is broad along it, from the ground.
+    """
     yield normal
-    flat = math.hypot(normal[0], normal[1])
-    if least <= flat < 1.0 - 1e-6:
-        yield np.array([normal[0] / flat, normal[1] / flat, 0.0])
+    flat, slope = math.hypot(normal[0], normal[1]), math.asin(max(-1.0, min(1.0, float(normal[2]))))
+    if flat < UPRIGHT or abs(slope) < UPRIGHT:
+        return
+    for share in FLATTER:
+        left = max(0.0, abs(slope) - share * math.acos(least))
+        turned = math.copysign(left, slope)
+        yield np.array([*(normal[:2] / flat * math.cos(turned)), math.sin(turned)])
+        if left == 0.0:
+            return
 
 
 def _tools(axis: Floats) -> Iterator[tuple[float, Floats]]:
@@ -214,17 +237,68 @@ def _tools(axis: Floats) -> Iterator[tuple[float, Floats]]:
 def _above_ground(gripper: ParallelGripper, triangles: Floats, middle: Floats, rotation: Floats) -> Pose | None:
     """Return the pose of a tool with its fingertips above the ground, moved back as far as that needs.
 
-    None if the tool comes from the side and its fingers would be in the ground.
+    None if the tool comes from the side and its fingers would be in the ground, or if the palm would be.
     """
-    (_, _, z), half = gripper.fingers[0]
-    x_half, y_half, z_half = half
-    tips = z * rotation[2, 2] - np.abs(rotation[2]) @ (x_half, y_half + gripper.opening / 2, z_half)
-    miss = float(triangles[:, :, 2].min()) + BELOW - (middle[2] + tips)
+    tips = min(
+        z * rotation[2, 2] - np.abs(rotation[2]) @ (x_half, y + y_half + gripper.opening / 2, z_half)
+        for (_, y, z), (x_half, y_half, z_half) in gripper.fingers
+    )
+    ground = float(triangles[:, :, 2].min()) + BELOW
+    miss = ground - (middle[2] + tips)
     if miss > 0.0:
         if rotation[2, 2] > STEEP:
             return None
         middle = middle + miss / rotation[2, 2] * rotation[:, 2]
+    centre, sides = gripper.palm
+    if middle[2] + rotation[2] @ centre - np.abs(rotation[2]) @ sides < ground + ROOM:
+        return None
     return Pose((float(middle[0]), float(middle[1]), float(middle[2])), _quaternion(rotation))
+
+
+def _promises(points: Floats, facing: Floats, gripper: ParallelGripper, friction: float) -> bool:
+    """Return whether a place may be a grasp, judged by points of the surface in its frame, to spare exact contacts.
+
+    `facing` is how far the normals at the points point along the axis of the fingers.
+    """
+    if not _free(points, (gripper.palm,)):
+        return False
+    x, y, z = points.T
+    low, high = gripper.low_z, gripper.high_z
+    between = (np.abs(x) < gripper.half_x) & (z > low) & (z < high) & (np.abs(y) < gripper.opening / 2)
+    if between.sum() < ENOUGH_POINTS:
+        return True
+    y, facing = y[between], facing[between]
+    least = math.cos(CONE_SHARE * math.atan(friction)) - UNSURE
+    for side in (1.0, -1.0):
+        outermost = (side * y >= (side * y).max() - 2 * TOUCH) & (side * facing > 0.0)
+        if not outermost.any() or (side * facing[outermost]).mean() < least:
+            return False
+    return True
+
+
+def open_width(problem: GraspProblem, gripper: ParallelGripper, tool: Pose, width: float) -> float | None:
+    """Return the widest opening in metres at which the hand at a tool is free of the body, None if there is none.
+
+    `width` is that of the material between the pads.
+    """
+    dense, _ = _surface_points(problem.parts, DENSE, np.random.default_rng(0))
+    return _widest(in_frame(dense[None], tool)[0], gripper, width)
+
+
+def hand_is_free(problem: GraspProblem, gripper: ParallelGripper, tool: Pose, width: float) -> bool:
+    """Return whether the hand at a tool, with the pads `width` metres apart, is in the body by `SOFT` at most."""
+    dense, _ = _surface_points(problem.parts, DENSE, np.random.default_rng(0))
+    boxes = [
+        (centre, (max(x - SOFT, 0.0), max(y - SOFT, 0.0), max(z - SOFT, 0.0)))
+        for centre, (x, y, z) in gripper.boxes(width)
+    ]
+    return _free(in_frame(dense[None], tool)[0], boxes)
+
+
+def _widest(points: Floats, gripper: ParallelGripper, width: float) -> float | None:
+    """Return the widest opening in metres at which the hand is free of points in its frame, None if there is none."""
+    openings = (gripper.opening, width + 4 * ROOM, width + 2 * ROOM)
+    return next((wide for wide in openings if wide <= gripper.opening and _free(points, gripper.boxes(wide))), None)
 
 
 def _judged(
@@ -236,20 +310,26 @@ def _judged(
         return None
     tool = compose(place, Pose((0.0, (contact.low + contact.high) / 2, 0.0)))
     points = in_frame(dense[None], tool)[0]
-    openings = (gripper.opening, contact.width + 4 * ROOM, contact.width + 2 * ROOM)
-    approach = next((wide for wide in openings if wide <= gripper.opening and _free(points, gripper.boxes(wide))), None)
+    approach = _widest(points, gripper, contact.width)
     if approach is None:
         return None
-    x, z = ((a + b) / 2 for a, b in zip(contact.patches[0].centre, contact.patches[1].centre, strict=True))
-    lever = np.array(compose(tool, Pose((x, 0.0, z))).position) - problem.centre
-    axis = matrix(tool)[:3, 1]
-    lever -= (lever @ axis) * axis
-    arm = math.hypot(lever[0], lever[1])
-    radius = min(patch.gyration for patch in contact.patches)
+    arm, radius = lever_of(problem.centre, tool, contact), contact.radius
     slack = min((gripper.opening - contact.width) / 2, ENOUGH_SLACK) / ENOUGH_SLACK
     flat = min(radius, WIDE_CONTACT) / WIDE_CONTACT
     score = flat + 0.5 * slack - arm / LONG_LEVER - TILT_COST * tilt + 0.2 * (approach == gripper.opening)
     return Grasp(tool, contact.width, approach, tilt, arm, radius, score)
+
+
+def lever_of(centre: tuple[float, float, float], tool: Pose, contact: PadContact) -> float:
+    """Return how far a centre of mass is horizontally from the line between two pads, across it; metres.
+
+    The tool is given in the frame of a body that is upright.
+    """
+    x, z = ((a + b) / 2 for a, b in zip(contact.patches[0].centre, contact.patches[1].centre, strict=True))
+    offset = np.array(compose(tool, Pose((x, 0.0, z))).position) - centre
+    axis = matrix(tool)[:3, 1]
+    offset -= (offset @ axis) * axis
+    return math.hypot(offset[0], offset[1])
 
 
 def _holds(contact: PadContact, friction: float) -> bool:

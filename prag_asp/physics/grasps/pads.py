@@ -39,6 +39,11 @@ class PadContact(NamedTuple):
         """The distance between the pads in metres."""
         return self.high - self.low
 
+    @property
+    def radius(self) -> float:
+        """The smaller radius of gyration of both patches in metres: how far off their line friction acts."""
+        return min(patch.gyration for patch in self.patches)
+
 
 class PadPatch(NamedTuple):
     """What one pad touches: the area in m², the centroid (x, z) in m, the radius of gyration in m, the mean normal.

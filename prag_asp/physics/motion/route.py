@@ -16,7 +16,7 @@ from prag_asp.physics.witness import Arm
 from prag_asp.physics.world.simulator import Simulator
 from prag_asp.physics.world.support import riders
 from prag_asp.scene.furniture import part_pose
-from prag_asp.scene.geometry import Pose, compose, invert, raised, turn_between
+from prag_asp.scene.geometry import IDENTITY, Pose, compose, invert, raised, turn_between
 from prag_asp.scene.robots import Joints, Robot
 
 HEIGHTS = (0.08, 0.16, 0.24)
@@ -55,6 +55,14 @@ def is_vertical(robot: Robot, one: Joints, two: Joints) -> bool:
     (x, y, _), turn = tool_pose(robot, one)
     (other_x, other_y, _), other_turn = tool_pose(robot, two)
     return max(abs(x - other_x), abs(y - other_y)) < STRAIGHT and turn_between(turn, other_turn) < STRAIGHT
+
+
+def is_straight(robot: Robot, one: Joints, two: Joints) -> bool:
+    """Return whether two configurations are straight above each other, or apart along the direction of the fingers."""
+    if is_vertical(robot, one, two):
+        return True
+    offset, turn = compose(invert(tool_pose(robot, one)), tool_pose(robot, two))
+    return max(abs(offset[0]), abs(offset[1])) < STRAIGHT and turn_between(turn, IDENTITY) < STRAIGHT
 
 
 def straight_path(robot: Robot, start: Joints, goal: Joints) -> list[Joints] | None:
@@ -112,11 +120,11 @@ def checked_path(
 ) -> tuple[Joints, ...] | None:
     """Return waypoints of a collision-free path from the state of the arm to a goal, a stride apart.
 
-    The ends are left out, and joints move linearly from one to the next. Between configurations straight above each
-    other only the straight path is tried. None if none is found.
+    The ends are left out, and joints move linearly from one to the next. Between configurations in line with each other
+    only the straight path is tried. None if none is found.
     """
     start = arm.joints
-    if is_vertical(simulator.robot, start, goal):
+    if is_straight(simulator.robot, start, goal):
         path = straight_path(simulator.robot, start, goal)
         return tuple(path[1:-1]) if path is not None and _is_free(simulator, situation, arm, np.array(path)) else None
     for around in _candidate_paths(simulator, start, goal):

@@ -8,13 +8,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from prag_asp.physics.grasps.antipodal import Grasp
+from prag_asp.physics.grasps.body_grasps import body_grasps, lever, pad_contact
 from prag_asp.physics.grasps.opposite_faces import is_never_spanned
-from prag_asp.physics.grasps.pads import ParallelGripper
+from prag_asp.physics.grasps.pads import PadContact, ParallelGripper
 from prag_asp.physics.predicates.gaps import ROUNDING, Demand, Gap, Z, along, between, bottom, centre, top
 from prag_asp.physics.predicates.predicate import Arguments, Gripper, Predicate, states, words
 from prag_asp.physics.predicates.volume import Ring, Volume, over_rectangle
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.geometry import Quaternion, heading, rotate, to_local, width_along
+from prag_asp.scene.geometry import Quaternion, compose, heading, invert, rotate, to_local, turn_between, width_along
 from prag_asp.scene.robots import Robot, robot_of
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.solids import weight
@@ -52,6 +54,12 @@ RISE, ROOM, AJAR = 0.04, 0.03, 2.0
 """The height of the tool above an object over which it moves, and the room between the fingers and the object, both in
 metres; and the largest ratio of either to the distance by which the tool misses the grasp."""
 
+NOTHING_BETWEEN = 0.02
+"""By how many metres `holding` is missed if there is nothing between the pads, at the box around a body."""
+
+LEVER = 0.05
+"""What a turn of the tool by one radian counts on the way to a grasp, in metres: what it moves at the fingertips."""
+
 SLANT = 1e-9
 """The cosine below which a side counts as parallel to the opening direction of the gripper."""
 
@@ -59,8 +67,12 @@ SLANT = 1e-9
 def grip_width(situation: Situation, entity: str, robot: str) -> float:
     """Return the opening with which a gripper holds an object in the present orientation of the tool, in metres.
 
-    For a rotated box, only the part between the pads counts.
+    For a rotated box, only the part between the pads counts; for a body with a model, what is between them where the
+    tool is. If there is nothing, it is 0.
     """
+    if situation.shape(entity).model is not None:
+        contact = contact_at(situation, entity, robot)
+        return 0.0 if contact is None else contact.width
     opening = rotate(situation.tool(robot).quaternion, (0.0, 1.0, 0.0))
     shape, quaternion = situation.shape(entity), situation.pose(entity).quaternion
     width = width_along(shape, quaternion, opening)
@@ -71,6 +83,12 @@ def grip_width(situation: Situation, entity: str, robot: str) -> float:
     half, cosine = min(zip(shape.half, along, strict=True), key=lambda side: side[0] / side[1])
     pad = situation.robot(robot).finger_boxes[0].size[0]
     return min(width, (2 * half + pad * math.sqrt(max(0.0, 1.0 - cosine**2))) / cosine)
+
+
+def contact_at(situation: Situation, entity: str, robot: str) -> PadContact | None:
+    """Return what the pads of a gripper touch when they close on a body, None if there is nothing between them."""
+    tool = compose(invert(situation.pose(entity)), situation.tool(robot))
+    return pad_contact(situation.shape(entity), ParallelGripper.of(situation.robot(robot)), tool)
 
 
 def lowest_grip(robot: Robot, height: float) -> float:
@@ -118,6 +136,20 @@ def slips(scene: Scene, entity: str, robot: str) -> str | None:
     return None
 
 
+def twists(situation: Situation, entity: str, robot: str) -> bool:
+    """Return whether the weight of a body with a model turns it between the pads that hold it in the air.
+
+    The friction of both pads bears the torque 2 mu F r, with the force F of a finger, the product mu of both
+    coefficients and the radius of gyration r of the smaller contact. The margin is that of `SLIPS`.
+    """
+    contact, shape = contact_at(situation, entity, robot), situation.shape(entity)
+    if contact is None:
+        return False
+    tool = compose(invert(situation.pose(entity)), situation.tool(robot))
+    bears = 2 * pad_friction(situation.scene, entity) * situation.robot(robot).grip_force * contact.radius
+    return GRAVITY * weight(situation.scene, entity) * lever(shape, tool, contact) > SLIPS * bears
+
+
 def _tool_violations(situation: Situation, arguments: Arguments, even: bool) -> Iterator[float]:
     """Yield by how many metres the tool misses the height of the object, and its centre.
 
@@ -126,6 +158,12 @@ def _tool_violations(situation: Situation, arguments: Arguments, even: bool) -> 
     robot, entity = arguments
     shape, body = situation.shape(entity), situation.body(entity)
     x, y, z = situation.tool(robot).position
+    if shape.model is not None:
+        beyond = pad_reach(situation.robot(robot))
+        yield from (
+            abs(at - middle) - half - beyond for at, middle, half in zip((x, y, z), body.centre, body.half, strict=True)
+        )
+        return
     yield z - body.high[2] - rise_over_flat(situation.robot(robot), body.high[2] - body.low[2])
     yield body.low[2] - BELOW - z
     if even:
@@ -134,6 +172,30 @@ def _tool_violations(situation: Situation, arguments: Arguments, even: bool) -> 
     else:
         cx, cy, _ = body.pose.position
         yield math.hypot(x - cx, y - cy) - CENTRE_TOLERANCE
+
+
+def pad_reach(robot: Robot) -> float:
+    """Return how far at most the tool is from the box around a body with a model that it holds, in metres.
+
+    Both contacts are in the box and so is the middle between them, which is off the tool by at most the reach of a pad
+    across the axis of the fingers, and by `GRIP_TOLERANCE` along it.
+    """
+    gripper = ParallelGripper.of(robot)
+    return math.hypot(gripper.half_x, max(-gripper.low_z, gripper.high_z)) + GRIP_TOLERANCE
+
+
+def _contact_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
+    """Yield by how much the pads miss opposite sides of a body with a model: metres, and radians of their friction."""
+    robot, entity = arguments
+    contact = contact_at(situation, entity, robot)
+    if contact is None:
+        yield NOTHING_BETWEEN
+        return
+    yield abs(situation.arm(robot).width - contact.width) - GRIP_TOLERANCE
+    yield abs(contact.low + contact.high) / 2 - GRIP_TOLERANCE
+    cone = math.atan(pad_friction(situation.scene, entity))
+    for patch in contact.patches:
+        yield math.acos(max(-1.0, min(1.0, patch.slope))) - cone
 
 
 def _grip_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
@@ -158,6 +220,13 @@ def _holding_violations(situation: Situation, arguments: Arguments) -> Iterator[
     The width is not compared if the tool is so far away that its error cannot be the largest.
     """
     robot, entity = arguments
+    if situation.shape(entity).model is not None:
+        beyond = list(_tool_violations(situation, arguments, even=False))
+        yield from beyond
+        if max(beyond) > 0.0:
+            return
+        yield from _contact_violations(situation, arguments)
+        return
     places = []
     for missed in _grip_violations(situation, arguments):
         places.append(missed)
@@ -174,6 +243,8 @@ def _holding_way(situation: Situation, arguments: Arguments) -> float:
     with the distance of the tool from the grasp, so that the length is continuous.
     """
     robot, entity = arguments
+    if situation.shape(entity).model is not None:
+        return _way_to_grasp(situation, robot, entity)
     over, under, beside = _grip_violations(situation, arguments)
     aside, height = max(0.0, beside), over + under
     least = min(RISE, AJAR * aside + height)
@@ -183,10 +254,34 @@ def _holding_way(situation: Situation, arguments: Arguments) -> float:
     return tool + max(0.0, fingers)
 
 
+def _way_to_grasp(situation: Situation, robot: str, entity: str) -> float:
+    """Return how far the tool and the fingers have to move to the nearest grasp of a body with a model, in metres."""
+    tool = compose(invert(situation.pose(entity)), situation.tool(robot))
+    ways = [math.inf]
+    for grasp in grasps_in_body(situation, entity, robot):
+        far = math.dist(tool.position, grasp.tool.position)
+        far += LEVER * turn_between(tool.quaternion, grasp.tool.quaternion)
+        room = min(ROOM, AJAR * far)
+        fingers = abs(situation.arm(robot).width - grasp.width - room) + room - GRIP_TOLERANCE
+        ways.append(far + max(0.0, fingers))
+    return min(ways)
+
+
+def grasps_in_body(situation: Situation, entity: str, robot: str) -> tuple[Grasp, ...]:
+    """Return the grasps of a body with a model in its own frame, the best first."""
+    gripper = ParallelGripper.of(situation.robot(robot))
+    return body_grasps(situation.shape(entity), gripper, pad_friction(situation.scene, entity))
+
+
 def _holding_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return a disc for the tool around the vertical axis of the object, and the opening that grips it."""
-    width = grip_width(situation, arguments[1], arguments[0])
-    tight = GRIP_TOLERANCE - MARGIN
+    tight, (robot, entity) = GRIP_TOLERANCE - MARGIN, arguments
+    if situation.shape(entity).model is not None:
+        for grasp in grasps_in_body(situation, entity, robot):
+            at = compose(situation.pose(entity), grasp.tool).position
+            return Volume(at, at, width=(grasp.width - tight, grasp.width + tight))
+        return Volume(width=(1.0, 0.0))
+    width = grip_width(situation, entity, robot)
     return _at_volume(situation, arguments, quaternion).meet(Volume(width=(width - tight, width + tight)))
 
 
@@ -210,6 +305,14 @@ def _over_volume(situation: Situation, arguments: Arguments, quaternion: Quatern
 def _at_demands(scene: Scene, arguments: Arguments, near: float = CENTRE_TOLERANCE) -> Iterator[Demand]:
     """Yield that the tool is at the height of a body, at most `near` metres from its centre along each axis."""
     robot, entity = arguments
+    if scene.shapes[entity].model is not None:
+        beyond = pad_reach(robot_of(scene, robot))
+        near = math.hypot(*scene.shapes[entity].half) + beyond
+        for axis in (0, 1):
+            yield from along(axis, between(centre(entity), centre(robot), -near, near))
+        yield Z, Gap(bottom(entity), centre(robot), -beyond)
+        yield Z, Gap(centre(robot), top(entity), -beyond)
+        return
     for axis in (0, 1):
         yield from along(axis, between(centre(entity), centre(robot), -near, near))
     # However it is turned, a body is at least as high as its shortest side.

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from prag_asp.atom import atom_of
 from prag_asp.domain.load import Domain
+from prag_asp.physics.grasps.body_grasps import body_grasps
 from prag_asp.physics.grasps.opposite_faces import is_never_spanned
 from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.physics.predicates import PREDICATES, Gripper
@@ -48,6 +49,9 @@ def _faults(scene: Scene, name: str, entity: str) -> Iterator[tuple[str, str, st
         if is_never_spanned(shapes[0], gripper, pad_friction(scene, entity)):
             wide = f"wider than {limit:.3g} mm between all sides that face each other"
             yield "too-wide", "shapes", f"{wide} and {opens}, so make it narrower"
+        elif not body_grasps(shapes[0], ParallelGripper.of(robot), pad_friction(scene, entity)):
+            text = "in no way that was found held by two flat pads on opposite sides"
+            yield "no-grasp", "shapes", f"{text}, so give it a rim, a handle or parallel sides"
     else:
         width = min(shape.breadth(widest=False) for shape in shapes)
         if width > robot.opening - CLEARANCE:

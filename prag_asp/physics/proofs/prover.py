@@ -1,11 +1,11 @@
 """Proofs that no poses of the bodies satisfy the facts of a state.
 
 A proof assumes the definitions of the predicates, the poses of the fixed bodies, and six rules of every scene: a
-gripper holds one body at a time, it is not open while it holds one, nothing rests on a ball, a body is held from above
-while it stands upright, the fingertips stay above its bottom, and a gripper lifts what it moves, which needs enough
-friction. The check of a witness enforces the last three, too. The workspace limits where the search places bodies, not
-where they can be, so no proof uses it. Proofs are monotonic: what is proved of some facts holds for any superset of
-them.
+gripper holds one body at a time, it is not open while it holds one, nothing rests on a ball, a primitive is held from
+above while it stands upright, the fingertips stay above its bottom, and a gripper lifts what it moves, which needs
+enough friction. The check of a witness enforces the last three, too. The workspace limits where the search places
+bodies, not where they can be, so no proof uses it. Proofs are monotonic: what is proved of some facts holds for any
+superset of them.
 """
 
 from __future__ import annotations

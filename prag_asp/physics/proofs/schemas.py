@@ -80,11 +80,13 @@ def rules(proofs: Proofs, stated: Facts) -> list[ExclusionRule]:
 
 def text_of(rules: Iterable[ExclusionRule], name: str) -> str:
     """Return rules as a logic program, each with its reason."""
+    found = list(rules)
+    legend = " impossible(F,G): F and G never hold together; impossible(F,F): F never holds." if found else ""
     lines = [
         f"% What physics proves impossible in the scene of {name}: written by prag-asp learn, to be written again",
-        "% where the scene changes. impossible(F,G): F and G never hold together; impossible(F,F): F never holds.",
+        f"% where the scene changes.{legend}",
     ]
-    for rule in rules:
+    for rule in found:
         lines += ["", f"% {rule.reason}", str(rule)]
     return "\n".join([*lines, ""])
 

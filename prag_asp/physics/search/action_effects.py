@@ -102,10 +102,9 @@ def _visit(search: Search, snapshot: Snapshot, entity: str, attempt: int) -> Sna
     options = grasps(search, snapshot.situation, entity)
     if attempt >= len(options):
         raise Exhausted
-    tool, _ = options[attempt]
-    opening = search.robot.opening
+    tool, opening = options[attempt]
     query = CollisionQuery(snapshot.situation, opening, entity)
-    at, above = descend(search, tool, query, query)
+    at, above = descend(search, tool, query, query, back=True)
     approach = snapshot.with_arm(Arm(above, opening)).with_waypoint("approach")
     return approach.with_arm(Arm(at, opening), above).with_waypoint("at")
 

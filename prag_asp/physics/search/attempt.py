@@ -26,11 +26,15 @@ NO_GRASP = "no grasp fits the object"
 NO_KINEMATICS_AT = "no arm configuration at the object"
 NO_KINEMATICS_ABOVE = "no arm configuration above the object"
 ARM_COLLIDES = "the arm collides"
+TWISTS = "the gripper cannot bear the torque of the object"
 UNSTABLE = "an object tips, slides or rolls"
 UNSETTLED = "a relation does not hold once the objects have settled"
 NO_PATH = "the arm finds no free path"
 PRESSED = "bodies press on each other though the task does not ask for it"
 LOST = "the gripper does not hold its object"
+OVERBEARING = "a contact that the task asks for is too strong"
+SLIPPED = "an object slips or turns in the gripper"
+HASTY = "a joint accelerates beyond its limit"
 NOT_REACHED = "a relation does not hold after the robot's motion"
 
 CAUSES = (
@@ -42,10 +46,14 @@ CAUSES = (
     NO_KINEMATICS_AT,
     NO_KINEMATICS_ABOVE,
     ARM_COLLIDES,
+    TWISTS,
     UNSTABLE,
     UNSETTLED,
     NO_PATH,
     PRESSED,
+    OVERBEARING,
+    SLIPPED,
+    HASTY,
     LOST,
     NOT_REACHED,
 )

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from prag_asp.physics.grasps.body_grasps import free_opening
+from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.physics.search.allowed_region import relevant_facts, sample_yaws, yaw_ranges
-from prag_asp.physics.search.attempt import OBJECTS_COLLIDE, Failure, Search, Snapshot
+from prag_asp.physics.search.attempt import ARM_COLLIDES, OBJECTS_COLLIDE, Failure, Search, Snapshot
 from prag_asp.physics.search.grasping import LIFT, CollisionQuery, configure, descend
 from prag_asp.physics.search.moving import move_object, moved_arm, raise_arm, require_free, with_riders
 from prag_asp.physics.search.packing import pose_on, resting_pose
@@ -45,10 +47,25 @@ def release(search: Search, snapshot: Snapshot, effect: ActionEffect) -> Snapsho
             raise Failure(OBJECTS_COLLIDE, *pair)
         for name, joints in (("approach", above), ("at", at)):
             snapshot = snapshot.with_arm(replace(arm, joints=joints)).with_waypoint(name)
-    after = snapshot.with_poses(poses).with_arm(Arm(at, search.robot.opening), above)
+    after = snapshot.with_poses(poses).with_arm(Arm(at, _free_width(search, snapshot, entity)), above)
     require_free(search, after, entity)
     after = after.with_waypoint("at")
     return after if effect.stays else raise_arm(search, after)
+
+
+def _free_width(search: Search, snapshot: Snapshot, entity: str) -> float:
+    """Return how far the fingers open to let go of an object, in metres.
+
+    Raises:
+        Failure: they are not free of it at any opening.
+    """
+    shape, arm = snapshot.situation.shape(entity), snapshot.arm
+    if shape.model is None or arm.grasp is None:
+        return search.robot.opening
+    width = free_opening(shape, ParallelGripper.of(search.robot), invert(arm.grasp), arm.width)
+    if width is None:
+        raise Failure(ARM_COLLIDES, entity)
+    return width
 
 
 def carry(search: Search, snapshot: Snapshot, entity: str, effect: ActionEffect) -> Snapshot:

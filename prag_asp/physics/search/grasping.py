@@ -1,26 +1,38 @@
-"""Grasps from above, and joint configurations at an object and above it."""
+"""Grasps in a scene, and joint configurations at an object and before it."""
 
 from __future__ import annotations
 
 import math
-from itertools import islice
+from collections import Counter
+from itertools import chain, islice
 from typing import NamedTuple
 
 from prag_asp.physics.predicates.gaps import ROUNDING
-from prag_asp.physics.predicates.gripper import CLEARANCE, is_flat, lowest_body, lowest_grip
-from prag_asp.physics.robot.kinematics import inverse
+from prag_asp.physics.predicates.gripper import (
+    CLEARANCE,
+    GRAVITY,
+    grasps_in_body,
+    is_flat,
+    lowest_body,
+    lowest_grip,
+    pad_friction,
+)
+from prag_asp.physics.robot.kinematics import adjust_joints, inverse
 from prag_asp.physics.search.attempt import (
     ARM_COLLIDES,
     NO_GRASP,
     NO_KINEMATICS_ABOVE,
     NO_KINEMATICS_AT,
+    TWISTS,
     Failure,
     Search,
 )
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.collisions import ArmCollision, arm_collision
-from prag_asp.scene.geometry import Pose, multiply, raised, rotate, width_along, yaw_of, yaw_quaternion
+from prag_asp.scene.boxes import Vector
+from prag_asp.scene.geometry import Pose, compose, multiply, raised, rotate, width_along, yaw_of, yaw_quaternion
 from prag_asp.scene.robots import Joints
+from prag_asp.scene.solids import weight
 
 LIFT = 0.10
 """The height above an object at which the gripper begins its approach, in metres."""
@@ -38,6 +50,19 @@ LARGEST_STEP = 1.2
 """The largest turn of a joint between a grasp and `LIFT` above it, in radians: no other branch of the kinematics."""
 
 DOWN = (1.0, 0.0, 0.0, 0.0)
+UP = (0.0, 0.0, 1.0)
+HALF_TURN = (0.0, 0.0, 1.0, 0.0)
+"""Half a turn of the tool about its own axis, which gives the same grasp."""
+
+EASE = 0.3
+"""What it is worth in a grasp's score that the arm comes to it from its own side."""
+
+SECTOR, SIDEWAYS = math.pi / 4, 0.7
+"""Grasps are of a kind if their axes are in one sector, in radians, and both or none come from the side: the cosine of
+a tool's slope below which it does."""
+
+STRAIGHT_DOWN = 1e-7
+"""By how much the cosine of a tool's slope may be below 1: half a milliradian."""
 
 
 class CollisionQuery(NamedTuple):
@@ -48,7 +73,71 @@ class CollisionQuery(NamedTuple):
     touched: str | None
 
 
-def grasps(search: Search, situation: Situation, entity: str) -> list[tuple[Pose, float]]:
+class GraspOption(NamedTuple):
+    """A tool pose that grasps an object, and how far the fingers are open in metres when the hand comes."""
+
+    tool: Pose
+    approach: float
+
+
+def grasps(search: Search, situation: Situation, entity: str) -> list[GraspOption]:
+    """Return the ways to grasp an object, the easiest first.
+
+    Raises:
+        Failure: there are none, or all twist out of the gripper.
+    """
+    if situation.shape(entity).model is not None:
+        return _sampled(search, situation, entity)
+    return [GraspOption(tool, search.robot.opening) for tool, _ in _from_above(search, situation, entity)]
+
+
+def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOption]:
+    """Return the grasps of a body with a model at its pose, the best first; each is turned to where the arm comes from.
+
+    Raises:
+        Failure: there are none, or friction bears the torque of the body in none.
+    """
+    found = grasps_in_body(situation, entity, search.simulator.acting)
+    if not found:
+        raise Failure(NO_GRASP, entity)
+    bears = 2 * pad_friction(search.scene, entity) * search.robot.grip_force
+    load, pose = GRAVITY * weight(search.scene, entity), situation.pose(entity)
+    steady = [grasp for grasp in found if load * grasp.lever <= bears * grasp.radius]
+    if not steady:
+        raise Failure(TWISTS, entity)
+    base_x, base_y, _ = search.robot.base.position
+    ranked = []
+    for grasp in steady:
+        tool = compose(pose, grasp.tool)
+        heading = math.atan2(tool.position[1] - base_y, tool.position[0] - base_x)
+        outward = (math.cos(heading), math.sin(heading), 0.0)
+        # The palm's x axis points away from the base, and so does a slanted tool: the wrist is then on the arm's side.
+        if _along(tool, (1.0, 0.0, 0.0), outward) < 0.0:
+            tool = Pose(tool.position, multiply(tool.quaternion, HALF_TURN))
+        ease = _along(tool, (1.0, 0.0, 0.0), outward) + 2 * min(0.0, _along(tool, (0.0, 0.0, 1.0), outward))
+        ranked.append((EASE * ease + grasp.score, _kind(tool), GraspOption(tool, grasp.approach)))
+    ranked.sort(key=lambda row: -row[0])
+    # The best of each kind come first, then the second ones: what one cannot do, the next may.
+    counts = Counter[tuple[int, bool]]()
+    order = []
+    for _, kind, option in ranked:
+        order.append((counts[kind], option))
+        counts[kind] += 1
+    return [option for _, option in sorted(order, key=lambda row: row[0])]
+
+
+def _kind(tool: Pose) -> tuple[int, bool]:
+    """Return the sector of the axis along which a tool closes, seen from above, and whether it comes from the side."""
+    x, y, _ = rotate(tool.quaternion, (0.0, 1.0, 0.0))
+    return round(math.atan2(y, x) / SECTOR) % round(math.pi / SECTOR), _along(tool, (0.0, 0.0, 1.0), UP) > -SIDEWAYS
+
+
+def _along(pose: Pose, axis: Vector, direction: Vector) -> float:
+    """Return the cosine of the angle between an axis of a pose and a direction, both of length one."""
+    return sum(a * b for a, b in zip(rotate(pose.quaternion, axis), direction, strict=True))
+
+
+def _from_above(search: Search, situation: Situation, entity: str) -> list[tuple[Pose, float]]:
     """Return tool poses from above that grasp an object, each with its opening in metres, the easiest first.
 
     Boxes are grasped by opposite sides, round objects in four directions; first at the middle or as deep as the palm
@@ -113,12 +202,17 @@ def configure(search: Search, tool: Pose, query: CollisionQuery, near: Joints | 
     raise failed
 
 
-def descend(search: Search, tool: Pose, at: CollisionQuery, above: CollisionQuery) -> tuple[Joints, Joints]:
+def descend(
+    search: Search, tool: Pose, at: CollisionQuery, above: CollisionQuery, back: bool = False
+) -> tuple[Joints, Joints]:
     """Return collision-free joint configurations at a tool pose and, near to it, `LIFT` straight above.
+
+    With `back`, the second is `LIFT` back along the direction of the fingers instead.
 
     Raises:
         Failure: there are none.
     """
+    before = backed(tool) if back else raised(tool, LIFT)
     failed: Failure | None = None
     for low in inverse(search.robot, tool):
         collision = collide(search, low, at)
@@ -127,7 +221,7 @@ def descend(search: Search, tool: Pose, at: CollisionQuery, above: CollisionQuer
             if collision.by_hand:
                 break
             continue
-        high = raise_joints(search, low, tool, above, 2)
+        high = near_joints(search, low, before, above, 2)
         if high is not None:
             return low, high
         failed = Failure(NO_KINEMATICS_ABOVE, *_touched(at))
@@ -141,11 +235,33 @@ def raise_joints(
 
     None if none of the first configurations, `tries` or all, is both.
     """
-    for high in islice(inverse(search.robot, raised(tool, LIFT), near=low), tries):
+    return near_joints(search, low, raised(tool, LIFT), query, tries)
+
+
+def near_joints(
+    search: Search, low: Joints, tool: Pose, query: CollisionQuery, tries: int | None = None
+) -> Joints | None:
+    """Return a collision-free joint configuration for a tool pose that is close to another configuration.
+
+    None if none of the first configurations, `tries` or all, is both.
+    """
+    # The elbow swings more at a slant; the least change of all joints keeps the way between both straight.
+    adjusted = None if is_downward(tool) else adjust_joints(search.robot, tool, low)
+    for high in chain(() if adjusted is None else (adjusted,), islice(inverse(search.robot, tool, near=low), tries)):
         turn = max(abs(a - b) for a, b in zip(low, high, strict=True))
         if turn <= LARGEST_STEP and collide(search, high, query) is None:
             return high
     return None
+
+
+def backed(tool: Pose) -> Pose:
+    """Return a tool pose moved `LIFT` back along the direction of its fingers."""
+    return raised(tool, LIFT) if is_downward(tool) else compose(tool, Pose((0.0, 0.0, -LIFT)))
+
+
+def is_downward(tool: Pose) -> bool:
+    """Return whether the fingers of a tool point straight down, so that back is up."""
+    return _along(tool, (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)) > 1.0 - STRAIGHT_DOWN
 
 
 def _touched(query: CollisionQuery) -> tuple[str, ...]:

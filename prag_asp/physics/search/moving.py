@@ -5,9 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from prag_asp.physics.predicates.gripper import slips
-from prag_asp.physics.search.attempt import LOST, OBJECTS_COLLIDE, UNSUPPORTED, Failure, Search, Snapshot
-from prag_asp.physics.search.grasping import LIFT, CollisionQuery, require_clear
+from prag_asp.physics.predicates.grip_torque import grip_load
+from prag_asp.physics.predicates.gripper import SLIPS, slips
+from prag_asp.physics.search.attempt import (
+    LOST,
+    NO_KINEMATICS_ABOVE,
+    OBJECTS_COLLIDE,
+    TWISTS,
+    UNSUPPORTED,
+    Failure,
+    Search,
+    Snapshot,
+)
+from prag_asp.physics.search.grasping import LIFT, CollisionQuery, backed, is_downward, near_joints, require_clear
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.collisions import colliding
 from prag_asp.physics.world.support import STEADY, riders, unsupported
@@ -23,20 +33,35 @@ def turn_to(search: Search, snapshot: Snapshot, robot: str | None) -> Snapshot:
 
 
 def raise_arm(search: Search, snapshot: Snapshot) -> Snapshot:
-    """Move a lowered gripper straight up, with what it holds.
+    """Move a lowered gripper straight up with what it holds; an empty one back along the direction of its fingers.
 
     Raises:
-        Failure: the object slips out of the gripper, or there is a collision.
+        Failure: the object slips out of the gripper or turns in it, or there is a collision.
     """
     assert snapshot.above is not None
-    poses, held = snapshot.situation.poses, snapshot.arm.held
+    poses, held, above = snapshot.situation.poses, snapshot.arm.held, snapshot.above
     if held is not None:
         if slips(search.scene, held, snapshot.acting) is not None:
             raise Failure(LOST, held)
+        if grip_load(snapshot.situation, held, snapshot.acting) > SLIPS:
+            raise Failure(TWISTS, held)
         poses = move_object(search, snapshot, held, raised(poses[held], LIFT))
-    after = moved_arm(snapshot, snapshot.above, poses)
+    if not is_downward(snapshot.tool):
+        goal = backed(snapshot.tool) if held is None else raised(snapshot.tool, LIFT)
+        query = CollisionQuery(snapshot.situation.with_poses(poses), snapshot.arm.width, held)
+        found = near_joints(search, snapshot.arm.joints, goal, query)
+        if found is None:
+            raise Failure(NO_KINEMATICS_ABOVE, *(() if held is None else (held,)))
+        above = found
+    after = moved_arm(snapshot, above, poses)
     require_free(search, after)
-    return after.with_waypoint("lift" if held else "retreat")
+    after = after.with_waypoint("lift" if held else "retreat")
+    if held is None and 0.0 < after.arm.width < search.robot.opening:
+        # At a body with a model the fingers open no wider than there is room.
+        after = after.with_arm(replace(after.arm, width=search.robot.opening))
+        require_free(search, after)
+        after = after.with_waypoint("stay")
+    return after
 
 
 def with_riders(situation: Situation, entity: str, pose: Pose, objects: Iterable[str]) -> Mapping[str, Pose]:

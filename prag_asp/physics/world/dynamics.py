@@ -55,6 +55,16 @@ class ArmCommand(NamedTuple):
     opening: float
 
 
+class Pressing(NamedTuple):
+    """How two bodies press on each other: the sum of their normal forces in newtons, and the depth in metres."""
+
+    force: float
+    depth: float
+
+
+NO_PRESSING = Pressing(0.0, 0.0)
+
+
 @dataclass(frozen=True)
 class LoadedArm:
     """An arm in a simulation: its robot, its body, and the joints of arm and gripper that motors drive.
@@ -205,19 +215,20 @@ class Dynamics:
         grippers = [f"{part} of {name}" for name in self.scene.robots for part in ROBOT_PARTS]
         return (*grippers, "table")
 
-    def contacts(self) -> Mapping[tuple[int, int], float]:
-        """Return the normal force in newtons of each pair of bodies that press on each other.
+    def contacts(self) -> Mapping[tuple[int, int], Pressing]:
+        """Return how each pair of bodies presses on each other, of those that do.
 
         Bodies are numbered: `parts` first, then the objects in the order of `begin`.
         """
-        forces: dict[tuple[int, int], float] = {}
+        pressing: dict[tuple[int, int], Pressing] = {}
         for point in pybullet.getContactPoints(physicsClientId=self.client):
             force = point[9]
             if force > 0.0:
                 one, two = self._parts[point[1], point[3]], self._parts[point[2], point[4]]
                 pair = (one, two) if one < two else (two, one)
-                forces[pair] = forces.get(pair, 0.0) + force
-        return forces
+                before = pressing.get(pair, NO_PRESSING)
+                pressing[pair] = Pressing(before.force + force, max(before.depth, -point[8]))
+        return pressing
 
     def _numbered(self, table: int) -> dict[tuple[int, int], int]:
         """Return the number in contacts of each body and link."""

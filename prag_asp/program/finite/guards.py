@@ -69,6 +69,8 @@ def guard_program(program: Program) -> Guarded:
         for statement in statements.get(source, ()):
             if statement.own and statement.is_rule:
                 writer.guard(statement, endless.get(statement, ()))
+            elif statement.own and statement.kind == ASTType.Minimize:
+                writer.guard_cost(statement)
         sources.append(Source(source.path, writer.written(source.text)))
     endless_steps = any(statement.timed for statement in endless)
     return Guarded(Program(tuple(sources)).text, tuple(sites), endless_steps)
@@ -108,6 +110,13 @@ class _CheckWriter:
                 self._aggregate(head, bound)
         for each in endless:
             self._count(each)
+
+    def guard_cost(self, statement: Statement) -> None:
+        """Add the checks of a weak constraint, or of an element of ``#minimize`` or ``#maximize``."""
+        self._rule = statement
+        node = statement.node
+        self._scope(node.body, frozenset())
+        self._terms([node.weight, node.priority, *node.terms], None)
 
     @property
     def _before(self) -> str:

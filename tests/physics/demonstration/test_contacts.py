@@ -144,7 +144,7 @@ def test_an_arm_that_presses_on_itself_is_reported(scene, start):
         world.drive("left", dynamics.ArmCommand(folded, WIDTH))
         for _ in range(5):
             world.step()
-        pressing = {(world.parts[one], world.parts[two]) for (one, two), force in world.contacts().items() if force > 1}
+        pressing = {(world.parts[a], world.parts[b]) for (a, b), (force, _) in world.contacts().items() if force > 1}
     assert ("arm of left", "arm of left") in pressing
     touch = Touch(3, "arm of left", "arm of left", 4.0)
     assert unintended_contacts([touch], IntendedContacts({"left": frozenset()}, frozenset())) == [touch]

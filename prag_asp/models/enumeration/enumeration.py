@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from math import prod
@@ -10,9 +10,11 @@ from time import monotonic
 
 import clingo
 
+from prag_asp.logic.ground.rules import Condition, GroundRecorder
 from prag_asp.models.atom_weights import weight_of
 from prag_asp.models.ground_program import GroundModels
 from prag_asp.models.program_reader import GivenProgram
+from prag_asp.models.questions.optimum import Optimum
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.grounding import Grounder
 from prag_asp.random_bits import SeededBits
@@ -20,20 +22,21 @@ from prag_asp.random_bits import SeededBits
 POLL = 0.05
 """Seconds between two checks for interrupts."""
 
+PROJECT = "--project=auto"
+"""The option for projection: on the atoms of ``#project`` or, without such a statement, on what is shown."""
+
 Printed = tuple[clingo.Symbol, ...]
 
 
 @dataclass(frozen=True)
 class Enumeration:
-    """The answer sets of a program, enumerated anew for each query.
-
-    Memory does not depend on their number, unless clingo repeats equivalent answer sets (`_repeats`).
-    """
+    """The answer sets of a program, enumerated anew for each query; memory does not grow with their number."""
 
     given: GivenProgram
     ground: GroundModels
     project: bool
     stated: Mapping[clingo.Symbol, Fraction]
+    optimum: Optimum | None = None
     progress: Callable[[str], None] | None = None
 
     def __iter__(self) -> Iterator[Printed]:
@@ -41,8 +44,6 @@ class Enumeration:
 
     def count(self) -> int:
         """Return the number of answer sets."""
-        if self._repeats:
-            return sum(1 for _ in self._enumerate_with_progress())
         grounder, counted = self._grounder("--stats"), 0
 
         def one_more(_: clingo.Model) -> None:
@@ -90,16 +91,15 @@ class Enumeration:
                 break
         return samples
 
-    @property
-    def _repeats(self) -> bool:
-        """True if a symbol is shown under several conditions, which clingo distinguishes under projection."""
-        by_output = self.project and self.ground.projected is None
-        return by_output and any(len(conditions) > 1 for _, conditions in self.ground.shown)
-
     def _grounder(self, *arguments: str) -> Grounder:
-        project = ["--project=auto"] if self.project else []
-        grounder = Grounder(self.given.program, *self.given.arguments, *arguments, "0", *project, strict=False)
+        project = [PROJECT] if self.project else []
+        values = [] if self.optimum is None else [str(value) for _, value in self.optimum.values]
+        mode = f"--opt-mode={','.join(['enum', *values])}"  # all answer sets that are not worse
+        recorder = GroundRecorder()
+        grounder = self.given.grounder(*arguments, "0", mode, *project, observer=recorder if self.project else None)
         grounder.ground([("base", [])])
+        if self.project and recorder.projected is None:
+            project_on_shown(grounder.control, recorder.shown.items())
         stage("enumerating answer sets")
         return grounder
 
@@ -120,7 +120,6 @@ class Enumeration:
         grounder = self._grounder()
         by_statement = self.project and self.ground.projected is not None
         projected = {symbol for symbol, atom in self.ground.names if atom in (self.ground.projected or ())}
-        seen: set[Printed] | None = set() if self._repeats else None
         with grounder.control.solve(yield_=True, async_=True) as handle:
             try:
                 while True:
@@ -133,9 +132,26 @@ class Enumeration:
                     atoms = model.symbols(atoms=True)
                     shown = projected.intersection(atoms) if by_statement else set(model.symbols(shown=True))
                     printed = tuple(sorted(shown))  # clingo repeats a symbol that is both an atom and a term
-                    if seen is None or printed not in seen:
-                        yield printed, weight_of(self.stated, iter(atoms))
-                    if seen is not None:
-                        seen.add(printed)
+                    yield printed, weight_of(self.stated, iter(atoms))
             finally:
                 handle.cancel()
+
+
+def project_on_shown(control: clingo.Control, shown: Iterable[tuple[clingo.Symbol, Iterable[Condition]]]) -> None:
+    """Have a control with the option `PROJECT` project on shown symbols, each with the conditions that show it.
+
+    By itself, clingo leaves out symbols whose names begin with ``_``, and distinguishes the conditions of a symbol.
+    """
+    with control.backend() as backend:
+        projected = []
+        for _, conditions in shown:
+            alternatives = list(dict.fromkeys(conditions))
+            if alternatives == [()]:
+                continue
+            if len(alternatives) == 1 and len(alternatives[0]) == 1:
+                projected.append(abs(alternatives[0][0]))
+                continue
+            projected.append(backend.add_atom())
+            for condition in alternatives:
+                backend.add_rule([projected[-1]], condition)
+        backend.add_project(projected)

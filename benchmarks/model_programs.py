@@ -1,0 +1,134 @@
+"""Programs of all shapes, from no answer set to numbers of hundreds of digits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import chain
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A program with values for its constants; with `project`, answer sets that agree on the shown atoms are one."""
+
+    text: str
+    constants: dict[str, int] = field(default_factory=dict)
+    project: bool = False
+
+    @property
+    def full_text(self) -> str:
+        """The text with the values of its constants."""
+        return "".join(f"#const {name} = {value}.\n" for name, value in self.constants.items()) + self.text
+
+
+GRID = "v(1..n,1..m). e((X,Y),(X+1,Y)) :- v(X,Y), v(X+1,Y). e((X,Y),(X,Y+1)) :- v(X,Y), v(X,Y+1). "
+PIGEONS = "{ a(P,1..n-1) } = 1 :- P = 1..n. :- a(P,H), a(Q,H), P < Q."
+HOLES = "{ a(P,1..n) } = 1 :- P = 1..n. :- a(P,H), a(Q,H), P < Q."
+PARITY = "{ x(1..n) }. :- { x(1..n) } = 2*K, K = 0..n/2."
+CHAIN_PARITY = (
+    "{ x(1..n) }. odd(1) :- x(1). odd(I) :- I = 2..n, odd(I-1), not x(I). odd(I) :- I = 2..n, not odd(I-1), x(I). "
+    ":- not odd(n)."
+)
+QUEENS = "{ q(I,1..n) } = 1 :- I = 1..n. :- q(I,J), q(K,J), I < K. :- q(I,J), q(K,L), I < K, |I-K| = |J-L|."
+LATIN = (
+    "{ l(I,J,1..n) } = 1 :- I = 1..n, J = 1..n. :- l(I,J,K), l(I,L,K), J < L. :- l(I,J,K), l(L,J,K), I < L. "
+    ":- I = 1..n, K = 1..n, not l(I,J,K) : J = 1..n."
+)
+CIRCLE = "{ c(X,1..k) } = 1 :- X = 1..n. :- c(X,C), c(X+1,C). :- c(1,C), c(n,C)."
+GRID_COLOURING = GRID + "{ c(A,1..k) } = 1 :- v(X,Y), A = (X,Y). :- e(A,B), c(A,C), c(B,C)."
+COMPLETE_COLOURING = "{ c(X,1..k) } = 1 :- X = 1..n. :- c(X,C), c(Y,C), X < Y."
+INDEPENDENT = GRID + "{ in(A) } :- v(X,Y), A = (X,Y). :- e(A,B), in(A), in(B)."
+MAXIMAL = (
+    INDEPENDENT + " near(A) :- e(A,B), in(B). near(B) :- e(A,B), in(A). :- v(X,Y), A = (X,Y), not in(A), not near(A)."
+)
+CYCLE = (
+    "node(1..n). { t(X,Y) : node(Y), X != Y } = 1 :- node(X). :- node(Y), #count { X : t(X,Y) } != 1. "
+    "r(1). r(Y) :- r(X), t(X,Y). :- node(X), not r(X). #show t/2."
+)
+GRID_CYCLE = (
+    GRID + "d(A,B) :- e(A,B). d(B,A) :- e(A,B). { t(A,B) : d(A,B) } = 1 :- v(X,Y), A = (X,Y). "
+    ":- v(X,Y), B = (X,Y), #count { A : t(A,B) } != 1. r((1,1)). r(B) :- r(A), t(A,B). :- v(X,Y), not r((X,Y))."
+)
+BLOCKS = (
+    "block(1..b). on(B,0,0) :- block(B). { move(B,L,T) : block(B), L = 0..b, L != B } = 1 :- T = 1..n. "
+    "on(B,L,T) :- move(B,L,T). moved(B,T) :- move(B,L,T). on(B,L,T) :- on(B,L,T-1), T = 1..n, not moved(B,T). "
+    ":- move(B,L,T), on(C,B,T-1). :- move(B,L,T), L > 0, on(C,L,T-1). :- move(B,L,T), on(B,L,T-1). "
+)
+TOWER = BLOCKS + ":- B = 2..b, not on(B,B-1,n)."
+WALK = "at(1,0). { at(X-1,T); at(X+1,T) } = 1 :- at(X,T-1), T = 1..n. :- at(0,T). :- at(w+1,T)."
+SUBSETS = "{ in(1..n) } = k."
+SUMS = "{ in(1..n) }. :- #sum { I : in(I) } != s."
+TREE = (
+    GRID + "d(A,B) :- e(A,B). d(B,A) :- e(A,B). { t(A,B) : d(A,B) } = 1 :- v(X,Y), A = (X,Y), A != (1,1). "
+    "r((1,1)). r(A) :- t(A,B), r(B). :- v(X,Y), not r((X,Y)). #show t/2."
+)
+CONNECTED = (
+    GRID + "{ t(A,B) } :- e(A,B). r((1,1)). r(B) :- r(A), t(A,B). r(A) :- r(B), t(A,B). :- v(X,Y), not r((X,Y))."
+)
+REACH = "{ edge(X,Y) } :- X = 1..n, Y = 1..n, X != Y. reach(1). reach(Y) :- reach(X), edge(X,Y). :- not reach(n)."
+REACHED = "{ edge(X,Y) } :- X = 1..n, Y = 1..n, X < Y. reach(1). reach(Y) :- reach(X), edge(X,Y). #show reach/1."
+COVER = GRID + "{ in(A) } :- v(X,Y), A = (X,Y). :- e(A,B), not in(A), not in(B). side(X) :- in((X,Y)). #show side/1."
+ROWS = (
+    "{ q(I,1..n) } = 1 :- I = 1..n. :- q(I,J), q(K,J), I < K. :- q(I,J), q(K,L), I < K, |I-K| = |J-L|. "
+    "low(I) :- q(I,J), 2*J <= n. #show low/1."
+)
+DISJUNCTION = "a(X) ; b(X) ; c(X) :- X = 1..n. :- a(X), a(X+1). :- b(X), b(X+1)."
+SATURATED = "t(X) ; f(X) :- X = 1..n. t(X) :- f(X), t(X+1). f(X) :- t(X), f(X+1), not g(X). { g(X) } :- X = 1..n."
+HEAD_CYCLES = "a(X) ; b(X) :- X = 1..n. a(X) :- b(X), s(X). b(X) :- a(X), s(X). { s(X) } :- X = 1..n."
+FREE = "{ a(1..n) }. :- a(X), a(X+1), a(X+2)."
+EVEN_LOOPS = "a(X) :- not b(X), X = 1..n. b(X) :- not a(X), X = 1..n. :- a(X), a(X+1)."
+
+
+def clauses(variables: int, number: int) -> str:
+    """Return random clauses of three literals, by a generator of Lehmer (1951) so that they never change."""
+    state, rules = 2 * variables + number, []
+    for _ in range(number):
+        literals = []
+        for _ in range(3):
+            state = 48271 * state % (2**31 - 1)
+            literals.append(("" if state >> 8 & 1 else "not ") + f"x({state % variables + 1})")
+        rules.append(f":- {', '.join(literals)}.")
+    return f"{{ x(1..{variables}) }}. " + " ".join(rules)
+
+
+def sized(name: str, text: str, *values: dict[str, int], project: bool = False) -> dict[str, Shape]:
+    """Return a program with some values of its constants, by name."""
+    return {f"{name} {' x '.join(map(str, each.values()))}": Shape(text, each, project) for each in values}
+
+
+PROGRAMS: dict[str, Shape] = dict(
+    chain.from_iterable(
+        group.items()
+        for group in (
+            sized("pigeons", PIGEONS, {"n": 4}, {"n": 7}, {"n": 9}),
+            sized("pigeons with room", HOLES, {"n": 5}, {"n": 8}),
+            sized("parity", PARITY, {"n": 7}, {"n": 14}),
+            sized("parity along a chain", CHAIN_PARITY, {"n": 7}, {"n": 16}, {"n": 200}),
+            sized("queens", QUEENS, {"n": 6}, {"n": 8}, {"n": 10}, {"n": 11}),
+            sized("latin squares", LATIN, {"n": 4}, {"n": 5}),
+            sized("colourings of a circle", CIRCLE, {"n": 8, "k": 3}, {"n": 100, "k": 5}),
+            sized("colourings of a grid", GRID_COLOURING, {"n": 3, "m": 3, "k": 3}, {"n": 4, "m": 6, "k": 4}),
+            sized("colourings of all pairs", COMPLETE_COLOURING, {"n": 6, "k": 5}, {"n": 7, "k": 8}),
+            sized("independent sets", INDEPENDENT, {"n": 4, "m": 4}, {"n": 6, "m": 6}, {"n": 6, "m": 60}),
+            sized("maximal independent sets", MAXIMAL, {"n": 5, "m": 5}, {"n": 7, "m": 7}),
+            sized("hamiltonian cycles", CYCLE, {"n": 6}, {"n": 9}),
+            sized("hamiltonian cycles of a grid", GRID_CYCLE, {"n": 4, "m": 4}, {"n": 6, "m": 6}, {"n": 5, "m": 5}),
+            sized("blocks", BLOCKS, {"b": 3, "n": 3}, {"b": 3, "n": 6}),
+            sized("towers", TOWER, {"b": 4, "n": 4}, {"b": 4, "n": 6}, {"b": 5, "n": 3}),
+            sized("walks", WALK, {"w": 4, "n": 12}, {"w": 9, "n": 60}),
+            sized("subsets", SUBSETS, {"n": 12, "k": 6}, {"n": 40, "k": 20}),
+            sized("sums", SUMS, {"n": 14, "s": 50}, {"n": 24, "s": 150}),
+            sized("spanning trees", TREE, {"n": 3, "m": 3}, {"n": 4, "m": 4}),
+            sized("connected subgraphs", CONNECTED, {"n": 3, "m": 3}, {"n": 3, "m": 6}),
+            sized("reachable", REACH, {"n": 4}, {"n": 5}),
+            sized("reached", REACHED, {"n": 5}, {"n": 9}, project=True),
+            sized("covers by rows", COVER, {"n": 6, "m": 4}, project=True),
+            sized("low queens", ROWS, {"n": 8}, {"n": 10}, project=True),
+            sized("disjunctions", DISJUNCTION, {"n": 8}, {"n": 100}),
+            sized("saturated disjunctions", SATURATED, {"n": 8}, {"n": 14}),
+            sized("head cycles", HEAD_CYCLES, {"n": 6}),
+            sized("free", FREE, {"n": 15}, {"n": 900}),
+            sized("even loops", EVEN_LOOPS, {"n": 20}, {"n": 300}),
+            {"random clauses 60 x 240": Shape(clauses(60, 240)), "random clauses 50 x 120": Shape(clauses(50, 120))},
+        )
+    )
+)

@@ -1,0 +1,1 @@
+"""Enumeration of answer sets by clingo, without limits or with limited work."""

@@ -1,0 +1,35 @@
+"""How long clingo enumerates before another engine counts: a rule measured on sixty programs of all shapes.
+
+The measurements are in ``benchmarks/model_engines.py``. The rule reads the size of the program, the depth of random
+searches and the width of the clauses, so that it does not depend on the machine.
+"""
+
+from __future__ import annotations
+
+from prag_asp.models.enumeration.bounded_enumeration import Effort
+from prag_asp.models.ground_program import GroundModels
+
+FIRST = Effort(models=30_000, conflicts=5_000)
+"""The work of the first round: at most about 0.1 s, less than a counter needs to start and to preprocess."""
+
+ASSIGNMENTS = 3_000_000
+"""The number of atoms of all models of the first round, because the time for a model grows with its atoms."""
+
+SECOND = Effort(models=4_000_000, conflicts=400_000)
+"""The work of the second round: ten to twenty seconds."""
+
+NARROW = 24
+"""The width of a tree decomposition up to which counting by cases is fast, however many models there are."""
+
+DEEPEST = 21.0
+"""The depth of random searches beyond which enumerating is too slow: about 2**21 models."""
+
+
+def first_effort(ground: GroundModels) -> Effort:
+    """Return the work of the first round, which small programs seldom exceed."""
+    return Effort(max(min(FIRST.models, ASSIGNMENTS // max(len(ground.names), 1)), 100), FIRST.conflicts)
+
+
+def is_worth_enumerating(depth: float, width: int) -> bool:
+    """Return whether clingo is likely to list all answer sets before a counter has counted them."""
+    return width > NARROW and depth <= DEEPEST

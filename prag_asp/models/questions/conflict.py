@@ -1,0 +1,213 @@
+"""Why a program has no answer set: a minimal set of its lines that together exclude every answer set.
+
+Each line is kept or lifted. A lifted constraint is dropped; a lifted rule derives its head atoms no longer, but allows
+them. So lifting a line only adds answer sets, and lines are lifted one by one until none can be (a deletion-based
+minimal unsatisfiable subset; Marques-Silva 2010), with clingo's unsatisfiable cores as a start. Lines that only state
+data, that is atoms which are true whatever is chosen, are kept, unless data alone exclude every answer set.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Container, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import count
+from operator import itemgetter
+from pathlib import Path
+
+import clingo
+from clingo.ast import AST, ASTType, Sign
+
+from prag_asp.errors import QueryError
+from prag_asp.logic.formula.liftable import RestrictingLine
+from prag_asp.models.aspif import is_aspif
+from prag_asp.models.ground_program import GroundModels, ground_models
+from prag_asp.models.program_reader import GivenProgram, read_program
+from prag_asp.processes.progress_events import stage
+from prag_asp.program.constants import Constant
+from prag_asp.program.grounding import Grounder
+from prag_asp.program.parse import parse_sources
+from prag_asp.program.sources import ADDED, Program, Source
+from prag_asp.program.syntax import AtomNode, Signature, Statement, with_replaced
+
+POLL = 0.05
+"""Seconds between two checks for interrupts."""
+
+CONFLICTS = 100_000
+"""The number of the solver's conflicts after which it gives up on a line: some seconds, the same on all machines."""
+
+CONSTANT = re.compile(r"-?\d+|_*[a-z][\w']*")
+"""An argument that is a number or a name."""
+
+
+@dataclass(frozen=True)
+class Conflict:
+    """Lines of a program that together exclude every answer set; if `minimal`, no part of them does.
+
+    A set is not known to be minimal if the solver gave up on one of its parts.
+    """
+
+    lines: tuple[RestrictingLine, ...]
+    minimal: bool
+
+
+def explain_program(files: Sequence[str | Path | Source], constants: Mapping[str, Constant]) -> Conflict | None:
+    """Return why the program of some files has no answer set, or None if it has one; it may optimise.
+
+    Raises:
+        DomainError: a file cannot be read or ground.
+        QueryError: the program is ground already.
+    """
+    given = read_program(files, constants, optimal=True)
+    return find_conflict(given, ground_models(given))
+
+
+def find_conflict(given: GivenProgram, ground: GroundModels) -> Conflict | None:
+    """Return lines of a program that exclude every answer set, or None if it has one.
+
+    Raises:
+        QueryError: the program is ground already.
+    """
+    for source in given.program.sources:
+        if is_aspif(source):
+            raise QueryError(f"{source.path} is ground; explain the program from which it was ground")
+    data = {_signature(symbol) for symbol, _ in ground.names}
+    data -= {_signature(symbol) for symbol, atom in ground.names if atom not in ground.facts}
+    conflict = _LiftableLines(given, ground, data).conflict()
+    return conflict if conflict is None or conflict.lines or not data else _LiftableLines(given, ground, ()).conflict()
+
+
+class _LiftableLines:
+    """A program in which each line that restricts answer sets has an atom that keeps it."""
+
+    def __init__(self, given: GivenProgram, ground: GroundModels, data: Container[Signature]) -> None:
+        texts = [source.text for source in given.program.sources]
+        prefix = next(name for name in ("_" * length for length in count(1)) if not any(name in each for each in texts))
+        sources: list[Source] = []
+        self._lines: list[RestrictingLine] = []
+        for source in given.program.sources:
+            statements, _ = parse_sources([(source, True)])
+            replaced: dict[Statement, str] = {}
+            for statement in statements:
+                if _is_liftable(statement, data):
+                    kept = f"{prefix}kept({len(self._lines)})"
+                    replaced[statement] = " ".join(_liftable(statement, kept, f"{prefix}may"))
+                    text = _written(source, statement)
+                    self._lines.append(RestrictingLine(source.path, statement.line, text))
+            sources.append(Source(source.path, with_replaced(source.text, replaced)))
+        possible = (_possible(symbol, f"{prefix}may") for symbol, _ in ground.names if symbol.name)
+        choice = f"{{ {prefix}kept(0..{len(self._lines) - 1}) }}." if self._lines else ""
+        program = Program((*sources, Source(ADDED, " ".join([choice, *possible]))))
+        grounder = Grounder(program, *given.arguments, "--opt-mode=ignore", strict=False)
+        grounder.ground([("base", [])])
+        self._control = grounder.control
+        atoms = self._control.symbolic_atoms
+        symbols = (clingo.Function(f"{prefix}kept", [clingo.Number(place)]) for place in range(len(self._lines)))
+        self._literals = [atom.literal for atom in map(atoms.__getitem__, symbols) if atom is not None]
+
+    def conflict(self) -> Conflict | None:
+        """Return lines that exclude every answer set, or None if the program has one."""
+        stage("looking for the lines")
+        conflict = self._core(range(len(self._lines)))
+        if conflict is None:
+            return None
+        assert isinstance(self._control.configuration.solve, clingo.Configuration)
+        self._control.configuration.solve.solve_limit = CONFLICTS
+        minimal = True
+        for place in list(conflict):
+            if place in conflict:
+                try:
+                    fewer = self._core([other for other in conflict if other != place])
+                except _GivenUp:
+                    minimal = False
+                else:
+                    conflict = conflict if fewer is None else fewer
+        return Conflict(tuple(self._lines[place] for place in conflict), minimal)
+
+    def _core(self, places: Sequence[int]) -> list[int] | None:
+        """Return those of some lines that exclude every answer set while all others are lifted, or None.
+
+        Raises:
+            _GivenUp: the solver reached its limit.
+        """
+        chosen = set(places)
+        assumed = [literal if place in chosen else -literal for place, literal in enumerate(self._literals)]
+        with self._control.solve(assumptions=assumed, async_=True) as handle:
+            try:
+                while not handle.wait(POLL):
+                    pass
+                result = handle.get()
+                if result.satisfiable:
+                    return None
+                if not result.unsatisfiable:
+                    raise _GivenUp
+                core = set(handle.core())
+            finally:
+                handle.cancel()
+        # Lines that the core wants lifted restrict nothing: lifting them only adds answer sets.
+        return [place for place in sorted(chosen) if self._literals[place] in core]
+
+
+class _GivenUp(Exception):
+    """The solver reached its limit."""
+
+
+def _is_liftable(statement: Statement, data: Container[Signature]) -> bool:
+    """Return whether a statement restricts answer sets, and is no data."""
+    if not statement.is_rule or statement.part != "base":
+        return False
+    heads = _derived(statement)
+    return not heads or any(head.signature not in data for head in heads)
+
+
+def _derived(statement: Statement) -> list[AtomNode]:
+    """Return the atoms that a rule derives; a negated head restricts, as a constraint does."""
+    return [head for head in statement.heads if not head.negated]
+
+
+def _liftable(statement: Statement, kept: str, may: str) -> Iterator[str]:
+    """Yield the rules of a statement that hold if an atom is true, and its lifted form if it is false."""
+    body = "".join(f"{text}; " for _, text in statement.literals)
+    yield f"{statement.node.head} :- {body}{kept}."
+    allowed = [str(element) for element in _elements(statement.node.head)]
+    if allowed:
+        yield f"{{ {'; '.join(allowed)} }} :- {body}not {kept}."
+    for head in _derived(statement):
+        arguments = [text if CONSTANT.fullmatch(text) else f"V{place}" for place, text in enumerate(head.arguments)]
+        terms = f"({','.join(arguments)})" if arguments else ""
+        # An atom without variables may be true even if no rule can derive it.
+        condition = f" : {may}_{head.name.replace('-', 'not_')}{terms}" if "V" in map(itemgetter(0), arguments) else ""
+        yield f"{{ {head.name}{terms}{condition} }} :- not {kept}."
+
+
+def _elements(head: AST) -> Iterator[AST]:
+    """Yield the atoms of a head with their conditions, as elements of a choice."""
+    if head.ast_type == ASTType.Literal:
+        elements = [head]
+    elif head.ast_type == ASTType.HeadAggregate:
+        elements = [element.condition for element in head.elements]
+    else:
+        elements = list(head.elements)
+    for element in elements:
+        literal = element if element.ast_type == ASTType.Literal else element.literal
+        if literal.sign == Sign.NoSign and literal.atom.ast_type == ASTType.SymbolicAtom:
+            yield element
+
+
+def _possible(symbol: clingo.Symbol, may: str) -> str:
+    """Return the fact that an atom is possible."""
+    name = f"{may}_{'not_' if symbol.negative else ''}{symbol.name}"
+    return f"{name}({','.join(map(str, symbol.arguments))})." if symbol.arguments else f"{name}."
+
+
+def _signature(symbol: clingo.Symbol) -> Signature:
+    return ("-" * symbol.negative + symbol.name, len(symbol.arguments))
+
+
+def _written(source: Source, statement: Statement) -> str:
+    """Return the text of a statement as its author wrote it, in one line."""
+    begin, end = statement.node.location.begin, statement.node.location.end
+    lines = source.text.encode().split(b"\n")[begin.line - 1 : end.line]  # clingo counts columns in bytes
+    lines[-1] = lines[-1][: end.column - 1]
+    lines[0] = lines[0][begin.column - 1 :]
+    return " ".join(b" ".join(lines).decode().split())

@@ -1,0 +1,118 @@
+"""The grasps of bodies with a model, found once for each body and gripper and cached in memory and on disk."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import Any
+
+from prag_asp.output.cache_files import cache_folder, read_cached, write_cached
+from prag_asp.physics.grasps.antipodal import Grasp, GraspProblem, hand_is_free, lever_of, open_width, sampled_grasps
+from prag_asp.physics.grasps.pads import PadContact, ParallelGripper
+from prag_asp.scene.geometry import Pose
+from prag_asp.scene.scene import Shape
+from prag_asp.scene.surfaces import in_frame, mesh_states, part_surfaces, surface
+
+FORM = 1
+"""The version of the search and of its files: cached grasps of another one are not read."""
+
+LARGEST_FILE = 1_000_000
+"""The largest size of a file of grasps in bytes, ample for all that are kept of a body."""
+
+SUFFIX = ".grasps"
+
+
+def body_grasps(shape: Shape, gripper: ParallelGripper, friction: float) -> tuple[Grasp, ...]:
+    """Return the grasps of a body with a model in its own frame, the best first; `friction` is that of the pads on it.
+
+    Raises:
+        SceneError: a mesh cannot be read.
+    """
+    return _grasps(shape, gripper, friction, mesh_states(shape))
+
+
+def pad_contact(shape: Shape, gripper: ParallelGripper, tool: Pose) -> PadContact | None:
+    """Return what the pads touch when they close on a body; None if there is nothing between them.
+
+    `tool` is the pose of the tool in the frame of the body.
+
+    Raises:
+        SceneError: a mesh cannot be read.
+    """
+    return _contact(shape, gripper, tool, mesh_states(shape))
+
+
+def free_opening(shape: Shape, gripper: ParallelGripper, tool: Pose, width: float) -> float | None:
+    """Return the widest opening of the fingers around what they hold at which they are free of the body; metres.
+
+    None if there is none: then they cannot let it go. `width` is that of the material between the pads.
+
+    Raises:
+        SceneError: a mesh cannot be read.
+    """
+    return open_width(_problem(shape, 0.0), gripper, tool, width)
+
+
+def is_hand_free(shape: Shape, gripper: ParallelGripper, tool: Pose, width: float) -> bool:
+    """Return whether no finger is in what a gripper holds, nor the palm, by more than the rubber of the pads gives way.
+
+    `tool` is the pose of the tool in the frame of the body, `width` the distance of the pads in metres.
+
+    Raises:
+        SceneError: a mesh cannot be read.
+    """
+    return hand_is_free(_problem(shape, 0.0), gripper, tool, width)
+
+
+@lru_cache(maxsize=256)
+def _grasps(
+    shape: Shape, gripper: ParallelGripper, friction: float, files: tuple[tuple[int, int], ...]
+) -> tuple[Grasp, ...]:
+    """Return the grasps of a body; the states of its files are a key of the cache."""
+    problem, folder = _problem(shape, friction), cache_folder()
+    if folder is None:
+        return sampled_grasps(problem, gripper)
+    key = hashlib.sha256(repr((FORM, gripper, friction, problem.centre)).encode())
+    for part in problem.parts:
+        key.update(part.tobytes())
+    path = folder / f"{key.hexdigest()}{SUFFIX}"
+    content = read_cached(path, LARGEST_FILE)
+    if content is not None:
+        return tuple(map(_grasp, json.loads(content)))
+    grasps = sampled_grasps(problem, gripper)
+    write_cached(path, json.dumps([grasp._asdict() for grasp in grasps]).encode())
+    return grasps
+
+
+def _grasp(row: Mapping[str, Any]) -> Grasp:
+    """Return a grasp from its fields in a file."""
+    position, quaternion = row["tool"]
+    return Grasp(**{**row, "tool": Pose(tuple(position), tuple(quaternion))})
+
+
+def _problem(shape: Shape, friction: float) -> GraspProblem:
+    """Return what grasps of a body are sampled of."""
+    return GraspProblem(part_surfaces(shape), _centre(shape), friction)
+
+
+def lever(shape: Shape, tool: Pose, contact: PadContact) -> float:
+    """Return how far the centre of mass of a body is horizontally from the line between the pads; metres.
+
+    `tool` is the pose of the tool in the frame of the body, which is upright.
+    """
+    return lever_of(_centre(shape), tool, contact)
+
+
+def _centre(shape: Shape) -> tuple[float, float, float]:
+    """Return the centre of mass of a body in its frame, in metres."""
+    return (0.0, 0.0, 0.0) if shape.model is None else shape.model.centre
+
+
+@lru_cache(maxsize=1 << 10)
+def _contact(
+    shape: Shape, gripper: ParallelGripper, tool: Pose, files: tuple[tuple[int, int], ...]
+) -> PadContact | None:
+    """Return what the pads touch; the states of the body's files are a key of the cache."""
+    return gripper.contact(in_frame(surface(shape), tool))

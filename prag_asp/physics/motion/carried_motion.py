@@ -1,0 +1,65 @@
+"""Accelerate a held object only as far as the friction of the pads bears.
+
+The pads hold an object of mass m by friction: they bear at most 2 mu F, with the force F of a finger and the
+coefficient mu of friction (Coulomb). Gravity and an acceleration a of the tool need at most m (g + |a|) of that.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.physics.motion.trajectory import JointLimits, time_path
+from prag_asp.physics.predicates.gripper import GRAVITY, bearable
+from prag_asp.physics.robot.kinematics import tool_pose
+from prag_asp.scene.robots import Joints, Robot
+from prag_asp.scene.scene import Scene
+from prag_asp.scene.solids import weight
+
+FRICTION_SHARE = 0.95
+"""The share of the friction of the pads that is used: the motors have tracking errors."""
+
+LEAST, MOST = 0.5, 40.0
+"""Accelerations in m/s²: with less an arm hardly moves, and no arm accelerates its tool by more."""
+
+SHARE = 0.98
+"""The share of the acceleration to which a motion is slowed down: corners are rounded otherwise at another speed."""
+
+SLOWDOWNS = 20
+"""How often a motion is slowed down, at most; once or twice is usual."""
+
+
+def bearable_acceleration(scene: Scene, entity: str, robot: str) -> float:
+    """Return the largest acceleration of the tool at which a held object does not slip, in m/s²; at least `LEAST`.
+
+    Furniture, of which a robot moves a part, is not carried.
+    """
+    if scene.shapes[entity].traits.furniture:
+        return MOST
+    return max(LEAST, FRICTION_SHARE * GRAVITY * bearable(scene, entity, robot) / weight(scene, entity) - GRAVITY)
+
+
+def time_carried(
+    robot: Robot, path: Sequence[Joints], time_step: float, limits: JointLimits, most: float
+) -> NDArray[np.float64]:
+    """Return what `time_path` does, slowed down until the tool accelerates by at most `most` m/s²."""
+    angles = time_path(path, time_step, limits)
+    for _ in range(SLOWDOWNS if most < MOST else 0):
+        peak = peak_acceleration(robot, path[0], angles, time_step)
+        if peak <= most:
+            break
+        share = SHARE * most / peak
+        limits = JointLimits(limits.speeds * math.sqrt(share), limits.accelerations * share)
+        angles = time_path(path, time_step, limits)
+    return angles
+
+
+def peak_acceleration(robot: Robot, start: Joints, angles: NDArray[np.float64], time_step: float) -> float:
+    """Return the largest acceleration of the tool on a motion from rest to rest, in m/s²; `angles` (steps, 7)."""
+    rows = [start, start, *map(tuple, angles.tolist()), tuple(angles[-1].tolist())]
+    positions = np.array([tool_pose(robot, row).position for row in rows])
+    accelerations = np.diff(positions, 2, axis=0) / time_step**2
+    return float(np.sqrt((accelerations**2).sum(axis=1)).max())

@@ -1,0 +1,42 @@
+"""The failed attempts of a search: how often each fault was met, and what came nearest to working."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+from prag_asp.physics.search.attempt import PhysicsFault
+from prag_asp.physics.symbolic_facts import ActionEffect
+from prag_asp.wording import plural
+
+
+class FailureLog:
+    """Counts the faults of attempts, and separately those of the attempts that got through the most actions."""
+
+    def __init__(self) -> None:
+        self.faults = Counter[PhysicsFault]()
+        self._farthest = -1
+        self._last = Counter[PhysicsFault]()
+
+    def add(self, fault: PhysicsFault, done: int) -> None:
+        """Count a fault that was met after the initial state and `done` actions; -1 is in the initial state."""
+        self.faults[fault] += 1
+        if done > self._farthest:
+            self._farthest = done
+            self._last.clear()
+        if done == self._farthest:
+            self._last[fault] += 1
+
+    def nearest(self, effects: Sequence[ActionEffect]) -> str:
+        """Return, in words, how far the best attempts at a task came, and the fault that most of them met then."""
+        if not self._last:
+            return ""
+        fault = self._last.most_common(1)[0][0]
+        concerned = fault.text or (fault.fact.sentence() if fault.fact is not None else ", ".join(fault.entities))
+        what = f"{fault.cause} ({concerned})" if concerned else fault.cause
+        if self._farthest < 0:
+            return f"in the initial state {what}"
+        if self._farthest == len(effects):
+            return f"after all {plural(len(effects), 'action')} {what}"
+        action = effects[self._farthest].action
+        return f"at action {self._farthest + 1} of {len(effects)}, {action}, {what}"
