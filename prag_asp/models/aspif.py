@@ -51,7 +51,7 @@ def aspif_problems(source: Source, *, optimal: bool) -> Iterator[Problem]:
 
     Statements that minimize are supported if `optimal`.
     """
-    lines = source.text.split("\n")
+    lines = source.text.rstrip("\n").split("\n")
     header = lines[0].split(" ")
     if header[:2] != ["asp", "1"] or len(header) < 4 or header[4:] not in ([], ["incremental"]):
         yield Problem(source.path, 1, "this header is not that of aspif; begin the file with `asp 1 0 0`")

@@ -12,6 +12,10 @@ from typing import Any
 
 import numpy as np
 
+from tests.independent.frames import Frame
+from tests.independent.frames import frame as frame_of
+from tests.independent.robots import Mounted
+
 LIMITS: Mapping[str, tuple[Sequence[float], Sequence[float]]] = {
     "panda": ((2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61), (15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0)),
     "kuka": ((1.4835, 1.4835, 1.7453, 1.3089, 2.2689, 2.3561, 2.3561), (10.0,) * 7),
@@ -21,6 +25,12 @@ LIMITS: Mapping[str, tuple[Sequence[float], Sequence[float]]] = {
 SECONDS = 0.05
 AT_HAND = ("holding(", "at(")
 """How fluents begin that say what a gripper is at."""
+
+LOOSE, LOOSE_DEGREES = 0.005, 5.0
+"""Metres and degrees by which a held body may be elsewhere in the hand."""
+
+HARD, TIMES = 20.0, 10.0
+"""Newtons of a contact of what is moved, and how many times its weight come on top."""
 
 MOST = 1.0
 """Newtons of a contact that nobody asked for."""
@@ -52,6 +62,43 @@ def unwanted(shown: Any, actions: Sequence[str], known: Sequence[str]) -> Iterat
         for one, two, force in touches:
             if force > MOST and not _may_touch(one, two, usual, every, fingered):
                 yield f"frame {frame}: {one} and {two}, {force:.1f} N"
+
+
+def loosened(shown: Any, arms: Mapping[str, Mounted]) -> Iterator[str]:
+    """Yield what is elsewhere in a hand after a time in the air, where nothing else touches it, than before."""
+    bodies = list(shown.bodies)
+    partners: dict[tuple[int, int], set[int]] = {}
+    for at, one, two in shown.contacts.tolist():
+        partners.setdefault((one, at), set()).add(two)
+        partners.setdefault((two, at), set()).add(one)
+    for i, robot in enumerate(shown.robots):
+        fingers = {bodies.index(f"{side} finger of {robot}") for side in ("left", "right")}
+        for k, entity in enumerate(shown.objects):
+            first: Frame | None = None
+            for at in range(len(shown.times)):
+                if partners.get((bodies.index(entity), at)) != fingers:
+                    first = None
+                    continue
+                x, y, z, *quaternion = shown.poses[at, k].astype(float).tolist()
+                tool = arms[robot].tool(tuple(shown.joints[at, i].astype(float).tolist()))
+                now = tool.inverse() @ frame_of(((x, y, z), quaternion))
+                first = now if first is None else first
+                far, turn = first.offset(now)
+                if far > LOOSE or turn > np.radians(LOOSE_DEGREES):
+                    yield f"frame {at}: {entity} is off by {1000 * far:.1f} mm, {np.degrees(turn):.1f} degrees"
+
+
+def overloaded(shown: Any, kilograms: Mapping[str, float]) -> Iterator[str]:
+    """Yield contacts of what fingers touch in the same frame that are stronger than the weight explains."""
+    names = [[shown.bodies[one], shown.bodies[two]] for _, one, two in shown.contacts.tolist()]
+    fingered: dict[int, set[str]] = {}
+    for (at, *_), (one, two) in zip(shown.contacts.tolist(), names, strict=True):
+        if " finger of " in one:
+            fingered.setdefault(at, set()).add(two)
+    for (at, *_), both, force in zip(shown.contacts.tolist(), names, shown.forces.tolist(), strict=True):
+        touched = fingered.get(at, set()).intersection(both)
+        if touched and force > HARD + TIMES * 9.81 * max(kilograms[each] for each in touched):
+            yield f"frame {at}: {both[0]} and {both[1]}, {force:.1f} N"
 
 
 def _may_touch(one: str, two: str, usual: set[str], every: set[str], fingered: set[str]) -> bool:

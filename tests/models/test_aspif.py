@@ -116,13 +116,14 @@ def test_weights_of_a_ground_program_are_facts_that_it_shows() -> None:
         ("2 0 1 1 1\n0", 2, "add --optimal"),
         ("11 1\n0", 2, "no statement of kind 11"),
         ("1 0 1 1 0 0\n0\n1 0 1 2 0 0\n0", 4, "a second step"),
-        ("1 0 1 1 0 0", 2, "the program has no end"),
+        ("1 0 1 1 0 0\n\n", 2, "the program has no end"),
     ],
 )
 def test_a_line_that_clingo_would_not_read_is_named(lines: str, line: int, problem: str) -> None:
     with pytest.raises(DomainError) as error:
         answer_sets(text=HEADER + lines)
-    assert error.value.lines[0].startswith(f"<text>:{line}: ") and problem in error.value.lines[0]
+    (message,) = error.value.lines
+    assert message.startswith(f"<text>:{line}: ") and problem in message
 
 
 def test_a_ground_program_is_alone_and_has_no_constants(tmp_path: Path) -> None:

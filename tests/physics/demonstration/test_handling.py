@@ -27,9 +27,13 @@ from prag_asp.scene.robots import PANDA
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.scene_loader import parse_scene
 from tests.chance import Chance
+from tests.independent.frames import standing
+from tests.independent.recordings import loosened, overloaded
+from tests.independent.robots import ROBOTS, Mounted
 from tests.physics.scenarios import stacking, state, task
 
 STEP = 1 / 120
+ARM = {"panda": Mounted(ROBOTS["panda"], standing(0.0, 0.0, 0.0, 0.0))}
 ROD = task(
     state("on_top(rod,table)", "-holding(panda,rod)"),
     ("pick(panda,rod)", state("-on_top(rod,table)", "holding(panda,rod)")),
@@ -68,6 +72,7 @@ def test_a_rod_of_two_kilograms_does_not_slip_and_is_put_down_gently(heavy: Scen
     assert shown.success, shown.detail
     assert check_demonstration(ROD, shown, heavy) == []
     assert shown.forces.max() < 20 + 3 * 2.016 * 9.81
+    assert list(overloaded(shown, {"rod": 2.016})) == list(loosened(shown, ARM)) == []
 
 
 def test_a_rod_that_is_lifted_as_fast_as_the_arm_can_slips_and_is_not_accepted(
@@ -78,6 +83,7 @@ def test_a_rod_that_is_lifted_as_fast_as_the_arm_can_slips_and_is_not_accepted(
     shown = performer.perform(physical_task(ROD, heavy), witness)
     assert shown.cause in (SLIPPED, OVERBEARING) and "rod" in shown.detail
     assert any("rod slips by" in fault for fault in check_demonstration(ROD, shown, heavy))
+    assert list(overloaded(shown, {"rod": 2.016})) or list(loosened(shown, ARM))
 
 
 def test_the_acceleration_that_friction_bears_is_that_of_coulomb(heavy: Scene) -> None:
