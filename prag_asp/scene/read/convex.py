@@ -45,24 +45,26 @@ def convex_hull(points: Floats) -> Floats:
         outward = np.cross(two - one, three - one) @ (one - inner) > 0.0
         faces.append((start[a], start[b], start[c]) if outward else (start[a], start[c], start[b]))
     normals, offsets = planes(faces)
-    waiting = np.ones(len(points), dtype=bool)
-    waiting[start] = False
-    while waiting.any():
-        candidates = np.flatnonzero(waiting)
-        heights = points[candidates] @ normals.T - offsets
-        # What no face sees is inside for good; each point is added at most once, so that rounding errors end too.
-        outside = heights.max(1) > rounding
-        waiting[candidates[~outside]] = False
-        if not outside.any():
-            break
-        highest = int(heights.max(1).argmax())
-        corner, seen = int(candidates[highest]), heights[highest] > rounding
-        waiting[corner] = False
+    # Each point outside is kept with the face over which it is highest: only a face that is replaced moves its points.
+    numbers, following = np.arange(len(faces)), len(faces)
+    heights = points @ normals.T - offsets
+    owner, height = numbers[heights.argmax(1)], heights.max(1)
+    height[start] = -np.inf
+    while height[highest := int(height.argmax())] > rounding:
+        seen = normals @ points[highest] - offsets > rounding
+        height[highest] = -np.inf
         edges = {(face[i - 1], face[i]) for face, each in zip(faces, seen, strict=True) if each for i in range(3)}
-        new = [(one, two, corner) for one, two in sorted(edges) if (two, one) not in edges]
+        new = [(one, two, highest) for one, two in sorted(edges) if (two, one) not in edges]
+        moved = np.isin(owner, numbers[seen]) & (height > rounding)
         faces = [face for face, each in zip(faces, seen, strict=True) if not each] + new
         more, further = planes(new)
+        fresh = np.arange(following, following + len(new))
+        following += len(new)
         normals, offsets = np.concatenate([normals[~seen], more]), np.concatenate([offsets[~seen], further])
+        numbers = np.concatenate([numbers[~seen], fresh])
+        if moved.any():
+            above = points[moved] @ more.T - further
+            owner[moved], height[moved] = fresh[above.argmax(1)], above.max(1)
     hull: Floats = points[np.array(faces)]
     return hull
 
