@@ -16,6 +16,7 @@ from prag_asp.wording import plural
 WARNINGS: Mapping[str, str] = {
     "asks-more": "an action whose rule asks by `ever` for what the action does not need: plans may be missing",
     "empty-class": "a class that no entity belongs to",
+    "ignored": "a part of a PDDL file that plans do not depend on, or that is read in another way",
     "never-holds": "an atom of a rule that nothing stated can be",
     "never-occurs": "an action or a composite that can never occur: it is pruned",
     "no-effect": "a statement, a key or a comment that changes nothing",
@@ -30,6 +31,7 @@ WARNINGS: Mapping[str, str] = {
     "too-heavy": "a body that no gripper lifts, by its weight or its friction",
     "too-wide": "a body that no gripper closes around",
     "undefined": "a predicate that rules read, but none defines",
+    "undeclared": "a name of a PDDL file that is read, although it is declared nowhere",
     "unused": "a predicate that no rule reads",
 }
 """The warnings by name: suspicious, but well defined."""
