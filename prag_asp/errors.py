@@ -11,7 +11,6 @@ PragError
 │   ├── PicturesMissingError
 │   ├── DatasetsMissingError
 │   ├── LearningMissingError
-│   ├── PddlMissingError
 │   └── RayMissingError
 ├── NotFound           less was found than requested
 ├── WorkerError        processes that validate tasks died repeatedly, or could not be started
@@ -117,10 +116,6 @@ class LearningMissingError(MissingError):
 
 class RayMissingError(MissingError):
     """Work on a cluster needs Ray."""
-
-
-class PddlMissingError(MissingError):
-    """Reading PDDL files needs the package pddl."""
 
 
 class NotFound(PragError):

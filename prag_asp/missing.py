@@ -16,7 +16,6 @@ from types import ModuleType
 from prag_asp.errors import (
     DatasetsMissingError,
     LearningMissingError,
-    PddlMissingError,
     PhysicsMissingError,
     RayMissingError,
 )
@@ -93,20 +92,6 @@ def require_ray() -> None:
     """
     if find_spec("ray") is None:
         raise RayMissingError('a cluster needs Ray; install it on every node: pip install "prag_asp[ray]"')
-
-
-def require_pddl() -> None:
-    """Check that PDDL files can be read.
-
-    Raises:
-        PddlMissingError: the package pddl is not installed, or cannot be loaded.
-    """
-    try:
-        import_module("pddl.parser")
-    except ImportError as error:
-        missing = (error.name or "").partition(".")[0] in ("pddl", "lark")
-        message = "PDDL needs the package pddl" if missing else f"pddl cannot be loaded: {_reason(error)}"
-        raise PddlMissingError(f'{message}; install it: pip install "prag_asp[pddl]"') from None
 
 
 def _reason(error: ImportError) -> str:

@@ -44,6 +44,7 @@ class DomainOptions:
     cached: bool = True
     trust: bool = False
     strict: bool = False
+    untimed: bool = False
     recorded: Record | None = None
 
     def of(self, record: Record, folder: Path) -> DomainOptions:
@@ -75,6 +76,7 @@ class DomainOptions:
                 trust=self.trust,
                 learned=self.learned,
                 strict=self.strict,
+                untimed=self.untimed,
             )
         except DomainError as error:
             if self.recorded is None:
@@ -168,6 +170,7 @@ PROGRAM = (
         "--learned/--no-learned", default=True, help="Read learned.lp if the domain has one.  [default: learned]"
     ),
     click.option("--strict", is_flag=True, help="Treat warnings of `prag-asp check` as errors."),
+    click.option("--untimed", is_flag=True, help="Read durative actions of PDDL as instantaneous ones."),
 )  # fmt: skip
 """Options for loading a domain."""
 

@@ -99,25 +99,27 @@ def load_domain(
     trust: bool = False,
     learned: bool = True,
     strict: bool = False,
+    untimed: bool = False,
 ) -> Domain:
     """Read and check a domain: a shipped name, a folder, files that end in .lp, or a text.
 
     Files (``-`` is standard input) and a text together form one domain, named after the first. Includes are resolved in
     the folder of a file, for a text in the working directory; such a domain has no domain.toml. Two files that end in
-    .pddl are a PDDL domain and its problem. `constants` are values for ``#const``s of the domain. `settings` is a file
-    to read in place of the folder's domain.toml; its relative paths begin at its own folder.
+    .pddl are a PDDL domain and its problem; one file may have both. `constants` are values for ``#const``s of the
+    domain. `settings` is a file to read in place of the folder's domain.toml; its relative paths begin at its folder.
 
     `rules` are names of files in the encodings' folder ``rules``; one with arguments, such as ``at_most(grasp,2)``, is
     also stated as a fact. `encodings` is a folder to use in place of the shipped encodings. With `flat`, the composites
     of the domain are ignored: any sequence of its actions may be a plan. With `trust`, physics may run the Python files
     that domain.toml names; nothing else runs them. Without `learned`, the file of learned invariants of a folder is not
     read. It is not read with `settings` either, which may describe another scene. With `strict`, warnings are errors.
+    With `untimed`, durative actions of PDDL are read as instantaneous ones.
 
     Raises:
         DomainError: something is wrong with the files; the message has one line for each problem.
     """
     stage("reading the domain")
-    name, folder, entries = _find_domain(given, text)
+    name, folder, entries, remarks = _find_domain(given, text, untimed=untimed)
     values = parse_constants(constants or {})
     encodings = Path(encodings) if encodings is not None else data_folder("encodings")
     core = core_sources(encodings)
@@ -142,8 +144,9 @@ def load_domain(
     outcome = None if learned_path else find_reduction(program, table_file)
     reduction, irreducible = (outcome, "") if isinstance(outcome, Reduction) else (None, outcome or "")
     checked = reduction.checked if reduction else check(program, table_file)
+    warnings = (*remarks, *checked.warnings)
     if strict:
-        raise_problems(each.as_error() for each in first_of_each(checked.warnings))
+        raise_problems(each.as_error() for each in first_of_each(warnings))
     facts = flattened(checked.facts) if flat else checked.facts
     if reduction:
         facts = reduction.whole_facts()
@@ -151,15 +154,15 @@ def load_domain(
         program = Program(tuple(each for each in program.sources if each.path != encodings / HIERARCHY))
     domain = Domain(
         name, folder, encodings, program, facts, checked.settings, trust,
-        constants=values, warnings=checked.warnings, reduction=reduction, irreducible=irreducible,
+        constants=values, warnings=warnings, reduction=reduction, irreducible=irreducible,
     )  # fmt: skip
     return with_learned(domain, read_sources(learned_path, encodings, own=folder)) if learned_path else domain
 
 
 def _find_domain(
-    names: Sequence[str | Path | Source], text: str | None
-) -> tuple[str, Path | None, list[Path | Source]]:
-    """Return the name of a domain, its folder if it has one, and its files and texts in order.
+    names: Sequence[str | Path | Source], text: str | None, *, untimed: bool
+) -> tuple[str, Path | None, list[Path | Source], tuple[Problem, ...]]:
+    """Return the name of a domain, its folder if it has one, its files and texts in order, and warnings about PDDL.
 
     The arguments are one name or folder, or any number of files and at most one text.
 
@@ -177,7 +180,7 @@ def _find_domain(
         raise DomainError(f"{listing}: {named[0]} is no file that ends in .lp; give one name or folder, or files alone")
     if named:
         folder = domain_folder(named[0])
-        return folder.resolve().name, folder, [folder / "domain.lp"]
+        return folder.resolve().name, folder, [folder / "domain.lp"], ()
     planning = [each for each in files if not isinstance(each, Source) and Path(each).suffix == PDDL]
     entries = [
         each if isinstance(each, Source) else standard_input() if str(each) == STANDARD_INPUT else Path(each)
@@ -185,15 +188,18 @@ def _find_domain(
         if each not in planning
     ]
     if planning:
+        from prag_asp.pddl import read
+        from prag_asp.pddl.syntax.sections import holds_both
+
+        if len(planning) == 1 and holds_both(Path(str(planning[0]))):
+            planning = planning * 2
         if len(planning) != 2:
             problem = "one file" if len(planning) == 1 else f"{len(planning)} files"
             raise DomainError(f"{' '.join(map(str, planning))}: {problem} of PDDL; {BOTH}")
-        from prag_asp.pddl import read
-
-        imported = read(*map(str, planning))
-        return imported.name, None, [*imported.sources, *entries]
+        imported = read(*map(str, planning), untimed=untimed)
+        return imported.name, None, [*imported.sources, *entries], imported.warnings
     first = entries[0].path if isinstance(entries[0], Source) else entries[0]
-    return first.stem.strip("<>"), None, entries
+    return first.stem.strip("<>"), None, entries, ()
 
 
 def _rule_sources(rule: str, encodings: Path) -> tuple[Source, ...]:

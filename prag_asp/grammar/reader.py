@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from prag_asp.errors import QueryError
 from prag_asp.grammar.template import Template, agrees, parse_template
@@ -70,6 +70,17 @@ class Grammar:
     values: Mapping[str, str] = field(default_factory=dict)
 
 
+AGENTS = frozenset(["agent", "arm", "gripper", "hand", "robot"])
+"""Classes whose members act, where no scene says which entities are robots."""
+
+
+class _Way(NamedTuple):
+    """A source (``from``) or destination (``to``) of an action, and the place of the argument that is moved."""
+
+    word: str
+    moved: int
+
+
 class GrammarReader:
     """Reads the tables of one language of a domain, and ignores wrong entries, which the linter reports."""
 
@@ -103,42 +114,60 @@ class GrammarReader:
         return sentences
 
     def plain(self) -> dict[Signature, Template]:
-        """Return default sentences of actions from their name and arguments, without constant arguments."""
+        """Return default sentences of actions from their name and arguments, without constant arguments.
+
+        What an action moves is named even if it is constant: "pick the cup from the table", not "pick the table".
+        """
         defaults = self.words.table.get("defaults", {})
         if "action" not in defaults:
             return {}
         sentences, ways = {}, self._ways() if "from" in defaults and "to" in defaults else {}
         for (name, arity), places in self.states.action_arguments.items():
-            named = [index for index, arguments in enumerate(places) if len(arguments) > 1]
-            led = {index: way for index, way in ways.get((name, arity), {}).items() if index in named[1:]}
+            varying = {index for index, arguments in enumerate(places) if len(arguments) > 1}
+            way_of = ways.get((name, arity), {})
+            moved = {each.moved for index, each in way_of.items() if index in varying}
+            named = sorted(varying | moved)
+            led = {index: each.word for index, each in way_of.items() if index in varying}
             every = _joined([f"{{{index}}}" for index in named if index not in led], defaults["all"])
             text = str(defaults["action"]).format(name=plain(name), all=every).strip()
             text += "".join(str(defaults[way]).replace("{0}", f"{{{index}}}") for index, way in sorted(led.items()))
             sentences[name, arity] = parse_template(text, self.words.cases, arity)
         return sentences
 
-    def _ways(self) -> Mapping[Signature, Mapping[int, str]]:
+    def _ways(self) -> Mapping[Signature, Mapping[int, _Way]]:
         """Return the arguments of actions that are a source (``from``) or a destination (``to``).
 
         Each action of the signature makes a binary fluent false, or true, whose second argument this is and whose first
-        argument is an earlier argument of the action and no robot.
+        argument is an earlier argument of the action and no robot: no body or class of robots in the scene, no member
+        of a class of `AGENTS`, and not what a predicate says of a robot.
         """
-        shapes = _below(self.settings.scene, "shapes")
+        from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - counting needs no instructions
+
+        shapes, predicates = _below(self.settings.scene, "shapes"), _below(self.settings.scene, "predicates")
         kinds = {name for name, shape in shapes.items() if isinstance(shape, Mapping) and shape.get("kind") == "robot"}
+        kinds |= AGENTS
         robots = kinds | {str(entity) for entity, name in self.states.memberships if str(name) in kinds}
-        directions: dict[Signature, dict[int, str]] = {}
+        directions: dict[Signature, dict[int, _Way]] = {}
         for action in self.states.declared_actions:
             signature = action.name, len(action.arguments)
             arguments = list(map(str, action.arguments))
-            here: dict[int, str] = {}
+            here: dict[int, _Way] = {}
             for fluent, value in self.states.postconditions.get(action, ()):
                 pair = list(map(str, fluent.arguments))
+                roles = PREDICATE_ROLES.get(str(predicates.get(fluent.name, fluent.name)), ())
+                if roles[:1] == ("robot",):
+                    continue
                 if len(pair) == 2 and value != "unknown" and pair[0] not in robots and set(pair) <= set(arguments):
                     where = len(arguments) - 1 - arguments[::-1].index(pair[1])
-                    if arguments.index(pair[0]) < where:
-                        here[where] = "to" if value == "true" else here.get(where, "from")
+                    moved = arguments.index(pair[0])
+                    if moved < where and (value == "true" or where not in here):
+                        here[where] = _Way("to" if value == "true" else "from", moved)
             both = directions.setdefault(signature, here)
-            directions[signature] = {index: way for index, way in both.items() if here.get(index) == way}
+            directions[signature] = {
+                index: _Way(way.word, max(way.moved, here[index].moved))
+                for index, way in both.items()
+                if index in here and here[index].word == way.word
+            }
         return directions
 
     def facts(self) -> dict[Signature, FactForms]:

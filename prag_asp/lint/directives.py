@@ -109,6 +109,33 @@ def placement_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
             yield rule.problem(f"{spelled(stated.signature)} depends on a choice; state it as a fact")
 
 
+def last_step_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
+    """Yield the rules of a step that read a predicate of the same step which rules of ``check(t)`` derive.
+
+    A step is the same function at every time, so it does not know whether it is the last one: the program is ground
+    part by part, ``base``, ``step(1)`` to ``step(n)``, then ``check(n)``, and each part reads only what it or an
+    earlier part derives.
+    """
+    checks = [each for each in statements if each.is_rule and each.part == "check"]
+    derived = {head.signature: each for each in checks for head in each.heads if not head.negated}
+    for rule in statements:
+        if not derived or not rule.is_rule or rule.part != "step":
+            continue
+        before = f"({rule.parameters[0] if rule.parameters else 't'}-1)"
+        read = (each.signature for each in rule.body if not each.arguments or each.arguments[-1] != before)
+        signature = next((each for each in read if each in derived), None)
+        if signature is None:
+            continue
+        time = f"check({rule.parameters[0] if rule.parameters else 't'})"
+        if rule.own:
+            text = f"this rule of a step reads {spelled(signature)}, which {time} derives after the last step only"
+            yield rule.problem(f"{text}; derive it in the step, or move this rule to {time}")
+        else:
+            check = derived.pop(signature)
+            text = f"{spelled(signature)} is derived in {time}, but rules of a step read it"
+            yield check.problem(f"{text}; derive a predicate of another name")
+
+
 def size_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
     """Yield the author's facts whose intervals expand to too many atoms."""
     constants = {each.node.name: str(each.node.value) for each in statements if each.kind == ASTType.Definition}

@@ -10,10 +10,12 @@ from pathlib import Path
 import clingo
 from clingo.ast import ASTType
 
+from prag_asp.lint.unset_fluents import unset_fluents
 from prag_asp.program.facts import Facts
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.predicates import HOLDS, KNOWN, OCCURS, PRUNED
 from prag_asp.program.problem import Problem
+from prag_asp.program.sources import Program
 from prag_asp.program.syntax import AtomNode, Signature, Statement, atoms, names, variables
 
 READS: frozenset[Signature] = frozenset([HOLDS, KNOWN])
@@ -21,7 +23,9 @@ READ, UNSURE, POOLED = "_read", "_unsure", "_Pooled"
 ANONYMOUS = re.compile(r"(?<![\w'])_(?![\w'])")
 
 
-def open_world_problems(grounder: Grounder, facts: Facts, statements: Sequence[Statement]) -> Iterator[Problem]:
+def open_world_problems(
+    program: Program, grounder: Grounder, facts: Facts, statements: Sequence[Statement]
+) -> Iterator[Problem]:
     """Yield the author's rules of a step that read a fluent whose value may be unknown."""
     readings = [
         (each, atom)
@@ -33,6 +37,9 @@ def open_world_problems(grounder: Grounder, facts: Facts, statements: Sequence[S
     if not readings:
         return
     unsure = _unsure(grounder.control, facts)
+    for unset, rule in unset_fluents(program, facts, statements, unsure.keys()).items():
+        changes = f"which {rule.path.name}:{rule.line} changes"
+        unsure[unset] = f"{changes}, though no rule may give it a value; derive holds({unset},V,t) in every case"
     if not unsure:
         return
     grounder.state(PRUNED(term) for term in facts.pruned)

@@ -12,7 +12,13 @@ from clingo.ast import ASTType
 from prag_asp.errors import DomainError
 from prag_asp.lint.allowed_warnings import Allowed, allowance_problems, allowed_names, not_allowed
 from prag_asp.lint.composites import composite_problems
-from prag_asp.lint.directives import directive_problems, placement_problems, recursion_problems, size_problems
+from prag_asp.lint.directives import (
+    directive_problems,
+    last_step_problems,
+    placement_problems,
+    recursion_problems,
+    size_problems,
+)
 from prag_asp.lint.effects import action_problems, effect_problems, limit_problems
 from prag_asp.lint.ever import ever_problems, needless_problems
 from prag_asp.lint.hierarchy import choice_problems, hierarchy_problems, shared_name_problems, term_problems
@@ -25,6 +31,7 @@ from prag_asp.lint.occurrence import (
     unreachable_problems,
 )
 from prag_asp.lint.open_world import open_world_problems
+from prag_asp.lint.other_encodings import edited_encodings, encoding_problems
 from prag_asp.lint.rule_origin import Origins
 from prag_asp.lint.settings_checks import name_problems, table_problems
 from prag_asp.lint.unsatisfiable_atoms import demand_problems
@@ -38,7 +45,7 @@ from prag_asp.program.problem import Problem, raise_problems
 from prag_asp.program.settings import Settings, settings_of
 from prag_asp.program.sources import ADDED, HIERARCHY, Program, Source, added_encodings, encodings_folder, owned
 from prag_asp.program.syntax import Statement
-from prag_asp.pruning import find_pruning
+from prag_asp.pruning import Pruning, find_pruning
 from prag_asp.pruning.reachability import relaxed_sources
 from prag_asp.tables.toml_text import parse_toml
 
@@ -92,6 +99,7 @@ def check(
     warnings.add([*problems, *table_problems(table, settings), *allowance_problems(allowed)])
     warnings.add([*directive_problems(statements), *size_problems(statements)])
     warnings.add([*vocabulary_problems(statements), *placement_problems(statements), *recursion_problems(statements)])
+    warnings.add(last_step_problems(statements))
     step = _described(_one_free_step(program, sources), statements)
     encodings = encodings_folder(program)
     relaxed = relaxed_sources(encodings) if encodings else ()
@@ -101,14 +109,19 @@ def check(
     origins = Origins([each for each in statements if each.own or each.path.name != HIERARCHY])
     facts = _facts(grounder, statements, origins)
     _check_facts(warnings, grounder, facts, statements, origins)
+    edited = edited_encodings(program, statements)
+    warnings.add(encoding_problems(edited))
     added = added_encodings(program)  # what a user has added to a copy of the encodings counts as user rules
     user_statements = [replace(each, own=True) if each.path in added else each for each in statements]
-    pruning = find_pruning(step, grounder, facts, user_statements, encodings if relaxed else None)
+    if edited:
+        pruning = Pruning.none(facts)
+    else:
+        pruning = find_pruning(step, grounder, facts, user_statements, encodings if relaxed else None)
     warnings.add(action_rejections(pruning.actions, facts, origins))
     warnings.add(goal_problems(pruning.actions, facts, origins))
     if pruning.composites:
         warnings.add(composite_rejections(pruning.composites, facts, origins))
-    warnings.add(open_world_problems(grounder, pruning.facts, statements))
+    warnings.add(open_world_problems(program, grounder, pruning.facts, statements))
     warnings.add([*shared_name_problems(facts, origins), *name_problems(settings, with_entities(facts, like or {}))])
     warnings.add(ever_problems(grounder, pruning.facts, statements, pruning.reach))
     warnings.add(needless_problems(grounder, pruning.facts, statements))

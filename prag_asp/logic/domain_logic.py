@@ -12,7 +12,8 @@ import clingo
 from prag_asp.domain.load import Domain
 from prag_asp.logic.symmetry.symmetries import Symmetries
 from prag_asp.processes.progress_events import stage
-from prag_asp.program.sources import ADDED, Program
+from prag_asp.program.paths import data_folder
+from prag_asp.program.sources import ADDED, Program, read_text
 
 if TYPE_CHECKING:
     from prag_asp.logic.ground.ground_step import GroundStep
@@ -151,8 +152,10 @@ class DomainLogic:
 
         The unrolled program of a length is no replacement: clingo simplifies it by the initial state.
         """
-        sources = self.domain.program.sources
-        remaining = tuple(source for source in sources if source.path.parts[-2:] != LOOP_FREE)
+        sources, shipped = self.domain.program.sources, data_folder("encodings").joinpath(*LOOP_FREE)
+        remaining = tuple(
+            source for source in sources if source.path.parts[-2:] != LOOP_FREE or source.text != read_text(shipped)
+        )
         if len(remaining) == len(sources):
             return self
         return replace(self, domain=replace(self.domain, program=Program(remaining)))

@@ -52,4 +52,4 @@ def unused(name: str, taken: Collection[str]) -> str:
 def variable_name(name: str, taken: Collection[str]) -> str:
     """Return an unused clingo name for a variable of PDDL."""
     plain = re.sub(r"[^A-Za-z0-9_]", "_", str(name)).lower()
-    return unused(plain[0].upper() + plain[1:], taken)
+    return unused(plain[0].upper() + plain[1:] if plain[:1].isalpha() else f"V{plain}", taken)

@@ -9,7 +9,9 @@ from fractions import Fraction
 
 from prag_asp.errors import DomainError, QueryError
 from prag_asp.pddl.definitions import DomainFile, ProblemFile
-from prag_asp.pddl.formulas import Variable
+from prag_asp.pddl.formulas import FunctionTerm, Variable, conjuncts, function_terms
+from prag_asp.pddl.reading.comparisons import quantity_value
+from prag_asp.pddl.reading.scopes import TOTAL
 
 DIGITS = 2000
 """The maximum number of digits after the decimal point of a weight."""
@@ -42,33 +44,57 @@ def factor_of(text: str) -> Fraction:
 
 
 def cost_of(domain: DomainFile, problem: ProblemFile, action: str, terms: Sequence[str]) -> Decimal:
-    """Return the cost that a ground action adds to ``total-cost``. All names are PDDL names.
+    """Return the cost that a ground action adds to ``total-cost``. `action` is the name of its schema.
 
     Raises:
-        DomainError: the problem has no value for a function in the cost.
+        DomainError: the cost depends on the state, has no value in the problem, or has no finite decimal expansion.
     """
     schema = next(each for each in domain.actions if each.name == action)
-    values = dict(zip((each.name for each in schema.parameters), terms, strict=True))
-    total = Decimal(0)
-    for cost in schema.costs:
-        if isinstance(cost.value, str):
-            total = EXACT.add(total, Decimal(cost.value))
+    objects = dict(zip((each.name for each in schema.parameters), terms, strict=True))
+    changed = {effect.function.function for each in domain.actions for effect in each.numeric}
+    total = Fraction(0)
+    for effect in schema.numeric:
+        if effect.function.function != TOTAL:
             continue
-        function, arguments = cost.value
-        key = function, tuple(values[each.name] if isinstance(each, Variable) else each for each in arguments)
-        if key not in problem.costs:
-            term = " ".join([key[0], *key[1]])
-            raise DomainError(f"{action}: the problem has no value for ({term}), its cost; state it in :init")
-        total = EXACT.add(total, Decimal(problem.costs[key]))
-    return total
+        functions = [*function_terms(effect.value)]
+        constant = not effect.variables and next(conjuncts(effect.condition), None) is None
+        if not constant or effect.operator != "increase" or any(each.function in changed for each in functions):
+            raise DomainError(f"{action}: its cost depends on the state, so it has no weight; leave --cost-factor out")
+        values: dict[FunctionTerm, Fraction] = {}
+        for each in functions:
+            names = tuple(objects[term.name] if isinstance(term, Variable) else term for term in each.terms)
+            if (each.function, names) not in problem.values:
+                text = " ".join([each.function, *names])
+                raise DomainError(f"{action}: the problem has no value for ({text}), its cost; state it in :init")
+            values[each] = problem.values[each.function, names]
+        value = quantity_value(effect.value, values)
+        if value is None:
+            raise DomainError(f"{action}: its cost divides by 0; correct it")
+        total += value
+    return _decimal(action, total)
+
+
+def _decimal(action: str, cost: Fraction) -> Decimal:
+    """Return a cost as an exact decimal."""
+    rest, digits = cost.denominator, 0
+    for prime in (2, 5):
+        exponent = 0
+        while rest % prime == 0:
+            rest, exponent = rest // prime, exponent + 1
+        digits = max(digits, exponent)
+    if rest > 1:
+        raise DomainError(f"{action}: its cost {cost} has no finite decimal expansion; multiply all costs by a number")
+    return Decimal(cost.numerator * 10**digits // cost.denominator).scaleb(-digits, EXACT).normalize(EXACT)
 
 
 def weight_of_cost(factor: Fraction, cost: Decimal) -> Decimal:
     """Return a factor raised to the power of a cost, exactly.
 
     Raises:
-        QueryError: the cost is not an integer or exceeds `MOST_COST`, or the weight has too many digits.
+        QueryError: the cost is not an integer, negative or above `MOST_COST`, or the weight has too many digits.
     """
+    if cost < 0:
+        raise QueryError(f"cost {cost}: negative costs become no weights; add the same number to all")
     if cost != cost.to_integral_value():
         raise QueryError(f"cost {cost}: only integer costs become weights; multiply all costs by the same number")
     if cost > MOST_COST:

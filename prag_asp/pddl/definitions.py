@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 
-from prag_asp.pddl.formulas import Formula, Literal, Variable
+from prag_asp.pddl.formulas import Formula, FunctionTerm, Literal, Quantity, Variable
 
 OBJECT = "object"
 """The root of the type hierarchy."""
@@ -21,21 +22,30 @@ class SchemaEffect:
 
 
 @dataclass(frozen=True)
-class Cost:
-    """The cost that an action adds to ``total-cost``: a number, or a function of its parameters."""
+class NumericEffect:
+    """A change of a function, for all values of the variables that meet the condition.
 
-    value: str | tuple[str, tuple[Variable | str, ...]]
+    `operator` is one of ``increase decrease assign scale-up scale-down``.
+    """
+
+    variables: tuple[Variable, ...]
+    condition: Formula
+    operator: str
+    function: FunctionTerm
+    value: Quantity
+    line: int
 
 
 @dataclass(frozen=True)
 class Schema:
-    """An action with parameters."""
+    """An action with parameters. `name` is unique; `given_name` is that of the file, which several may share."""
 
     name: str
+    given_name: str
     parameters: tuple[Variable, ...]
     precondition: Formula
     effects: tuple[SchemaEffect, ...]
-    costs: tuple[Cost, ...]
+    numeric: tuple[NumericEffect, ...]
     line: int
 
 
@@ -85,12 +95,12 @@ class DomainFile:
 class ProblemFile:
     """A problem of a domain: all objects and constants with their types, the initial literals and the goal.
 
-    `costs` are the initial values of functions, as text; `object_lines` excludes constants.
+    `values` are the initial values of functions; `object_lines` excludes constants.
     """
 
     name: str
     objects: Mapping[str, str]
     initial: tuple[Literal, ...]
-    costs: Mapping[tuple[str, tuple[str, ...]], str]
+    values: Mapping[tuple[str, tuple[str, ...]], Fraction]
     goal: Formula
     object_lines: Mapping[str, int]

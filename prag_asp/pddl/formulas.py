@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import TypeAlias
 
 
@@ -36,6 +37,36 @@ class Equality:
 
 
 @dataclass(frozen=True)
+class FunctionTerm:
+    """A numeric function of terms."""
+
+    function: str
+    terms: tuple[Variable | str, ...]
+
+
+@dataclass(frozen=True)
+class Arithmetic:
+    """An operation (``+ - * /``) on quantities; `-` with one operand is its negative."""
+
+    operator: str
+    operands: tuple[Quantity, ...]
+
+
+Quantity: TypeAlias = "Fraction | FunctionTerm | Arithmetic"
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A comparison (``< <= > >= =``) of quantities, or its negation. Both are false where a quantity has no value."""
+
+    operator: str
+    left: Quantity
+    right: Quantity
+    positive: bool
+    line: int
+
+
+@dataclass(frozen=True)
 class Junction:
     """A conjunction (`every`) or a disjunction; the empty conjunction is true, the empty disjunction false."""
 
@@ -54,7 +85,7 @@ class Quantified:
     line: int
 
 
-Formula: TypeAlias = "Literal | Equality | Junction | Quantified"
+Formula: TypeAlias = "Literal | Equality | Comparison | Junction | Quantified"
 
 
 def negated(formula: Formula) -> Formula:
@@ -94,12 +125,33 @@ def literals(formula: Formula) -> Iterator[Literal]:
     return (each for each in subformulas(formula) if isinstance(each, Literal))
 
 
+def function_terms(quantity: Quantity) -> Iterator[FunctionTerm]:
+    """Yield the functions of a quantity."""
+    if isinstance(quantity, FunctionTerm):
+        yield quantity
+    elif isinstance(quantity, Arithmetic):
+        for each in quantity.operands:
+            yield from function_terms(each)
+
+
+def replaced(formula: Formula, change: Callable[[Formula], Formula]) -> Formula:
+    """Return a formula with each literal, equality and comparison changed."""
+    if isinstance(formula, Junction):
+        return replace(formula, parts=tuple(replaced(each, change) for each in formula.parts))
+    if isinstance(formula, Quantified):
+        return replace(formula, part=replaced(formula.part, change))
+    return change(formula)
+
+
 def variables(formula: Formula) -> dict[Variable, None]:
     """Return the free variables of a formula, in order of first occurrence."""
     if isinstance(formula, Literal):
         return dict.fromkeys(term for term in formula.terms if isinstance(term, Variable))
     if isinstance(formula, Equality):
         return dict.fromkeys(term for term in (formula.left, formula.right) if isinstance(term, Variable))
+    if isinstance(formula, Comparison):
+        each_term = (*function_terms(formula.left), *function_terms(formula.right))
+        return dict.fromkeys(term for each in each_term for term in each.terms if isinstance(term, Variable))
     if isinstance(formula, Junction):
         return {variable: None for part in formula.parts for variable in variables(part)}
     return {variable: None for variable in variables(formula.part) if variable not in formula.variables}

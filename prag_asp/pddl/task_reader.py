@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
@@ -9,10 +10,12 @@ from pathlib import Path
 
 from prag_asp.pddl.costs import cost_of
 from prag_asp.pddl.definitions import DomainFile, ProblemFile
-from prag_asp.pddl.file_reader import read_files
 from prag_asp.pddl.line_map import sources_of
+from prag_asp.pddl.reading.file_reader import read_files
+from prag_asp.pddl.reading.scopes import TOTAL
 from prag_asp.pddl.size import check_size
 from prag_asp.pddl.translate import Translation
+from prag_asp.program.problem import Problem
 from prag_asp.program.sources import Source, text_source
 
 
@@ -21,7 +24,8 @@ class Imported:
     """A PDDL domain and problem as a logic program: its name and its text.
 
     `sources` are the same program as files with the line numbers of the PDDL files, so that messages refer to these.
-    `actions` and `objects` map the names of the program to those of PDDL.
+    `actions` and `objects` map the names of the program to those of PDDL. `warnings` are about parts of the files that
+    are ignored or undeclared.
     """
 
     name: str
@@ -29,12 +33,15 @@ class Imported:
     sources: tuple[Source, ...] = field(repr=False, compare=False)
     actions: Mapping[str, str]
     objects: Mapping[str, str]
+    warnings: tuple[Problem, ...] = field(repr=False, compare=False)
+    _schemas: Mapping[str, str] = field(repr=False, compare=False)
     _files: tuple[DomainFile, ProblemFile] = field(repr=False, compare=False)
 
     @property
     def has_costs(self) -> bool:
         """Whether an action has a cost."""
-        return any(action.costs for action in self._files[0].actions)
+        effects = (effect for action in self._files[0].actions for effect in action.numeric)
+        return any(effect.function.function == TOTAL for effect in effects)
 
     def step(self, action: str, terms: Sequence[str]) -> str:
         """Return a ground action of the program as a step of a PDDL plan: ``(pick-up a)``."""
@@ -46,28 +53,29 @@ class Imported:
         Raises:
             DomainError: the problem has no value for a function in the cost.
         """
-        return cost_of(*self._files, self.actions[action], [self.objects[each] for each in terms])
+        return cost_of(*self._files, self._schemas[action], [self.objects[each] for each in terms])
 
 
-def read(domain: str | Path, problem: str | Path) -> Imported:
-    """Read a PDDL domain and problem.
+def read(domain: str | Path, problem: str | Path, *, untimed: bool = False) -> Imported:
+    """Read a PDDL domain and problem; both may be in one file, which is given twice.
 
     The logic program has the same plans of every length as the problem: sequences of actions that are applicable one
-    after the other, and lead to the goal.
+    after the other, and lead to the goal. With `untimed`, durative actions are instantaneous ones: each does what it
+    does if it runs from its start to its end without another.
 
     Raises:
         DomainError: a file cannot be read, is not PDDL, or uses an unsupported feature; the message has the line.
-        PddlMissingError: the package pddl is not installed.
     """
-    first, second = read_files(Path(domain), Path(problem))
+    first, second, warnings = read_files(Path(domain), Path(problem), untimed=untimed)
     translation = Translation(first, second)
     check_size(Path(domain), first, second, translation.fluents(), translation.words.static)
-    actions, objects = (
-        {ours: original for original, ours in each.items()} for each in (translation.actions, translation.words.objects)
-    )
+    objects = {ours: original for original, ours in translation.words.objects.items()}
+    schemas = {ours: name for name, ours in translation.actions.items()}
+    given_names = {each.name: each.given_name for each in first.actions}
+    actions = {ours: given_names[name] for ours, name in schemas.items()}
     title = f"The problem {second.name} of the domain {first.name}, imported from PDDL."
     lines = translation.lines(title)
     sources = tuple(sources_of(lines, {"domain": Path(domain), "problem": Path(problem)}))
-    name, text = f"{first.name}_{second.name}", "\n".join(lines) + "\n"
+    name, text = re.sub(r"[^\w.+-]", "_", f"{first.name}_{second.name}"), "\n".join(lines) + "\n"
     general = text_source(name, "\n".join([*translation.general, ""]))
-    return Imported(name, text, (*sources, general), actions, objects, (first, second))
+    return Imported(name, text, (*sources, general), actions, objects, warnings, schemas, (first, second))

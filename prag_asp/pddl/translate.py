@@ -68,8 +68,10 @@ class Translation:
         self._behaviour.derive(END)
         lines = [f"% {title}"]
         named = {"types": self.words.types, "objects": self.words.objects, "predicates": self.words.predicates}
-        for kind, names in {**named, "actions": self.actions}.items():
-            other = [f"{name} is {original}" for original, name in names.items() if original != name]
+        pairs = {kind: [*names.items()] for kind, names in named.items()}
+        pairs["actions"] = [(each.given_name, self.actions[each.name]) for each in self._domain.actions]
+        for kind, names in pairs.items():
+            other = [f"{name} is {original}" for original, name in names if original != name]
             lines += [f"% Names of {kind} in PDDL: {', '.join(other)}."] if other else []
         lines += ["", *self.general, "", *start[:-1]]
         lines += heading("Actions") + (shown or ["", PlacedLine("#defined action/1.", FileLine("domain", 1))])

@@ -16,12 +16,14 @@ from prag_asp.wording import plural
 WARNINGS: Mapping[str, str] = {
     "asks-more": "an action whose rule asks by `ever` for what the action does not need: plans may be missing",
     "empty-class": "a class that no entity belongs to",
+    "ignored": "a part of a PDDL file that plans do not depend on, or that is read in another way",
     "never-holds": "an atom of a rule that nothing stated can be",
     "never-occurs": "an action or a composite that can never occur: it is pruned",
     "no-effect": "a statement, a key or a comment that changes nothing",
     "no-grasp": "a body with a model on which no grasp is found",
     "no-plan": "an unreachable goal, or an initial state in which nothing can occur: every count is 0",
     "no-words": "a missing word of a language of instructions",
+    "other-encoding": "an encoding with other rules than the shipped one of its name",
     "out-of-reach": "a place of actions that no gripper reaches",
     "same-name": "a name that a class, an entity and an action have in common",
     "sounds-alike": "sentences of instructions that do not distinguish actions",
@@ -29,6 +31,7 @@ WARNINGS: Mapping[str, str] = {
     "too-heavy": "a body that no gripper lifts, by its weight or its friction",
     "too-wide": "a body that no gripper closes around",
     "undefined": "a predicate that rules read, but none defines",
+    "undeclared": "a name of a PDDL file that is read, although it is declared nowhere",
     "unused": "a predicate that no rule reads",
 }
 """The warnings by name: suspicious, but well defined."""

@@ -41,6 +41,11 @@ class Pruning:
     unreachable: Unreachable
     is_applied: bool
 
+    @classmethod
+    def none(cls, facts: Facts) -> Pruning:
+        """Return the pruning that leaves all facts, for encodings whose meaning is unknown."""
+        return cls(facts, RejectedActions({}, {}), None, None, Unreachable(), is_applied=False)
+
 
 def find_pruning(
     step: Program, grounder: Grounder, facts: Facts, statements: Sequence[Statement], encodings: Path | None

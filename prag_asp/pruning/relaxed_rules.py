@@ -64,10 +64,10 @@ def fluent_setters(steps: Sequence[Statement]) -> list[FluentSetter]:
     for each in steps:
         for atom in _derived(each) if each.node.head.ast_type == ASTType.Literal and '"' not in each.text else ():
             if atom.signature == HOLDS and atom.arguments[1] in BOOLEAN:
-                setting[atom.arguments[1]].append((each, *_renamed(atom.arguments[0], each)))
+                setting[atom.arguments[1]].append((each, *renamed_literals(atom.arguments[0], each)))
 
     def is_set(rule: Statement, head: AtomNode) -> bool:
-        fluent, literals = _renamed(head.arguments[0], rule)
+        fluent, literals = renamed_literals(head.arguments[0], rule)
         true, false = (
             [texts for each, term, texts in setting[value] if term == fluent and each.parameters == rule.parameters]
             for value in BOOLEAN
@@ -88,7 +88,7 @@ def _derived(rule: Statement) -> Iterator[AtomNode]:
     return (atom for atom in rule.heads if not atom.negated)
 
 
-def _renamed(term: str, rule: Statement) -> tuple[str, frozenset[str]]:
+def renamed_literals(term: str, rule: Statement) -> tuple[str, frozenset[str]]:
     """Return a term and the literals of a rule, with variables renamed in order of first occurrence."""
     renaming: dict[str, str] = {}
     renamed = [

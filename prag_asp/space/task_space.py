@@ -70,6 +70,8 @@ class TaskSpace:
         self.lengths = parse_lengths(length)
         self.condition = Condition()
         self._part_of: TaskSpace | None = None
+        self._longest: int | None = None
+        """The largest length of the engines, None if they answer for all lengths."""
 
     def __copy__(self) -> TaskSpace:
         space = object.__new__(type(self))
@@ -118,6 +120,8 @@ class TaskSpace:
         """Return the space of a single length, in this space or not, with the same conditions and engines."""
         space = copy(self)
         space.lengths = (checked_length(length),)
+        if self._longest is not None and length > self._longest:
+            space._restrict_engines(self.engines)
         return space
 
     def where(self, *conditions: str | Condition) -> TaskSpace:
@@ -136,15 +140,20 @@ class TaskSpace:
         for condition in conditions:
             space.condition &= condition if isinstance(condition, Condition) else Condition.parse(condition)
         if space.condition != self.condition:
-            from prag_asp.space.conditions.conditioned_domain import conditioned
-
-            engines = self.engines
-            whole = part_of.engines.model if part_of else None
-            model = DomainLogic(conditioned(self.domain, space.condition), engines.model.bare or engines.model, whole)
-            fewest = space.condition.fewest_actions
-            space.engines = DomainEngines(model, engines.name, engines.progress, engines.limits, fewest)
             space._part_of = part_of
+            space._restrict_engines(self.engines)
         return space
+
+    def _restrict_engines(self, engines: DomainEngines) -> None:
+        """Create the engines of the condition, from engines of this domain under other conditions."""
+        from prag_asp.space.conditions.conditioned_domain import conditioned
+
+        condition = self.condition.up_to(max(self.lengths))
+        whole = self._part_of.engines.model if self._part_of else None
+        model = DomainLogic(conditioned(self.domain, condition), engines.model.bare or engines.model, whole)
+        fewest = self.condition.fewest_actions
+        self.engines = DomainEngines(model, engines.name, engines.progress, engines.limits, fewest)
+        self._longest = None if condition == self.condition else max(self.lengths)
 
     def part(self, condition: str | Condition) -> TaskSpace:
         """Return the tasks that satisfy a condition invariant under renamings, up to the renamings of this space.

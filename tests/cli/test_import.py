@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from prag_asp import TaskSpace, load_domain
-from prag_asp.pddl.syntax import lark_grammar
 from tests.commands import run
 from tests.pddl.forward import Search
 
@@ -53,13 +52,6 @@ def test_what_cannot_be_imported_is_one_line(arguments: list[str], told: str, tm
     assert done.returncode == (4 if "exists" in told else 2)
     assert told in done.stderr and done.stderr.count("\n") == 1
     assert not (tmp_path / "new").exists()
-
-
-def test_without_the_package_it_is_said_how_to_get_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "pddl.parser", None)
-    lark_grammar.grammar.cache_clear()
-    done = run("count", *FILES, "-n", "1", cwd=tmp_path)
-    assert done.stderr == 'PDDL needs the package pddl; install it: pip install "prag_asp[pddl]"\n'
 
 
 def test_a_domain_and_a_task_are_exported_as_pddl(tmp_path: Path) -> None:

@@ -26,7 +26,6 @@ SETUP = {
     ".venv/bin/pip install '.[sharp]'",
     ".venv/bin/pip install '.[datasets]'",
     ".venv/bin/pip install '.[formats]'",
-    ".venv/bin/pip install '.[pddl]'",
     ".venv/bin/pip install '.[ray]'",
     ".venv/bin/pip install '.[rl]'",
     ".venv/bin/pip install 'minari[hdf5]'",

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import itertools
+import operator
 import re
 from collections import Counter
 from collections.abc import Iterator
+from fractions import Fraction
+from functools import reduce
 from typing import Any
 
 Tree = Any
@@ -40,6 +43,10 @@ def typed(words: list[Any]) -> list[tuple[str, tuple[str, ...]]]:
     return found + [(each, ("object",)) for each in waiting]
 
 
+ASSIGNMENTS = ("increase", "decrease", "assign", "scale-up", "scale-down")
+COMPARE = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "=": operator.eq}
+
+
 class Search:
     """The actions, the start and the goal of a problem."""
 
@@ -53,6 +60,11 @@ class Search:
         self.derived = {head[0] for head, _ in self.rules}
         self.goal = next(part[1] for part in parts if part[0] == ":goal")
         init = next(part[1:] for part in parts if part[0] == ":init")
+        listed = {key: [part[1:] for part in parts if part[0] == key] for key in (":predicates", ":functions")}
+        self.predicates, self.functions = (
+            {each[0] for part in parts for each in part if isinstance(each, list)} for parts in listed.values()
+        )
+        self.values_at_start = {tuple(each[1]): Fraction(each[2]) for each in init if each[0] == "="}
         self.start: State = frozenset(tuple(each) for each in init if each[0] not in ("=", "not"))
         self.actions = [
             (part[1], dict(zip(part[2::2], part[3::2], strict=True))) for part in parts if part[0] == ":action"
@@ -85,8 +97,24 @@ class Search:
             return all(self.holds(rest[1], state, each) for each in self.values(rest[0], given))
         if word == "exists":
             return any(self.holds(rest[1], state, each) for each in self.values(rest[0], given))
+        quantities = [isinstance(each, list) or each in self.functions for each in rest]
+        if word in COMPARE and (word != "=" or any(quantities)):
+            values = [self.number(each, given) for each in rest]
+            return None not in values and COMPARE[word](*values)
         terms = [given.get(each, each) for each in rest]
         return terms[0] == terms[1] if word == "=" else (word, *terms) in state
+
+    def number(self, tree: Tree, given: dict[str, str]) -> Fraction | None:
+        """Return the value of a function, a number or an operation; None if it has none."""
+        if isinstance(tree, str) and re.fullmatch(r"-?[\d.]+", tree):
+            return Fraction(tree)
+        word, *rest = [tree] if isinstance(tree, str) else tree
+        if word in ("+", "-", "*"):
+            values = [self.number(each, given) for each in rest]
+            if None in values:
+                return None
+            return reduce({"+": operator.add, "-": operator.sub, "*": operator.mul}[word], values)
+        return self.values_at_start.get((word, *(given.get(each, each) for each in rest)))
 
     def closed(self, state: State) -> State:
         """Add what the rules derive; a rule that negates a derived predicate comes after those of that predicate."""
@@ -115,7 +143,7 @@ class Search:
         return [{name for name, each in level.items() if each == n} for n in range(max(level.values(), default=-1) + 1)]
 
     def changes(self, effect: Tree, state: State, given: dict[str, str]) -> Iterator[tuple[bool, tuple[str, ...]]]:
-        if not effect or effect[0] == "increase":
+        if not effect or (effect[0] in ASSIGNMENTS and len(effect) == 3 and effect[0] not in self.predicates):
             return
         word, *rest = effect
         if word == "and":

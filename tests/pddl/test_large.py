@@ -12,7 +12,7 @@ from hypothesis.strategies import integers
 
 from prag_asp import DomainError, load_domain
 from prag_asp.pddl import read, size
-from prag_asp.pddl.file_reader import read_files
+from prag_asp.pddl.reading.file_reader import read_files
 from prag_asp.pddl.translate import Translation
 from tests.chance import examples
 from tests.pddl.imports import check_plans, counts, searched, with_goal, written
@@ -68,7 +68,7 @@ def test_random_tasks_whose_actions_look_ahead_have_the_plans_of_a_forward_searc
 @given(seed=integers(0, 10**6))
 def test_no_action_has_fewer_instances_than_are_said_to_be_made_at_least(seed: int, folder: Path) -> None:
     paths = written(folder, *random_task(seed))
-    files = read_files(*paths)
+    *files, _ = read_files(*paths)
     words = Translation(*files)
     static = words.words.static
     with pytest.MonkeyPatch.context() as patch:

@@ -9,15 +9,18 @@ import numpy as np
 import pytest
 
 from prag_asp.physics import Budget, check_demonstration, check_witness, open_validator, validate_task
-from prag_asp.physics.grasps.body_grasps import is_hand_free
+from prag_asp.physics.grasps.body_grasps import body_grasps, is_hand_free
 from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.physics.predicates import PREDICATES
+from prag_asp.physics.predicates.gripper import pad_friction, pad_reach
+from prag_asp.physics.proofs.prover import Prover
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.search.attempt import NO_GRASP, TWISTS
 from prag_asp.physics.situation import Situation
+from prag_asp.physics.symbolic_facts import Fact
 from prag_asp.physics.verdict import Tier, Verdict
 from prag_asp.physics.witness import Arm, Witness
-from prag_asp.scene.geometry import Pose, compose, invert
+from prag_asp.scene.geometry import Pose, compose, invert, yaw_of, yaw_quaternion
 from prag_asp.scene.robots.panda import PANDA
 from prag_asp.scene.scene import BodyModel, Scene, Shape, Solid
 from tests.independent.frames import Frame, frame
@@ -205,3 +208,22 @@ def test_a_hand_that_is_in_what_it_holds_is_found(verdicts: dict[str, Verdict]) 
         tool = compose(invert(moment.poses["thing_1"]), tool_pose(PANDA, arm.joints))
         assert is_hand_free(HELD[name], gripper, tool, arm.width)
         assert not is_hand_free(HELD[name], gripper, tool, arm.width - 0.012)
+
+
+@pytest.mark.parametrize("name", HELD)
+def test_every_grasp_of_a_body_holds_it_wherever_it_stands_and_nothing_refutes_that(name: str) -> None:
+    made, gripper = scene(HELD[name]), ParallelGripper.of(PANDA)
+    held = Fact(PREDICATES["holding"], ("panda", "thing_1"), True)
+    rng = np.random.default_rng(1)
+    found = body_grasps(HELD[name], gripper, pad_friction(made, "thing_1"))
+    assert found
+    for grasp in found:
+        pose = Pose((*rng.uniform(0.3, 0.6, 2), 0.1), yaw_quaternion(rng.uniform(-3.0, 3.0)))
+        arm, tool = Arm((0.0,) * 7, grasp.width), compose(pose, grasp.tool)
+        situation = Situation(made, {"thing_1": pose}, {"panda": arm}, tools={"panda": tool})
+        assert PREDICATES["holding"].holds(situation, held.arguments)
+        low, high = situation.body("thing_1").low, situation.body("thing_1").high
+        beyond = pad_reach(PANDA)
+        assert all(a - beyond <= at <= b + beyond for a, at, b in zip(low, tool.position, high, strict=True))
+        here = replace(made, fixed={**made.fixed, "thing_1": (*pose.position[:2], yaw_of(pose.quaternion))})
+        assert Prover(here).refutation([held]) is None

@@ -28,18 +28,22 @@ if TYPE_CHECKING:
     "-o", "--output", metavar="DIR", required=True, shell_complete=shell_completion.files,
     help="New folder of the domain.",
 )  # fmt: skip
-def import_(domain: str, problem: str, cost_factor: str | None, output: str) -> None:
+@click.option("--untimed", is_flag=True, help="Read durative actions of PDDL as instantaneous ones.")
+def import_(domain: str, problem: str, cost_factor: str | None, output: str, untimed: bool) -> None:
     """Convert a PDDL domain and problem into a domain in a new folder.
 
     Its tasks are the plans of the problem, of every length. The other commands also take the two PDDL files directly.
     """
     from prag_asp.output import new_folder, replace_file
     from prag_asp.pddl import read
+    from prag_asp.program.problem import first_of_each
 
     folder = Path(output)
     if folder.exists():
         raise OutputError(f"{folder}: exists already; choose another name, or remove it first")
-    imported = read(domain, problem)
+    imported = read(domain, problem, untimed=untimed)
+    for warning in first_of_each(imported.warnings):
+        tell_line(str(warning))
     title = f'title = "{imported.name}"\ndescription = "Imported from PDDL."\n'
     table = "" if cost_factor is None else f"\n{_weights(imported, cost_factor)}"
     texts = {"domain.lp": imported.text, "domain.toml": title + table}

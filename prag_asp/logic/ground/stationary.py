@@ -25,6 +25,10 @@ from prag_asp.program.syntax import AtomNode, Signature, Statement, atoms, child
 START = "0"
 """The text of the time of the start."""
 
+ONE_ACTION = "1 <= { occurs(A,t): action(A), not _pruned(A) } <= 1."
+ANY_ACTION = "1 <= { occurs(A,t): action(A) } <= 1."
+"""The rule of ``step.lp`` by which exactly one action occurs, with and without pruning, as clingo writes it."""
+
 PARTS = ("base", "step", "check")
 
 
@@ -123,9 +127,11 @@ def read_step(program: Program) -> StepReads:
             now = statement.parameters[0] if statement.parameters else "t"
             rules.setdefault(statement.part, []).append(_TimedRule(statement, now))
     timed: set[Signature] = {OCCURS, HOLDS}
+    acting = [rule for rule in rules["step"] if any(atom.signature == OCCURS for atom in rule.heads)]
     for rule in rules["step"]:
         timed |= {atom.signature for atom in rule.heads if _time_of(atom) == rule.now}
-    obstacles = list(_numbered(rules, timed))
+    obstacles = list(_acting(acting))
+    obstacles += _numbered(rules, timed)
     # Only rules of the base part with the name of a timed predicate, or the step before, can carry a time.
     rules["base"] = [
         rule
@@ -141,6 +147,15 @@ def read_step(program: Program) -> StepReads:
     return StepReads(frozenset(timed), frozenset(previous), tuple(obstacles), frozenset(growing), frozenset(last))
 
 
+def _acting(rules: Sequence[_TimedRule]) -> Iterator[Obstacle]:
+    """Yield the choices of encodings other than that of the shipped ``step.lp`` by which actions occur."""
+    for rule in rules:
+        chooses = not rule.statement.own and rule.statement.node.head.ast_type != ASTType.Literal
+        if chooses and rule.statement.text not in (ONE_ACTION, ANY_ACTION):
+            what = "this rule lets actions occur otherwise than in step.lp, where each step has exactly one"
+            yield rule.obstacle(what, "choose the engine clingo, or restore that rule")
+
+
 def _numbered(rules: Mapping[str, Sequence[_TimedRule]], timed: Collection[Signature]) -> Iterator[Obstacle]:
     """Yield the rules of the base part or the last check that state atoms by the number of a step."""
     last = {atom.signature for rule in rules["check"] for atom in rule.heads if _time_of(atom) == rule.now}
@@ -151,8 +166,6 @@ def _numbered(rules: Mapping[str, Sequence[_TimedRule]], timed: Collection[Signa
                 time = _time_of(atom)
                 if time == rule.now and atom.signature not in timed:
                     at.add(atom.signature)
-                    if name == "step" and atom.signature in last:
-                        yield rule.obstacle(f"{spelled(atom.signature)} is read in a step, and made after the last one")
                 elif time == rule.before:
                     before.add(atom.signature)
     for rule in rules["base"]:

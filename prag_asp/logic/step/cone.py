@@ -71,7 +71,7 @@ def find_breakable(step: NormalStep, invariants: list[RuleBody]) -> list[RuleBod
     if not invariants:
         return []
     reached = sorted(_influence(step, _atoms(invariants)))
-    control = clingo.Control(["--warn=none"])
+    control = clingo.Control(["--warn=none", "--heuristic=Domain"])
     with control.backend() as backend:
         atom_of = {atom: backend.add_atom() for atom in reached}
 
@@ -97,14 +97,18 @@ def find_breakable(step: NormalStep, invariants: list[RuleBody]) -> list[RuleBod
             backend.add_external(is_open, clingo.TruthValue.True_)
             add([breaks], body)
             backend.add_rule([some], [breaks, is_open])
+            # A model that breaks many constraints saves as many models.
+            backend.add_heuristic(breaks, clingo.backend.HeuristicType.True_, 1, 1, [is_open])
     found: set[int] = set()
+    waiting = set(range(len(invariants)))
     while True:
         with control.solve(assumptions=[some], yield_=True) as handle:
             model = handle.model()
             if model is None:
                 return [invariants[number] for number in sorted(found)]
-            new = {number for number, atom in enumerate(broken) if model.is_true(atom)} - found
+            new = {number for number in waiting if model.is_true(broken[number])}
         found |= new
+        waiting -= new
         for number in new:
             control.assign_external(open_[number], False)
 

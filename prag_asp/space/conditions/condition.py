@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from prag_asp.space.conditions.clause_kinds import Clause
+
+
+LARGE = 100
+"""The largest upper bound of occurrences that remains whatever the length, so that lengths share their engines."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +40,34 @@ class Condition:
         from prag_asp.space.conditions.clause_kinds import fewest_actions
 
         return max(map(fewest_actions, self.clauses), default=0)
+
+    def up_to(self, length: int) -> Condition:
+        """Return an equivalent condition for plans of at most `length` actions, whose upper bounds are not far above.
+
+        The state of a plan counts occurrences up to these bounds. Different bounds remain different, so that the
+        condition distinguishes the same entities.
+        """
+        from prag_asp.space.conditions.clause_kinds import Has, Range
+
+        largest = max(length, LARGE)
+        large = sorted(
+            {
+                clause.times.high
+                for clause in self.clauses
+                if isinstance(clause, Has) and clause.times.high is not None and clause.times.high > largest
+            }
+        )
+        bounds = {high: largest + number for number, high in enumerate(large, 1)}
+        return Condition(
+            tuple(
+                replace(
+                    clause, times=Range(min(clause.times.low, bounds[clause.times.high]), bounds[clause.times.high])
+                )
+                if isinstance(clause, Has) and clause.times.high in bounds
+                else clause
+                for clause in self.clauses
+            )
+        )
 
     def __and__(self, other: Condition) -> Condition:
         return Condition((*self.clauses, *(clause for clause in other.clauses if clause not in self.clauses)))

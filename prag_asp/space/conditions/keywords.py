@@ -30,6 +30,10 @@ AFTER = re.compile(r"(?P<steps>\d+)\s*:(?P<formula>.*)$", re.DOTALL)
 PART = re.compile(r"(?P<ranges>\d+-\d+(?:,\d+-\d+)*) of (?P<modulus>\d+) by seed (?P<seed>\d+)$")
 
 
+MOST_CLASSES = 10_000
+"""Maximum number of classes of a `part`: a condition has a state for each of them."""
+
+
 def parse_clause(text: str) -> Clause:
     """Return the clause of a text such as ``has at least 2 grasp`` or ``ends holding(panda,apple_1)``.
 
@@ -68,11 +72,16 @@ def _after(rest: str) -> Clause:
 
 def _part(rest: str) -> Clause:
     match = PART.match(rest)
+    if match and int(match["modulus"]) > MOST_CLASSES:
+        raise QueryError(
+            f"condition 'part {rest}': there are at most {MOST_CLASSES:,} classes of skeletons; take fewer"
+        )
     bounds = [tuple(map(int, interval.split("-"))) for interval in match["ranges"].split(",")] if match else []
-    residues = sorted({number for low, high in bounds for number in range(low, high + 1)})
-    if match is None or not residues or residues[-1] >= int(match["modulus"]):
+    modulus = int(match["modulus"]) if match else 0
+    residues = sorted({number for low, high in bounds for number in range(low, min(high, modulus) + 1)})
+    if match is None or not residues or residues[-1] >= modulus:
         raise QueryError(f"condition 'part {rest}': write it like {EXAMPLES['part']!r}")
-    return Part(tuple(residues), int(match["modulus"]), int(match["seed"]))
+    return Part(tuple(residues), modulus, int(match["seed"]))
 
 
 def _quantity(text: str) -> tuple[Range | None, str]:

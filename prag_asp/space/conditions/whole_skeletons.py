@@ -6,8 +6,10 @@ import re
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
-from math import lcm
+from itertools import count as numbers_from
+from math import ceil, lcm
 
+from prag_asp.errors import QueryError
 from prag_asp.space.conditions.clause_kinds import Matches, Part
 from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.parts.choice import NEAR, choose_parts, farthest
@@ -15,6 +17,15 @@ from prag_asp.space.parts.shares import divided
 
 FEWEST_CLASSES = 20
 """Minimum number of classes of skeletons; where there are many skeletons, parts are unions of whole classes."""
+
+MANY_CLASSES, MOST_CLASSES = 200, 1000
+"""Maximum number of classes that give shares exactly, and maximum number of classes for the smallest share.
+
+The time to count all classes one by one is proportional to their number: about 0.04 s each in the domain `prag`.
+"""
+
+CLOSE = NEAR / 10
+"""Maximum distance of the share of classes from the requested share, where many classes would give it exactly."""
 
 MOST_SKELETONS, LONGEST = 500, 30
 """Maximum number of skeletons, and of actions in each, for which parts are chosen skeleton by skeleton."""
@@ -40,9 +51,11 @@ def divide_skeletons(
 
     A random automaton divides the skeletons evenly. If the shares of tasks come out uneven, skeletons are assigned by
     their exact numbers of tasks: one by one, or in classes if `listed` returns None because there are too many.
+
+    Raises:
+        QueryError: a share is too small to be a class of skeletons.
     """
-    modulus = lcm(*(share.denominator for share in shares.values()))
-    modulus *= -(-FEWEST_CLASSES // modulus)
+    modulus = _number_of_classes(shares)
     residues = divided(modulus, shares)
     parts = {name: _part(numbers, modulus, seed) for name, numbers in residues.items()}
     if _distance(parts, shares, count) > NEAR:
@@ -65,6 +78,27 @@ def divide_skeletons(
             why = "no choice of whole skeletons comes nearer; take other shares or lengths"
             warnings.warn(f"{actual} of the tasks, not {requested}: {why}", SharesWarning, stacklevel=3)
     return parts
+
+
+def _number_of_classes(shares: Mapping[str, Fraction]) -> int:
+    """Return the smallest number of classes that gives the shares exactly, or, if that is large, nearly.
+
+    Raises:
+        QueryError: a share is too small to be a class of skeletons.
+    """
+    modulus = lcm(*(share.denominator for share in shares.values()))
+    if modulus <= MANY_CLASSES:
+        return modulus * -(-FEWEST_CLASSES // modulus)
+    name = min(shares, key=lambda each: shares[each])
+    fewest = ceil(1 / shares[name])
+    if fewest > MOST_CLASSES:
+        least = f"parts of whole skeletons have shares of at least 1/{MOST_CLASSES}"
+        raise QueryError(f"share of {name!r}: {least}; take a larger share, or split without whole skeletons")
+
+    def distance(classes: int) -> Fraction:
+        return farthest([len(residues) for residues in divided(classes, shares).values()], list(shares.values()))
+
+    return next(classes for classes in numbers_from(max(fewest, FEWEST_CLASSES)) if distance(classes) <= CLOSE)
 
 
 def _part(residues: Iterable[int], modulus: int, seed: int) -> Condition:

@@ -30,7 +30,7 @@ from prag_asp.space.sampling.samplers import (
     WalkSampler,
     WeightSampler,
 )
-from prag_asp.space.weights.weights import Weighed, Weights
+from prag_asp.space.weights.weights import Weighed, Weights, refuse_long_totals
 
 BATCH = 2048
 """Words that are sampled together at most."""
@@ -88,8 +88,9 @@ def weighed_words(
     """Return the weighted words of a level and a length from the engine.
 
     Raises:
-        QueryError: no word has a weight above 0.
+        QueryError: no word has a weight above 0, or exact totals of the weights have too many digits.
     """
+    refuse_long_totals(weights, length)
     weighed = engine.weighed(length, weights, goals=goals, plain=plain)
     if not weighed.total(length):
         count = engine.count(length)

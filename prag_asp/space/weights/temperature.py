@@ -18,6 +18,12 @@ DIGITS = 40
 LARGEST_EXPONENT = 1000
 """Largest power of ten of a weight."""
 
+MOST_BITS = 40_000
+"""Maximum number of bits, about 12,000 digits, of the numerator and of the denominator of an exact power.
+
+Counts multiply such numbers for each step of a plan.
+"""
+
 Key = TypeVar("Key")
 
 Temperature = Number
@@ -28,9 +34,9 @@ def tempered(weights: Weights, temperature: Temperature) -> Weights:
     """Return the weights at a temperature T: each weight w, of an entity with its classes, becomes about w^(1/T).
 
     T = 1 keeps the weights, T below 1 sharpens them, and T = ``inf`` makes all positive weights equal; 0 stays 0.
-    Powers with whole exponents are exact. Other powers above 1 are rounded to the nearest fraction with a denominator
-    of at most 10000; powers below 1 are the inverse of the rounded inverse. Decimal arithmetic makes the result the
-    same on every machine, and all later computations are exact.
+    Powers with whole exponents are exact if they have at most about 12,000 digits. Other powers above 1 are rounded to
+    the nearest fraction with a denominator of at most 10000; powers below 1 are the inverse of the rounded inverse.
+    Decimal arithmetic makes the result the same on every machine, and all later computations are exact.
 
     Raises:
         QueryError: the temperature is no number above 0, or too low.
@@ -64,7 +70,8 @@ def power(weight: Fraction, exponent: Fraction) -> Fraction:
         size = int(logarithm / Decimal(10).ln())
         if size > LARGEST_EXPONENT:
             raise QueryError(f"a weight of {weight} to the power of {exponent} is too large; raise the temperature")
-        if exponent.denominator == 1:
+        bits = max(weight.numerator.bit_length(), weight.denominator.bit_length())
+        if exponent.denominator == 1 and bits * exponent.numerator <= MOST_BITS:
             return weight**exponent.numerator
         context.prec = size + 2 * DIGITS
         base = Decimal(weight.numerator) / weight.denominator

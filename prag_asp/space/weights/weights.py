@@ -30,6 +30,12 @@ from prag_asp.space.automaton.automaton import Automaton, Completions, Word
 from prag_asp.space.automaton.walks import Choice
 from prag_asp.wording import unknown
 
+MOST_BITS, FEW_BITS = 1 << 19, 64
+"""Maximum number of bits of an exact total, about 158,000 digits, unless weights take at most 64 bits a step.
+
+Each state has a total for each number of remaining steps. In the domain `prag`, totals of so many bits take minutes.
+"""
+
 Number = int | Fraction | Decimal | str
 
 EXPONENT = re.compile(r"[-+]?(?P<digits>[\d_.]*)(?:[eE](?P<exponent>[-+]?\d{1,18}))?\d*")
@@ -165,6 +171,24 @@ def refuse_weights(level: str, weights: Weights, model: DomainLogic, length: int
         raise QueryError("skeletons have no weights; choose task or plan, or give weights={} (--uniform)")
     if weights and level == "task":
         refuse_unequal(weights, model.symmetries(length).orbits)
+
+
+def refuse_long_totals(weights: Weights, length: int) -> None:
+    """Refuse weights with so many digits that exact sums of products of `length` weights are too long to compute.
+
+    Raises:
+        QueryError: the totals have too many digits.
+    """
+    bits = 0
+    for table in (weights.names, weights.pairs, weights.actions, weights.entities):
+        scale = lcm(*(weight.denominator for weight in table.values()))
+        bits += max(int(weight * scale).bit_length() for weight in (*table.values(), Fraction(1)))
+    if bits > FEW_BITS and bits * length > MOST_BITS:
+        digits, most = bits * 3 // 10, MOST_BITS // length * 3 // 10
+        raise QueryError(
+            f"the weights have {digits:,} digits together, too many for exact totals at length {length:,}; "
+            f"round them to about {most} digits together, such as 1.33 or 4/3, or choose a smaller length"
+        )
 
 
 def refuse_unequal(weights: Weights, groups: Sequence[Sequence[clingo.Symbol]]) -> None:

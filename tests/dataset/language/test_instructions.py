@@ -140,6 +140,25 @@ def test_what_an_action_brings_about_leads_from_and_to_in_the_sentences_that_any
     assert said["two_arms", "give"] == "give <0>, <1> and <2>"
 
 
+def test_what_is_moved_is_named_even_if_it_is_the_only_one_of_its_kind() -> None:
+    text = """
+    class((robot; food; spot)). entity(panda, robot). entity(cake, food). entity((table; shelf), spot).
+    fluent(lies(O,P)) :- is_a(O,food), is_a(P,spot).   fluent(held(R,O)) :- is_a(R,robot), is_a(O,food).
+    action((pick(R,O,P); put(R,O,P))) :- fluent(held(R,O)), fluent(lies(O,P)).
+    postcondition(pick(R,O,P), held(R,O), true) :- action(pick(R,O,P)).
+    postcondition(pick(R,O,P), lies(O,P), false) :- action(pick(R,O,P)).
+    postcondition(put(R,O,P), held(R,O), false) :- action(put(R,O,P)).
+    postcondition(put(R,O,P), lies(O,P), true) :- action(put(R,O,P)).
+    """
+    domain = load_domain(text=text)
+    plain = GrammarReader(domain.settings, domain.facts, "en").plain()
+    said = {name: each.fill([f"<{slot.argument}>" for slot in each.slots]) for (name, _), each in plain.items()}
+    assert said == {"pick": "pick <1> from <2>", "put": "put <1> to <2>"}
+    writer = instruction_writer_of(domain)
+    for task in TaskSpace(domain, 2):
+        assert_read_back(writer, task, writer.instructions(task))
+
+
 def test_where_there_is_one_robot_nobody_says_which() -> None:
     space = space_of("kitchen", 7)
     fetch = "open(panda,drawer_1) approach(panda,apple_1,drawer_1) grasp(panda,apple_1) move(panda,apple_1,table_1)"

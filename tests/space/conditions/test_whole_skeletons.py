@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from prag_asp import TaskSpace, load_domain
+from prag_asp import QueryError, TaskSpace, load_domain
 from prag_asp.space.conditions.whole_skeletons import SharesWarning
 from tests.commands import run
 from tests.domains import domain_of
@@ -76,3 +76,32 @@ def test_the_command_warns_on_standard_error(tmp_path: Path) -> None:
     assert done.returncode == 0
     assert done.stdout == "train  40\ntest   1\n"
     assert "warning: train has 97.6 %, test has 2.4 % of the tasks, not 80 %, 20 %" in done.stderr
+
+
+@pytest.mark.parametrize("digits", [6, 60])
+def test_shares_with_many_digits_need_no_more_classes(digits: int) -> None:
+    space = TaskSpace(domain_of(SKEWED), 3)
+    third = int("3" * digits)
+    shares = {"a": f"{third}/{10**digits}", "b": f"{10**digits - third}/{10**digits}"}
+    parts = space.split_skeletons(shares)
+    assert parts["a"].count() + parts["b"].count() == space.count()
+    assert abs(parts["a"].count() / space.count() - 1 / 3) <= 0.02
+    assert not set(parts["a"].enumerate("skeleton")) & set(parts["b"].enumerate("skeleton"))
+
+
+def test_a_share_below_one_class_of_many_is_refused() -> None:
+    space = TaskSpace(domain_of(SKEWED), 2)
+    with pytest.raises(QueryError, match="share of 'b': parts of whole skeletons have shares of at least 1/1000"):
+        space.split_skeletons({"a": "0.99999", "b": "0.00001"})
+    with pytest.raises(QueryError, match="there are at most 10,000 classes of skeletons"):
+        space.where("part 0-1 of 2000000000 by seed 1")
+
+
+def test_bounds_far_above_the_length_take_no_more_states() -> None:
+    space = TaskSpace(domain_of(SKEWED), 2)
+    whole, bounded = space.count("plan"), space.where("has at most 1000000000 a", "has at most 2000000000 c")
+    assert bounded.count("plan") == whole
+    assert bounded.at(3).count("plan") == space.at(3).count("plan")
+    assert space.where("has exactly 1000000000 a").count("plan") == 0
+    some = space.at(120).where("has at most 110 c")
+    assert space.at(120).count("plan") - some.count("plan") == space.at(120).where("has at least 111 c").count("plan")

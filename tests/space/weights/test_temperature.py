@@ -51,3 +51,18 @@ def test_a_root_that_is_a_fraction_is_found() -> None:
 def test_a_temperature_that_means_nothing_is_refused(temperature: object, message: str) -> None:
     with pytest.raises(QueryError, match=message):
         TaskSpace(DOMAIN, 2).sample(1, seed=0, weights={"grasp": 3}, temperature=temperature)  # type: ignore[arg-type]
+
+
+def test_powers_with_too_many_digits_are_rounded() -> None:
+    """(1 + 1/10^8)^(10^6) is about 1 + 1/100, and exact it has 8 million digits."""
+    raised = power(Fraction(10**8 + 1, 10**8), Fraction(10**6))
+    assert raised.denominator <= LARGEST_DENOMINATOR and abs(raised - Fraction(10100501, 10**7)) < Fraction(1, 10**5)
+    assert power(Fraction(3, 2), Fraction(600)) == Fraction(3, 2) ** 600
+
+
+def test_weights_whose_totals_are_too_long_are_refused() -> None:
+    digits = "1." + "3" * 600
+    space = TaskSpace(DOMAIN, 3)
+    assert space.sample(1, seed=1, weights={"grasp": digits})
+    with pytest.raises(QueryError, match=r"the weights have 59\d digits together, .* at length 1,000; round them"):
+        space.at(1000).sample(1, seed=1, weights={"grasp": digits})

@@ -1,0 +1,294 @@
+"""Numbers that actions change and conditions read, as predicates: one for each value that a function may have.
+
+The values are a least fixpoint: those of the initial state, and those that an action makes of them where its own
+comparisons hold. It contains all reachable values, because objects are ignored. Where it is finite, the translation is
+exact: in each state one of the predicates is true of each function term that has a value.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import combinations, product
+from math import prod
+
+from prag_asp.pddl.clingo_names import unused
+from prag_asp.pddl.definitions import Declaration, DomainFile, NumericEffect, ProblemFile, Schema, SchemaEffect
+from prag_asp.pddl.formulas import (
+    Arithmetic,
+    Comparison,
+    Equality,
+    Formula,
+    FunctionTerm,
+    Junction,
+    Literal,
+    Quantity,
+    Variable,
+    conjuncts,
+    function_terms,
+    replaced,
+    subformulas,
+)
+from prag_asp.pddl.reading.comparisons import COMPARE, quantity_value
+from prag_asp.pddl.reading.scopes import PddlSource
+
+MOST_VALUES = 200
+"""The limit of the values of a function: each becomes a predicate."""
+
+MOST_ROWS = 20_000
+"""The limit of the combinations of values in one comparison or effect: each becomes a condition. It takes 20 ms."""
+
+MOST_TRIED = 300_000
+"""The limit of all combinations that are computed. They take 5 s."""
+
+Row = dict[FunctionTerm, Fraction]
+
+
+def bounded(
+    source: PddlSource, problem_source: PddlSource, domain: DomainFile, problem: ProblemFile
+) -> tuple[DomainFile, ProblemFile]:
+    """Return a domain and a problem in which no condition reads a function that an action changes.
+
+    Raises:
+        DomainError: such a function has too many values, has none in the initial state, or is changed twice at once.
+    """
+    read = read_functions(domain, problem)
+    effects = [(action, each) for action in domain.actions for each in action.numeric]
+    changing = {each.function.function for _, each in effects if each.function.function in read}
+    if not changing:
+        return domain, problem
+    numbers = _Numbers(source, domain, problem, _Values(source, problem, effects, changing))
+    actions = tuple(numbers.schema(each) for each in domain.actions)
+    goal = numbers.formula(problem.goal, problem_source)
+    derived = tuple(replace(each, formula=numbers.formula(each.formula, source)) for each in domain.derived)
+    predicates = {**domain.predicates, **numbers.predicates}
+    return (
+        replace(domain, actions=actions, derived=derived, predicates=predicates),
+        replace(problem, initial=(*problem.initial, *numbers.initial), goal=goal),
+    )
+
+
+def read_functions(domain: DomainFile, problem: ProblemFile) -> set[str]:
+    """Return the functions that comparisons read, and those that the changes of these read."""
+    formulas = [problem.goal, *(each.formula for each in domain.derived)]
+    for action in domain.actions:
+        formulas += [action.precondition, *(each.condition for each in action.effects)]
+    comparisons = (each for formula in formulas for each in subformulas(formula) if isinstance(each, Comparison))
+    read = {term.function for each in comparisons for term in terms_of(each)}
+    changes = [each for action in domain.actions for each in action.numeric]
+    while True:
+        made = [each for each in changes if each.function.function in read]
+        conditions = (part for each in made for part in subformulas(each.condition))
+        more = {term.function for each in conditions if isinstance(each, Comparison) for term in terms_of(each)}
+        more |= {term.function for each in made for term in function_terms(each.value)}
+        if more <= read:
+            return read
+        read |= more
+
+
+def terms_of(comparison: Comparison) -> dict[FunctionTerm, None]:
+    """Return the functions of a comparison."""
+    return dict.fromkeys((*function_terms(comparison.left), *function_terms(comparison.right)))
+
+
+def holds(comparison: Comparison, values: Mapping[FunctionTerm, Fraction]) -> bool:
+    """Return whether a comparison holds for values of all its functions."""
+    left, right = quantity_value(comparison.left, values), quantity_value(comparison.right, values)
+    known = left is not None and right is not None
+    return known and COMPARE[comparison.operator](left, right) == comparison.positive  # type: ignore[arg-type]
+
+
+def _changed(effect: NumericEffect, row: Row) -> Fraction | None:
+    """Return the value of a function after an effect, None if it has none."""
+    operators = {"increase": "+", "decrease": "-", "scale-up": "*", "scale-down": "/"}
+    if effect.operator == "assign":
+        return quantity_value(effect.value, row)
+    return quantity_value(Arithmetic(operators[effect.operator], (effect.function, effect.value)), row)
+
+
+class _Values:
+    """The values that functions may have, by name."""
+
+    def __init__(
+        self,
+        source: PddlSource,
+        problem: ProblemFile,
+        effects: Iterable[tuple[Schema, NumericEffect]],
+        changing: set[str],
+    ) -> None:
+        self._source = source
+        self.changing = changing
+        self._tried = 0
+        self._values: dict[str, set[Fraction]] = {}
+        for (function, _), value in problem.values.items():
+            self._values.setdefault(function, set()).add(value)
+        made = [(action, each) for action, each in effects if each.function.function in changing]
+        grows = True
+        while grows:
+            grows = False
+            for action, effect in made:
+                found = self._values.setdefault(effect.function.function, set())
+                new = {_changed(effect, row) for row in self.rows(effect, action)} - found
+                found |= {each for each in new if each is not None}
+                grows |= bool(new - {None})
+                if len(found) > MOST_VALUES:
+                    text = f"{effect.function.function} takes more than {MOST_VALUES} values, and conditions read it"
+                    source.refuse(effect.line, f"{text}; bound its changes by conditions, or write predicates")
+
+    def of(self, term: FunctionTerm) -> list[Fraction]:
+        """Return the values of a function in ascending order."""
+        return sorted(self._values.get(term.function, ()))
+
+    def rows(self, effect: NumericEffect, action: Schema) -> list[Row]:
+        """Return the values of the functions in an effect for which it may occur."""
+        needed = dict.fromkeys(function_terms(effect.value))
+        needed |= {} if effect.operator == "assign" else {effect.function: None}
+        parts = (*conjuncts(action.precondition), *conjuncts(effect.condition))
+        guards = [
+            each for each in parts if isinstance(each, Comparison) and not needed.keys().isdisjoint(terms_of(each))
+        ]
+        further = dict.fromkeys(term for each in guards for term in terms_of(each))
+        found: dict[tuple[Fraction, ...], Row] = {}
+        for row in self.combinations({**needed, **further}, effect.line, self._source):
+            if all(holds(each, row) for each in guards):
+                key = tuple(row[term] for term in needed)
+                found.setdefault(key, dict(zip(needed, key, strict=True)))
+        return [*found.values()]
+
+    def combinations(self, terms: Iterable[FunctionTerm], line: int, source: PddlSource) -> Iterator[Row]:
+        """Return all values of some functions."""
+        terms = [*terms]
+        values = [self.of(each) for each in terms]
+        rows = prod(map(len, values))
+        self._tried += rows
+        if rows > MOST_ROWS or self._tried > MOST_TRIED:
+            source.refuse(line, "its functions take too many values together; bound them by conditions")
+        return (dict(zip(terms, row, strict=True)) for row in product(*values))
+
+
+@dataclass
+class _Numbers:
+    """The predicates of values, and the conditions and effects that they make of comparisons and changes."""
+
+    source: PddlSource
+    domain: DomainFile
+    problem: ProblemFile
+    values: _Values
+
+    def __post_init__(self) -> None:
+        self.predicates: dict[str, Declaration] = {}
+        self._names: dict[tuple[str, Fraction], str] = {}
+        for function in sorted(self.values.changing):
+            declared = self.domain.functions.get(function, Declaration((), 1))
+            for value in self.values.of(FunctionTerm(function, ())):
+                name = unused(f"{function}-is-{value}", {*self.domain.predicates, *self.predicates})
+                self._names[function, value] = name
+                self.predicates[name] = declared
+        self.initial = tuple(
+            Literal(self._names[function, value], terms, True, 1)
+            for (function, terms), value in self.problem.values.items()
+            if function in self.values.changing
+        )
+
+    def formula(self, formula: Formula, source: PddlSource) -> Formula:
+        """Return a formula without comparisons of what changes."""
+        return replaced(formula, lambda part: self._cases(part, source) if isinstance(part, Comparison) else part)
+
+    def _cases(self, comparison: Comparison, source: PddlSource) -> Formula:
+        changing = [each for each in terms_of(comparison) if each.function in self.values.changing]
+        if not changing:
+            return comparison
+        still = len(changing) < len(terms_of(comparison))
+        cases: list[Formula] = []
+        for row in self.values.combinations(changing, comparison.line, source):
+            literals = [self._literal(term, value, comparison.line) for term, value in row.items()]
+            if still:
+                left, right = (_with_values(each, row) for each in (comparison.left, comparison.right))
+                rest = replace(comparison, left=left, right=right)
+                cases.append(Junction(True, (*literals, rest), comparison.line))
+            elif holds(comparison, row):
+                cases.append(Junction(True, tuple(literals), comparison.line))
+        return Junction(False, tuple(cases), comparison.line)
+
+    def _literal(self, term: FunctionTerm, value: Fraction, line: int, *, positive: bool = True) -> Literal:
+        return Literal(self._names[term.function, value], term.terms, positive, line)
+
+    def schema(self, action: Schema) -> Schema:
+        """Return an action whose changes are effects on predicates."""
+        made = [each for each in action.numeric if each.function.function in self.values.changing]
+        for one, other in combinations(made, 2):
+            if one.function.function == other.function.function and not _are_unlike(one, other, action.precondition):
+                text = f"{one.function.function} is changed twice by one action, and conditions read it"
+                self.source.refuse(other.line, f"{text}; join both changes, or require their objects to differ")
+        needed: list[Formula] = []
+        effects: list[SchemaEffect] = []
+        for effect in made:
+            if any(variable not in effect.function.terms for variable in effect.variables):
+                text = f"a 'forall' changes {effect.function.function} several times, and conditions read it"
+                self.source.refuse(effect.line, f"{text}; write the sum of its changes")
+            needed += self._needed(effect)
+            effects += self._effects(effect, action)
+        effects += (replace(each, condition=self.formula(each.condition, self.source)) for each in action.effects)
+        whole = Junction(True, (action.precondition, *needed), action.line)
+        return replace(action, precondition=self.formula(whole, self.source), effects=tuple(effects))
+
+    def _needed(self, effect: NumericEffect) -> Iterator[Formula]:
+        """Yield the conditions for the functions of an effect to have values: without them, it cannot occur."""
+        terms = dict.fromkeys(function_terms(effect.value))
+        for term in {**terms, **({} if effect.operator == "assign" else {effect.function: None})}:
+            stated = sum(function == term.function for function, _ in self.problem.values)
+            declared = self.domain.functions.get(term.function)
+            if declared and stated >= self._instances(declared):
+                continue
+            if effect.variables or next(conjuncts(effect.condition), None) is not None or not declared:
+                text = f"{term.function} has no initial value for all its objects"
+                self.source.refuse(effect.line, f"{text}, and a condition reads what it changes; state them in :init")
+            yield Comparison("=", term, term, True, effect.line)
+
+    def _instances(self, declared: Declaration) -> int:
+        above = [self.domain.above(kind) for kind in self.problem.objects.values()]
+        return prod(sum(not each.isdisjoint(kinds) for each in above) for kinds in declared.types)
+
+    def _effects(self, effect: NumericEffect, action: Schema) -> Iterator[SchemaEffect]:
+        condition, term, line = self.formula(effect.condition, self.source), effect.function, effect.line
+        known = set(self.values.of(term))
+        for row in self.values.rows(effect, action):
+            value = _changed(effect, row)
+            if value is None:
+                self.source.refuse(line, "it divides by 0; exclude this by a condition")
+            if value not in known:
+                continue
+            parts = [condition]
+            for each, number in row.items():
+                if each.function in self.values.changing:
+                    parts.append(self._literal(each, number, line))
+                else:
+                    parts.append(Comparison("=", each, number, True, line))
+            when = Junction(True, tuple(parts), line)
+            old = known if effect.operator == "assign" else {row[term]}
+            for before in sorted(old - {value}):
+                yield SchemaEffect(effect.variables, when, self._literal(term, before, line, positive=False))
+            if old != {value}:
+                yield SchemaEffect(effect.variables, when, self._literal(term, value, line))
+
+
+def _with_values(quantity: Quantity, row: Mapping[FunctionTerm, Fraction]) -> Quantity:
+    """Return a quantity with some functions replaced by their values."""
+    if isinstance(quantity, FunctionTerm):
+        return row.get(quantity, quantity)
+    if isinstance(quantity, Arithmetic):
+        return replace(quantity, operands=tuple(_with_values(each, row) for each in quantity.operands))
+    return quantity
+
+
+def _are_unlike(one: NumericEffect, other: NumericEffect, precondition: Formula) -> bool:
+    """Return whether two effects on one function never change it for the same objects."""
+    unequal: list[set[Variable | str]] = [
+        {each.left, each.right} for each in conjuncts(precondition) if isinstance(each, Equality) and not each.positive
+    ]
+    pairs = zip(one.function.terms, other.function.terms, strict=True)
+    return any(
+        {left, right} in unequal or (isinstance(left, str) and isinstance(right, str) and left != right)
+        for left, right in pairs
+    )

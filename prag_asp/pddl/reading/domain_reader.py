@@ -1,0 +1,211 @@
+"""Read a PDDL domain, and check it against its declarations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from itertools import chain, count
+
+from prag_asp.pddl.definitions import OBJECT, Declaration, Derived, DomainFile, Schema
+from prag_asp.pddl.formulas import Literal, Quantified, Variable, literals, subformulas
+from prag_asp.pddl.reading.action_reader import ActionReader
+from prag_asp.pddl.reading.scopes import Declared, PddlSource, Scope
+from prag_asp.pddl.syntax.expressions import Expression, Word
+from prag_asp.pddl.syntax.sections import Definition, unexpected
+from prag_asp.program.finite.components import components
+
+REQUIREMENTS = frozenset([
+    ":strips", ":typing", ":equality", ":negative-preconditions", ":disjunctive-preconditions", ":adl",
+    ":existential-preconditions", ":universal-preconditions", ":quantified-preconditions", ":conditional-effects",
+    ":derived-predicates", ":domain-axioms", ":action-costs", ":fluents", ":numeric-fluents",
+])  # fmt: skip
+"""The requirements of what is read. They need not be declared."""
+
+
+class DomainReader:
+    """Reads a domain. `objects` are added by `constants`, and by the reader of the problem before actions are read."""
+
+    def __init__(self, source: PddlSource, definition: Definition) -> None:
+        self._source = source
+        self._definition = definition
+        self.objects: dict[str, str] = {}
+        self.declared = Declared({OBJECT: ()}, self.objects, {}, {})
+        self._type_lines: dict[str, int] = {}
+        self._predicates: dict[str, Declaration] = {}
+        self._functions: dict[str, Declaration] = {}
+
+    def declarations(self) -> None:
+        """Read all sections but rules and actions."""
+        sections = self._definition.sections
+        check_requirements(self._source, sections.get(":requirements"))
+        if ":types" in sections:
+            self._read_types(sections[":types"])
+        self._constant_lines = (
+            object_types(self._source, sections[":constants"], self.declared.types, self.objects)
+            if ":constants" in sections
+            else {}
+        )
+        undeclared = ":predicates" not in sections
+        self.declared = Declared(self.declared.types, self.objects, self._predicates, self._functions, undeclared)
+        self._constants = dict(self.objects)
+        if ":predicates" in sections:
+            self._read_signatures("predicate", sections[":predicates"].rest, self._predicates)
+        if ":functions" in sections:
+            self._read_signatures("function", self._numeric(sections[":functions"].rest), self._functions)
+
+    def domain(self, *, untimed: bool) -> DomainFile:
+        """Return the domain, with durative actions as instantaneous ones if `untimed`."""
+        derived = [self._derived(each) for each in self._definition.repeated if each.head == ":derived"]
+        derived_names = frozenset(each.predicate for each in derived)
+        reader = ActionReader(self._source, self.declared, derived_names, untimed=untimed)
+        trees = [each for each in self._definition.repeated if each.head != ":derived"]
+        actions = [*_with_unique_names(reader.schema(each) for each in trees)]
+        timed = [each for each in trees if each.head == ":durative-action"]
+        if timed:
+            text = (
+                "durative actions are read as instantaneous ones, one after the other, each from its start to its end"
+            )
+            self._source.warn(timed[0].line, text, "ignored")
+        self._check_layers(derived)
+        for effect in chain.from_iterable(each.effects for each in actions):
+            if effect.literal.predicate in derived_names:
+                text = f"{effect.literal.predicate} is a derived predicate, which no effect may set"
+                self._source.refuse(effect.literal.line, f"{text}; remove its rule, or the effect")
+        return DomainFile(
+            str(self._definition.name), self.declared.types, self._constants, self._predicates, self._functions,
+            tuple(derived), tuple(actions), self._type_lines, self._constant_lines,
+        )  # fmt: skip
+
+    def _read_types(self, tree: Expression) -> None:
+        lines, types = self._type_lines, self.declared.types
+        for name, kinds in self._source.typed_words(tree.rest, None):
+            lines[str(name)] = name.line
+            above = tuple(kind for kind in kinds if kind != OBJECT)
+            types[str(name)] = tuple(dict.fromkeys((*types.get(str(name), ()), *above)))
+            for each in above:
+                types.setdefault(each, ())
+                lines.setdefault(each, name.line)
+        groups = components(lines, types.__getitem__)
+        circular = {name for group in groups for name in group if len(group) > 1 or name in types[name]}
+        for first in filter(circular.__contains__, lines):
+            paths, seen = [[first]], set[str]()
+            while len(path := paths.pop()) == 1 or path[-1] != first:
+                if path[-1] not in seen:
+                    seen.add(path[-1])
+                    paths += [[*path, above] for above in types[path[-1]]]
+            self._source.refuse(lines[first], f"types form a cycle, {' - '.join(path)}; remove one of them")
+
+    def _numeric(self, parts: Iterable[Expression | Word]) -> Iterator[Expression | Word]:
+        """Yield the functions of a list, without the type `number` of their values."""
+        each_part = iter(parts)
+        for part in each_part:
+            if part != "-":
+                yield part
+                continue
+            kind = next(each_part, None)
+            if kind != "number":
+                name = "nothing" if kind is None else kind if isinstance(kind, Word) else kind.head
+                text = f"the values of a function are numbers, not {name}; declare predicates in place of it"
+                self._source.refuse(part.line, text)
+
+    def _read_signatures(
+        self, kind: str, trees: Iterable[Expression | Word], signatures: dict[str, Declaration]
+    ) -> None:
+        for part in trees:
+            each = Expression((part,), part.line, part.line) if isinstance(part, Word) and kind == "function" else part
+            tree = self._source.list_of([each], part.line)
+            if not tree.head:
+                self._source.refuse(tree.line, f"this {kind} has no name; write one")
+            name = self._source.name_of(tree.head)
+            scope = Scope(self._source, self.declared)
+            types = tuple(variable.types for variable in scope.declare(tree.rest, named=False))
+            if name in signatures and signatures[name].types == types:
+                text = f"the {kind} {name} is declared twice in the same way; remove one"
+                self._source.warn(name.line, text, "no-effect")
+                continue
+            self._source.check_new(kind, name, signatures)
+            signatures[str(name)] = Declaration(types, name.line)
+
+    def _derived(self, tree: Expression) -> Derived:
+        if len(tree.rest) != 2:
+            self._source.refuse(tree.line, "a rule is (:derived (PREDICATE ?x ...) CONDITION); write it so")
+        head, condition = (self._source.list_of([each], tree.line) for each in tree.rest)
+        name = head.head
+        if not name:
+            self._source.refuse(head.line, unexpected("("))
+        scope = Scope(self._source, self.declared)
+        parameters = scope.declare(head.rest)
+        declared = scope.signature(name, len(parameters))
+        narrowed = tuple(
+            Variable(each.name, kinds if each.types == (OBJECT,) else each.types)
+            for each, kinds in zip(parameters, declared.types, strict=True)
+        )
+        scope = scope.narrowed(narrowed)
+        return Derived(str(name), narrowed, scope.formula(condition), name.line)
+
+    def _check_layers(self, derived: Iterable[Derived]) -> None:
+        """Refuse derived predicates that are not stratified: their rules have no unique meaning."""
+        rule_literals: dict[str, list[Literal]] = {}
+        for rule in derived:
+            rule_literals.setdefault(rule.predicate, []).extend(literals(rule.formula))
+        for rule in derived:
+            name = rule.predicate
+            for literal in literals(rule.formula):
+                if not literal.positive and name in _reached(literal.predicate, rule_literals):
+                    text = f"{name} depends on the negation of {literal.predicate}, which depends on {name}"
+                    self._source.refuse(literal.line, f"{text}; remove the negation")
+            universal = (each for each in subformulas(rule.formula) if isinstance(each, Quantified) and each.every)
+            for literal in chain.from_iterable(map(literals, universal)):
+                if name in _reached(literal.predicate, rule_literals):
+                    text = f"{name} depends on {literal.predicate} below a 'forall', which depends on {name}"
+                    self._source.refuse(literal.line, f"{text}; remove the 'forall'")
+
+
+def check_requirements(source: PddlSource, section: Expression | None) -> None:
+    """Warn of requirements that are unknown, or of features that are refused where they are used."""
+    for each in section.rest if section else ():
+        name = source.list_of([each], each.line).head if isinstance(each, Expression) else each
+        if name not in REQUIREMENTS:
+            source.warn(name.line, f"the requirement {name} is ignored; remove it", "ignored")
+
+
+def object_types(
+    source: PddlSource, section: Expression, types: dict[str, tuple[str, ...]], objects: dict[str, str]
+) -> dict[str, int]:
+    """Add the objects of a list, and return the lines of new ones; one may be declared again with the same type.
+
+    An object of several types (``either``) gets a type of its own below these.
+    """
+    lines: dict[str, int] = {}
+    for name, kinds in source.typed_words(section.rest, types):
+        if name not in objects:
+            lines[str(name)] = name.line
+        kind_name = "-or-".join(kinds) or OBJECT
+        if len(kinds) > 1:
+            types.setdefault(kind_name, kinds)
+        if objects.setdefault(str(name), kind_name) != kind_name:
+            source.refuse(name.line, f"the object {name} is a {objects[name]} already; give it one type")
+    return lines
+
+
+def _with_unique_names(schemas: Iterable[Schema]) -> Iterator[Schema]:
+    """Yield schemas; those that share a name get a number each, from the second one on."""
+    schemas = list(schemas)
+    names = {each.given_name for each in schemas}
+    used: set[str] = set()
+    for each in schemas:
+        name = each.given_name
+        if name in used:
+            name = next(new for number in count(2) if (new := f"{name}-{number}") not in names | used)
+        used.add(name)
+        yield replace(each, name=name)
+
+
+def _reached(predicate: str, rule_literals: Mapping[str, list[Literal]]) -> set[str]:
+    """Return a predicate, and all predicates that its rules read directly or indirectly."""
+    predicates, waiting = {predicate}, [predicate]
+    while waiting:
+        new = {each.predicate for each in rule_literals.get(waiting.pop(), ())} - predicates
+        predicates |= new
+        waiting += new
+    return predicates

@@ -1,0 +1,101 @@
+"""Durative actions as instantaneous ones: what happens if each runs from its start to its end without another.
+
+The effects at the start come first. The conditions over all and at the end are read in the state after these, so they
+are regressed over the effects at the start (Reiter 1991). The effects at the end come last, and overrule the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+from prag_asp.pddl.definitions import NumericEffect, Schema, SchemaEffect
+from prag_asp.pddl.formulas import (
+    Comparison,
+    Equality,
+    Formula,
+    Junction,
+    Literal,
+    Quantified,
+    function_terms,
+    literals,
+    negated,
+    replaced,
+    subformulas,
+)
+from prag_asp.pddl.reading.scopes import PddlSource
+
+
+def untimed_schema(
+    source: PddlSource,
+    schema: Schema,
+    derived: frozenset[str],
+    conditions: tuple[Formula, Formula],
+    effects: Sequence[Sequence[SchemaEffect | NumericEffect]],
+) -> Schema:
+    """Return an action with the conditions and effects of a durative action, each at the start and at the end.
+
+    Raises:
+        DomainError: a condition at the end reads a derived predicate, although there are effects at the start.
+    """
+    first, last = ([each for each in part if isinstance(each, SchemaEffect)] for part in effects)
+    for literal in literals(Junction(True, (conditions[1], *(effect.condition for effect in last)), schema.line)):
+        if first and literal.predicate in derived:
+            text = f"{literal.predicate} is derived, and read after effects at the start"
+            source.refuse(literal.line, f"{text}; read it at the start, or write its rule out")
+
+    started = {each.function.function for each in effects[0] if isinstance(each, NumericEffect)}
+    ended = [each for each in effects[1] if isinstance(each, NumericEffect)]
+    later = [conditions[1], *(each.condition for each in last), *(each.condition for each in ended)]
+    quantities = [
+        side
+        for formula in later
+        for part in subformulas(formula)
+        if isinstance(part, Comparison)
+        for side in (part.left, part.right)
+    ]
+    for quantity in (*quantities, *(each.value for each in ended)):
+        for term in function_terms(quantity):
+            if term.function in started:
+                text = f"{term.function} changes at the start, and is read after it"
+                source.refuse(schema.line, f"{text}; read it at the start, or change it at the end")
+
+    def before(formula: Formula) -> Formula:
+        return replaced(formula, lambda part: _regressed(part, first) if isinstance(part, Literal) else part)
+
+    last = [replace(each, condition=before(each.condition)) for each in last]
+    kept = []
+    for each in first:
+        overruled = [_made(each.literal, other) for other in last if _opposite(each, other)]
+        guard = (each.condition, *(map(negated, overruled) if each.literal.positive else ()))
+        kept.append(replace(each, condition=Junction(True, guard, each.literal.line)))
+    return replace(
+        schema,
+        precondition=Junction(True, (conditions[0], before(conditions[1])), schema.line),
+        effects=(*kept, *last),
+        numeric=tuple(each for part in effects for each in part if isinstance(each, NumericEffect)),
+    )
+
+
+def _opposite(one: SchemaEffect, other: SchemaEffect) -> bool:
+    return one.literal.predicate == other.literal.predicate and one.literal.positive != other.literal.positive
+
+
+def _made(literal: Literal, effect: SchemaEffect) -> Formula:
+    """Return the condition for an effect to change the atom of a literal."""
+    pairs = zip(literal.terms, effect.literal.terms, strict=True)
+    same = tuple(Equality(one, other, True, literal.line) for one, other in pairs if one != other)
+    part = Junction(True, (effect.condition, *same), literal.line)
+    return Quantified(False, effect.variables, part, literal.line) if effect.variables else part
+
+
+def _regressed(literal: Literal, effects: Iterable[SchemaEffect]) -> Formula:
+    """Return the condition on the state before some effects for a literal to hold after them."""
+    same = [each for each in effects if each.literal.predicate == literal.predicate]
+    if not same:
+        return literal
+    added = (_made(literal, each) for each in same if each.literal.positive)
+    deleted = (negated(_made(literal, each)) for each in same if not each.literal.positive)
+    stays = Junction(True, (replace(literal, positive=True), *deleted), literal.line)
+    holds = Junction(False, (*added, stays), literal.line)
+    return holds if literal.positive else negated(holds)
