@@ -87,7 +87,8 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     "tables": ("toml_text", "report", "json_fields"),
     "scene": (
         "predicate_names", "boxes", "cameras", "colours", "forms", "shape_kinds", "scene", "geometry",
-        "footprint", "furniture", "solids", "mass", "variation", "robots", "read", "surfaces", "scene_loader",
+        "footprint", "furniture", "solids", "mass", "variation", "robots", "read", "surfaces",
+        "part_boxes", "scene_loader",
     ),
     "logic": ("ground", "step", "diagram", "symmetry", "domain_logic", "formula"),
     "space": (

@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping
 
 from prag_asp.domain.load import Domain
 from prag_asp.program.problem import Problem
-from prag_asp.scene.read.mesh import mesh_parts
+from prag_asp.scene.read.decomposition import can_decompose
+from prag_asp.scene.read.mesh import is_concave, mesh_parts
 from prag_asp.scene.read.scene_values import ancestors
 from prag_asp.scene.scene import BodyModel, Scene, Shape
 from prag_asp.wording import plural
@@ -23,8 +24,13 @@ def body_lines(scene: Scene) -> Iterator[str]:
         assert model is not None
         size = " x ".join(f"{side * 1000:.3g}" for side in shape.size)
         parts = plural(sum(len(mesh_parts(s.mesh, s.size)) if s.mesh else 1 for s in model.solids), "convex part")
+        cavity = model.cavity
+        sides = "" if cavity is None else " x ".join(f"{side * 1000:.0f}" for side in cavity.sides)
+        room = f"; things can be in its cavity of {sides} mm" if sides else ""
         rest = f"; {rest_text(model)}" if model.settled > 0.0 else ""
-        yield f"{', '.join(entities)}: {size} mm, {model.mass:.3g} kg, {parts}{rest}"
+        concave = not can_decompose() and any(s.mesh and is_concave(s.mesh, s.size) for s in model.solids)
+        hull = '; its mesh is not convex and stands for its hull: pip install "prag_asp[meshes]"' if concave else ""
+        yield f"{', '.join(entities)}: {size} mm, {model.mass:.3g} kg, {parts}{rest}{room}{hull}"
 
 
 def tilted(domain: Domain, scene: Scene) -> Iterator[Problem]:

@@ -12,7 +12,7 @@ from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.witness import Arm
 from prag_asp.scene.boxes import Vector, box_of, corners_of
 from prag_asp.scene.furniture import bounds, cavity_pose, part_pose
-from prag_asp.scene.geometry import Pose, extents, finite, raised, yaw_quaternion
+from prag_asp.scene.geometry import Pose, compose, extents, finite, raised, yaw_quaternion
 from prag_asp.scene.robots import Robot, robot_of
 from prag_asp.scene.scene import Scene, Shape
 
@@ -154,6 +154,8 @@ class Situation:
         shape, pose = self.shape(entity), self.pose(entity)
         if shape.traits.furniture:
             return cavity_pose(shape, pose, self.opening(entity))
+        if shape.model is not None and shape.model.cavity is not None:
+            return compose(pose, Pose(shape.model.cavity.middle))
         return raised(pose, shape.wall - self.half(entity)[2])
 
     def half(self, entity: str) -> Vector:

@@ -47,7 +47,7 @@ CROWDED = frozenset((EMPTY_VOLUME, OBJECTS_COLLIDE))
 """The causes of failed attempts that are a lack of room, for which tight packing may help."""
 
 PACKED = 4
-"""Restarts that pack the objects tightly, at most: each backtracks on its own, from a random corner."""
+"""Restarts that pack the objects tightly, at most, and at most half of the budget's: each backtracks on its own."""
 
 LISTED = 8
 """Details of failed attempts that a verdict has at most."""
@@ -128,7 +128,7 @@ class Validator:
         """
         ranges = {entity: self._scene.ranges[entity] for entity in physical.objects if entity in self._scene.ranges}
         begun = False
-        for number in range(budget.restarts + min(budget.restarts, PACKED)):
+        for number in range(budget.restarts + min(budget.restarts // 2, PACKED)):
             if number == budget.restarts:
                 causes = {fault.cause for fault in log.faults}
                 if causes.isdisjoint(CROWDED) or (begun and not causes <= CROWDED):

@@ -68,6 +68,8 @@ def cavity(shape: Shape) -> Vector:
     """Return the inner sides and the depth of the cavity of a hollow body in metres; zeros for other shapes."""
     if shape.traits.furniture:
         return mechanism(shape).cavity
+    if shape.model is not None and shape.model.cavity is not None:
+        return shape.model.cavity.sides
     if not shape.traits.hollow:
         return (0.0, 0.0, 0.0)
     x, y, z = shape.size

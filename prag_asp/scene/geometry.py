@@ -158,13 +158,13 @@ def outline(shape: Shape, pose: Pose) -> Outline:
 @lru_cache(maxsize=1 << 11)
 def base(shape: Shape, pose: Pose) -> Outline:
     """Return the outline from above of what an upright body stands on."""
-    return outline(shape, pose) if shape.model is None else _placed(shape.model.base, pose)
+    return outline(shape, pose) if shape.model is None or not shape.model.base else _placed(shape.model.base, pose)
 
 
 @lru_cache(maxsize=1 << 11)
 def crown(shape: Shape, pose: Pose) -> Outline:
     """Return the outline from above of what stands on an upright body."""
-    return outline(shape, pose) if shape.model is None else _placed(shape.model.crown, pose)
+    return outline(shape, pose) if shape.model is None or not shape.model.crown else _placed(shape.model.crown, pose)
 
 
 def _placed(polygon: Outline, pose: Pose) -> Outline:

@@ -45,6 +45,16 @@ class Solid(NamedTuple):
     mesh: str = ""
 
 
+class Cavity(NamedTuple):
+    """The cavity of a body: the middle of its floor in the frame of the body, and its sides and depth, in metres.
+
+    It fits into a box with these sides, but may be round.
+    """
+
+    middle: Size
+    sides: Size
+
+
 class BodyModel(NamedTuple):
     """The model of a body from a file, in the frame of the body, whose origin is the centre of its bounding box.
 
@@ -52,8 +62,8 @@ class BodyModel(NamedTuple):
     inertia in kg m² about `axes`, a unit quaternion (x, y, z, w).
 
     `base` and `crown` are the convex outlines, seen from above and counter-clockwise, of what it stands on and of what
-    stands on it: its lowest and its highest points. `settled` is by how many radians it was tilted from how its file
-    has it, because it does not rest like that.
+    stands on it: its lowest and its highest points; if empty, of its box. `settled` is by how many radians it was
+    tilted from how its file has it, because it does not rest like that.
     """
 
     solids: tuple[Solid, ...]
@@ -64,6 +74,7 @@ class BodyModel(NamedTuple):
     base: tuple[tuple[float, float], ...] = ()
     crown: tuple[tuple[float, float], ...] = ()
     settled: float = 0.0
+    cavity: Cavity | None = None
 
     def with_mass(self, mass: float) -> BodyModel:
         """Return the model with another mass in kilograms, distributed alike."""
@@ -86,6 +97,11 @@ class Shape(NamedTuple):
     def traits(self) -> Kind:
         """The properties of its kind."""
         return KINDS[self.kind]
+
+    @property
+    def hollow(self) -> bool:
+        """Whether things can be in it: by its kind, or because its model has a cavity."""
+        return self.traits.hollow or (self.model is not None and self.model.cavity is not None)
 
     @property
     def half(self) -> tuple[float, float, float]:

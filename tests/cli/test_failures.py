@@ -56,7 +56,7 @@ def said(folder: Path, crate: str, *more: str) -> str:
         "--seed",
         "1",
         "--budget",
-        "1x2",
+        "4x2",
         *more,
     )
     assert done.returncode == 1 and done.stdout == ""

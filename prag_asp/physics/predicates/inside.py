@@ -29,14 +29,15 @@ MARGIN = 0.003
 def hollow(situation: Situation, container: str) -> tuple[Pose, Vector]:
     """Return a pose that is at the centre of a cavity from above, and its inner sides and depth in metres."""
     shape = situation.shape(container)
-    middle = situation.floor(container) if shape.traits.furniture else situation.pose(container)
+    elsewhere = shape.traits.furniture or shape.model is not None
+    middle = situation.floor(container) if elsewhere else situation.pose(container)
     return middle, cavity(shape)
 
 
 def floor_height(situation: Situation, container: str) -> float:
     """Return the height of a container's floor in metres."""
     shape = situation.shape(container)
-    if shape.traits.furniture:
+    if shape.traits.furniture or shape.model is not None:
         return situation.floor(container).position[2]
     return situation.bottom(container) + shape.wall
 
@@ -107,7 +108,7 @@ def _located_violations(situation: Situation, arguments: Arguments) -> Iterator[
 
 def _hollow_others(situation: Situation, subject: str) -> list[str]:
     """Return the hollow bodies other than the subject."""
-    return [other for other in situation.poses if other != subject and situation.shape(other).traits.hollow]
+    return [other for other in situation.poses if other != subject and situation.shape(other).hollow]
 
 
 def _room(situation: Situation, arguments: Arguments, quaternion: Quaternion, height: float) -> Volume:
@@ -151,7 +152,7 @@ def _impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
     # projection of the body, which is convex.
     small, middle, _ = sorted(shape.size)
     area = small * middle * (math.pi / 4 if shape.traits.round else 1.0)
-    if not scene.shapes[container].traits.hollow:
+    if not scene.shapes[container].hollow:
         yield f"{words(container)} is not a container, so {words(entity)} cannot be in it"
     elif small > min(inner_x, inner_y) or area > inner_x * inner_y:
         yield f"{words(entity)} is larger than the cavity of {words(container)}"
@@ -164,8 +165,13 @@ def _located_demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
 
 
 def _cavity_demands(scene: Scene, arguments: Arguments, room: float) -> Iterator[Demand]:
-    """Yield that a body is in the cavity of another, at most `room` metres above its floor."""
+    """Yield that a body is in the cavity of another, at most `room` metres above its floor.
+
+    There are none for a body from a file, whose cavity may be anywhere in it.
+    """
     entity, container = arguments
+    if scene.shapes[container].model is not None:
+        return
     inner, own = cavity(scene.shapes[container]), min(scene.shapes[entity].half)
     half = (max(0.0, inner[0] / 2 - own), max(0.0, inner[1] / 2 - own))
     yield from above(scene, entity, container, half)

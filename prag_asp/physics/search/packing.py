@@ -34,6 +34,7 @@ from prag_asp.physics.world.support import TABLE
 from prag_asp.scene.boxes import box_of
 from prag_asp.scene.furniture import swept
 from prag_asp.scene.geometry import Pose, Quaternion, extents, multiply, yaw_of, yaw_quaternion
+from prag_asp.scene.part_boxes import part_boxes
 
 SPACINGS = (FINGER_ROOM, FINGER_ROOM / 2, SPACING, 0.005, 0.002, 0.0)
 """Metres between objects, the most first; on the table it is at least `SPACING`."""
@@ -238,6 +239,8 @@ def _taken(
             continue
         if shape.traits.furniture:
             boxes = [(box_of(corners), frame) for corners in swept(shape, pose)]
+        elif shape.model is not None:
+            boxes = [(box, frame) for box in part_boxes(shape, pose)]
         else:
             boxes = [((pose.position, extents(shape, multiply(back, pose.quaternion))), 0.0)]
         for ((x, y, other_z), (half_x, half_y, half_z)), turn in boxes:

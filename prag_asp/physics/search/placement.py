@@ -30,6 +30,7 @@ from prag_asp.physics.world.support import TABLE
 from prag_asp.scene.boxes import Vector, box_of
 from prag_asp.scene.furniture import swept
 from prag_asp.scene.geometry import Pose, Quaternion, extents, yaw_of, yaw_quaternion
+from prag_asp.scene.part_boxes import part_boxes
 
 TRIES = 8  # samples with each spacing
 SPACING = 0.01  # metres between objects on the table, which do not touch then
@@ -216,7 +217,10 @@ def placement_volume(situation: Situation, request: PlacementRequest, quaternion
     entity, support, about, height, *_ = request
     out_of_reach = any(fact.predicate.gripper is Gripper.REACHES and not fact.value for fact in about)
     if support != TABLE:
-        rests = INSIDE if situation.shape(support).traits.hollow else ON_TOP
+        # A body from a file with a cavity can bear others on its rim, too.
+        on_it = any(fact.value and fact.predicate is ON_TOP and fact.arguments == (entity, support) for fact in about)
+        shape = situation.shape(support)
+        rests = INSIDE if shape.traits.hollow or (shape.hollow and not on_it) else ON_TOP
         volume = rests.volume(situation, (entity, support), quaternion)
     else:
         half_x, half_y, z = extents(situation.shape(entity), quaternion)
@@ -233,8 +237,8 @@ def placement_volume(situation: Situation, request: PlacementRequest, quaternion
         robot = next(iter(situation.scene.robots))
         volume = volume.meet(REACHABLE.volume(situation, (robot, entity), quaternion))
     for fact in about:
-        on_it = fact.arguments == (entity, support) and fact.predicate.supports
-        if not on_it and shapes_volume(fact, entity):
+        stands = fact.arguments == (entity, support) and fact.predicate.supports
+        if not stands and shapes_volume(fact, entity):
             volume = volume.meet(allowed_volume(situation, fact, entity, quaternion))
     return volume
 
@@ -254,15 +258,17 @@ def _close(situation: Situation, entity: str, volume: Volume, about: Iterable[Fa
 def _neighbours(situation: Situation, others: Iterable[str], support: str, half: Vector, z: float) -> list[Neighbour]:
     """Return the others that the bounding box of an object at a height can meet, without containers it is put into.
 
-    Furniture has the bounding boxes of its body and of the swept moving part.
+    Furniture has the bounding boxes of its body and of the swept moving part, a body from a file those of its parts.
     """
     neighbours = []
     for other in others:
-        shape = situation.scene.shapes[other]
+        shape, boxes = situation.scene.shapes[other], [box(situation, other)]
         if shape.traits.hollow and support != TABLE:
             continue
-        furniture = shape.traits.furniture
-        boxes = map(box_of, swept(shape, situation.pose(other))) if furniture else (box(situation, other),)
+        if shape.traits.furniture:
+            boxes = [box_of(corners) for corners in swept(shape, situation.pose(other))]
+        elif shape.model is not None:
+            boxes = part_boxes(shape, situation.pose(other))
         for (x, y, other_z), (half_x, half_y, half_z) in boxes:
             if abs(z - other_z) < half[2] + half_z + COLLISION:
                 neighbours.append((x, y, half_x + half[0], half_y + half[1]))

@@ -101,7 +101,7 @@ def set_mass(client: int, scene: Scene, entity: str, body: int, still: bool = Fa
     """Give the body of an object its mass and inertia, or none if it is to be `still`."""
     model, kilograms = scene.shapes[entity].model, 0.0 if still else mass(scene, entity)
     pybullet.changeDynamics(body, -1, mass=kilograms, physicsClientId=client)
-    if model is not None and kilograms > 0.0:
+    if model is not None and kilograms > 0.0 and any(model.moments):
         pybullet.changeDynamics(body, -1, localInertiaDiagonal=model.moments, physicsClientId=client)
 
 

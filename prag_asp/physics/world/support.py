@@ -45,7 +45,7 @@ def _contacts(situation: Situation, entity: str, tops: Iterable[tuple[str, float
             below = below or base(situation.shape(entity), situation.pose(entity))
             inside = support == TABLE and all(abs(x - at_x) <= half_x and abs(y - at_y) <= half_y for x, y in below)
             region = below if inside else ()
-            region = region or intersection(below, _top(situation, support))
+            region = region or intersection(below, _top(situation, support, height))
             if region:
                 contacts.append(Contact(support, region))
     return contacts
@@ -58,7 +58,7 @@ def resting_height(situation: Situation, entity: str, others: Iterable[str]) -> 
     heights = [
         height
         for support, height in _tops(situation, others)
-        if support != entity and height <= bottom and intersection(below, _top(situation, support))
+        if support != entity and height <= bottom and intersection(below, _top(situation, support, height))
     ]
     return max(heights, default=0.0)
 
@@ -99,14 +99,12 @@ def riders(situation: Situation, entity: str, others: Iterable[str]) -> list[str
     candidates = list(others)
     bodies = [entity]
     for current in bodies:
-        height = _surface(situation, current)
-        if height is None:
-            continue
-        for other in candidates:
-            if other not in bodies and abs(situation.bottom(other) - height) <= CONTACT:
-                outer = base(situation.shape(other), situation.pose(other))
-                if intersection(outer, _top(situation, current)):
-                    bodies.append(other)
+        for height in _surfaces(situation, current):
+            for other in candidates:
+                if other not in bodies and abs(situation.bottom(other) - height) <= CONTACT:
+                    outer = base(situation.shape(other), situation.pose(other))
+                    if intersection(outer, _top(situation, current, height)):
+                        bodies.append(other)
     return bodies[1:]
 
 
@@ -114,26 +112,27 @@ def _tops(situation: Situation, others: Iterable[str]) -> Iterable[tuple[str, fl
     """Yield every surface on which a body can rest: its owner and its height in metres."""
     yield TABLE, 0.0
     for other in others:
-        height = _surface(situation, other)
-        if height is not None:
+        for height in _surfaces(situation, other):
             yield other, height
 
 
-def _surface(situation: Situation, support: str) -> float | None:
-    """Return the height of a body's top or a container's floor in metres, None for a ball."""
-    traits = situation.shape(support).traits
-    if traits.hollow:
-        return floor_height(situation, support)
-    return situation.top(support) if traits.flat else None
+def _surfaces(situation: Situation, support: str) -> list[float]:
+    """Return the heights in metres of a body's top and of a container's floor; a ball has neither.
+
+    A body from a file with a cavity has both: things can stand in it, or on its rim.
+    """
+    shape = situation.shape(support)
+    floors = [floor_height(situation, support)] if shape.hollow else []
+    return [*floors, situation.top(support)] if shape.traits.flat and not shape.traits.hollow else floors
 
 
-def _top(situation: Situation, support: str) -> Outline:
+def _top(situation: Situation, support: str, height: float) -> Outline:
     """Return the outline of the surface of a support; for a container, of the floor between its walls."""
     if support == TABLE:
         (x, y), (half_x, half_y) = _table(situation)
         return rectangle(x, y, half_x, half_y, 0.0)
     shape = situation.shape(support)
-    if not shape.traits.hollow:
+    if not shape.hollow or (shape.model is not None and height > floor_height(situation, support)):
         return crown(shape, situation.pose(support))
     pose, inner = hollow(situation, support)
     x, y, _ = pose.position

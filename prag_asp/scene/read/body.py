@@ -12,10 +12,12 @@ from prag_asp.errors import SceneError
 from prag_asp.scene.forms import FORMS
 from prag_asp.scene.geometry import Pose, matrix
 from prag_asp.scene.mass import MassProperties, combined, polyhedron_mass, primitive_mass, principal
-from prag_asp.scene.read.convex import convex_hull, is_closed
-from prag_asp.scene.read.mesh import mesh_parts, mesh_points, thickness
+from prag_asp.scene.read.cavities import find_cavity
+from prag_asp.scene.read.convex import convex_hull, is_closed, is_convex
+from prag_asp.scene.read.decomposition import can_decompose
+from prag_asp.scene.read.mesh import file_parts, mesh_points, thickness
 from prag_asp.scene.read.scene_values import SMALLEST
-from prag_asp.scene.read.stability import base_of, crown_of, falls, rotation, settle, surface_points
+from prag_asp.scene.read.stability import base_of, crown_of, falls, own_points, rotation, settle, surface_points
 from prag_asp.scene.scene import BodyModel, Shape, Size, Solid
 
 Floats = NDArray[np.float64]
@@ -37,7 +39,15 @@ def body_shape(kind: str, solids: Sequence[Solid], mass: MassProperties, settled
     centre = _minus(_size(mass.centre.tolist()), middle)
     points = surface_points(centred)
     model = BodyModel(
-        centred, mass.mass, centre, moments, quaternion_of(axes), base_of(points), crown_of(points), settled
+        centred,
+        mass.mass,
+        centre,
+        moments,
+        quaternion_of(axes),
+        base_of(points),
+        crown_of(points),
+        settled,
+        find_cavity(np.concatenate([part for solid in centred for part in _triangles(solid)])),
     )
     return Shape(kind, _minus(high, low), model=model)
 
@@ -55,6 +65,33 @@ def resting(shape: Shape) -> Shape | None:
         return shape
     rows = settle(points, centre)
     return None if rows is None else turned_shape(shape, rows, math.acos(max(-1.0, min(1.0, float(rows[2, 2])))))
+
+
+def stable_rotations(points: Floats, centre: Floats) -> Iterator[tuple[float, Floats]]:
+    """Yield the height of the centre of mass in metres and the rotation (3, 3) of each pose in which a body rests.
+
+    It rests on a face of the convex hull of `points` (n, 3) of its surface, above which is its centre of mass (3,).
+    """
+    hull = convex_hull(points)
+    corners = np.unique(hull.reshape(-1, 3), axis=0)
+    normals = np.cross(hull[:, 1] - hull[:, 0], hull[:, 2] - hull[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+    for normal in np.unique(np.round(normals, 6), axis=0):
+        rows = _turned_down(normal / np.linalg.norm(normal))
+        turned = corners @ rows.T
+        if not falls(turned, rows @ centre):
+            yield float((rows @ centre)[2] - turned[:, 2].min()), rows
+
+
+def _turned_down(normal: Floats) -> Floats:
+    """Return the rotation (3, 3) by the smallest angle that makes a unit vector point down."""
+    down = np.array([0.0, 0.0, -1.0])
+    axis, cosine = np.cross(normal, down), float(normal @ down)
+    if cosine < -1.0 + 1e-9:
+        return np.diag([1.0, -1.0, -1.0])
+    skew = np.array([[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]])
+    rotated: Floats = np.eye(3) + skew + skew @ skew / (1.0 + cosine)
+    return rotated
 
 
 def turned_shape(shape: Shape, rows: Floats, settled: float = 0.0) -> Shape:
@@ -110,9 +147,17 @@ def solid_mass(solids: Iterable[Solid]) -> MassProperties:
     return combined(masses)
 
 
+def _triangles(solid: Solid) -> Iterator[Floats]:
+    """Yield the triangles of the parts of a solid in the frame of its body, as they collide."""
+    parts = _parts(solid) if solid.mesh else [convex_hull(np.array(list(own_points(solid))))]
+    for part in parts:
+        collides = part if not solid.mesh or can_decompose() or is_convex(part) else convex_hull(part.reshape(-1, 3))
+        yield collides @ np.array(rotation(solid.turn)).T + solid.at
+
+
 def _parts(solid: Solid) -> Iterator[Floats]:
     """Yield the triangles of each part of a mesh."""
-    for part in mesh_parts(solid.mesh, solid.size):
+    for part in file_parts(solid.mesh, solid.size):
         yield np.array(part, dtype=float)
 
 

@@ -11,7 +11,10 @@ ROUNDING = 1e-9
 """Points within this share of the extent of all points from a face of the hull are on it."""
 
 CONVEX = 0.02
-"""Points of a convex mesh are at most this share of its smallest extent outside a face, or `DENT` metres."""
+"""The share of a hull that may be empty, and of the smallest extent of a mesh by which its corners may be inside."""
+
+CHUNK = 1024
+"""The number of points whose distances from all faces of a hull are computed at once, to bound the memory."""
 
 DENT = 0.0005
 """The depth of a dent in metres that collisions cannot notice: PyBullet's contacts are less exact."""
@@ -42,24 +45,26 @@ def convex_hull(points: Floats) -> Floats:
         outward = np.cross(two - one, three - one) @ (one - inner) > 0.0
         faces.append((start[a], start[b], start[c]) if outward else (start[a], start[c], start[b]))
     normals, offsets = planes(faces)
-    waiting = np.ones(len(points), dtype=bool)
-    waiting[start] = False
-    while waiting.any():
-        candidates = np.flatnonzero(waiting)
-        heights = points[candidates] @ normals.T - offsets
-        # What no face sees is inside for good; each point is added at most once, so that rounding errors end too.
-        outside = heights.max(1) > rounding
-        waiting[candidates[~outside]] = False
-        if not outside.any():
-            break
-        highest = int(heights.max(1).argmax())
-        corner, seen = int(candidates[highest]), heights[highest] > rounding
-        waiting[corner] = False
+    # Each point outside is kept with the face over which it is highest: only a face that is replaced moves its points.
+    numbers, following = np.arange(len(faces)), len(faces)
+    heights = points @ normals.T - offsets
+    owner, height = numbers[heights.argmax(1)], heights.max(1)
+    height[start] = -np.inf
+    while height[highest := int(height.argmax())] > rounding:
+        seen = normals @ points[highest] - offsets > rounding
+        height[highest] = -np.inf
         edges = {(face[i - 1], face[i]) for face, each in zip(faces, seen, strict=True) if each for i in range(3)}
-        new = [(one, two, corner) for one, two in sorted(edges) if (two, one) not in edges]
+        new = [(one, two, highest) for one, two in sorted(edges) if (two, one) not in edges]
+        moved = np.isin(owner, numbers[seen]) & (height > rounding)
         faces = [face for face, each in zip(faces, seen, strict=True) if not each] + new
         more, further = planes(new)
+        fresh = np.arange(following, following + len(new))
+        following += len(new)
         normals, offsets = np.concatenate([normals[~seen], more]), np.concatenate([offsets[~seen], further])
+        numbers = np.concatenate([numbers[~seen], fresh])
+        if moved.any():
+            above = points[moved] @ more.T - further
+            owner[moved], height[moved] = fresh[above.argmax(1)], above.max(1)
     hull: Floats = points[np.array(faces)]
     return hull
 
@@ -86,16 +91,20 @@ def is_closed(triangles: Floats) -> bool:
 
 
 def is_convex(triangles: Floats) -> bool:
-    """Return whether triangles (n, 3, 3) lie on their convex hull, apart from small dents."""
+    """Return whether triangles (n, 3, 3) bound their convex hull, apart from small dents.
+
+    No corner may be deep within the hull, and what closed triangles bound must fill it.
+    """
+    hull = convex_hull(triangles.reshape(-1, 3))
     points = np.unique(triangles.reshape(-1, 3), axis=0)
-    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    areas = np.linalg.norm(normals, axis=1)
-    normals, anchors = normals[areas > 0.0] / areas[areas > 0.0, None], triangles[areas > 0.0, 0]
+    normals = np.cross(hull[:, 1] - hull[:, 0], hull[:, 2] - hull[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+    offsets = np.einsum("ij,ij->i", normals, hull[:, 0])
     dent = min(DENT, CONVEX * float(np.ptp(points, axis=0).min()))
-    for begin in range(0, len(normals), 256):
-        heights = points @ normals[begin : begin + 256].T
-        offsets = np.einsum("ij,ij->i", normals[begin : begin + 256], anchors[begin : begin + 256])
-        # Some exporters turn faces inwards: all points may be on either side.
-        if np.any(np.minimum((heights - offsets).max(0), (offsets - heights).max(0)) > dent):
+    for begin in range(0, len(points), CHUNK):
+        if (offsets - points[begin : begin + CHUNK] @ normals.T).min(1).max() > dent:
             return False
-    return True
+    if not is_closed(triangles):
+        return True
+    volumes = (abs(float(np.linalg.det(each - hull[0, 0]).sum())) for each in (triangles, hull))
+    return next(volumes) >= (1.0 - CONVEX) * next(volumes)

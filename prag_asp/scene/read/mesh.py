@@ -1,4 +1,6 @@
-"""Read the triangles of a mesh: Wavefront .obj, and .stl as text or binary.
+"""Read the triangles of a mesh, and divide it into convex parts.
+
+Wavefront .obj, and .stl as text or binary, are read here, other formats by trimesh.
 
 The size of a mesh is exactly that of its faces: points that no face uses do not count, and it has no margin. Simulators
 get the triangles that this module reads, not the file, so that both have the same body.
@@ -13,6 +15,8 @@ from functools import lru_cache
 from itertools import chain, pairwise
 from pathlib import Path
 
+import numpy as np
+
 from prag_asp.errors import SceneError
 from prag_asp.safe_reading import read_bytes
 from prag_asp.scene.read.scene_values import SMALLEST
@@ -22,6 +26,9 @@ LARGEST = 32_000_000
 
 HEADER, TRIANGLE = 84, 50
 """The bytes of the header of a binary .stl, and of each triangle."""
+
+SUFFIXES = (".obj", ".stl", ".ply", ".glb", ".gltf", ".dae", ".off")
+"""The formats of meshes."""
 
 CORNERS = 3
 GROUPS = ("o", "g")
@@ -33,10 +40,53 @@ Part = tuple[Triangle, ...]
 
 
 def mesh_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[Part, ...]:
-    """Return the triangles of each part of a mesh, multiplied by a scale along each axis.
+    """Return the triangles of the convex parts of a mesh, multiplied by a scale along each axis.
 
-    A body collides as the convex hulls of its parts. The parts of an .obj are its objects and groups, so that a hollow
-    body can consist of convex parts. If one of them is thinner than `SMALLEST` metres, the mesh has only one part.
+    A body collides as their convex hulls. A part of the file that is convex is one of them; any other one is decomposed
+    if CoACD is installed, and otherwise stands for its convex hull.
+
+    Raises:
+        SceneError: as for `file_parts`.
+    """
+    return _convex_parts(path, scale, state_of(path))
+
+
+@lru_cache(maxsize=64)
+def _convex_parts(path: str, scale: Point, _state: tuple[int, int]) -> tuple[Part, ...]:
+    """Return the convex parts of a mesh; the state of the file is a key of the cache."""
+    from prag_asp.scene.read.decomposition import can_decompose, decomposed  # noqa: PLC0415 - few domains have meshes
+
+    parts: list[Part] = []
+    for part in file_parts(path, scale):
+        if can_decompose() and _concave(part):
+            found = decomposed(np.array(part, dtype=float))
+            parts += (tuple((_point(a), _point(b), _point(c)) for a, b, c in each.tolist()) for each in found)
+        else:
+            parts.append(part)
+    return tuple(parts)
+
+
+def is_concave(path: str, scale: Point = (1.0, 1.0, 1.0)) -> bool:
+    """Return whether a part of a mesh file is not convex.
+
+    Raises:
+        SceneError: as for `file_parts`.
+    """
+    return any(map(_concave, file_parts(path, scale)))
+
+
+def _concave(part: Part) -> bool:
+    """Return whether a part is concave; one that is too thin for a hull is not."""
+    from prag_asp.scene.read.convex import is_convex  # noqa: PLC0415 - few domains have meshes
+
+    return thickness(_corners(part)) >= SMALLEST and not is_convex(np.array(part, dtype=float))
+
+
+def file_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[Part, ...]:
+    """Return the triangles of each part of a mesh in its file, multiplied by a scale along each axis.
+
+    The parts of an .obj are its objects and groups, those of a .glb, .gltf or .dae its nodes. If one of them is thinner
+    than `SMALLEST` metres, the mesh has only one part.
 
     Raises:
         SceneError: the file cannot be read, is of another format, or has no faces or no finite points.
@@ -54,15 +104,13 @@ def mesh_points(path: str, scale: Point = (1.0, 1.0, 1.0)) -> list[Point]:
     """Return the distinct corners of the faces of a mesh, multiplied by a scale along each axis.
 
     Raises:
-        SceneError: as for `mesh_parts`.
+        SceneError: as for `file_parts`.
     """
     return [_scaled(point, scale) for point in _corners(chain.from_iterable(_parts(path)))]
 
 
 def thickness(points: Sequence[Point]) -> float:
     """Return the extent of points along the direction of their smallest variance, in metres."""
-    import numpy as np  # noqa: PLC0415 - few domains have meshes
-
     centred = np.array(points) - np.mean(points, axis=0)
     least = np.linalg.eigh(centred.T @ centred)[1][:, 0]
     return float(np.ptp(centred @ least))
@@ -79,8 +127,8 @@ def _scaled(point: Point, scale: Point) -> Point:
 
 def _parts(path: str) -> tuple[Part, ...]:
     """Return the parts of a mesh in the unit of its file, which is read again only after a change."""
-    if Path(path).suffix.lower() not in (".obj", ".stl"):
-        raise SceneError(f"{path}: a mesh of unknown format; give an .obj or an .stl")
+    if Path(path).suffix.lower() not in SUFFIXES:
+        raise SceneError(f"{path}: a mesh of unknown format; known are {', '.join(SUFFIXES)}")
     return _read(path, *state_of(path))
 
 
@@ -102,7 +150,7 @@ def _read(path: str, modified: int, size: int) -> tuple[Part, ...]:
     """Return the parts of a mesh in the unit of its file; the state of the file is a key of the cache."""
     try:
         content = read_bytes(path, at_most=LARGEST)
-        parts = _obj(content) if Path(path).suffix.lower() == ".obj" else [_stl(content)]
+        parts = _triangles(path, content)
     except OSError as error:
         raise SceneError(f"{path}: cannot be read: {error.strerror}") from error
     except (ValueError, struct.error) as error:
@@ -113,6 +161,18 @@ def _read(path: str, modified: int, size: int) -> tuple[Part, ...]:
     if not all(math.isfinite(value) for point in _corners(chain.from_iterable(result)) for value in point):
         raise SceneError(f"{path}: not a mesh: a point is not finite; export it anew")
     return result
+
+
+def _triangles(path: str, content: bytes) -> list[list[Triangle]]:
+    """Return the triangles of each part of a file, by its format."""
+    match Path(path).suffix.lower():
+        case ".obj":
+            return _obj(content)
+        case ".stl":
+            return [_stl(content)]
+    from prag_asp.scene.read.mesh_formats import read_parts  # noqa: PLC0415 - few domains have such meshes
+
+    return [[(_point(a), _point(b), _point(c)) for a, b, c in part.tolist()] for part in read_parts(path, content)]
 
 
 def _obj(content: bytes) -> list[list[Triangle]]:
@@ -152,7 +212,7 @@ def _stl(content: bytes) -> list[Triangle]:
     return list(zip(points[::3], points[1::3], points[2::3], strict=True))
 
 
-def _point(words: list[str]) -> Point:
-    """Return three words as a point."""
+def _point(words: Sequence[str] | Sequence[float]) -> Point:
+    """Return three words or numbers as a point."""
     x, y, z = map(float, words)
     return (x, y, z)

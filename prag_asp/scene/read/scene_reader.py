@@ -89,6 +89,8 @@ def read_scene(root: TableEntry, names: DomainNames) -> Scene:
     robots = _robots(root.section("robots"), shapes, usual)
     top = read_table(root.section("table"))
     fixed = read_fixed(root.section("fixed"), names, shapes)
+    materials = _materials(root.section("materials"), names)
+    shapes |= _weighed(root.section("shapes"), names, shapes, materials)
     shapes |= _resting(root.section("shapes"), names, shapes, fixed)
     scene = Scene(
         shapes=shapes,
@@ -100,7 +102,7 @@ def read_scene(root: TableEntry, names: DomainNames) -> Scene:
         fixed=fixed,
         predicates=_predicates(root.section("predicates"), own),
         rotations=_rotations(root.section("rotations")),
-        materials=_materials(root.section("materials"), names),
+        materials=materials,
         own=own,
         cameras=read_cameras(root.section("cameras"), {**robots, **arms}),
         vary=_ranges(root.section("vary")),
@@ -133,6 +135,19 @@ def _check_bodies(root: TableEntry, scene: Scene, names: DomainNames) -> None:
     fixed = {entity: place for entity, place in scene.fixed.items() if entity not in report.doubtful}
     check_places(places, scene.table, scene.shapes, fixed)
     check_bases(places, replace(scene, fixed=fixed))
+
+
+def _weighed(
+    section: TableEntry, names: DomainNames, shapes: Mapping[str, Shape], materials: Mapping[str, Material]
+) -> dict[str, Shape]:
+    """Return the shapes of meshes without a mass, which is their volume times the density of their material."""
+    found = {}
+    for entity, shape in shapes.items():
+        owner = next(name for name in names.line(entity) if name in section.value)
+        if shape.model is not None and shape.kind == "mesh" and "mass" not in section.value[owner]:
+            density = materials.get(entity, Material()).density
+            found[entity] = shape._replace(model=shape.model.with_mass(shape.model.mass * density))
+    return found
 
 
 def _resting(

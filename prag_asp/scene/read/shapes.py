@@ -54,8 +54,8 @@ def _shapes(entry: TableEntry, folder: Path) -> tuple[Shape, ...]:
         return ()
     traits = KINDS[kind]
     entry.require_known(("kind", *traits.keys))
-    if kind == "urdf":
-        return _urdf(entry.at("path"), folder)
+    if "path" in traits.keys:
+        return _from_file(entry, folder)
     low, high = _sizes(entry, kind)
     small = traits.furniture and not all(side >= least for side, least in zip(low, LEAST, strict=True))
     if small or (traits.furniture and low != high):
@@ -75,20 +75,25 @@ def _shapes(entry: TableEntry, folder: Path) -> tuple[Shape, ...]:
     return tuple(Shape(kind, (ax + t * (bx - ax), ay + t * (by - ay), az + t * (bz - az)), wall) for t in shares)
 
 
-def _urdf(entry: TableEntry, folder: Path) -> tuple[Shape, ...]:
-    """Return the shape of a URDF, given by its path from the folder of the domain."""
-    from prag_asp.scene.read.urdf import read_urdf  # noqa: PLC0415 - few domains need to read XML
+def _from_file(entry: TableEntry, folder: Path) -> tuple[Shape, ...]:
+    """Return the shape of a URDF or a mesh, given by its path from the folder of the domain."""
+    from prag_asp.scene.read.mesh_body import read_mesh_body  # noqa: PLC0415 - few domains have bodies from files
+    from prag_asp.scene.read.urdf import read_urdf  # noqa: PLC0415
 
-    if not isinstance(entry.value, str) or not entry.value:
-        entry.needs('the path of a URDF in the folder of the domain, like "models/mug.urdf"')
+    path, kind = entry.at("path"), entry.value["kind"]
+    if not isinstance(path.value, str) or not path.value:
+        what, example = ("URDF", "mug.urdf") if kind == "urdf" else ("mesh", "mug.obj")
+        path.needs(f'the path of a {what} in the folder of the domain, like "models/{example}"')
         return ()
     try:
-        shape = read_urdf(folder / entry.value, folder)
+        shape = read_urdf(folder / path.value, folder) if kind == "urdf" else read_mesh_body(entry, folder)
     except SceneError as error:
-        entry.add(str(error))
+        path.add(str(error))
+        return ()
+    if shape is None:
         return ()
     if max(shape.size) > MAX_LENGTH:
-        entry.add(f"is {max(shape.size):g} m long; give its lengths in metres (at most {MAX_LENGTH:g})")
+        path.add(f"is {max(shape.size):g} m long; give its lengths in metres (at most {MAX_LENGTH:g})")
         return ()
     return (shape,)
 

@@ -346,3 +346,31 @@ def test_a_body_of_far_too_many_parts_is_refused_before_they_are_read(tmp_path: 
         (tmp_path / "huge.urdf").write_text(ONE_LINK.format(part * number))
         with pytest.raises(SceneError, match=message):
             read_urdf(tmp_path / "huge.urdf", tmp_path)
+
+
+def test_a_cube_stands_between_the_legs_of_a_stool_and_not_where_they_are(tmp_path):
+    legs = "".join(
+        f"<collision><origin xyz='{x} {y} 0.05'/><geometry><box size='.02 .02 .1'/></geometry></collision>"
+        for x in (-0.07, 0.07)
+        for y in (-0.07, 0.07)
+    )
+    seat = "<collision><origin xyz='0 0 0.11'/><geometry><box size='.16 .16 .02'/></geometry></collision>"
+    (tmp_path / "m.urdf").write_text(ONE_LINK.format(legs + seat))
+    # The cube is 50 mm wide, the gaps between the legs 120 mm, the legs at 70 mm from the middle.
+    for at, feasible in ((0.0, True), (0.07, False)):
+        scene = scene_with(
+            "tabletop",
+            {"can": {"kind": "urdf", "path": "m.urdf"}},
+            folder=tmp_path,
+            fixed={**scene_table("tabletop")["fixed"], "can_1": [0.47, 0.0]},
+            own={
+                "beneath": {
+                    "arguments": ["object", "object"],
+                    "inside": "centre",
+                    "boxes": [{"x": [at - 0.02, at + 0.02], "y": [at - 0.02, at + 0.02], "z": [0.0, 0.09]}],
+                    "sentence": "{0} {is} beneath {1}",
+                }
+            },
+        )
+        facts = state("on_top(cube_1,table_1)", "beneath(cube_1,can_1)", "-holding(panda,cube_1)")
+        assert validate_task(task(facts), scene, seed=1).feasible == feasible

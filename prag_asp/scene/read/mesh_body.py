@@ -1,0 +1,103 @@
+"""Read a shape of the kind ``mesh``: a body from a mesh file alone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from prag_asp.errors import SceneError
+from prag_asp.scene.read.asset_paths import require_inside
+from prag_asp.scene.read.body import body_shape, ends, roll_pitch_yaw, solid_mass, stable_rotations, turned_shape
+from prag_asp.scene.read.decomposition import can_decompose
+from prag_asp.scene.read.mesh import is_concave
+from prag_asp.scene.read.stability import rotation, surface_points
+from prag_asp.scene.scene import Shape, Solid
+from prag_asp.tables.report import TableEntry, is_number
+
+UPWARD: Mapping[str, tuple[float, float, float]] = {
+    "z": (0.0, 0.0, 0.0),
+    "-z": (180.0, 0.0, 0.0),
+    "y": (90.0, 0.0, 0.0),
+    "-y": (-90.0, 0.0, 0.0),
+    "x": (0.0, -90.0, 0.0),
+    "-x": (0.0, 90.0, 0.0),
+}
+"""The rotation about x, y and z in degrees that turns an axis of a file upwards."""
+
+RESTS = ("upright", "lying", "any")
+"""How a body rests: as its file has it, on its side, or where its centre of mass is lowest."""
+
+SIDEWAYS = math.cos(math.radians(45.0))
+"""The cosine of the smallest angle between the upward axes of a body that lies and of its file."""
+
+SCALES = (1e-6, 1e6)
+"""The smallest and the largest scale: from micrometres to parsecs nobody has models."""
+
+MASSES = (1e-4, 100.0)
+"""The smallest and the largest mass of a body in kilograms."""
+
+
+def read_mesh_body(entry: TableEntry, folder: Path) -> Shape | None:
+    """Return the shape of a table of the kind ``mesh``, and report what is wrong with it.
+
+    Without a `mass` its model has the mass of a density of 1 kg/m³.
+
+    Raises:
+        SceneError: the file is missing, outside of the folder, or not a mesh that a body can have.
+    """
+    path = folder / str(entry.value.get("path"))
+    scale = entry.at("scale", 1.0)
+    low, high = SCALES
+    sides = (scale.value,) * 3 if is_number(scale.value) else scale.value
+    if is_number(scale.value):
+        scale.number(low, high, "a factor")
+    else:
+        sides = scale.numbers(3, "a positive factor, or one along each axis", low, high)
+    usual = "y" if path.suffix.lower() in (".glb", ".gltf") else "z"
+    up = entry.at("up", usual).choice(tuple(UPWARD))
+    angles = entry.at("rotation", [0.0, 0.0, 0.0]).numbers(3, "degrees about x, y and z")
+    mass = entry.at("mass").number(*MASSES, "kilograms") if "mass" in entry.value else None
+    rests = entry.at("rests", RESTS[0]).choice(RESTS)
+    if not entry.is_sound or sides is None or up is None or angles is None:
+        return None
+    require_inside(path, folder)
+    x, y, z = map(float, sides)
+    solid = Solid("mesh", (x, y, z), mesh=str(path))
+    list(ends(solid))
+    if not can_decompose() and is_concave(solid.mesh, solid.size):
+        remedy = 'pip install "prag_asp[meshes]" to divide it, or give an .obj with a convex object for each part'
+        raise SceneError(f"{path}: the mesh is not convex; {remedy}")
+    uniform = solid_mass([solid])
+    first, second = (np.array(rotation(_radians(each))) for each in (UPWARD[up], angles))
+    rows = second @ first
+    properties = uniform if mass is None else uniform.scaled(mass)
+    turned = solid._replace(turn=roll_pitch_yaw(rows))
+    shape = body_shape("mesh", [turned], properties.moved(rows, np.zeros(3)))
+    return shape if rests == RESTS[0] else _lying(shape, anyhow=rests == "any")
+
+
+def _lying(shape: Shape, anyhow: bool) -> Shape:
+    """Return the shape of a body in the stable pose with the lowest centre of mass, on its side unless `anyhow`.
+
+    Raises:
+        SceneError: there is none.
+    """
+    assert shape.model is not None
+    poses = list(stable_rotations(surface_points(shape.model.solids), np.array(shape.model.centre)))
+    sideways = [(height, rows) for height, rows in poses if anyhow or abs(rows[2, 2]) < SIDEWAYS]
+    if not sideways:
+        raise SceneError('the body does not rest like that; give another rests, such as "upright"')
+    height = min(height for height, _ in sideways)
+    # Of poses that are equally high the one nearest to the file is taken.
+    return turned_shape(
+        shape, max((rows for low, rows in sideways if low <= height + 1e-6), key=lambda rows: rows[2, 2])
+    )
+
+
+def _radians(degrees: tuple[float, ...]) -> tuple[float, float, float]:
+    """Return three angles in radians."""
+    x, y, z = map(math.radians, degrees)
+    return (x, y, z)

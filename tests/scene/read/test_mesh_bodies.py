@@ -1,0 +1,176 @@
+"""The kind ``mesh``: what is read of files in several formats, how it stands, and of which convex parts it consists."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pybullet
+import pytest
+import trimesh
+
+from prag_asp.errors import SceneError
+from prag_asp.physics.world.simulator import open_simulator
+from prag_asp.scene.geometry import Pose
+from prag_asp.scene.read import mesh_body
+from prag_asp.scene.read.mesh import file_parts, mesh_parts
+from prag_asp.scene.scene import Scene, Shape
+from tests.physics.random_tasks import scene_with
+
+SIDES = (0.05, 0.04, 0.03)
+
+
+def body(folder: Path, **table: object) -> Shape:
+    """Return the shape of a class of the kind ``mesh``."""
+    return scene_with("tabletop", {"cube": {"kind": "mesh", **table}}, folder=folder).shapes["cube_1"]
+
+
+def write(folder: Path, mesh: trimesh.Trimesh | trimesh.Scene, name: str) -> str:
+    """Write a mesh, and return the name of its file."""
+    mesh.export(folder / name)
+    return name
+
+
+def angled() -> trimesh.Trimesh:
+    """Return an L of 60 x 20 x 60 mm, 20 mm thick: a foot and a wall on its end."""
+    outline = np.array([(0, 0), (60, 0), (60, 20), (20, 20), (20, 60), (0, 60)]) / 1000
+    front, back = (np.column_stack([outline[:, 0], np.full(6, y), outline[:, 1]]) for y in (0.0, 0.02))
+    caps = [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)]
+    sides = [(i, 6 + i, (i + 1) % 6) for i in range(6)] + [((i + 1) % 6, 6 + i, 6 + (i + 1) % 6) for i in range(6)]
+    mesh = trimesh.Trimesh(
+        np.concatenate([front, back]), [*caps, *((6 + c, 6 + b, 6 + a) for a, b, c in caps), *sides], process=False
+    )
+    mesh.fix_normals()
+    return mesh
+
+
+@pytest.mark.parametrize("suffix", ["obj", "stl", "ply", "off", "glb", "gltf", "dae"])
+def test_a_box_is_the_same_in_every_format(tmp_path, suffix):
+    box = trimesh.creation.box(SIDES)
+    name = _gltf(tmp_path) if suffix == "gltf" else write(tmp_path, box, f"b.{suffix}")
+    shape = body(tmp_path, path=name, mass=0.2, up="z")
+    assert shape.size == pytest.approx(SIDES)
+    assert shape.model.mass == 0.2
+    x, y, z = SIDES
+    assert shape.model.moments == pytest.approx([0.2 * (b * b + c * c) / 12 for b, c in ((y, z), (x, z), (x, y))])
+
+
+def _gltf(folder: Path) -> str:
+    """Write a .gltf with its buffers in files beside it."""
+    for name, content in trimesh.Scene(trimesh.creation.box(SIDES)).export(file_type="gltf").items():
+        (folder / name).write_bytes(content)
+    (folder / "model.gltf").rename(folder / "b.gltf")
+    return "b.gltf"
+
+
+def test_a_buffer_outside_the_folder_of_a_gltf_is_not_read(tmp_path):
+    folder = tmp_path / "domain"
+    folder.mkdir()
+    name = _gltf(folder)
+    buffer = next(folder.glob("*.bin"))
+    buffer.rename(tmp_path / buffer.name)
+    (folder / name).write_text((folder / name).read_text().replace(buffer.name, f"../{buffer.name}"))
+    with pytest.raises(SceneError, match=r"b\.gltf: not a mesh"):
+        body(folder, path=name)
+
+
+@pytest.mark.parametrize(
+    ("table", "size"),
+    [
+        ({"scale": 2}, (0.1, 0.08, 0.06)),
+        ({"scale": [1, 2, 0.5]}, (0.05, 0.08, 0.015)),
+        ({"up": "y"}, (0.05, 0.03, 0.04)),
+        ({"up": "-x"}, (0.03, 0.04, 0.05)),
+        ({"rotation": [90, 0, 0]}, (0.05, 0.03, 0.04)),
+        ({"rotation": [0, 0, 90]}, (0.04, 0.05, 0.03)),
+        ({"up": "y", "rotation": [0, 0, 90]}, (0.03, 0.05, 0.04)),
+        ({"rests": "any", "up": "x"}, (0.05, 0.04, 0.03)),
+        ({"rests": "lying", "up": "x"}, (0.05, 0.04, 0.03)),
+        ({"rests": "lying"}, (0.05, 0.03, 0.04)),
+    ],
+)
+def test_a_mesh_is_scaled_and_turned_as_its_table_says(tmp_path, table, size):
+    shape = body(tmp_path, path=write(tmp_path, trimesh.creation.box(SIDES), "b.stl"), **table)
+    assert shape.size[2] == pytest.approx(size[2])
+    assert sorted(shape.size) == pytest.approx(sorted(size))
+
+
+def test_a_file_of_the_format_glb_has_its_y_axis_upwards(tmp_path):
+    assert body(tmp_path, path=write(tmp_path, trimesh.creation.box(SIDES), "b.glb")).size[2] == pytest.approx(0.04)
+
+
+def test_without_a_mass_it_is_that_of_the_volume_and_the_material(tmp_path):
+    name = write(tmp_path, angled(), "l.obj")
+    shapes = {"cube": {"kind": "mesh", "path": name}}
+    scene = scene_with("tabletop", shapes, folder=tmp_path, materials={"cube": {"density": 1000}})
+    model = scene.shapes["cube_1"].model
+    assert model.mass == pytest.approx(0.06 * 0.02 * 0.02 * 1000 + 0.04 * 0.02 * 0.02 * 1000)
+    # The foot has its middle at (30, 10), the wall at (10, 40): 3 to 2 by volume; the middle of the box is at 30.
+    assert model.centre == pytest.approx((-0.008, 0.0, -0.008))
+
+
+def test_a_concave_mesh_consists_of_convex_parts_and_the_same_ones_from_the_cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("PRAG_ASP_CACHE", str(tmp_path / "cache"))
+    name = write(tmp_path, angled(), "l.obj")
+    shape = body(tmp_path, path=name, mass=0.1)
+    first = mesh_parts(str(tmp_path / name))
+    assert len(file_parts(str(tmp_path / name))) == 1
+    assert len(first) >= 2
+    assert len(list((tmp_path / "cache").glob("mesh-*"))) >= 1
+    (tmp_path / "again.obj").write_bytes((tmp_path / name).read_bytes())
+    assert mesh_parts(str(tmp_path / "again.obj")) == first
+    # A ball of 30 mm in the corner of the L touches neither the foot nor the wall; 6 mm further down it does.
+    with open_simulator(Scene({"thing": shape, "ball": Shape("sphere", (0.03,) * 3)})) as simulator:
+        bodies = simulator.body("thing"), simulator.body("ball")
+        for height, apart in ((0.04, True), (0.029, False)):
+            simulator.place({"thing": Pose((0.5, 0.0, 0.03)), "ball": Pose((0.51, 0.0, height))})
+            points = pybullet.getClosestPoints(*bodies, 0.1, physicsClientId=simulator.client)
+            assert (min(point[8] for point in points) > -0.0015) == apart
+
+
+def test_without_the_extra_a_concave_mesh_is_refused_with_the_remedy(tmp_path, monkeypatch):
+    monkeypatch.setattr(mesh_body, "can_decompose", lambda: False)
+    name = write(tmp_path, angled(), "l.obj")
+    with pytest.raises(SceneError, match=r"l\.obj: the mesh is not convex; pip install \"prag_asp\[meshes\]\""):
+        body(tmp_path, path=name)
+    assert body(tmp_path, path=write(tmp_path, trimesh.creation.box(SIDES), "b.obj")).model.mass > 0.0
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ({}, "cube.path: missing; write the path of a mesh in the folder of the domain"),
+        ({"path": "none.obj"}, "none.obj: there is no such file"),
+        ({"path": "../b.stl"}, "lies outside the domain"),
+        ({"path": "b.stl", "scale": -1}, "cube.scale: "),
+        ({"path": "b.stl", "scale": [1, 2]}, "cube.scale: "),
+        ({"path": "b.stl", "scale": 100}, "m long; give its lengths in metres"),
+        ({"path": "b.stl", "scale": 0.001}, "m thin; make it at least"),
+        ({"path": "b.stl", "up": "w"}, "cube.up: "),
+        ({"path": "b.stl", "rotation": 90}, "cube.rotation: "),
+        ({"path": "b.stl", "mass": 0}, "cube.mass: "),
+        ({"path": "b.stl", "rests": "leaning"}, "cube.rests: "),
+        ({"path": "b.stl", "colour": "red"}, "cube.colour: "),
+        ({"path": "b.fbx"}, "a mesh of unknown format; known are .obj, .stl, .ply"),
+        ({"path": "broken.glb"}, "broken.glb: not a mesh: "),
+    ],
+)
+def test_a_wrong_table_is_refused_by_its_key(tmp_path, table, message):
+    folder = tmp_path / "domain"
+    folder.mkdir()
+    write(tmp_path, trimesh.creation.box(SIDES), "b.stl")
+    write(folder, trimesh.creation.box(SIDES), "b.stl")
+    (folder / "b.fbx").write_text("")
+    (folder / "broken.glb").write_bytes(b"glTF" + bytes(60))
+    with pytest.raises(SceneError) as caught:
+        body(folder, **table)
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_rod_of_many_faces_lies_on_one_of_them(tmp_path):
+    rod = trimesh.creation.cylinder(radius=0.01, height=0.12)
+    lying = body(tmp_path, path=write(tmp_path, rod, "rod.ply"), rests="lying")
+    assert lying.size[2] == pytest.approx(0.02, rel=0.01)
+    assert math.isclose(max(lying.size), 0.12, rel_tol=0.2)
