@@ -185,7 +185,6 @@ def test_what_random_rules_over_time_make_is_reached(toy: Toy, data: st.DataObje
 
 def test_states_that_are_made_at_a_step_by_its_number_keep_all_actions() -> None:
     assert unreachable(f"{KEYS} holds(open(3),true,2).") == []
-    assert unreachable(f"{KEYS}\n#program check(t).\nholds(open(3),true,t) :- occurs(take(1),t).") == []
 
 
 @settings(max_examples=examples(10), suppress_health_check=list(HealthCheck))
