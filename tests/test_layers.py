@@ -88,7 +88,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     "scene": (
         "predicate_names", "boxes", "cameras", "colours", "forms", "shape_kinds", "scene", "geometry",
         "footprint", "furniture", "solids", "mass", "variation", "robots", "read", "surfaces",
-        "part_boxes", "scene_loader",
+        "scene_loader",
     ),
     "logic": ("ground", "step", "diagram", "symmetry", "domain_logic", "formula"),
     "space": (

@@ -8,7 +8,8 @@ from itertools import pairwise, product
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.scene.geometry import Pose, matrix
+from prag_asp.scene.boxes import Box, box_between
+from prag_asp.scene.geometry import Pose, Quaternion, matrix
 from prag_asp.scene.read.convex import convex_hull
 from prag_asp.scene.read.mesh import mesh_parts, state_of
 from prag_asp.scene.read.stability import rotation
@@ -109,3 +110,21 @@ def _primitive(kind: str, size: tuple[float, float, float]) -> Floats:
     for end, ring in ((ends[0], rings[0]), (ends[1], rings[-1])):
         triangles.append(np.stack([np.broadcast_to(end, ring.shape), ring, ring[following]], 1))
     return _outward(np.concatenate(triangles))
+
+
+def part_boxes(shape: Shape, pose: Pose) -> list[Box]:
+    """Return the box around each convex part of a body along the axes of the world, in metres.
+
+    Other bodies have room between the parts of a body.
+    """
+    x, y, z = pose.position
+    return [((x + a, y + b, z + c), half) for (a, b, c), half in _turned_boxes(shape, pose.quaternion)]
+
+
+@lru_cache(maxsize=1 << 10)
+def _turned_boxes(shape: Shape, quaternion: Quaternion) -> tuple[Box, ...]:
+    """Return the box around each convex part of a turned body at the origin."""
+    rows = matrix(Pose((0.0, 0.0, 0.0), quaternion))[:3, :3]
+    turned = (part.reshape(-1, 3) @ rows.T for part in part_surfaces(shape))
+    ends = (zip(part.min(0).tolist(), part.max(0).tolist(), strict=True) for part in turned)
+    return tuple(box_between(*sides) for sides in ends)

@@ -23,6 +23,7 @@ SETUP = {
     f"{INSTALL} -e '.[test]' && .venv/bin/pytest",
     ". .venv/bin/activate",
     ".venv/bin/pip install '.[pictures]'",
+    ".venv/bin/pip install '.[meshes]'",
     ".venv/bin/pip install '.[sharp]'",
     ".venv/bin/pip install '.[datasets]'",
     ".venv/bin/pip install '.[formats]'",

@@ -34,7 +34,7 @@ from prag_asp.physics.world.support import TABLE
 from prag_asp.scene.boxes import box_of
 from prag_asp.scene.furniture import swept
 from prag_asp.scene.geometry import Pose, Quaternion, extents, multiply, yaw_of, yaw_quaternion
-from prag_asp.scene.part_boxes import part_boxes
+from prag_asp.scene.surfaces import part_boxes
 
 SPACINGS = (FINGER_ROOM, FINGER_ROOM / 2, SPACING, 0.005, 0.002, 0.0)
 """Metres between objects, the most first; on the table it is at least `SPACING`."""

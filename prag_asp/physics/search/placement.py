@@ -30,7 +30,7 @@ from prag_asp.physics.world.support import TABLE
 from prag_asp.scene.boxes import Vector, box_of
 from prag_asp.scene.furniture import swept
 from prag_asp.scene.geometry import Pose, Quaternion, extents, yaw_of, yaw_quaternion
-from prag_asp.scene.part_boxes import part_boxes
+from prag_asp.scene.surfaces import part_boxes
 
 TRIES = 8  # samples with each spacing
 SPACING = 0.01  # metres between objects on the table, which do not touch then

@@ -10,19 +10,21 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
+from io import BytesIO
 from itertools import chain, pairwise
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from prag_asp.errors import SceneError
 from prag_asp.safe_reading import read_bytes
 from prag_asp.scene.read.scene_values import SMALLEST
 
 LARGEST = 32_000_000
-"""The largest size of a mesh file in bytes."""
+"""The largest size in bytes of a mesh file, or of a file that it refers to, such as a buffer of a .gltf."""
 
 HEADER, TRIANGLE = 84, 50
 """The bytes of the header of a binary .stl, and of each triangle."""
@@ -170,9 +172,8 @@ def _triangles(path: str, content: bytes) -> list[list[Triangle]]:
             return _obj(content)
         case ".stl":
             return [_stl(content)]
-    from prag_asp.scene.read.mesh_formats import read_parts  # noqa: PLC0415 - few domains have such meshes
 
-    return [[(_point(a), _point(b), _point(c)) for a, b, c in part.tolist()] for part in read_parts(path, content)]
+    return [[(_point(a), _point(b), _point(c)) for a, b, c in part.tolist()] for part in read_by_trimesh(path, content)]
 
 
 def _obj(content: bytes) -> list[list[Triangle]]:
@@ -216,3 +217,43 @@ def _point(words: Sequence[str] | Sequence[float]) -> Point:
     """Return three words or numbers as a point."""
     x, y, z = map(float, words)
     return (x, y, z)
+
+
+class FilesBeside(Mapping[str, bytes]):
+    """The files in the folder of a mesh, by their names; they are read when they are looked up."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def __getitem__(self, name: str) -> bytes:
+        try:
+            return read_bytes(self._folder / name, within=self._folder, at_most=LARGEST)
+        except OSError as error:
+            raise KeyError(name) from error
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(())
+
+    def __len__(self) -> int:
+        return 0
+
+
+def read_by_trimesh(path: str, content: bytes) -> list[NDArray[np.float64]]:
+    """Return the triangles (n, 3, 3) of each part of a mesh file, in the unit of the file.
+
+    Raises:
+        SceneError: trimesh is not installed.
+        ValueError: the file is not a mesh.
+    """
+    try:
+        import trimesh  # noqa: PLC0415 - an extra
+    except ImportError:
+        remedy = 'install it: pip install "prag_asp[meshes]", or give an .obj or an .stl'
+        raise SceneError(f"{path}: meshes of this format need trimesh; {remedy}") from None
+    kind = Path(path).suffix.lower().removeprefix(".")
+    try:
+        scene = trimesh.load_scene(BytesIO(content), file_type=kind, resolver=FilesBeside(Path(path).parent))
+        meshes = [each for each in scene.dump() if isinstance(each, trimesh.Trimesh)]
+    except Exception as error:  # its readers raise whatever they meet in a broken file
+        raise ValueError(" ".join(str(error).split())[:200] or type(error).__name__) from error
+    return [np.asarray(mesh.triangles, dtype=float) for mesh in meshes]
