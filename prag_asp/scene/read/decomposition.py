@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.output.cache_files import cache_folder, read_cached, write_cached
+from prag_asp.processes.bounded_call import bounded
 
 Floats = NDArray[np.float64]
 
@@ -31,6 +32,9 @@ PARAMETERS = {
 }
 """CoACD's own defaults, stated here because results depend on them; the threshold is a share of the mesh's size."""
 
+LONGEST = 300.0
+"""The most seconds that a decomposition takes: a mesh of 100,000 triangles takes a minute, a tangle takes for ever."""
+
 LARGEST = 64_000_000
 """The largest size of a cached decomposition in bytes."""
 
@@ -45,21 +49,25 @@ def can_decompose() -> bool:
 
 
 def decomposed(triangles: Floats) -> tuple[Floats, ...]:
-    """Return the triangles (n, 3, 3) of convex parts that make up a concave mesh, given by its own."""
+    """Return the triangles (n, 3, 3) of convex parts that make up a concave mesh, given by its own.
+
+    Raises:
+        LimitReached: that takes more than `LONGEST` seconds, or more memory than there is.
+    """
     key = sha256(json.dumps([FORMAT, PARAMETERS], sort_keys=True).encode() + np.round(triangles, 9).tobytes())
     folder = cache_folder()
     path = None if folder is None else folder / f"mesh-{key.hexdigest()}.json"
     content = None if path is None else read_cached(path, LARGEST)
     if content is None:
-        parts = _coacd(triangles)
+        parts = bounded(decompose, triangles, seconds=LONGEST)
         if path is not None:
             write_cached(path, json.dumps([part.tolist() for part in parts]).encode())
         return parts
     return tuple(np.array(part) for part in json.loads(content))
 
 
-def _coacd(triangles: Floats) -> tuple[Floats, ...]:
-    """Return the convex parts of a mesh."""
+def decompose(triangles: Floats) -> tuple[Floats, ...]:
+    """Return the convex parts of a mesh; called in a process of its own, because CoACD cannot be interrupted."""
     import coacd  # type: ignore[import-untyped]  # noqa: PLC0415 - an extra, and heavy
 
     coacd.set_log_level("off")

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.errors import SceneError
+from prag_asp.errors import LimitReached, SceneError
 from prag_asp.safe_reading import read_bytes
 from prag_asp.scene.read.scene_values import SMALLEST
 
@@ -61,7 +61,13 @@ def _convex_parts(path: str, scale: Point, _state: tuple[int, int]) -> tuple[Par
     parts: list[Part] = []
     for part in file_parts(path, scale):
         if can_decompose() and _concave(part):
-            found = decomposed(np.array(part, dtype=float))
+            try:
+                found = decomposed(np.array(part, dtype=float))
+            except LimitReached as error:
+                remedy = "simplify it, or make it of convex objects or groups of an .obj"
+                raise SceneError(
+                    f"{path}: dividing the mesh into convex parts is too costly: {error}; {remedy}"
+                ) from error
             parts += (tuple((_point(a), _point(b), _point(c)) for a, b, c in each.tolist()) for each in found)
         else:
             parts.append(part)

@@ -163,7 +163,11 @@ def axes(rng: random.Random) -> Iterator[tuple[float, float, float, float]]:
         yield (x, y, 0.0, math.sqrt(max(0.0, 1.0 - x * x - y * y)))
 
 
-def test_sizes_are_those_of_exact_corners_and_of_the_simulator(tmp_path: Path, chance: Chance) -> None:
+def test_sizes_are_those_of_exact_corners_and_of_the_simulator(
+    tmp_path: Path, chance: Chance, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # The meshes are fans of random points: of such a tangle only the hull has an exact size.
+    monkeypatch.setattr("prag_asp.scene.read.decomposition.can_decompose", lambda: False)
     rng = chance.generator(11)
     for number in range(chance.examples(4)):
         folder = tmp_path / str(number)
