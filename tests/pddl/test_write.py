@@ -80,7 +80,8 @@ fluent((f;g;h)). action((a;b;c)). postcondition(a,f,true). postcondition(b,f,fal
         "#program base. water(0,0). #program step(t). water(N+1,t) :- water(N,t-1), not holds(f,true,t-1), N < 3. "
         "water(N,t) :- water(N,t-1), holds(f,true,t-1). :- water(3,t), holds(g,true,t). "
         "#program check(t). :- water(0,t).",
-        "#program step(t). changed(h,t) :- holds(f,true,t). holds(h,true,t) :- holds(f,true,t). :- occurs(c,t), holds(h,true,t-1). "
+        "#program step(t). changed(h,t) :- holds(f,true,t). holds(h,true,t) :- holds(f,true,t). "
+        ":- occurs(c,t), holds(h,true,t-1). "
         ":- occurs(a,t), holds(h,false,t-1), holds(g,true,t-1).",
         "postcondition(a,g,unknown). goal(g,true). precondition(b,h,false). exclusive(f,h). implies(h,g). "
         "#program step(t). :- occurs(a,t), occurs(a,t-1).",
