@@ -195,7 +195,7 @@ def rejected_by_encodings(
 
 
 def holding(values: Iterable[FluentValue], time: int) -> Iterator[clingo.Symbol]:
-    """Yield the ``holds`` atoms of fluent values at a time."""
+    """Yield the ``holds`` atoms of fluent values at a time step."""
     for fluent, value in values:
         yield HOLDS(fluent, value_term(value), clingo.Number(time))
 

@@ -163,7 +163,7 @@ def base(shape: Shape, pose: Pose) -> Outline:
 
 @lru_cache(maxsize=1 << 11)
 def crown(shape: Shape, pose: Pose) -> Outline:
-    """Return the outline from above of what stands on an upright body."""
+    """Return the outline, from above, of the top of an upright body, on which others can stand."""
     return outline(shape, pose) if shape.model is None or not shape.model.crown else _placed(shape.model.crown, pose)
 
 

@@ -25,7 +25,7 @@ Place = tuple[int, int]
 
 
 def places() -> Iterator[Place]:
-    """Yield the number of a chunk and of a file in it, for one file after the other."""
+    """Yield the number of the chunk and the number of the file in it, for each file in turn."""
     chunk = 0
     while True:
         yield from ((chunk, file) for file in range(CHUNK))

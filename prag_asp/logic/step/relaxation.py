@@ -111,7 +111,7 @@ class _Relaxed:
         return [(self._gates.any(may), self._gates.any(may_not)) for may, may_not in zip(true, false, strict=True)]
 
     def ends(self) -> int:
-        """Return the gate of whether a plan may end."""
+        """Return the gate that is true if a plan may end."""
         transition, final = self._transition, self._transition.step.final
         values = self._values(transition.step.ground.now)
 

@@ -162,7 +162,7 @@ def parse_share(what: str, number: Number | float, *, positive: bool = False) ->
     """Return a share from 0 to 1 as a fraction, a float by its decimal digits; with `positive` it is above 0.
 
     Raises:
-        QueryError: it is none.
+        QueryError: it is not a whole number of at least 1.
     """
     share = parse_number(what, str(number))
     if not 0 <= share <= 1 or (positive and not share):
@@ -174,7 +174,7 @@ def parse_count(what: str, number: object) -> int:
     """Return a whole number of at least 1.
 
     Raises:
-        QueryError: it is none.
+        QueryError: it is not a whole number of at least 1.
     """
     if isinstance(number, bool) or not isinstance(number, int) or number < 1:
         raise QueryError(f"{what}: {number!r}; give a whole number of at least 1")
