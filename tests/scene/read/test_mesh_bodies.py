@@ -174,3 +174,14 @@ def test_a_rod_of_many_faces_lies_on_one_of_them(tmp_path):
     lying = body(tmp_path, path=write(tmp_path, rod, "rod.ply"), rests="lying")
     assert lying.size[2] == pytest.approx(0.02, rel=0.01)
     assert math.isclose(max(lying.size), 0.12, rel_tol=0.2)
+
+
+def test_a_mesh_that_is_too_costly_to_divide_is_refused_by_its_file(tmp_path, monkeypatch):
+    # CoACD does not end on some tangles of triangles; here no time at all is left for it.
+    monkeypatch.setattr("prag_asp.scene.read.decomposition.LONGEST", 0.0)
+    monkeypatch.setenv("PRAG_ASP_CACHE", "")
+    write(tmp_path, angled(), "costly.stl")
+    with pytest.raises(
+        SceneError, match=r"costly\.stl: dividing the mesh into convex parts is too costly: .*simplify it"
+    ):
+        mesh_parts(str(tmp_path / "costly.stl"))
