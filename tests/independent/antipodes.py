@@ -46,13 +46,15 @@ def gripped(
         side = np.cross(axis, rng.normal(size=3))
         side /= np.linalg.norm(side)
         tool = Frame(np.column_stack([side, axis, np.cross(side, axis)]), middle)
-        found = grip(solids, tool, opening)
-        if found is not None:
-            # Pads that are open around the middle of what is there reach beyond it, or are in the body.
-            tool = tool @ Frame(np.eye(3), np.array([0.0, (found.low + found.high) / 2, 0.0]))
-            found = grip(solids, tool, opening)
-        if found is not None and max(found.angles) <= cone and max(-found.low, found.high) < opening / 2 - OPEN:
-            return Place(tool, found)
+        for reach in (opening, 2 * opening):
+            # Pads that are open around the middle of what is there are off it, or in the body.
+            found = grip(solids, tool, reach)
+            if found is None:
+                break
+            around = tool @ Frame(np.eye(3), np.array([0.0, (found.low + found.high) / 2, 0.0]))
+            found = grip(solids, around, opening)
+            if found is not None and max(found.angles) <= cone and max(-found.low, found.high) < opening / 2 - OPEN:
+                return Place(around, found)
     return None
 
 
