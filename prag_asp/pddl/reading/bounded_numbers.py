@@ -58,7 +58,7 @@ def bounded(
     changing = {each.function.function for _, each in effects if each.function.function in read}
     if not changing:
         return domain, problem
-    numbers = _Numbers(source, domain, problem, _Values(source, problem, effects, changing))
+    numbers = _Numbers(source, domain, problem, _FunctionValues(source, problem, effects, changing))
     actions = tuple(numbers.schema(each) for each in domain.actions)
     goal = numbers.formula(problem.goal, problem_source)
     derived = tuple(replace(each, formula=numbers.formula(each.formula, source)) for each in domain.derived)
@@ -107,7 +107,7 @@ def _changed(effect: NumericEffect, row: Row) -> Fraction | None:
     return quantity_value(Arithmetic(operators[effect.operator], (effect.function, effect.value)), row)
 
 
-class _Values:
+class _FunctionValues:
     """The values that functions may have, by name."""
 
     def __init__(
@@ -174,7 +174,7 @@ class _Numbers:
     source: PddlSource
     domain: DomainFile
     problem: ProblemFile
-    values: _Values
+    values: _FunctionValues
 
     def __post_init__(self) -> None:
         self.predicates: dict[str, Declaration] = {}
