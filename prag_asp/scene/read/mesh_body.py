@@ -83,7 +83,7 @@ def _lying(shape: Shape, anyhow: bool) -> Shape:
     """Return the shape of a body in the stable pose with the lowest centre of mass, on its side unless `anyhow`.
 
     Raises:
-        SceneError: there is none.
+        SceneError: the body rests stably in no pose.
     """
     assert shape.model is not None
     poses = list(stable_rotations(surface_points(shape.model.solids), np.array(shape.model.centre)))

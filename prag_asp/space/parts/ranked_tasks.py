@@ -159,7 +159,7 @@ class RankedTasks:
         A smaller sample of distinct tasks is a prefix of a larger one with the same seed.
 
         Raises:
-            QueryError: there are too few.
+            QueryError: more distinct tasks are requested than there are.
         """
         size = self.count()
         if count < 0 or (count and not size) or (distinct and count > size):
