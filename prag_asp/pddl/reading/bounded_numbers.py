@@ -239,16 +239,14 @@ class _Numbers:
         for term in {**terms, **({} if effect.operator == "assign" else {effect.function: None})}:
             stated = sum(function == term.function for function, _ in self.problem.values)
             declared = self.domain.functions.get(term.function)
-            if declared and stated >= self._instances(declared):
-                continue
+            if declared:
+                above = [self.domain.above(kind) for kind in self.problem.objects.values()]
+                if stated >= prod(sum(not each.isdisjoint(kinds) for each in above) for kinds in declared.types):
+                    continue
             if effect.variables or next(conjuncts(effect.condition), None) is not None or not declared:
                 text = f"{term.function} has no initial value for all its objects"
                 self.source.refuse(effect.line, f"{text}, and a condition reads what it changes; state them in :init")
             yield Comparison("=", term, term, True, effect.line)
-
-    def _instances(self, declared: Declaration) -> int:
-        above = [self.domain.above(kind) for kind in self.problem.objects.values()]
-        return prod(sum(not each.isdisjoint(kinds) for each in above) for kinds in declared.types)
 
     def _effects(self, effect: NumericEffect, action: Schema) -> Iterator[SchemaEffect]:
         condition, term, line = self.formula(effect.condition, self.source), effect.function, effect.line
