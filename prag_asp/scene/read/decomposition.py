@@ -33,7 +33,7 @@ PARAMETERS = {
 """CoACD's own defaults, stated here because results depend on them; the threshold is a share of the mesh's size."""
 
 LONGEST = 300.0
-"""The most seconds that a decomposition takes. Most meshes take seconds, but CoACD has no bound of its own."""
+"""The most seconds that a decomposition takes. Some 2,000 triangles take 9 s; CoACD has no bound of its own."""
 
 LARGEST = 64_000_000
 """The largest size of a cached decomposition in bytes."""
