@@ -122,8 +122,9 @@ def load_domain(
     name, folder, entries, remarks = _find_domain(given, text, untimed=untimed)
     values = parse_constants(constants or {})
     encodings = Path(encodings) if encodings is not None else data_folder("encodings")
+    core = core_sources(encodings)
     own = each_once(each for entry in entries for each in read_sources(entry, encodings, own=folder))
-    program = _with_encodings(set_constants(own, values, name) if values else own, rules, encodings)
+    program = _whole_program(core, set_constants(own, values, name) if values else own, rules, encodings)
     table_file = _settings_file(settings, folder)
     learned_path = folder / LEARNED if learned and folder and settings is None else None
     if learned_path and not os.path.lexists(learned_path):
@@ -189,13 +190,12 @@ def _find_domain(
     return first.stem.strip("<>"), None, entries, ()
 
 
-def _with_encodings(own: tuple[Source, ...], rules: Iterable[str], encodings: Path) -> Program:
-    """Return the program of a domain's own files: with the encodings that every domain has, that it reads, and `rules`.
+def _whole_program(core: tuple[Source, ...], own: tuple[Source, ...], rules: Iterable[str], encodings: Path) -> Program:
+    """Return the program of the encodings of every domain, those that a domain's `own` files need, these, and `rules`.
 
     Raises:
         DomainError: there is no such rule, or it takes another number of arguments.
     """
-    core = core_sources(encodings)
     core_paths = {each.path.resolve() for each in core}
     selected = (each for rule in rules for each in _rule_sources(rule, encodings))
     added = each_once((*asked_sources(own, encodings), *own, *selected))
