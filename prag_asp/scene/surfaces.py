@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.scene.boxes import Box, box_between
-from prag_asp.scene.geometry import Pose, Quaternion, matrix
+from prag_asp.scene.geometry import Pose, Quaternion, extents, matrix
 from prag_asp.scene.read.convex import convex_hull
 from prag_asp.scene.read.mesh import mesh_parts, state_of
 from prag_asp.scene.read.stability import rotation
@@ -112,17 +112,18 @@ def _primitive(kind: str, size: tuple[float, float, float]) -> Floats:
     return _outward(np.concatenate(triangles))
 
 
-def part_boxes(shape: Shape, pose: Pose) -> list[Box]:
-    """Return the box around each convex part of a body along the axes of the world, in metres.
+def turned_boxes(shape: Shape, quaternion: Quaternion) -> tuple[Box, ...]:
+    """Return the boxes of a turned body at the origin that keep others apart, along the axes of the world, in metres.
 
-    Other bodies have room between the parts of a body.
+    One around each convex part of a body with a model, one around any other body.
     """
-    x, y, z = pose.position
-    return [((x + a, y + b, z + c), half) for (a, b, c), half in _turned_boxes(shape, pose.quaternion)]
+    if shape.model is None:
+        return (((0.0, 0.0, 0.0), extents(shape, quaternion)),)
+    return _turned_parts(shape, quaternion)
 
 
 @lru_cache(maxsize=1 << 10)
-def _turned_boxes(shape: Shape, quaternion: Quaternion) -> tuple[Box, ...]:
+def _turned_parts(shape: Shape, quaternion: Quaternion) -> tuple[Box, ...]:
     """Return the box around each convex part of a turned body at the origin."""
     rows = matrix(Pose((0.0, 0.0, 0.0), quaternion))[:3, :3]
     turned = (part.reshape(-1, 3) @ rows.T for part in part_surfaces(shape))

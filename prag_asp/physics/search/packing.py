@@ -31,13 +31,13 @@ from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import Fact
 from prag_asp.physics.world.simulator import COLLISION
 from prag_asp.physics.world.support import TABLE
-from prag_asp.scene.boxes import box_of
+from prag_asp.scene.boxes import Box, Vector, box_of
 from prag_asp.scene.furniture import swept
 from prag_asp.scene.geometry import Pose, Quaternion, extents, multiply, yaw_of, yaw_quaternion
-from prag_asp.scene.surfaces import part_boxes
+from prag_asp.scene.surfaces import turned_boxes
 
 SPACINGS = (FINGER_ROOM, FINGER_ROOM / 2, SPACING, 0.005, 0.002, 0.0)
-"""Metres between objects, the most first; on the table it is at least `SPACING`."""
+"""Metres between objects, the most first: they touch where nothing else leaves room for all."""
 
 BRANCHES = 4
 """The places of an object that are tried before the one before it is moved."""
@@ -47,6 +47,9 @@ PLACED = 10
 
 LATTICE = 7
 """Lines of the lattice in each direction, for regions whose corners are out of reach."""
+
+MOST_PAIRS, MOST_ROWS = 2000, 60
+"""Pairs of parts of two bodies that are kept apart one by one, and those of which each gives places that touch."""
 
 ROUNDING = 1e-9
 """Metres by which a place may violate a bound that it was calculated from."""
@@ -153,25 +156,39 @@ def packed_poses(
     about = relevant_facts(facts, entity, situation)
     checked = [fact for fact in about if not shapes_volume(fact, entity)]
     request = PlacementRequest(entity, support, about, height, (), ())
-    frame = 0.0 if support == TABLE else yaw_of(situation.pose(support).quaternion)
-    for quaternion in _orientations(situation, entity, about, frame):
-        volume = placement_volume(situation, request, quaternion)
-        floor = volume.floor()
-        if floor is None:
-            continue
-        z = volume.low[2]
-        taken = _taken(situation, request, quaternion, z, frame)
-        corners = np.array([point for patch in floor for point in patch.polygon])
-        places = _places(turned(corners, -frame), taken, max(spacing, SPACING) if support == TABLE else spacing)
-        ordered = turned(corner.order(places), frame).tolist()
-        # From the corner, and by turns from the opposite one: an order of the objects may need that.
-        for x, y in chain.from_iterable(zip(ordered, reversed(ordered), strict=True)):
-            pose = Pose((x, y, z), quaternion)
-            if volume.miss_distance(pose.position) > ROUNDING:
+    for frame in _frames(situation, entity, support, about):
+        for quaternion in _orientations(situation, entity, about, frame):
+            volume = placement_volume(situation, request, quaternion)
+            floor = volume.floor()
+            if floor is None:
                 continue
-            trial = situation.with_pose(entity, pose)
-            if all(fact.is_satisfied(trial) for fact in checked):
-                yield pose
+            z = volume.low[2]
+            taken, touching = _taken(situation, request, quaternion, z, frame)
+            corners = np.array([point for patch in floor for point in patch.polygon])
+            places = _places(turned(corners, -frame), taken, touching, spacing)
+            ordered = turned(corner.order(places), frame).tolist()
+            # From the corner, and by turns from the opposite one: an order of the objects may need that.
+            for x, y in chain.from_iterable(zip(ordered, reversed(ordered), strict=True)):
+                pose = Pose((x, y, z), quaternion)
+                if volume.miss_distance(pose.position) > ROUNDING:
+                    continue
+                trial = situation.with_pose(entity, pose)
+                if all(fact.is_satisfied(trial) for fact in checked):
+                    yield pose
+
+
+def _frames(situation: Situation, entity: str, support: str, about: Iterable[Fact]) -> Iterator[float]:
+    """Yield the yaws in radians along which an object is packed: that of its support or of the workspace first.
+
+    A relation of the domain may want it in a body that is turned, a slot for example: then along that, too.
+    """
+    first = 0.0 if support == TABLE else yaw_of(situation.pose(support).quaternion)
+    yield first
+    for fact in about:
+        if fact.value and fact.predicate.rests_on_other and fact.arguments[0] == entity:
+            yaw = yaw_of(situation.pose(fact.arguments[1]).quaternion)
+            if abs(math.sin(2 * (yaw - first))) > ROUNDING:
+                yield yaw
 
 
 def _fill(
@@ -204,15 +221,17 @@ def _fill(
     raise Failure(OBJECTS_COLLIDE, order[farthest])
 
 
-def _places(corners: NDArray[np.float64], taken: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
+def _places(
+    corners: NDArray[np.float64], taken: NDArray[np.float64], touching: NDArray[np.float64], spacing: float
+) -> NDArray[np.float64]:
     """Return the places in the bounding box of some corners, shape (n, 2), that keep a spacing from what is `taken`.
 
-    They are on lines through the corners, through places that touch a neighbour, and of a lattice.
+    They are on lines through the corners, through places that touch what is `touching`, and of a lattice.
     """
     lines = []
     for axis in range(2):
         low, high = corners[:, axis].min(), corners[:, axis].max()
-        centre, reach = taken[:, axis], taken[:, axis + 2] + spacing
+        centre, reach = touching[:, axis], touching[:, axis + 2] + spacing
         lattice = np.linspace(low, high, LATTICE)
         values = np.concatenate([corners[:, axis], centre - reach, centre + reach, lattice])
         lines.append(np.unique(values[(low <= values) & (values <= high)]))
@@ -225,32 +244,49 @@ def _places(corners: NDArray[np.float64], taken: NDArray[np.float64], spacing: f
 
 def _taken(
     situation: Situation, request: PlacementRequest, quaternion: Quaternion, z: float, frame: float
-) -> NDArray[np.float64]:
-    """Return the centres of the bodies that an object can meet at a height, and where it touches them, shape (n, 4).
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the places at which an object would overlap others at a height, and those at which it would touch them.
 
-    All are seen from above in a frame that is turned by a yaw: a box around each body in that frame.
+    A row (n, 4) has the centre of the places, and how far they reach along x and y. All are seen from above in a frame
+    that is turned by a yaw, by boxes around bodies in that frame, and around the parts of a body with a model. Places
+    that touch are those of whole bodies where there are more than `MOST_ROWS` pairs of parts.
     """
     back = yaw_quaternion(-frame)
-    own = extents(situation.shape(request.entity), multiply(back, quaternion))
-    rows = []
+    shape = situation.shape(request.entity)
+    turned_back = multiply(back, quaternion)
+    whole: tuple[Box, ...] = (((0.0, 0.0, 0.0), extents(shape, turned_back)),)
+    parts = turned_boxes(shape, turned_back)
+    others = []
     for other in kept_apart(situation, request.about):
-        shape, pose = situation.scene.shapes[other], situation.pose(other)
-        if shape.traits.hollow and request.support != TABLE:
+        other_shape, pose = situation.scene.shapes[other], situation.pose(other)
+        if other_shape.traits.hollow and request.support != TABLE:
             continue
-        if shape.traits.furniture:
-            boxes = [(box_of(corners), frame) for corners in swept(shape, pose)]
-        elif shape.model is not None:
-            boxes = [(box, frame) for box in part_boxes(shape, pose)]
+        if other_shape.traits.furniture:
+            others += [(box[0], ((0.0, 0.0, 0.0), box[1]), frame) for box in map(box_of, swept(other_shape, pose))]
         else:
-            boxes = [((pose.position, extents(shape, multiply(back, pose.quaternion))), 0.0)]
-        for ((x, y, other_z), (half_x, half_y, half_z)), turn in boxes:
-            if abs(z - other_z) < own[2] + half_z + COLLISION:
-                cosine, sine = abs(math.cos(turn)), abs(math.sin(turn))
-                reach_x, reach_y = cosine * half_x + sine * half_y, sine * half_x + cosine * half_y
-                rows.append((x, y, own[0] + reach_x, own[1] + reach_y))
-    taken = np.array(rows).reshape(-1, 4)
-    taken[:, :2] = turned(taken[:, :2], -frame)
-    return taken
+            boxes = turned_boxes(other_shape, multiply(back, pose.quaternion))
+            others += [(pose.position, box, 0.0) for box in boxes]
+    taken = _rows(parts if len(parts) * len(others) <= MOST_PAIRS else whole, others, z, frame)
+    return taken, taken if len(taken) <= MOST_ROWS else _rows(whole, others, z, frame)
+
+
+def _rows(
+    parts: Iterable[Box], others: Iterable[tuple[Vector, Box, float]], z: float, frame: float
+) -> NDArray[np.float64]:
+    """Return the rows of `_taken`, for each pair of a part of an object and one of others.
+
+    `others` have the position of their body, their box in a frame there, and the yaw of the box in the turned frame.
+    """
+    rows = []
+    for (x, y, other_z), ((a, b, c), (half_x, half_y, half_z)), turn in others:
+        cosine, sine = abs(math.cos(turn)), abs(math.sin(turn))
+        reach_x, reach_y = cosine * half_x + sine * half_y, sine * half_x + cosine * half_y
+        for (dx, dy, dz), (own_x, own_y, own_z) in parts:
+            if abs(z + dz - (other_z + c)) < own_z + half_z + COLLISION:
+                rows.append((x, y, own_x + reach_x, own_y + reach_y, a - dx, b - dy))
+    found = np.array(rows).reshape(-1, 6)
+    found[:, :2] = turned(found[:, :2], -frame) + found[:, 4:]
+    return found[:, :4]
 
 
 def _orientations(situation: Situation, entity: str, about: Iterable[Fact], frame: float) -> Iterator[Quaternion]:
