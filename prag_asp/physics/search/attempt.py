@@ -88,7 +88,9 @@ class Exhausted(Exception):
 class Search:
     """What a search uses: the simulator, the task's objects and random generator, and the room for later actions.
 
-    One that `packs` places objects tightly: it is for what random placement does not find.
+    One that `packs` places objects tightly: it is for what random placement does not find. One that `returns` undoes
+    actions, down to one that may be to blame, where all attempts at an action fail. The best `passed_over` grasps of
+    bodies with a model come last: witnesses with them failed a later check.
     """
 
     simulator: Simulator
@@ -97,6 +99,8 @@ class Search:
     foresight: Foresight
     spans: Spans = field(default_factory=dict)
     packs: bool = False
+    returns: bool = False
+    passed_over: int = 0
 
     @property
     def scene(self) -> Scene:

@@ -11,10 +11,14 @@ from prag_asp.wording import plural
 
 
 class FailureLog:
-    """Counts the faults of attempts, and separately those of the attempts that got through the most actions."""
+    """Counts the faults of attempts, and separately those of the attempts that got through the most actions.
+
+    `grasp_to_blame` is whether an object could not be moved or put down as it was held, and no other grasp was tried.
+    """
 
     def __init__(self) -> None:
         self.faults = Counter[PhysicsFault]()
+        self.grasp_to_blame = False
         self._farthest = -1
         self._last = Counter[PhysicsFault]()
 

@@ -123,7 +123,9 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
     for _, kind, option in ranked:
         order.append((counts[kind], option))
         counts[kind] += 1
-    return [option for _, option in sorted(order, key=lambda row: row[0])]
+    options = [option for _, option in sorted(order, key=lambda row: row[0])]
+    first = search.passed_over % len(options)
+    return options[first:] + options[:first]
 
 
 def _kind(tool: Pose) -> tuple[int, bool]:
