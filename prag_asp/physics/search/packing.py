@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
+from functools import partial
 from itertools import chain, islice
 from typing import NamedTuple
 
@@ -23,6 +24,7 @@ from prag_asp.physics.search.placement import (
     PlacementRequest,
     choose_support,
     kept_apart,
+    parts_meet,
     placement_volume,
     sample_pose,
 )
@@ -31,10 +33,9 @@ from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import Fact
 from prag_asp.physics.world.simulator import COLLISION
 from prag_asp.physics.world.support import TABLE
-from prag_asp.scene.boxes import Box, Vector, box_of
+from prag_asp.scene.boxes import Vector, box_of
 from prag_asp.scene.furniture import swept
 from prag_asp.scene.geometry import Pose, Quaternion, extents, multiply, yaw_of, yaw_quaternion
-from prag_asp.scene.surfaces import turned_boxes
 
 SPACINGS = (FINGER_ROOM, FINGER_ROOM / 2, SPACING, 0.005, 0.002, 0.0)
 """Metres between objects, the most first: they touch where nothing else leaves room for all."""
@@ -47,9 +48,6 @@ PLACED = 10
 
 LATTICE = 7
 """Lines of the lattice in each direction, for regions whose corners are out of reach."""
-
-MOST_PAIRS, MOST_ROWS = 2000, 60
-"""Pairs of parts of two bodies that are kept apart one by one, and those of which each gives places that touch."""
 
 ROUNDING = 1e-9
 """Metres by which a place may violate a bound that it was calculated from."""
@@ -163,7 +161,7 @@ def packed_poses(
             if floor is None:
                 continue
             z = volume.low[2]
-            taken, touching = _taken(situation, request, quaternion, z, frame)
+            taken, touching, close = _taken(situation, request, quaternion, z, frame)
             corners = np.array([point for patch in floor for point in patch.polygon])
             places = _places(turned(corners, -frame), taken, touching, spacing)
             ordered = turned(corner.order(places), frame).tolist()
@@ -171,6 +169,8 @@ def packed_poses(
             for x, y in chain.from_iterable(zip(ordered, reversed(ordered), strict=True)):
                 pose = Pose((x, y, z), quaternion)
                 if volume.miss_distance(pose.position) > ROUNDING:
+                    continue
+                if any(meet(pose.position, spacing - ROUNDING) for meet in close):
                     continue
                 trial = situation.with_pose(entity, pose)
                 if all(fact.is_satisfied(trial) for fact in checked):
@@ -244,49 +244,43 @@ def _places(
 
 def _taken(
     situation: Situation, request: PlacementRequest, quaternion: Quaternion, z: float, frame: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the places at which an object would overlap others at a height, and those at which it would touch them.
+) -> tuple[NDArray[np.float64], NDArray[np.float64], list[Callable[[Vector, float], bool]]]:
+    """Return the places where an object overlaps others at a height, those where it touches them, and further tests.
 
-    A row (n, 4) has the centre of the places, and how far they reach along x and y. All are seen from above in a frame
-    that is turned by a yaw, by boxes around bodies in that frame, and around the parts of a body with a model. Places
-    that touch are those of whole bodies where there are more than `MOST_ROWS` pairs of parts.
+    A row of places (n, 4) has their centre, and how far they reach along x and y, seen from above in a frame that is
+    turned by a yaw: for boxes around bodies in that frame. If one of two bodies has a model, they touch there, and a
+    function returns whether their parts overlap.
     """
     back = yaw_quaternion(-frame)
-    shape = situation.shape(request.entity)
-    turned_back = multiply(back, quaternion)
-    whole: tuple[Box, ...] = (((0.0, 0.0, 0.0), extents(shape, turned_back)),)
-    parts = turned_boxes(shape, turned_back)
-    others = []
+    entity = situation.shape(request.entity)
+    own = extents(entity, multiply(back, quaternion))
+    taken, touching, close = [], [], list[Callable[[Vector, float], bool]]()
     for other in kept_apart(situation, request.about):
-        other_shape, pose = situation.scene.shapes[other], situation.pose(other)
-        if other_shape.traits.hollow and request.support != TABLE:
+        shape, pose = situation.scene.shapes[other], situation.pose(other)
+        if request.support != TABLE and (shape.traits.hollow or (other == request.support and shape.hollow)):
             continue
-        if other_shape.traits.furniture:
-            others += [(box[0], ((0.0, 0.0, 0.0), box[1]), frame) for box in map(box_of, swept(other_shape, pose))]
+        by_parts = not shape.traits.furniture and not (shape.model is None and entity.model is None)
+        if shape.traits.furniture:
+            boxes = [(box_of(corners), frame) for corners in swept(shape, pose)]
         else:
-            boxes = turned_boxes(other_shape, multiply(back, pose.quaternion))
-            others += [(pose.position, box, 0.0) for box in boxes]
-    taken = _rows(parts if len(parts) * len(others) <= MOST_PAIRS else whole, others, z, frame)
-    return taken, taken if len(taken) <= MOST_ROWS else _rows(whole, others, z, frame)
+            boxes = [((pose.position, extents(shape, multiply(back, pose.quaternion))), 0.0)]
+        for ((x, y, other_z), (half_x, half_y, half_z)), turn in boxes:
+            if abs(z - other_z) < own[2] + half_z + COLLISION:
+                cosine, sine = abs(math.cos(turn)), abs(math.sin(turn))
+                reach_x, reach_y = cosine * half_x + sine * half_y, sine * half_x + cosine * half_y
+                touching.append((x, y, own[0] + reach_x, own[1] + reach_y))
+                if by_parts:
+                    close.append(partial(parts_meet, entity, quaternion, shape, pose, z))
+                else:
+                    taken.append(touching[-1])
+    return _turned_rows(taken, frame), _turned_rows(touching, frame), close
 
 
-def _rows(
-    parts: Iterable[Box], others: Iterable[tuple[Vector, Box, float]], z: float, frame: float
-) -> NDArray[np.float64]:
-    """Return the rows of `_taken`, for each pair of a part of an object and one of others.
-
-    `others` have the position of their body, their box in a frame there, and the yaw of the box in the turned frame.
-    """
-    rows = []
-    for (x, y, other_z), ((a, b, c), (half_x, half_y, half_z)), turn in others:
-        cosine, sine = abs(math.cos(turn)), abs(math.sin(turn))
-        reach_x, reach_y = cosine * half_x + sine * half_y, sine * half_x + cosine * half_y
-        for (dx, dy, dz), (own_x, own_y, own_z) in parts:
-            if abs(z + dz - (other_z + c)) < own_z + half_z + COLLISION:
-                rows.append((x, y, own_x + reach_x, own_y + reach_y, a - dx, b - dy))
-    found = np.array(rows).reshape(-1, 6)
-    found[:, :2] = turned(found[:, :2], -frame) + found[:, 4:]
-    return found[:, :4]
+def _turned_rows(rows: list[tuple[float, float, float, float]], frame: float) -> NDArray[np.float64]:
+    """Return rows of places with their centres in a frame that is turned by a yaw, shape (n, 4)."""
+    found = np.array(rows).reshape(-1, 4)
+    found[:, :2] = turned(found[:, :2], -frame)
+    return found
 
 
 def _orientations(situation: Situation, entity: str, about: Iterable[Fact], frame: float) -> Iterator[Quaternion]:
@@ -300,5 +294,7 @@ def _orientations(situation: Situation, entity: str, about: Iterable[Fact], fram
         return
     shape = situation.shape(entity)
     yield yaw_quaternion(frame)
-    if not shape.traits.round and shape.half[0] != shape.half[1]:
+    if shape.model is not None:
+        yield from (yaw_quaternion(frame + turn * math.pi / 2) for turn in (2, 1, 3))
+    elif not shape.traits.round and shape.half[0] != shape.half[1]:
         yield yaw_quaternion(frame + math.pi / 2)

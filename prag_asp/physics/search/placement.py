@@ -34,7 +34,7 @@ from prag_asp.scene.boxes import Vector, box_of
 from prag_asp.scene.furniture import swept
 from prag_asp.scene.geometry import Pose, Quaternion, extents, yaw_of, yaw_quaternion
 from prag_asp.scene.scene import Shape
-from prag_asp.scene.surfaces import turned_boxes
+from prag_asp.scene.surfaces import outlines_meet, turned_boxes, turned_outlines
 
 TRIES = 8  # samples with each spacing
 SPACING = 0.01  # metres between objects on the table, which do not touch then
@@ -286,12 +286,12 @@ def _neighbours(
     own, quaternion, half = turned
     for other in others:
         shape, boxes = situation.scene.shapes[other], [box(situation, other)]
-        if shape.traits.hollow and support != TABLE:
+        if support != TABLE and (shape.traits.hollow or (other == support and shape.hollow)):
             continue
         if shape.traits.furniture:
             boxes = [box_of(corners) for corners in swept(shape, situation.pose(other))]
         elif shape.model is not None or own.model is not None:
-            parts = partial(_parts_meet, own, quaternion, shape, situation.pose(other), z)
+            parts = partial(parts_meet, own, quaternion, shape, situation.pose(other), z)
             ((x, y, other_z), (half_x, half_y, half_z)) = boxes[0]
             if abs(z - other_z) < half[2] + half_z + COLLISION:
                 neighbours.append(Neighbour(x, y, half_x + half[0], half_y + half[1], parts))
@@ -302,14 +302,19 @@ def _neighbours(
     return neighbours
 
 
-def _parts_meet(
+def parts_meet(
     own: Shape, quaternion: Quaternion, other: Shape, pose: Pose, z: float, at: Vector, spacing: float
 ) -> bool:
-    """Return whether the boxes of an object's parts, at a place and height, are nearer to those of another's."""
+    """Return whether the parts of an object, at a place and height, may be nearer than a spacing to those of another.
+
+    Seen from above they are their convex outlines.
+    """
     ours, theirs = (np.array(turned_boxes(*each)) for each in ((own, quaternion), (other, pose.quaternion)))
     offset = np.array((at[0], at[1], z)) - pose.position
     apart = np.abs(offset + ours[:, None, 0] - theirs[None, :, 0]) - ours[:, None, 1] - theirs[None, :, 1]
-    return bool((apart < (spacing, spacing, COLLISION)).all(axis=2).any())
+    one, two = turned_outlines(own, quaternion), turned_outlines(other, pose.quaternion)
+    close = np.argwhere((apart < (spacing, spacing, COLLISION)).all(axis=2))
+    return any(outlines_meet(one[i] + offset[:2], two[j], spacing) for i, j in close)
 
 
 def _yaws(search: Search, situation: Situation, request: PlacementRequest) -> Iterator[float]:
