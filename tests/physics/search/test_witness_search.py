@@ -1,4 +1,4 @@
-"""Where an action fails, the search returns to an earlier one that may be to blame: to another grasp, or another place."""
+"""Where an action fails, the search returns to an earlier one that may be to blame: another grasp, or another place."""
 
 from __future__ import annotations
 
