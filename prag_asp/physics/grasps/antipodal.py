@@ -121,7 +121,8 @@ def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Gra
     rng = np.random.default_rng(0)
     triangles = np.concatenate(problem.parts)
     points, normals = _surface_points(problem.parts, POINTS, rng)
-    dense, facing = _surface_points(problem.parts, DENSE, rng)
+    # The same points as in `hand_is_free`, so that the check of a witness agrees.
+    dense, facing = _surface_points(problem.parts, DENSE, np.random.default_rng(0))
     candidates: list[tuple[float, int, float, Floats, Floats]] = []
     for point, far, axis in _antipodal_pairs(points, normals, triangles, problem.friction, gripper.opening):
         middle = (point + far) / 2
