@@ -8,10 +8,10 @@
    the arm at the object and 10 cm before it.
 3. If all attempts at an action fail, what came after the latest earlier action that may be to blame is undone, and that
    action continues with its next attempt. To blame are the grasp of the object that is moved or put down now, and what
-   moved or put down a body that a failed attempt names. If that action has no attempt left, the search returns further,
-   to the latest action that either of the two blames (conflict-directed backjumping: Prosser, "Hybrid algorithms for
-   the constraint satisfaction problem", 1993). So a grasp is chosen together with the put, and a place together with
-   all later actions that it spoils.
+   moved or put down a body that a failed attempt names, or any body where there was no room. If that action has no
+   attempt left, the search returns further, to the latest action that either of the two blames (conflict-directed
+   backjumping: Prosser, "Hybrid algorithms for the constraint satisfaction problem", 1993). So a grasp is chosen
+   together with the put, and a place together with all later actions that it spoils.
 4. If no action is to blame, or after twice as many returns as there are attempts, the search restarts with step 1.
 
 Tasks that move primitive bodies alone restart instead of step 3, which is faster as they have few grasps. If no restart
@@ -136,11 +136,16 @@ def _follow(
 
 def actions_to_blame(physical: PhysicalTask, k: int, faults: Iterable[PhysicsFault]) -> set[int]:
     """Return the actions before action `k` that may be the reason why its attempts failed with some faults."""
+    faults = list(faults)
     effect, grasped = physical.effects[k], _grasped_before(physical, k)
     bodies = {name for fault in faults for name in fault.entities} | {effect.grasps, effect.visits}
-    moved = [
-        i for i, each in enumerate(physical.effects[:k]) if not bodies.isdisjoint({*each.moved, each.releases} - {None})
-    ]
+    # Whatever was put down may be in the way of a body that finds no room.
+    crowded = any(fault.cause in CROWDED and len(fault.entities) == 1 for fault in faults)
+    moved = []
+    for i, earlier in enumerate(physical.effects[:k]):
+        placed = {*earlier.moved, earlier.releases} - {None}
+        if placed and (crowded or not bodies.isdisjoint(placed)):
+            moved.append(i)
     return {*moved, *(() if grasped is None else (grasped,))}
 
 
@@ -173,6 +178,6 @@ def _retry(numbers: tuple[int, int], log: FailureLog, done: int, attempt: Callab
         except Exhausted:
             break
         except Failure as failure:
-            log.add(failure.fault, done)
+            log.add(failure.fault, done, failure.missed)
             faults.append(failure.fault)
     return _Trial(numbers[1], None, tuple(faults))

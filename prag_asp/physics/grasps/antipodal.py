@@ -58,7 +58,7 @@ BELOW = 0.0005
 ENOUGH_POINTS, UNSURE = 8, 0.15
 """Points between the pads from which a contact is judged before it is computed, and the error of that cosine."""
 
-MOST = (28, 10, 24)
+MOST = (40, 40, 24)
 """Grasps that are kept of a body, the best of those that differ: from above, at a slant, and from the side."""
 
 SLANTED, SIDEWAYS = 0.5, 1.2

@@ -73,10 +73,14 @@ class PhysicsFault(NamedTuple):
 
 
 class Failure(Exception):
-    """An attempt of the search failed, for one of `CAUSES`; the validator catches it."""
+    """An attempt of the search failed, for one of `CAUSES`; the search catches it.
 
-    def __init__(self, cause: str, *entities: str, fact: Fact | None = None):
+    `missed` is by how many metres it failed, or radians for a fact about a rotation; 0 if that is unknown.
+    """
+
+    def __init__(self, cause: str, *entities: str, fact: Fact | None = None, missed: float = 0.0):
         super().__init__(cause)
+        self.missed = missed
         self.fault = PhysicsFault(cause, entities or (() if fact is None else fact.arguments), fact)
 
 

@@ -153,7 +153,7 @@ def sample_pose(search: Search, situation: Situation, request: PlacementRequest)
         broken = next((fact for fact in checked if not fact.is_satisfied(trial)), None)
         if broken is None:
             return pose
-        failed = Failure(RELATION, fact=broken)
+        failed = Failure(RELATION, fact=broken, missed=broken.distance(trial))
     raise failed
 
 

@@ -87,5 +87,6 @@ def test_to_blame_are_the_grasp_of_what_is_put_and_what_put_a_body_that_is_in_th
     physical = physical_task(task(state(*(f"on_top({name},table)" for name in ("one", "two", "six"))), *steps), scene)
     assert actions_to_blame(physical, 5, [PhysicsFault(ARM_COLLIDES, ("itself",))]) == {4}
     assert actions_to_blame(physical, 5, [PhysicsFault(OBJECTS_COLLIDE, ("six", "one"))]) == {1, 4}
+    assert actions_to_blame(physical, 5, [PhysicsFault(OBJECTS_COLLIDE, ("six",))]) == {1, 3, 4}, "no room"
     assert actions_to_blame(physical, 2, [PhysicsFault(ARM_COLLIDES, ("one",))]) == {1}
     assert actions_to_blame(physical, 0, [PhysicsFault(ARM_COLLIDES, ("two",))]) == set()
