@@ -115,10 +115,5 @@ def _scene_warnings(domain: Domain) -> Iterable[Problem]:
     from prag_asp.physics.proofs.reaching import out_of_reach
 
     scene = scene_of(domain)
-    warnings = (
-        *never_gripped(domain, scene),
-        *out_of_reach(domain, scene),
-        *tilted(domain, scene),
-        *solid_containers(domain, scene),
-    )
-    return shown_warnings(warnings, domain.settings)
+    checks = (never_gripped, out_of_reach, tilted, solid_containers)
+    return shown_warnings([problem for check in checks for problem in check(domain, scene)], domain.settings)
