@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from prag_asp import TaskSpace, load_domain, load_scene
-from prag_asp.dataset.language.instruction_writer import instruction_writer_of
 from prag_asp.physics import Budget, validate_task
 from prag_asp.physics.grasps.body_grasps import body_grasps
 from prag_asp.physics.grasps.pads import ParallelGripper
@@ -70,9 +69,3 @@ def test_a_mug_is_picked_at_its_rim_and_put_on_the_rack(scene: Scene) -> None:
     )
     verdict = validate_task(task, scene, seed=1, budget=Budget(10, 10, "demonstration"))
     assert verdict.feasible and verdict.demonstration is not None
-
-
-def test_its_sentences_are_in_two_languages() -> None:
-    task = next(iter(TaskSpace(DOMAIN, 2).where("begins pick(panda,mug_1,table_1)", "ends on_top(mug_1,rack_1)")))
-    english, german = (instruction_writer_of(DOMAIN, language).instructions(task).exact for language in ("en", "de"))
-    assert "mug" in english and "Becher" in german

@@ -283,7 +283,7 @@ def apple() -> Model:
 
 def basket() -> Model:
     """Return a basket of 270 x 210 mm."""
-    return _tray("wicker", (135.0, 105.0, 54.0), 8.0, 6.0, 12.0, repeat=True)
+    return _tray("wicker", (135.0, 105.0, 46.0), 8.0, 6.0, 10.0, repeat=True)
 
 
 def tray() -> Model:
@@ -292,13 +292,13 @@ def tray() -> Model:
 
 
 def sink() -> Model:
-    """Return a kitchen sink of steel, 370 x 290 mm, with a drain and a tap behind it."""
-    basin = _tray("steel", (185.0, 145.0, 80.0), 10.0, 8.0, 10.0)
-    post = [(0.0, 162.0, 60.0), (0.0, 162.0, 120.0), (0.0, 150.0, 140.0), (0.0, 125.0, 146.0), (0.0, 108.0, 138.0)]
+    """Return a kitchen sink of steel, 380 x 300 mm, with a drain and a tap behind it."""
+    basin = _tray("steel", (190.0, 150.0, 48.0), 10.0, 8.0, 6.0)
+    post = [(0.0, 167.0, 40.0), (0.0, 167.0, 80.0), (0.0, 162.0, 98.0), (0.0, 150.0, 106.0), (0.0, 134.0, 100.0)]
     drain = turned("dark", [(20.0, 0.0), (19.0, 1.0), (0.0, 1.0)], 20).moved(z=8.0)
-    tap = [turned("steel", [(0.0, 0.0), (18.0, 0.0), (18.0, 86.0), (10.0, 92.0), (0.0, 92.0)], 20).moved(y=162.0)]
+    tap = [turned("steel", [(0.0, 0.0), (18.0, 0.0), (18.0, 52.0), (10.0, 58.0), (0.0, 58.0)], 20).moved(y=167.0)]
     tap.append(tube("steel", post, [(8.0, 8.0)] * 5, (1.0, 0.0, 0.0), 12))
-    solid = [np.add(lathe([(0.0, 18.0), (90.0, 18.0)], 8), (0.0, 162.0, 0.0))]
+    solid = [np.add(lathe([(0.0, 18.0), (56.0, 18.0)], 8), (0.0, 167.0, 0.0))]
     solid += rod(post, [16.0] * 5, [16.0] * 5)
     return Model([*basin.parts, *solid], [*basin.looks, drain, *tap])
 

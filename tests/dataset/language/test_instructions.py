@@ -15,7 +15,7 @@ from prag_asp.grammar.reader import GrammarReader
 from tests.chance import Chance
 from tests.dataset.language.twins import shipped, space_of, task_of, twins, writer
 
-SPOKEN = [*((name, "en") for name in shipped_domains()), ("prag", "de"), ("tabletop", "de")]
+SPOKEN = [*((name, "en") for name in shipped_domains()), *((name, "de") for name in ("prag", "tabletop", "household"))]
 
 
 def tasks_of(name: str, number: int, seed: int) -> list[Task]:
