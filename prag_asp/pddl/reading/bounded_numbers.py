@@ -18,20 +18,19 @@ from prag_asp.pddl.definitions import Declaration, DomainFile, NumericEffect, Pr
 from prag_asp.pddl.formulas import (
     Arithmetic,
     Comparison,
-    Equality,
     Formula,
     FunctionTerm,
     Junction,
     Literal,
     Quantity,
-    Variable,
+    certainly_unlike,
     conjuncts,
     function_terms,
     replaced,
     subformulas,
 )
 from prag_asp.pddl.reading.comparisons import COMPARE, quantity_value
-from prag_asp.pddl.reading.scopes import PddlSource
+from prag_asp.pddl.reading.pddl_source import PddlSource
 
 MOST_VALUES = 200
 """The limit of the values of a function: each becomes a predicate."""
@@ -218,7 +217,9 @@ class _Numbers:
         """Return an action whose changes are effects on predicates."""
         made = [each for each in action.numeric if each.function.function in self.values.changing]
         for one, other in combinations(made, 2):
-            if one.function.function == other.function.function and not _are_unlike(one, other, action.precondition):
+            if one.function.function == other.function.function and not certainly_unlike(
+                one.function.terms, other.function.terms, action.precondition
+            ):
                 text = f"{one.function.function} is changed twice by one action, and conditions read it"
                 self.source.refuse(other.line, f"{text}; join both changes, or require their objects to differ")
         needed: list[Formula] = []
@@ -280,15 +281,3 @@ def _with_values(quantity: Quantity, row: Mapping[FunctionTerm, Fraction]) -> Qu
     if isinstance(quantity, Arithmetic):
         return replace(quantity, operands=tuple(_with_values(each, row) for each in quantity.operands))
     return quantity
-
-
-def _are_unlike(one: NumericEffect, other: NumericEffect, precondition: Formula) -> bool:
-    """Return whether two effects on one function never change it for the same objects."""
-    unequal: list[set[Variable | str]] = [
-        {each.left, each.right} for each in conjuncts(precondition) if isinstance(each, Equality) and not each.positive
-    ]
-    pairs = zip(one.function.terms, other.function.terms, strict=True)
-    return any(
-        {left, right} in unequal or (isinstance(left, str) and isinstance(right, str) and left != right)
-        for left, right in pairs
-    )
