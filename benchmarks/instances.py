@@ -5,8 +5,8 @@
 In the problem `apart`, each parameter has another type, static predicates join them in pairs at random, and no two
 objects are alike. In the problem `alike`, the parameters have one type and all objects are interchangeable. clingo
 grounds a hand-written encoding of the same actions, preconditions and effects: a lower bound for any tool that uses it.
-Fast Downward's translator takes part if --translator names it. Exits with code 1 if a check of ours takes more than
-60 s or 2 GB.
+Fast Downward's translator takes part if the package `fast_downward` is installed. Exits with code 1 if a check of ours
+takes more than 60 s or 2 GB.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Sequence
+from importlib.util import find_spec
 from itertools import product
 from pathlib import Path
 from random import Random
@@ -92,8 +93,9 @@ def main() -> None:
                 "prag-asp check": [sys.executable, "-m", "prag_asp", "check", str(domain), str(problem)],
                 "clingo": [sys.executable, "-m", "clingo", "--mode=gringo", str(encoding)],
             }
-            if options.translator:
-                commands["Fast Downward's translator"] = [sys.executable, options.translator, str(domain), str(problem)]
+            if find_spec("fast_downward"):
+                translate = [sys.executable, "-m", "fast_downward.translate", str(domain), str(problem)]
+                commands["Fast Downward's translator"] = translate
             for tool, command in commands.items():
                 cost = measured(command, Path(folder))
                 within = cost.seconds <= MOST_SECONDS and cost.memory <= MOST_BYTES
@@ -162,7 +164,6 @@ def measured(command: Sequence[str], folder: Path) -> Cost:
 def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--instances", type=int, default=250_000, help="instances of each action")
-    parser.add_argument("--translator", help="translate.py of Fast Downward")
     return parser.parse_args()
 
 

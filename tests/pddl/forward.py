@@ -130,6 +130,8 @@ class Search:
             values = [self.number(each, state, given) for each in rest]
             if None in values:
                 return None
+            if word == "-" and len(values) == 1:
+                return -values[0]
             return reduce({"+": operator.add, "-": operator.sub, "*": operator.mul}[word], values)
         key = (word, *(given.get(each, each) for each in rest))
         if word in self.counted:
