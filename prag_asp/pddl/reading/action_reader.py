@@ -8,7 +8,7 @@ from itertools import combinations
 
 from prag_asp.pddl.definitions import NumericEffect, Schema, SchemaEffect
 from prag_asp.pddl.formulas import Formula, Junction, Literal, Quantified, Variable, certainly_unlike
-from prag_asp.pddl.reading.object_functions import UNDEFINED, FunctionValue
+from prag_asp.pddl.reading.object_functions import UNDEFINED, ObjectFunction
 from prag_asp.pddl.reading.outcomes import ONE_OF, outcomes, words_of
 from prag_asp.pddl.reading.pddl_source import PddlSource
 from prag_asp.pddl.reading.scopes import DURATION, Declared, Scope
@@ -36,7 +36,7 @@ class ActionReader:
         self._declared = declared
         self._derived = derived
         self._untimed = untimed
-        self._assigned: list[tuple[FunctionValue, int]] = []
+        self._assigned: list[tuple[ObjectFunction, int]] = []
 
     def schemas(self, action: Expression) -> Iterator[Schema]:
         """Yield an action, or one for each of its outcomes. The variables of ``:vars`` are further parameters."""

@@ -1,4 +1,4 @@
-"""Bounds of numbers that actions change: what one action gives, another takes back, and an atom remembers it.
+"""ValueBounds of numbers that actions change: what one action gives, another takes back, and an atom remembers it.
 
 If each action that decreases f(z) by w(y) needs and deletes p(y,z), and each that adds p(y,z) increases f(z) by w(y),
 then f(z) minus the sum of w over the true atoms p(_,z) never decreases. The sum is not negative, so f(z) never falls
@@ -15,12 +15,10 @@ from typing import NamedTuple
 from prag_asp.pddl.definitions import NumericEffect, ProblemFile, Schema, SchemaEffect
 from prag_asp.pddl.formulas import Arithmetic, FunctionTerm, Literal, Quantity, Variable, conjuncts, demanded
 
-Terms = tuple[Variable | str, ...]
-
 SIGNS: Mapping[str, int] = {"increase": 1, "decrease": -1}
 
 
-class Bounds(NamedTuple):
+class ValueBounds(NamedTuple):
     """The least and the greatest value of a function, None where none is known."""
 
     least: Fraction | None
@@ -32,7 +30,7 @@ class Bounds(NamedTuple):
 
 
 @dataclass(frozen=True)
-class _Memory:
+class _RememberedChange:
     """A predicate that remembers changes of a function, and at which of its arguments the terms of both agree.
 
     `weight` is the size of a change: a number, or a function and the arguments of the predicate that are its terms.
@@ -42,7 +40,7 @@ class _Memory:
     function_terms: tuple[int, ...]
     weight: Fraction | tuple[str, tuple[int, ...]]
 
-    def agrees(self, effect: NumericEffect, terms: Terms) -> bool:
+    def agrees(self, effect: NumericEffect, terms: tuple[Variable | str, ...]) -> bool:
         """Return whether a change has the terms and the size that belong to an atom."""
         if isinstance(self.weight, Fraction):
             size: Quantity = self.weight
@@ -51,7 +49,7 @@ class _Memory:
         return effect.value == size and effect.function.terms == tuple(terms[place] for place in self.function_terms)
 
 
-def value_bounds(function: str, actions: Sequence[Schema], problem: ProblemFile, changing: set[str]) -> Bounds:
+def value_bounds(function: str, actions: Sequence[Schema], problem: ProblemFile, changing: set[str]) -> ValueBounds:
     """Return the bounds of the values of a function that the initial state and the actions imply."""
     changes = [(action, each) for action in actions for each in action.numeric if each.function.function == function]
     names = [action.name for action, _ in changes]
@@ -60,7 +58,7 @@ def value_bounds(function: str, actions: Sequence[Schema], problem: ProblemFile,
     )
     sizes_known = all(_is_positive(each.value, problem, changing) for _, each in changes)
     if not plain or not sizes_known:
-        return Bounds(None, None)
+        return ValueBounds(None, None)
     stated = {terms: value for (name, terms), value in problem.values.items() if name == function}
     bounds: list[Fraction | None] = []
     for sign in (1, -1):
@@ -70,7 +68,7 @@ def value_bounds(function: str, actions: Sequence[Schema], problem: ProblemFile,
             continue
         first = (sign * value - _remembered(memory, terms, problem) for terms, value in stated.items())
         bounds.append(sign * min(first))
-    return Bounds(*bounds)
+    return ValueBounds(*bounds)
 
 
 def is_unconditional(effect: NumericEffect | SchemaEffect) -> bool:
@@ -87,7 +85,7 @@ def _is_positive(value: Quantity, problem: ProblemFile, changing: set[str]) -> b
     return all(number >= 0 for (name, _), number in problem.values.items() if name == value.function)
 
 
-def _memories(changes: Sequence[tuple[Schema, NumericEffect]], sign: int) -> Iterator[_Memory]:
+def _memories(changes: Sequence[tuple[Schema, NumericEffect]], sign: int) -> Iterator[_RememberedChange]:
     """Yield what may remember the changes against a sign, as the first of these suggests."""
     taking = next(((action, each) for action, each in changes if SIGNS[each.operator] == -sign), None)
     if taking is None:
@@ -104,10 +102,10 @@ def _memories(changes: Sequence[tuple[Schema, NumericEffect]], sign: int) -> Ite
                 else value
             )
             assert not isinstance(weight, Arithmetic)
-            yield _Memory(literal.predicate, tuple(places[term] for term in effect.function.terms), weight)
+            yield _RememberedChange(literal.predicate, tuple(places[term] for term in effect.function.terms), weight)
 
 
-def _is_kept(memory: _Memory, function: str, actions: Sequence[Schema], sign: int) -> bool:
+def _is_kept(memory: _RememberedChange, function: str, actions: Sequence[Schema], sign: int) -> bool:
     """Return whether all actions keep a memory: a new atom comes with its change, and a change back deletes one."""
     for action in actions:
         change = next((each for each in action.numeric if each.function.function == function), None)
@@ -142,7 +140,7 @@ def _lost(action: Schema, predicate: str) -> Iterator[Literal]:
     return (each for each in demanded(action.precondition) if each.predicate == predicate and each.terms in deleted)
 
 
-def _remembered(memory: _Memory, terms: tuple[str, ...], problem: ProblemFile) -> Fraction:
+def _remembered(memory: _RememberedChange, terms: tuple[str, ...], problem: ProblemFile) -> Fraction:
     """Return the sum of what the initial atoms remember of a function of some terms."""
     total = Fraction(0)
     for atom in {tuple(map(str, each.terms)) for each in problem.initial if each.predicate == memory.predicate}:

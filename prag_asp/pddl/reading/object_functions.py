@@ -29,7 +29,7 @@ class Terms:
 
 
 @dataclass(frozen=True)
-class Atom:
+class AppliedPredicate:
     """A predicate of terms."""
 
     predicate: str
@@ -38,7 +38,7 @@ class Atom:
 
 
 @dataclass(frozen=True)
-class FunctionValue:
+class ObjectFunction:
     """A function of terms with the types of its values, and the predicate that holds for its value."""
 
     predicate: str

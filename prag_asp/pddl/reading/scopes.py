@@ -20,7 +20,7 @@ from prag_asp.pddl.formulas import (
     Variable,
     negated,
 )
-from prag_asp.pddl.reading.object_functions import UNDEFINED, Atom, FunctionValue, Terms
+from prag_asp.pddl.reading.object_functions import UNDEFINED, AppliedPredicate, ObjectFunction, Terms
 from prag_asp.pddl.reading.pddl_source import LIKE_NUMBER, NUMBER, PddlSource
 from prag_asp.pddl.syntax.expressions import Expression, Word
 from prag_asp.pddl.syntax.sections import UNSUPPORTED, unsupported
@@ -125,7 +125,7 @@ class Scope:
         """Return whether a part is a function whose values are objects."""
         return isinstance(part, Expression) and part.head in self._declared.object_functions
 
-    def function_value(self, part: Expression) -> FunctionValue:
+    def function_value(self, part: Expression) -> ObjectFunction:
         """Return a function whose values are objects."""
         terms = self.terms(part.rest)
         predicate = self._declared.object_functions[part.head]
@@ -133,9 +133,9 @@ class Scope:
         if len(arguments) != len(terms.terms):
             text = f"{part.head} takes {plural(len(arguments), 'argument')}, not {len(terms.terms)}; fix them"
             self._source.refuse(part.line, text)
-        return FunctionValue(predicate, terms, types, part.line)
+        return ObjectFunction(predicate, terms, types, part.line)
 
-    def check_value(self, function: FunctionValue, value: Variable | str) -> None:
+    def check_value(self, function: ObjectFunction, value: Variable | str) -> None:
         """Refuse a value that may have another type than those of the values of a function."""
         for kind in value.types if isinstance(value, Variable) else (self._declared.objects[value],):
             above, waiting = {kind, OBJECT}, [kind]
@@ -174,7 +174,7 @@ class Scope:
             self._source.refuse(expression.line, "a function is not expected here; write its value")
         return Literal(found.predicate, found.terms.terms, positive, found.line)
 
-    def atom(self, expression: Expression) -> Atom:
+    def atom(self, expression: Expression) -> AppliedPredicate:
         """Return a predicate of terms, which may be functions of objects."""
         name = expression.head
         if not name:
@@ -182,7 +182,7 @@ class Scope:
         if name in UNSUPPORTED and name not in self._declared.predicates:
             self._source.refuse(name.line, unsupported(name))
         self.signature(name, len(expression.rest))
-        return Atom(str(name), self.terms(expression.rest), name.line)
+        return AppliedPredicate(str(name), self.terms(expression.rest), name.line)
 
     def _operands(self, expression: Expression, number: int) -> tuple[Expression, ...]:
         parts = [self._source.list_of([each], expression.line) for each in expression.rest]
@@ -229,7 +229,7 @@ class Scope:
             return one.terms.bound(other.terms.bound(Junction(False, (both, neither), line)))
         return one.terms.bound(one.literal(self.term(right)))
 
-    def _has_no_value(self, function: FunctionValue) -> Formula:
+    def _has_no_value(self, function: ObjectFunction) -> Formula:
         value = self.new_variable(function.types)
         return Quantified(True, (value,), negated(function.literal(value)), function.line)
 
