@@ -58,7 +58,6 @@ PROBLEM = "(define (problem e)\n (:domain d)\n (:objects o - b)\n (:init (q k o)
         ("(p ?x) (q", "(and " * 120 + ")" * 120 + " (q", "domain.pddl:9: parentheses are nested more than 100 deep"),
         (GOOD, "", "domain.pddl:1: not a PDDL domain; begin it with"),
         (GOOD, PROBLEM, "domain.pddl:1: this is a problem, but a domain is needed; give the domain first"),
-        ("(:domain d)", "(:domain dd)", "problem.pddl:2: this is a problem of dd, not of d; give the domain"),
         ("o - b", "o - bb", "problem.pddl:3: unknown type bb; did you mean b?"),
         ("o - b", "o - b o - c", "problem.pddl:3: the object o is a b already; give it one type"),
         ("(q k o)", "(q k oo)", "problem.pddl:4: unknown object oo; did you mean o?"),
@@ -70,7 +69,9 @@ PROBLEM = "(define (problem e)\n (:domain d)\n (:objects o - b)\n (:init (q k o)
         ("(q k o)", "(at 5 (q k o))", "problem.pddl:4: "),
         (" (:init (q k o))\n", "", r"problem.pddl:4: the problem has no \(:init ...\); add it"),
         ("(p k))", "(p ?x))", "problem.pddl:5: unknown variable \\?x"),
-        ("(:goal (p k))", "(:goal (preference w (p k)))", "problem.pddl:5: preference: preferences cannot be imported"),
+        ("(:goal (p k))", "(:goal (or (preference w (p k))))", "problem.pddl:5: preference: preferences cannot be"),
+        ("(:goal", "(:constraints (and (preference (always (p k))) (sometime (p k))))\n (:goal",
+         "problem.pddl:5: :constraints: constraints on whole plans cannot be imported"),
         (PROBLEM, "; nothing\n", "problem.pddl:1: not a PDDL problem"),
     ],
 )  # fmt: skip

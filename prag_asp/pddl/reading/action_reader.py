@@ -11,6 +11,7 @@ from prag_asp.pddl.formulas import Formula, Junction, Literal, Quantified, Varia
 from prag_asp.pddl.reading.object_functions import UNDEFINED, ObjectFunction
 from prag_asp.pddl.reading.outcomes import ONE_OF, outcomes, words_of
 from prag_asp.pddl.reading.pddl_source import PddlSource
+from prag_asp.pddl.reading.preferences import without_preferences
 from prag_asp.pddl.reading.scopes import DURATION, Declared, Scope
 from prag_asp.pddl.reading.untimed import untimed_schema
 from prag_asp.pddl.syntax.expressions import Expression, Word
@@ -48,6 +49,9 @@ class ActionReader:
         name = self._source.name_of(action.parts[1])
         parts = self._parts(action)
         effect = parts.get(":effect", Expression((), name.line, name.line))
+        for part in (":precondition", ":condition"):
+            if part in parts:
+                parts[part] = without_preferences(self._source, parts[part])
         found = [effect] if ONE_OF in self._declared.predicates else outcomes(self._source, effect)
         if len(found) > 1:
             text = f"each outcome of {ONE_OF} is read as an action of its own, so that plans choose the outcomes"

@@ -11,6 +11,7 @@ from prag_asp.pddl.definitions import OBJECT, Declaration, Derived, DomainFile, 
 from prag_asp.pddl.formulas import Literal, Quantified, Variable, literals, subformulas
 from prag_asp.pddl.reading.action_reader import ActionReader
 from prag_asp.pddl.reading.pddl_source import ATTACHED, PddlSource
+from prag_asp.pddl.reading.preferences import check_constraints
 from prag_asp.pddl.reading.scopes import Declared, Scope
 from prag_asp.pddl.syntax.expressions import Expression, Word
 from prag_asp.pddl.syntax.sections import Definition, unexpected
@@ -42,6 +43,7 @@ class DomainReader:
         """Read all sections but rules and actions."""
         sections = self._definition.sections
         check_requirements(self._source, sections.get(":requirements"))
+        check_constraints(self._source, sections.get(":constraints"))
         if ":types" in sections:
             self._read_types(sections[":types"])
         self._constant_lines = (

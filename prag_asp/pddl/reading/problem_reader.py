@@ -9,6 +9,7 @@ from prag_asp.pddl.formulas import Literal, Variable
 from prag_asp.pddl.reading.domain_reader import check_requirements, object_types
 from prag_asp.pddl.reading.object_functions import UNDEFINED
 from prag_asp.pddl.reading.pddl_source import PddlSource
+from prag_asp.pddl.reading.preferences import check_constraints, without_preferences
 from prag_asp.pddl.reading.scopes import Declared, Scope
 from prag_asp.pddl.syntax.expressions import Expression, Word
 from prag_asp.pddl.syntax.sections import Definition
@@ -32,8 +33,9 @@ class ProblemReader:
         named = [each for each in sections[":domain"].rest if isinstance(each, Word)]
         if named and named[0] != domain:
             hint = "give the domain that it belongs to, or fix the name"
-            self._source.refuse(named[0].line, f"this is a problem of {named[0]}, not of {domain}; {hint}")
+            self._source.warn(named[0].line, f"this is a problem of {named[0]}, not of {domain}; {hint}", "ignored")
         check_requirements(self._source, sections.get(":requirements"))
+        check_constraints(self._source, sections.get(":constraints"))
         if ":objects" in sections:
             self._lines = object_types(self._source, sections[":objects"], types, objects)
 
@@ -52,7 +54,7 @@ class ProblemReader:
                 text = " ".join([literal.predicate, *map(str, literal.terms)])
                 self._source.refuse(literal.line, f"({text}) is both true and false at the start; state one of them")
         true = tuple(each for each in self._initial if each.positive)
-        name, found = str(self._definition.name), scope.formula(goal)
+        name, found = str(self._definition.name), scope.formula(without_preferences(self._source, goal))
         return ProblemFile(name, declared.objects, true, self._values, found, self._lines)
 
     def _read_initial(self, tree: Expression, scope: Scope, derived: frozenset[str]) -> None:

@@ -14,8 +14,8 @@ from prag_asp.wording import did_you_mean
 KINDS = ("domain", "problem")
 
 SECTIONS: Mapping[str, tuple[str, ...]] = {
-    "domain": (":requirements", ":types", ":constants", ":predicates", ":functions"),
-    "problem": (":domain", ":requirements", ":objects", ":init", ":goal", ":metric", ":length"),
+    "domain": (":requirements", ":types", ":constants", ":predicates", ":functions", ":constraints"),
+    "problem": (":domain", ":requirements", ":objects", ":init", ":goal", ":constraints", ":metric", ":length"),
 }
 """The sections that a definition has at most once."""
 
