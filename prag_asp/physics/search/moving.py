@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from prag_asp.physics.predicates.grip_torque import grip_load
-from prag_asp.physics.predicates.gripper import SLIPS, slips
+from prag_asp.physics.predicates.grip_friction import SLIPS, held_load, slips
 from prag_asp.physics.search.attempt import (
     LOST,
     NO_KINEMATICS_ABOVE,
@@ -43,7 +42,7 @@ def raise_arm(search: Search, snapshot: Snapshot) -> Snapshot:
     if held is not None:
         if slips(search.scene, held, snapshot.acting) is not None:
             raise Failure(LOST, held)
-        if grip_load(snapshot.situation, held, snapshot.acting) > SLIPS:
+        if held_load(snapshot.situation, held, snapshot.acting) > SLIPS:
             raise Failure(TWISTS, held)
         poses = move_object(search, snapshot, held, raised(poses[held], LIFT))
     if not is_downward(snapshot.tool):
@@ -95,7 +94,7 @@ def require_free(search: Search, snapshot: Snapshot, touched: str | None = None)
     """Check that the arm of a snapshot is free of collisions; it may touch an object, by default the held one.
 
     Raises:
-        Failure: it is not.
+        Failure: the arm collides with something else.
     """
     arm = snapshot.arm
     require_clear(search, arm.joints, CollisionQuery(snapshot.situation, arm.width, touched or arm.held))

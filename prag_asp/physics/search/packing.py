@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.search.allowed_region import relevant_facts, shapes_volume, yaw_ranges
+from prag_asp.physics.search.allowed_region import shapes_volume, yaw_ranges
 from prag_asp.physics.search.attempt import OBJECTS_COLLIDE, Failure, Search
 from prag_asp.physics.search.placement import (
     SPACING,
@@ -107,52 +107,33 @@ def resting_pose(search: Search, situation: Situation, entity: str, facts: Itera
     """
     facts = list(facts)
     support = choose_support(search, situation, entity, facts)
-    return pose_on(search, situation, entity, support, facts, state)
+    return requested_pose(search, situation, PlacementRequest(entity, support, facts, state))
 
 
-def pose_on(
-    search: Search,
-    situation: Situation,
-    entity: str,
-    support: str,
-    facts: Iterable[Fact],
-    state: int,
-    *,
-    height: float = 0.0,
-) -> Pose:
-    """Return a pose of an object on a given support, or `height` metres above it, as `resting_pose` does.
+def requested_pose(search: Search, situation: Situation, request: PlacementRequest) -> Pose:
+    """Return a random pose for a request or, in a search that `packs`, a tight one where that fails.
 
     Raises:
         Failure: there is no pose.
     """
-    facts = list(facts)
     try:
-        return sample_pose(search, situation, entity, support, facts, state, height=height)
+        return sample_pose(search, situation, request)
     except Failure:
         if not search.packs:
             raise
         corner = Corner.sample(search)
         for spacing in SPACINGS:
-            for pose in packed_poses(situation, entity, support, facts, (corner, spacing), height=height):
+            for pose in packed_poses(situation, request, (corner, spacing)):
                 return pose
         raise
 
 
-def packed_poses(
-    situation: Situation,
-    entity: str,
-    support: str,
-    facts: Iterable[Fact],
-    filling: tuple[Corner, float],
-    *,
-    height: float = 0.0,
-) -> Iterator[Pose]:
-    """Yield free poses of an object on a support that the facts allow, from a corner, with a spacing in metres."""
+def packed_poses(situation: Situation, request: PlacementRequest, filling: tuple[Corner, float]) -> Iterator[Pose]:
+    """Yield free poses for a request, from a corner, with a spacing in metres."""
     corner, spacing = filling
-    situation = situation.with_poses({other: pose for other, pose in situation.poses.items() if other != entity})
-    about = relevant_facts(facts, entity, situation)
+    request, situation = request.isolated(situation)
+    entity, support, about, *_ = request
     checked = [fact for fact in about if not shapes_volume(fact, entity)]
-    request = PlacementRequest(entity, support, about, height, (), ())
     frame = 0.0 if support == TABLE else yaw_of(situation.pose(support).quaternion)
     for quaternion in _orientations(situation, entity, about, frame):
         volume = placement_volume(situation, request, quaternion)
@@ -191,7 +172,8 @@ def _fill(
         entity, situation = order[len(options)], situations[-1]
         facts = list(about(entity, situation))
         support = choose_support(search, situation, entity, facts)
-        options.append(islice(packed_poses(situation, entity, support, facts, filling), BRANCHES))
+        request = PlacementRequest(entity, support, facts, 0)
+        options.append(islice(packed_poses(situation, request, filling), BRANCHES))
         farthest = max(farthest, len(options) - 1)
         while (pose := next(options[-1], None)) is None:
             options.pop()
@@ -233,7 +215,7 @@ def _taken(
     back = yaw_quaternion(-frame)
     own = extents(situation.shape(request.entity), multiply(back, quaternion))
     rows = []
-    for other in kept_apart(situation, request.about):
+    for other in kept_apart(situation, request.facts):
         shape, pose = situation.scene.shapes[other], situation.pose(other)
         if shape.traits.hollow and request.support != TABLE:
             continue

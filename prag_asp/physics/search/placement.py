@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import repeat
 from typing import NamedTuple
 
@@ -44,17 +44,19 @@ Neighbour = tuple[float, float, float, float]
 
 
 class PlacementRequest(NamedTuple):
-    """An object to be placed on a support, or `height` metres above it, so that the facts `about` it hold.
-
-    `ahead` is room for what comes beside it later, `between` for what comes between it and others, ample room first.
-    """
+    """An object to be placed on a support, or `height` metres above it, so that facts hold in a state of a task."""
 
     entity: str
     support: str
-    about: list[Fact]
-    height: float
-    ahead: tuple[Volume, ...]
-    between: tuple[list[SpacingChain], ...]
+    facts: Sequence[Fact]
+    state: int
+    height: float = 0.0
+
+    def isolated(self, situation: Situation) -> tuple[PlacementRequest, Situation]:
+        """Return the request with the facts that matter for its object, and a situation without that object."""
+        entity = self.entity
+        others = situation.with_poses({other: pose for other, pose in situation.poses.items() if other != entity})
+        return self._replace(facts=relevant_facts(self.facts, entity, others)), others
 
 
 def known_support(situation: Situation, entity: str, facts: Iterable[Fact]) -> str | None:
@@ -94,27 +96,18 @@ def choose_support(search: Search, situation: Situation, entity: str, facts: Ite
     return TABLE if possible == [TABLE] else possible[int(search.rng.integers(len(possible)))]
 
 
-def sample_pose(
-    search: Search,
-    situation: Situation,
-    entity: str,
-    support: str,
-    facts: Iterable[Fact],
-    state: int,
-    *,
-    height: float = 0.0,
-) -> Pose:
-    """Return a random pose of an object on a support, or `height` metres above it, that the facts of a state allow.
+def sample_pose(search: Search, situation: Situation, request: PlacementRequest) -> Pose:
+    """Return a random pose for a request.
 
     Raises:
         Failure: the volume is empty, or no sample of it satisfies the facts and is free.
     """
-    facts = list(facts)
-    situation = situation.with_poses({other: pose for other, pose in situation.poses.items() if other != entity})
-    about = relevant_facts(facts, entity, situation)
-    ahead = _ahead(search, situation, entity, support, state)
-    request = PlacementRequest(entity, support, about, height, ahead, spacing_chains(situation, entity, facts))
-    quaternion, volume, everything = _place(search, situation, request)
+    every_fact = request.facts
+    request, situation = request.isolated(situation)
+    entity, support, about, _, height = request
+    # These go through objects that are not placed yet, too.
+    between = spacing_chains(situation, entity, every_fact)
+    quaternion, volume, everything = _place(search, situation, request, between)
     half = extents(situation.shape(entity), quaternion)
     preferred = _close(situation, entity, volume, about)
     room = TABLE_ROOM if support == TABLE else FINGER_ROOM
@@ -153,29 +146,32 @@ def kept_apart(situation: Situation, about: Iterable[Fact]) -> list[str]:
     return [other for other in situation.poses if other not in touched]
 
 
-def _place(search: Search, situation: Situation, request: PlacementRequest) -> tuple[Quaternion, Volume, Floor]:
+def _place(
+    search: Search, situation: Situation, request: PlacementRequest, between: Sequence[list[SpacingChain]]
+) -> tuple[Quaternion, Volume, Floor]:
     """Return the orientation of an object, its volume with that, and the floor of the volume.
 
     The yaw is random. If it leaves no room for the object or for later ones, the object is aligned with the axes
-    instead, which takes the least room.
+    instead, which takes the least room. `between` are chains for what comes between it and others, ample room first.
 
     Raises:
         Failure: the volume is empty.
     """
     first: tuple[Quaternion, Volume, Floor] | None = None
+    ahead = _ahead(search, situation, request)
     for yaw in _yaws(search, situation, request):
         quaternion = yaw_quaternion(yaw)
         whole = placement_volume(situation, request, quaternion)
         # Room for what comes between is ample if possible, else just enough.
         parts = (
             whole.meet(spacing_volume(situation, request.entity, quaternion, chained)) if chained else whole
-            for chained in request.between or ([],)
+            for chained in between or ([],)
         )
         volume, floor = next(((part, floor) for part in parts if (floor := part.floor()) is not None), (whole, None))
         if floor is None:
             continue
         dx, dy, _ = extents(situation.shape(request.entity), quaternion)
-        for room in request.ahead:
+        for room in ahead:
             (ax, ay, az), (bx, by, bz) = room.low, room.high
             inner = room._replace(low=(ax + dx, ay + dy, az), high=(bx - dx, by - dy, bz))
             preferred_volume = volume.meet(inner)
@@ -185,17 +181,18 @@ def _place(search: Search, situation: Situation, request: PlacementRequest) -> t
             ):
                 return quaternion, preferred_volume, preferred_floor
         first = first or (quaternion, volume, floor)
-        if not request.ahead:
+        if not ahead:
             break
     if first is None:
         raise Failure(EMPTY_VOLUME, request.entity)
     return first
 
 
-def _ahead(search: Search, situation: Situation, entity: str, support: str, state: int) -> tuple[Volume, ...]:
+def _ahead(search: Search, situation: Situation, request: PlacementRequest) -> tuple[Volume, ...]:
     """Return the volumes in which an object leaves ample room for later ones, and just enough."""
-    rooms = search.foresight.get((state, entity), ()) if support == TABLE else ()
-    spans = [span for span in search.spans.get((state, entity), ()) if span.other in situation.poses]
+    key = (request.state, request.entity)
+    rooms = search.foresight.get(key, ()) if request.support == TABLE else ()
+    spans = [span for span in search.spans.get(key, ()) if span.other in situation.poses]
     if not spans:
         return rooms
     volumes = []
@@ -214,7 +211,7 @@ def placement_volume(situation: Situation, request: PlacementRequest, quaternion
     An object on the table has to be in the workspace and within reach. It may be anywhere on the table if it is known
     to be out of reach, and anywhere in the workspace if several robots share the table.
     """
-    entity, support, about, height, *_ = request
+    entity, support, about, _, height = request
     out_of_reach = any(fact.predicate.gripper is Gripper.REACHES and not fact.value for fact in about)
     if support != TABLE:
         # A body from a file with a cavity can bear others on its rim, too.
@@ -277,7 +274,7 @@ def _neighbours(situation: Situation, others: Iterable[str], support: str, half:
 
 def _yaws(search: Search, situation: Situation, request: PlacementRequest) -> Iterator[float]:
     """Yield yaws in radians: in required ranges, else random and then axis-aligned, on a support along it."""
-    ranges = yaw_ranges(situation, request.entity, request.about)
+    ranges = yaw_ranges(situation, request.entity, request.facts)
     if ranges is not None:
         yield from sample_yaws(search, ranges)
         return
