@@ -187,7 +187,7 @@ def _video(file: BinaryIO, camera: str, count: int, segmented: str, at_most: int
     # The principal point is the centre of the image.
     width, height = (round(2 * float(intrinsics[i, 2])) for i in (0, 1))
     if not (0 < width <= PIXEL_LIMIT and 0 < height <= PIXEL_LIMIT):
-        raise ValueError(f"{camera}/intrinsics tells of images of {width} x {height} pixels")
+        raise ValueError(f"{camera}/intrinsics is for images of {width} x {height} pixels")
     pixels = (count, height, width)
     forms = (((*pixels, 3), RGB), (pixels, DEPTH), (pixels, segmented))
     packed = read_packed(file, dict(zip((f"{camera}/{name}" for name in CameraImage._fields), forms, strict=True)))

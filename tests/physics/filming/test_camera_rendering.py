@@ -189,7 +189,7 @@ BROKEN = {
     "front/segmentation is not an array": lambda found: found.update(
         {"front/segmentation": found["front/segmentation"][:-1]}
     ),
-    "front/intrinsics tells of pictures of": lambda found: found.update(
+    "front/intrinsics is for images of": lambda found: found.update(
         {"front/intrinsics": found["front/intrinsics"] * 1e6}
     ),
     "front/extrinsics has to hold finite numbers": lambda found: found.update(
