@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from itertools import count as counting
 from itertools import islice
 from pathlib import Path
 
@@ -15,7 +14,7 @@ import clingo
 from prag_asp.errors import NotFound, QueryError
 from prag_asp.logic.formula.approximate import Estimate, Tolerance, estimate_models
 from prag_asp.logic.formula.clause_builder import TRUE, Literal
-from prag_asp.logic.formula.counter import CountBeside, count_models, has_ganak
+from prag_asp.logic.formula.counter import D4, GANAK, Counter, count_models, has_counter
 from prag_asp.models import ENGINES
 from prag_asp.models.answer_set_formula import ModelFormula, model_formula
 from prag_asp.models.atom_weights import (
@@ -27,9 +26,10 @@ from prag_asp.models.atom_weights import (
     unknown_weights,
 )
 from prag_asp.models.compiler import PreparedFormula, Progress, compile_formula, prepare
+from prag_asp.models.counting_race import Turn, count_or_compile
 from prag_asp.models.diagram import WeightedDiagram
 from prag_asp.models.enumeration.bounded_enumeration import BoundedEnumeration
-from prag_asp.models.enumeration.effort import SECOND, first_effort, is_worth_enumerating
+from prag_asp.models.enumeration.effort import SECOND, first_effort, is_worth_enumerating, turns_of_counters
 from prag_asp.models.enumeration.enumeration import Enumeration
 from prag_asp.models.foundedness import list_models
 from prag_asp.models.ground_program import GroundModels, ground_models
@@ -47,19 +47,8 @@ AnswerSet = tuple[clingo.Symbol, ...]
 
 Tell = Callable[[str], None]
 
-PATIENCE = 500
-"""Calls of `look`, each after 64 visits of nodes, before a counter starts in parallel: about 2 s of compilation."""
-
-HEAD_START = 1.0
-"""Processor seconds of a counter before compiling begins as well, for tight programs: most are counted by then."""
-
-
-class _Counted(Exception):
-    """The parallel counter finished before the compilation."""
-
-    def __init__(self, number: int) -> None:
-        super().__init__(number)
-        self.number = number
+COUNTERS = {"ganak": GANAK, "d4": D4}
+"""The engines that only count, on the clauses."""
 
 
 def answer_sets(
@@ -132,56 +121,38 @@ class AnswerSets:
     def count(self) -> int:
         """Return their exact number, regardless of weights.
 
-        With engine auto, clingo enumerates first, with limited work. If there are more answer sets, a counter and the
-        compiler of a diagram run in parallel, and the first answers: either may be faster by orders of magnitude. The
-        counter begins if the program is tight, otherwise the compiler.
+        With engine auto, clingo enumerates first, with limited work. If there are more answer sets, counters and the
+        compiler of a diagram race: any of them may be faster by orders of magnitude.
 
         Raises:
-            EngineError: the engine ganak is not installed, or fails.
+            EngineError: the engine ganak or d4 is not installed, or fails.
         """
         if self.engine == "auto" and "_diagram" not in self.__dict__ and not self._reason_to_enumerate:
             number = self._count_by_enumeration()
             if number is not None:
                 return number
-        how = self._way(counts=True)
-        if how == "clingo":
+        if self._way(counts=True) == "clingo":
             return self._enumeration.count()
-        if self.engine == "ganak":
-            stage("counting models with ganak")
-            return count_models(self._counting_formula.cnf, request="engine ganak")
-        if self.engine == "auto" and has_ganak() and "_diagram" not in self.__dict__:
-            number = self._count_beside(HEAD_START if how == "ganak" else None)
-            if number is not None:
-                return number
+        if self.engine in COUNTERS:
+            counter = COUNTERS[self.engine]
+            stage(f"counting models with {counter.name}")
+            return count_models(self._counting_formula.cnf, counter=counter, request=f"engine {self.engine}")
+        if self.engine == "auto" and "_diagram" not in self.__dict__:
+            found = count_or_compile(self._turns, lambda: self._counting_formula.cnf, self._compile, self._note_counter)
+            if isinstance(found, int):
+                return found
+            self.__dict__["_diagram"] = found  # fills the cached_property
         return WeightedDiagram(self._diagram.diagram, {}).total
 
-    def _count_beside(self, head_start: float | None) -> int | None:
-        """Return their number by a counter, or None if the diagram was compiled before.
+    @property
+    def _turns(self) -> list[Turn]:
+        """The turns of the installed counters in a race with the compiler."""
+        tight = not self._formula.completion.loops
+        turns = turns_of_counters(self._prepared.order.width, tight=tight, whole=self._formula.whole)
+        return [turn for turn in turns if has_counter(turn.counter)]
 
-        The counter starts at once with a head start in processor seconds, or, without it, after `PATIENCE`.
-        """
-        looks = counting()
-
-        def begins() -> None:
-            if head_start is None:
-                self.note("ganak counts as well, because compiling takes long; the first answers")
-
-        def look() -> None:
-            number = beside() if head_start is not None or next(looks) >= PATIENCE else None
-            if number is not None:
-                raise _Counted(number)
-
-        with CountBeside(lambda: (self._counting_formula.cnf, ()), 0, begins) as beside:
-            if head_start is not None:
-                stage("counting models with ganak")
-                number = beside.alone(head_start)
-                if number is not None:
-                    return number
-            try:
-                self.__dict__["_diagram"] = self._compile(look)  # fills the cached_property
-            except _Counted as counted:
-                return counted.number
-        return None
+    def _note_counter(self, counter: Counter) -> None:
+        self.note(f"{counter.name} counts as well, because compiling takes long; the first answers")
 
     def _count_by_enumeration(self) -> int | None:
         """Return their number if clingo is likely to be the fastest engine, and enumerates all within limits."""
@@ -292,7 +263,7 @@ class AnswerSets:
         return tuple([self._symbols[place] for place in sorted(shown)])
 
     def _way(self, *, counts: bool = False) -> str:
-        """Return the name of the engine that answers, and note a fallback.
+        """Return whether clingo or the diagram answers, and note a fallback.
 
         Raises:
             QueryError: the chosen engine cannot answer.
@@ -303,10 +274,11 @@ class AnswerSets:
             if self.engine != "auto":
                 raise QueryError(f"engine {self.engine}: {self._reason_to_enumerate}; choose the engine clingo")
             return "clingo"
-        if self.engine == "ganak" and not counts:
-            raise QueryError("engine ganak: it only counts; choose the engine diagram")
-        fits = counts and not self.stated and not self._formula.completion.loops and has_ganak()
-        return "ganak" if self.engine == "ganak" or (self.engine == "auto" and fits) else "diagram"
+        if self.engine in COUNTERS and not counts:
+            raise QueryError(f"engine {self.engine}: it only counts; choose the engine diagram")
+        if self.engine == "d4" and not self._formula.whole:
+            raise QueryError("engine d4: it does not project; choose the engine ganak or diagram")
+        return "diagram"
 
     @cached_property
     def _reason_to_enumerate(self) -> str:

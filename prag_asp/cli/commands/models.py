@@ -79,8 +79,8 @@ program_options = grouped(
         ),
         click.option(
             "--engine", type=click.Choice(ENGINES), default="auto", show_default=True,
-            help="ganak, a model counter (count only); diagram, a compiled decision diagram; clingo, enumeration; or "
-            "auto, the best of them for the program, by limits of work.",
+            help="ganak or d4, model counters (count only); diagram, a compiled decision diagram; clingo, enumeration; "
+            "or auto, the best of them for the program, by limits of work.",
         ),
     ),
 )  # fmt: skip
