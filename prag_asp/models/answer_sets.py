@@ -233,11 +233,7 @@ class AnswerSets:
         return facets_of_diagram(diagram.diagram, self._formula.printed, diagram.marginals(), diagram.total)
 
     def explain(self) -> Conflict | None:
-        """Return lines of the program that together exclude every answer set, or None if there is one.
-
-        Raises:
-            QueryError: the program is ground already.
-        """
+        """Return lines of the program that together exclude every answer set, or None if there is one."""
         return find_conflict(self.given, self.ground)
 
     def __iter__(self) -> Iterator[AnswerSet]:
