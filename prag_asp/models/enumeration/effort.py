@@ -54,5 +54,5 @@ def turns_of_counters(width: int, *, tight: bool, whole: bool) -> tuple[Turn, ..
     if not whole:
         return (Turn(GANAK, 1),)
     if width <= NARROW:
-        return (Turn(D4, 0.3 if width <= SLIM else 0.6), Turn(GANAK, 0, PATIENCE))
-    return (Turn(D4, 0.4), Turn(GANAK, 1))
+        return (Turn(D4, 0.3 if width <= SLIM else 2), Turn(GANAK, 0, PATIENCE))
+    return (Turn(D4, 0.5), Turn(GANAK, 1))
