@@ -1,4 +1,4 @@
-"""Count models by several engines of which any may be the fastest by orders of magnitude.
+"""Count answer sets where it is unknown which engine is fastest: by a bounded enumeration, or by several at once.
 
 Each counter has a turn of some processor seconds in its own process, in which the others are paused. If none has
 finished, all of them go on in parallel, and this process compiles a diagram; the first count is the answer.
@@ -9,41 +9,51 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from itertools import count
-from typing import NamedTuple, TypeVar
 
 from prag_asp.logic.formula.cnf import Cnf
-from prag_asp.logic.formula.counter import CountBeside, Counter
+from prag_asp.logic.formula.counter import CountBeside, Counter, has_counter
+from prag_asp.models.compiled_program import CompiledProgram
+from prag_asp.models.enumeration.bounded_enumeration import BoundedEnumeration
+from prag_asp.models.enumeration.effort import SECOND, Turn, first_effort, is_worth_enumerating, turns_of_counters
 from prag_asp.processes.progress_events import stage
 
-Compiled = TypeVar("Compiled")
 
-
-class Turn(NamedTuple):
-    """A counter, the processor seconds of its turn, and after how many looks of the compiler it continues in parallel.
-
-    Without seconds, it first starts in parallel.
-    """
-
-    counter: Counter
-    seconds: float
-    looks: int = 0
-
-
-class CountFound(Exception):
-    """A counter finished before the compiler."""
+class _Counted(Exception):
+    """A counter finished before the compilation."""
 
     def __init__(self, number: int) -> None:
         super().__init__(number)
         self.number = number
 
 
-def count_or_compile(
+def count_by_enumeration(compiled: CompiledProgram) -> int | None:
+    """Return the number of answer sets; None if clingo is not likely to be fastest, or its work exceeds the limits."""
+    enumeration = BoundedEnumeration(compiled.ground, project=compiled.project)
+    number = enumeration.count(first_effort(compiled.ground))
+    if number is None and is_worth_enumerating(enumeration.depth(), compiled.prepared.order.width):
+        number = enumeration.count(SECOND)
+    return number
+
+
+def count_beside(compiled: CompiledProgram) -> int | None:
+    """Return the number of answer sets by an installed counter, or None if the diagram was compiled before."""
+    formula = compiled.formula
+    turns = turns_of_counters(compiled.prepared.order.width, tight=not formula.completion.loops, whole=formula.whole)
+
+    def begins(counter: Counter) -> None:
+        compiled.note(f"{counter.name} counts as well, because compiling takes long; the first answers")
+
+    installed = [turn for turn in turns if has_counter(turn.counter)]
+    return count_unless_compiled(installed, lambda: compiled.counting_formula.cnf, compiled.compile, begins)
+
+
+def count_unless_compiled(
     turns: Sequence[Turn],
     formula: Callable[[], Cnf],
-    compile_formula: Callable[[Callable[[], None]], Compiled],
+    compile_formula: Callable[[Callable[[], None]], None],
     begins: Callable[[Counter], None],
-) -> int | Compiled:
-    """Return the number of models by the first counter to finish, or what the compiler returns if that is faster.
+) -> int | None:
+    """Return the number of models by the first counter to finish, or None if the compiler finished before.
 
     `compile_formula` receives a function that it calls periodically, and passes on what that raises. `begins` is told
     of each counter that first starts in parallel.
@@ -65,10 +75,10 @@ def count_or_compile(
                 if turn not in running:
                     running[turn] = beside(turn)
                 running[turn].resume()
-            for turn in turns:
-                number = running[turn]() if turn in running else None
+            for each in running.values():
+                number = each()
                 if number is not None:
-                    raise CountFound(number)
+                    raise _Counted(number)
 
         for turn in turns:
             if turn.seconds:
@@ -80,6 +90,7 @@ def count_or_compile(
                 running[turn].pause()
         try:
             look()
-            return compile_formula(look)
-        except CountFound as found:
-            return found.number
+            compile_formula(look)
+        except _Counted as counted:
+            return counted.number
+    return None

@@ -12,7 +12,8 @@ from prag_asp.logic.formula import counter
 from prag_asp.logic.formula.cnf import Cnf
 from prag_asp.logic.formula.counter import D4, GANAK, count_models
 from prag_asp.models.compiler import _propagate
-from prag_asp.models.counting_race import Turn, count_or_compile
+from prag_asp.models.counting_race import count_unless_compiled
+from prag_asp.models.enumeration.effort import Turn
 from prag_asp.processes.workers import WorkerGroup
 from tests.chance import Chance
 from tests.processes import children
@@ -88,12 +89,9 @@ def test_a_counter_whose_turn_is_over_waits_and_goes_on_beside_the_compiler() ->
         while True:
             look()
 
-    assert count_or_compile(turns, lambda: TWO_OF_THREE, compile_slowly, begun.append) == 4
-    assert (
-        count_or_compile([Turn(GANAK, 0, 10**9)], lambda: TWO_OF_THREE, lambda _: "compiled", begun.append)
-        == "compiled"
-    )
-    assert count_or_compile([Turn(GANAK, 0)], lambda: TWO_OF_THREE, compile_slowly, begun.append) == 4
+    assert count_unless_compiled(turns, lambda: TWO_OF_THREE, compile_slowly, begun.append) == 4
+    assert count_unless_compiled([Turn(GANAK, 0, 10**9)], lambda: TWO_OF_THREE, lambda _: None, begun.append) is None
+    assert count_unless_compiled([Turn(GANAK, 0)], lambda: TWO_OF_THREE, compile_slowly, begun.append) == 4
     assert begun[-1] == GANAK
     assert set(children()) <= before
 
@@ -104,7 +102,9 @@ def test_a_counter_that_fails_leaves_the_answer_to_the_others(monkeypatch: pytes
         raise EngineError("it cannot")
 
     monkeypatch.setattr(counter, "check_formula", fail)
-    found = count_or_compile([Turn(D4, 1), Turn(GANAK, 1)], lambda: TWO_OF_THREE, lambda look: look(), lambda _: None)
+    found = count_unless_compiled(
+        [Turn(D4, 1), Turn(GANAK, 1)], lambda: TWO_OF_THREE, lambda look: look(), lambda _: None
+    )
     assert found is None
     with pytest.raises(EngineError, match="it cannot"):
         count_models(TWO_OF_THREE, counter=D4)

@@ -56,7 +56,7 @@ def require_counter(counter: Counter = GANAK, request: str = SHARP) -> None:
     """Check that a counter is installed; `request` names the request of the user in the message.
 
     Raises:
-        EngineError: it is not.
+        EngineError: the counter is not installed.
     """
     if not has_counter(counter):
         raise EngineError(

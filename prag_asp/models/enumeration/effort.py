@@ -6,8 +6,9 @@ searches and the width of the clauses, so that it does not depend on the machine
 
 from __future__ import annotations
 
-from prag_asp.logic.formula.counter import D4, GANAK
-from prag_asp.models.counting_race import Turn
+from typing import NamedTuple
+
+from prag_asp.logic.formula.counter import D4, GANAK, Counter
 from prag_asp.models.enumeration.bounded_enumeration import Effort
 from prag_asp.models.ground_program import GroundModels
 
@@ -42,6 +43,17 @@ SLIM = 8
 
 PATIENCE = 500
 """Looks of the compiler, each after 64 visits of nodes, before a counter joins: about 1 s of compilation."""
+
+
+class Turn(NamedTuple):
+    """A counter, the processor seconds of its turn, and after how many looks of the compiler it continues in parallel.
+
+    Without seconds, it first starts in parallel.
+    """
+
+    counter: Counter
+    seconds: float
+    looks: int = 0
 
 
 def turns_of_counters(width: int, *, tight: bool, whole: bool) -> tuple[Turn, ...]:
