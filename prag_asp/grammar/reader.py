@@ -88,7 +88,7 @@ class GrammarReader:
         """Read the settings and the facts of a domain.
 
         Raises:
-            QueryError: this language has no words.
+            QueryError: there is no word table for the language.
         """
         own = settings.grammar.get(code, {})
         self.own: Mapping[str, Any] = own if isinstance(own, Mapping) else {}
@@ -116,7 +116,8 @@ class GrammarReader:
     def plain(self) -> dict[Signature, Template]:
         """Return default sentences of actions from their name and arguments, without constant arguments.
 
-        What an action moves is named even if it is constant: "pick the cup from the table", not "pick the table".
+        The object that an action moves is named even if it is constant: "pick the cup from the table", not "pick the
+        table".
         """
         defaults = self.words.table.get("defaults", {})
         if "action" not in defaults:

@@ -1,4 +1,4 @@
-"""How long clingo enumerates before another engine counts: a rule measured on sixty programs of all shapes.
+"""The effort of clingo before another engine counts: a rule fitted to sixty programs of all shapes.
 
 The measurements are in ``benchmarks/model_engines.py``. The rule reads the size of the program, the depth of random
 searches and the width of the clauses, so that it does not depend on the machine.
