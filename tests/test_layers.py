@@ -99,7 +99,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     "physics": (
         "bullet", "required", "temporary_files", "robot", "grasps", "witness", "situation", "predicates",
         "symbolic_facts", "world", "proofs", "search", "motion", "checks", "demonstration", "filming",
-        "pictures", "verdict", "tiers", "validator", "validation",
+        "pictures", "verdict", "witness_search", "tiers", "validator", "validation",
     ),
     "rl": (
         "control", "arena", "goals", "rewards", "environment_options", "reward_annealing", "state_checksum",

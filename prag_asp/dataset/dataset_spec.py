@@ -184,7 +184,7 @@ def require_demonstrated(staging: Staging, demonstrate: str | Path | None) -> No
     """Check that tasks are demonstrated if cameras or variations are requested.
 
     Raises:
-        QueryError: they are not.
+        QueryError: cameras or variations are requested without demonstrations.
     """
     if demonstrate is None and (staging.cameras or staging.vary):
         what = "cameras film" if staging.cameras else f"{staging.vary[0]} varies in"

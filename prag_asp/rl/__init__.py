@@ -19,29 +19,40 @@ from prag_asp.lazy import names_from
 from prag_asp.missing import require_gymnasium
 
 if TYPE_CHECKING:
-    from prag_asp.rl.curriculum.adaptive import Adaptive
-    from prag_asp.rl.curriculum.backwards import Backwards
-    from prag_asp.rl.curriculum.bandit import Bandit
-    from prag_asp.rl.curriculum.growing_length import Lengths
-    from prag_asp.rl.curriculum.novelty import Novelty
+    from prag_asp.rl.curriculum.bandit import BanditCurriculum
+    from prag_asp.rl.curriculum.growing_length import LengthCurriculum
+    from prag_asp.rl.curriculum.learning_progress import AdaptiveCurriculum
+    from prag_asp.rl.curriculum.novelty import NoveltyCurriculum
+    from prag_asp.rl.curriculum.reverse_curriculum import ReverseCurriculum
     from prag_asp.rl.environment import TaskEnv
     from prag_asp.rl.observations import Layout
     from prag_asp.rl.scripted_agent import OraclePolicy, oracle
     from prag_asp.rl.skill_chains import Rate, Rollout, Rollouts, run
 
 __all__ = [
-    "Adaptive", "Backwards", "Bandit", "Layout", "Lengths", "Novelty", "OraclePolicy", "Rate", "Rollout", "Rollouts",
-    "TaskEnv", "oracle", "run",
+    "AdaptiveCurriculum",
+    "BanditCurriculum",
+    "Layout",
+    "LengthCurriculum",
+    "NoveltyCurriculum",
+    "OraclePolicy",
+    "Rate",
+    "ReverseCurriculum",
+    "Rollout",
+    "Rollouts",
+    "TaskEnv",
+    "oracle",
+    "run",
 ]  # fmt: skip
 
 require_gymnasium().register(id="prag_asp/Task-v0", entry_point="prag_asp.rl.environment:TaskEnv")
 
 _HOMES = {
-    "prag_asp.rl.curriculum.adaptive": ("Adaptive",),
-    "prag_asp.rl.curriculum.backwards": ("Backwards",),
-    "prag_asp.rl.curriculum.bandit": ("Bandit",),
-    "prag_asp.rl.curriculum.growing_length": ("Lengths",),
-    "prag_asp.rl.curriculum.novelty": ("Novelty",),
+    "prag_asp.rl.curriculum.learning_progress": ("AdaptiveCurriculum",),
+    "prag_asp.rl.curriculum.reverse_curriculum": ("ReverseCurriculum",),
+    "prag_asp.rl.curriculum.bandit": ("BanditCurriculum",),
+    "prag_asp.rl.curriculum.growing_length": ("LengthCurriculum",),
+    "prag_asp.rl.curriculum.novelty": ("NoveltyCurriculum",),
     "prag_asp.rl.environment": ("TaskEnv",),
     "prag_asp.rl.observations": ("Layout",),
     "prag_asp.rl.skill_chains": ("Rate", "Rollout", "Rollouts", "run"),

@@ -63,12 +63,12 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     not only those of the action. The dense part of a "faded" reward is annealed over `fade` steps, or with "success";
     `discount` is that of its potentials. Witnesses of tasks from a space are searched for within a `budget`.
 
-    With a `part` of the space, only its tasks are used. A `curriculum` chooses the tasks: `Lengths`, `Novelty`,
-    `Adaptive` or `Bandit`; `Backwards` chooses the initial subgoals; or give two, one of each kind. It learns from the
-    episodes of this environment alone. `info` has the same keys at a reset and at each step, among them the exact
-    `probability` of the task and of its stage (`stage_probability`), and the number of samples that were `rejected`
-    before it. Images of `cameras` are in observations, too, as `camera_` and the name: 8-bit colours, of `size` width
-    and height in pixels.
+    With a `part` of the space, only its tasks are used. A `curriculum` chooses the tasks: `LengthCurriculum`,
+    `NoveltyCurriculum`, `AdaptiveCurriculum` or `BanditCurriculum`; `ReverseCurriculum` chooses the initial subgoals;
+    or give two, one of each kind. It learns from the episodes of this environment alone. `info` has the same keys at a
+    reset and at each step, among them the exact `probability` of the task and of its stage (`stage_probability`), and
+    the number of samples that were `rejected` before it. Images of `cameras` are in observations, too, as `camera_` and
+    the name: 8-bit colours, of `size` width and height in pixels.
 
     A copy, by `pickle` or `copy.deepcopy`, has simulators of its own and continues the episode in the same way, bit for
     bit: it performs the actions of the episode again.
@@ -239,7 +239,7 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         goes on is no part of it.
 
         Raises:
-            QueryError: nothing was drawn yet.
+            QueryError: no task was sampled yet.
         """
         if not self._sampler.seeded:
             raise QueryError("there is no state yet; reset the environment")
@@ -296,7 +296,7 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """The world of the episode.
 
         Raises:
-            QueryError: none has begun.
+            QueryError: no episode has begun.
         """
         if self._arena is None:
             raise QueryError("no episode has begun; reset the environment")

@@ -25,7 +25,7 @@ def check_episodes(*, until: object, reward: object, control: object, stage: obj
     """Check the options of episodes.
 
     Raises:
-        QueryError: one is wrong.
+        QueryError: an option has another value than those allowed.
     """
     for value, choices, what in ((until, UNTIL, "end"), (reward, REWARDS, "reward"), (control, CONTROLS, "control")):
         if value not in choices:
@@ -40,7 +40,7 @@ def check_figures(*, discount: object, budget: object, render_mode: object, mode
     """Check a discount, a budget and a render mode.
 
     Raises:
-        QueryError: one is wrong.
+        QueryError: the discount, the budget or the render mode has a value that is not allowed.
     """
     if not isinstance(discount, Real) or isinstance(discount, bool) or not 0.0 < float(discount) <= 1.0:
         raise QueryError(f"a discount is above 0 and at most 1; got {discount!r}")

@@ -76,7 +76,7 @@ def _require_tool(env: TaskEnv) -> None:
     """Check that an environment takes displacements of the tool.
 
     Raises:
-        QueryError: it does not.
+        QueryError: the environment takes other actions.
     """
     if env.control != "tool":
         raise QueryError('the oracle moves the tool; make the environment with control="tool"')

@@ -183,7 +183,7 @@ def _reset_options(tasks: Tasks) -> Iterator[dict[str, Any]]:
     """Yield the reset options of each rollout.
 
     Raises:
-        QueryError: these are no tasks.
+        QueryError: `tasks` is neither a positive number nor tasks of a space or a dataset.
     """
     if isinstance(tasks, int) and not isinstance(tasks, bool) and tasks > 0:
         yield from ({} for _ in range(tasks))
@@ -249,7 +249,7 @@ def _policy(policies: Policy | Mapping[str, Policy], env: TaskEnv) -> Policy:
     """Return the policy for the current subgoal.
 
     Raises:
-        QueryError: there is none.
+        QueryError: no policy is given for the action of the subgoal.
     """
     if not isinstance(policies, Mapping):
         return policies

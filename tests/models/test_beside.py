@@ -95,9 +95,9 @@ def test_an_error_of_a_listener_is_no_failure_of_the_counter() -> None:
 
 @needs_ganak
 def test_a_program_that_is_not_tight_is_counted_by_whoever_is_done_first(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(BESIDE.format("models.answer_sets"), 0)
-    monkeypatch.setattr("prag_asp.models.answer_sets.first_effort", lambda _: Effort(0, 0))
-    monkeypatch.setattr("prag_asp.models.answer_sets.is_worth_enumerating", lambda *_: False)
+    monkeypatch.setattr(BESIDE.format("models.counting_race"), 0)
+    monkeypatch.setattr("prag_asp.models.counting_race.first_effort", lambda _: Effort(0, 0))
+    monkeypatch.setattr("prag_asp.models.counting_race.is_worth_enumerating", lambda *_: False)
     monkeypatch.setattr("prag_asp.models.compiler.LOOK", 1)
     waited: list[bool] = []
 

@@ -12,7 +12,8 @@ from prag_asp.physics import Budget, check_demonstration, check_witness, open_va
 from prag_asp.physics.grasps.body_grasps import body_grasps, is_hand_free
 from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.physics.predicates import PREDICATES
-from prag_asp.physics.predicates.gripper import pad_friction, pad_reach
+from prag_asp.physics.predicates.grip_friction import pad_friction
+from prag_asp.physics.predicates.grip_geometry import pad_reach
 from prag_asp.physics.proofs.prover import Prover
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.search.attempt import NO_GRASP, TWISTS

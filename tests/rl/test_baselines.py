@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from prag_asp import TaskSpace, load_domain
-from prag_asp.rl import Backwards, TaskEnv
+from prag_asp.rl import ReverseCurriculum, TaskEnv
 from tests.chance import Chance
 from tests.rl.conftest import DOMAINS, Given
 
@@ -36,7 +36,7 @@ def test_stable_baselines3_finds_nothing_wrong(
 
 def test_processes_of_stable_baselines3_see_what_one_process_sees(chance: Chance) -> None:
     space = TaskSpace(load_domain("tabletop"), length=2)
-    make = partial(gymnasium.make, "prag_asp.rl:prag_asp/Task-v0", space=space, steps=3, curriculum=Backwards())
+    make = partial(gymnasium.make, "prag_asp.rl:prag_asp/Task-v0", space=space, steps=3, curriculum=ReverseCurriculum())
     found = [followed(made, chance) for made in (DummyVecEnv([make] * 2), SubprocVecEnv([make] * 2, "spawn"))]
     assert found[0] == found[1]
 

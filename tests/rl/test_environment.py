@@ -22,7 +22,7 @@ import prag_asp.rl
 from prag_asp import Dataset, Task, TaskSpace, load_domain
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Validator, Witness
-from prag_asp.rl import Adaptive, TaskEnv, oracle
+from prag_asp.rl import AdaptiveCurriculum, TaskEnv, oracle
 from prag_asp.rl.control import STRIDE
 from prag_asp.rl.goals import PLACES
 from prag_asp.rl.tasks import episode_sampler
@@ -119,7 +119,7 @@ def test_the_oracle_reaches_the_subgoals_and_whole_tasks(name: str, given: Mappi
 
 
 def test_info_has_the_same_keys_at_a_reset_and_at_each_step_and_arrays_hold_it(space: TaskSpace) -> None:
-    env = TaskEnv(space, stage="any", curriculum=Adaptive(), steps=3)
+    env = TaskEnv(space, stage="any", curriculum=AdaptiveCurriculum(), steps=3)
     _, info = env.reset(seed=1)
     infos = [info, *(env.step(STILL)[4] for _ in range(8))]
     assert all(set(each) == set(info) for each in infos) and {"task", "probability", "curriculum"} <= set(info)
@@ -137,7 +137,7 @@ def test_info_has_the_same_keys_at_a_reset_and_at_each_step_and_arrays_hold_it(s
 def test_a_copy_continues_the_episode_and_those_after_it_in_the_same_way(
     chance: Chance, space: TaskSpace, copied: Callable[[Any], Any]
 ) -> None:
-    env = gymnasium.make("prag_asp/Task-v0", space=space, stage="any", curriculum=Adaptive(), steps=20)
+    env = gymnasium.make("prag_asp/Task-v0", space=space, stage="any", curriculum=AdaptiveCurriculum(), steps=20)
     untouched = copied(env)
     env.reset(seed=chance.seed(8))
     env.action_space.seed(chance.seed(9))

@@ -108,12 +108,12 @@ def _scene_warnings(domain: Domain) -> Iterable[Problem]:
         return ()
     if domain.reduction:
         domain = replace(domain, facts=domain.reduction.facts_with_all_entities)
-    from prag_asp.cli.body_summary import tilted
+    from prag_asp.cli.body_summary import solid_containers, tilted
     from prag_asp.dataset.scenes import scene_of
     from prag_asp.domain.load import shown_warnings
     from prag_asp.physics.proofs.grips import never_gripped
     from prag_asp.physics.proofs.reaching import out_of_reach
 
     scene = scene_of(domain)
-    warnings = (*never_gripped(domain, scene), *out_of_reach(domain, scene), *tilted(domain, scene))
-    return shown_warnings(warnings, domain.settings)
+    checks = (never_gripped, out_of_reach, tilted, solid_containers)
+    return shown_warnings([problem for check in checks for problem in check(domain, scene)], domain.settings)

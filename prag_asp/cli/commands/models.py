@@ -245,15 +245,11 @@ def _say_all(found: AnswerSets, listed: Iterator[AnswerSet], form: str) -> None:
 
 def _document(found: AnswerSets, fields: Mapping[str, str]) -> str:
     """Return a JSON object of an optimum and some fields, whose values are JSON already: numbers may be of any size."""
-    lines = [f' "{name}": {value}' for name, value in {**_optimum(found), **fields}.items()]
+    if found.optimum is not None:
+        values = [{"priority": priority, "value": value} for priority, value in found.optimum.values]
+        fields = {"optimum": json.dumps(values), **fields}
+    lines = [f' "{name}": {value}' for name, value in fields.items()]
     return "{\n" + ",\n".join(lines) + "\n}"
-
-
-def _optimum(found: AnswerSets) -> dict[str, str]:
-    """Return the optimum as a field of JSON, if there is one."""
-    if found.optimum is None:
-        return {}
-    return {"optimum": json.dumps([{"priority": priority, "value": value} for priority, value in found.optimum.values])}
 
 
 def _facet_object(facet: Facet) -> str:

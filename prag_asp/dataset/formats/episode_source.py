@@ -172,7 +172,7 @@ class EpisodeSource:
         """Check that the dataset was generated with recordings.
 
         Raises:
-            QueryError: it was not.
+            QueryError: the dataset was generated without recordings.
         """
         if not self.data.manifest.spec.demonstrate:
             hint = "make a dataset that has, with prag-asp generate --demonstrate"

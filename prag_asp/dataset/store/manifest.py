@@ -17,6 +17,7 @@ from prag_asp.errors import QueryError
 from prag_asp.integers import digits_of, number_of
 from prag_asp.output.digests import digest
 from prag_asp.tables.json_fields import Whole
+from prag_asp.tables.report import shown
 
 if TYPE_CHECKING:
     from prag_asp.space.task_space import TaskSpace
@@ -150,6 +151,19 @@ class Manifest(msgspec.Struct):
     def request(self) -> dict[str, Any]:
         """The values besides the domain that identify the dataset, as `request_of` returns them."""
         return {"lengths": self.lengths, "where": self.where, **self.spec.fixed()}
+
+    def difference(self, other: Manifest, ignored: str = "") -> str:
+        """Return what distinguishes this dataset from another, apart from its tasks, "" without any difference.
+
+        The phrase continues "a dataset". One entry of the requests can be `ignored`.
+        """
+        if self.domain.name != other.domain.name:
+            return f"of {self.domain.name}, not of {other.domain.name}"
+        request = self.request
+        for name, value in other.request.items():
+            if name != ignored and request[name] != value:
+                return f"made with other {name.replace('_', ' ')} ({shown(request[name])})"
+        return "" if self.domain == other.domain else "of another state of the domain or of the encodings"
 
     def rows(self, table: str) -> int:
         """Return the number of rows of a table in all parts."""

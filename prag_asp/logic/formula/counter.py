@@ -54,7 +54,7 @@ def require_counter(counter: Counter = GANAK, request: str = SHARP) -> None:
     """Check that a counter is installed; `request` names the request of the user in the message.
 
     Raises:
-        EngineError: it is not.
+        EngineError: the counter is not installed.
     """
     if find_spec(counter.package) is None:
         raise EngineError(

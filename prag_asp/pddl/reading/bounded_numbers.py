@@ -58,7 +58,7 @@ def bounded(
     changing = {each.function.function for _, each in effects if each.function.function in read}
     if not changing:
         return domain, problem
-    numbers = _Numbers(source, domain, problem, _Values(source, problem, effects, changing))
+    numbers = _Numbers(source, domain, problem, _FunctionValues(source, problem, effects, changing))
     actions = tuple(numbers.schema(each) for each in domain.actions)
     goal = numbers.formula(problem.goal, problem_source)
     derived = tuple(replace(each, formula=numbers.formula(each.formula, source)) for each in domain.derived)
@@ -107,7 +107,7 @@ def _changed(effect: NumericEffect, row: Row) -> Fraction | None:
     return quantity_value(Arithmetic(operators[effect.operator], (effect.function, effect.value)), row)
 
 
-class _Values:
+class _FunctionValues:
     """The values that functions may have, by name."""
 
     def __init__(
@@ -174,7 +174,7 @@ class _Numbers:
     source: PddlSource
     domain: DomainFile
     problem: ProblemFile
-    values: _Values
+    values: _FunctionValues
 
     def __post_init__(self) -> None:
         self.predicates: dict[str, Declaration] = {}
@@ -239,16 +239,14 @@ class _Numbers:
         for term in {**terms, **({} if effect.operator == "assign" else {effect.function: None})}:
             stated = sum(function == term.function for function, _ in self.problem.values)
             declared = self.domain.functions.get(term.function)
-            if declared and stated >= self._instances(declared):
-                continue
+            if declared:
+                above = [self.domain.above(kind) for kind in self.problem.objects.values()]
+                if stated >= prod(sum(not each.isdisjoint(kinds) for each in above) for kinds in declared.types):
+                    continue
             if effect.variables or next(conjuncts(effect.condition), None) is not None or not declared:
                 text = f"{term.function} has no initial value for all its objects"
                 self.source.refuse(effect.line, f"{text}, and a condition reads what it changes; state them in :init")
             yield Comparison("=", term, term, True, effect.line)
-
-    def _instances(self, declared: Declaration) -> int:
-        above = [self.domain.above(kind) for kind in self.problem.objects.values()]
-        return prod(sum(not each.isdisjoint(kinds) for each in above) for kinds in declared.types)
 
     def _effects(self, effect: NumericEffect, action: Schema) -> Iterator[SchemaEffect]:
         condition, term, line = self.formula(effect.condition, self.source), effect.function, effect.line

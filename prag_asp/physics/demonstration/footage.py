@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.array_archive import BadArchive, read_arrays
-from prag_asp.physics.demonstration.packing import Packed, read_packed
+from prag_asp.physics.demonstration.packed_arrays import Packed, read_packed
 
 RGB, DEPTH = "u1", "<f2"
 """The types of stored images: a depth has eleven significant bits, which is half a millimetre at 1 m."""
@@ -176,7 +176,7 @@ def _film(file: BinaryIO, camera: str, count: int, segmented: str, at_most: int)
     """Return the film of one camera.
 
     Raises:
-        BadArchive: it has another form.
+        BadArchive: an array of the film is missing or has another form.
         ValueError: it does not match the others.
     """
     names = [f"{camera}/{name}" for name in OF_CAMERA]
@@ -199,7 +199,7 @@ def require_arrays(content: Mapping[str, NDArray[Any]], required: Mapping[str, t
     """Check the shapes and types of arrays; a type is one of some kinds of NumPy.
 
     Raises:
-        BadArchive: one is missing.
+        BadArchive: an array is missing.
         ValueError: one has another shape or type.
     """
     for name, (shape, kinds) in required.items():

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration, pose_of
 from prag_asp.physics.demonstration.footage import DEPTH, RGB, Film, Footage, Picture, segmentation_type
-from prag_asp.physics.demonstration.packing import Packed, Packer
+from prag_asp.physics.demonstration.packed_arrays import Packed, Packer
 from prag_asp.physics.filming.episode_options import Staging
 from prag_asp.physics.filming.studio import open_studio
 from prag_asp.physics.robot.kinematics import tool_pose

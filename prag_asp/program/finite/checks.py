@@ -98,7 +98,7 @@ class Checks:
         """Return 0 if an operation on these inputs stays in range.
 
         Raises:
-            BoundReached: it does not.
+            BoundReached: the result is out of range.
         """
         if self.in_range(number, *inputs).type != clingo.SymbolType.Number:
             site = self.sites[number.number]

@@ -36,7 +36,7 @@ EMPHASIS, HALF = 64, Fraction(1, 2)
 
 
 @dataclass(frozen=True)
-class Novelty:
+class NoveltyCurriculum:
     """Sample what was not sampled yet: `what` is "tasks", "skeletons", or the "names" of actions or "pairs" of them.
 
     Tasks are sampled without replacement, in uniformly random order; so are skeletons, each with one of its tasks by

@@ -51,9 +51,9 @@ class TaskOrigin:
             raise QueryError(f"the part is one of {self.part.space!r}, and not of {self.space!r}; give a part of that")
         for each in self._curricula:
             if isinstance(each, type) or not (hasattr(each, "task_sampler") or hasattr(each, "subgoal_sampler")):
-                raise QueryError(f"{each!r:.80} is no curriculum; give one of prag_asp.rl, such as Lengths()")
+                raise QueryError(f"{each!r:.80} is no curriculum; give one of prag_asp.rl, such as LengthCurriculum()")
         if self.space is None and self._curriculum_with("task_sampler"):
-            raise QueryError("a curriculum of tasks needs a space; give that, or Backwards() alone")
+            raise QueryError("a curriculum of tasks needs a space; give that, or ReverseCurriculum() alone")
         self._curriculum_with("subgoal_sampler")
 
     def domain(self, requested: Domain | str | None) -> Domain:
@@ -109,9 +109,11 @@ class TaskOrigin:
         """Return the one curriculum with a `task_sampler` or a `subgoal_sampler`, if there is one.
 
         Raises:
-            QueryError: there are several.
+            QueryError: several curricula have the method.
         """
         curricula = [each for each in self._curricula if hasattr(each, method)]
         if len(curricula) > 1:
-            raise QueryError(f"{len(curricula)} curricula of one kind: give one of tasks at most, and Backwards()")
+            raise QueryError(
+                f"{len(curricula)} curricula of one kind: give one of tasks at most, and ReverseCurriculum()"
+            )
         return curricula[0] if curricula else None

@@ -97,7 +97,7 @@ class WitnessFinder:
         """Return a witness of a task.
 
         Raises:
-            QueryError: none is found.
+            QueryError: the search finds no witness within its budget.
         """
         witness = self.witness(task)
         if witness is None:
@@ -165,7 +165,7 @@ def require_rank(rank: object, count: int) -> int:
     """Return a valid rank below `count`.
 
     Raises:
-        QueryError: it is not valid.
+        QueryError: the rank is no whole number from 0 to `count` - 1.
     """
     if isinstance(rank, bool) or not isinstance(rank, int | np.integer) or not 0 <= rank < count:
         raise QueryError(f"rank {rank!r}: give a whole number from 0 to {count - 1}")
@@ -265,7 +265,7 @@ class DatasetSource:
         """Return the task of a number of the dataset.
 
         Raises:
-            QueryError: there is none.
+            QueryError: the dataset has no task of this number.
         """
         return self._assignment(require_rank(rank, self._count))
 

@@ -71,7 +71,9 @@ def read_mesh_body(entry: TableEntry, folder: Path) -> Shape | None:
         remedy = 'pip install "prag_asp[meshes]" to divide it, or give an .obj with a convex object for each part'
         raise SceneError(f"{path}: the mesh is not convex; {remedy}")
     uniform = solid_mass([solid])
-    first, second = (np.array(rotation(_radians(each))) for each in (UPWARD[up], angles))
+    first, second = (
+        np.array(rotation((math.radians(x), math.radians(y), math.radians(z)))) for x, y, z in (UPWARD[up], angles)
+    )
     rows = second @ first
     properties = uniform if mass is None else uniform.scaled(mass)
     turned = solid._replace(turn=roll_pitch_yaw(rows))
@@ -83,7 +85,7 @@ def _lying(shape: Shape, anyhow: bool) -> Shape:
     """Return the shape of a body in the stable pose with the lowest centre of mass, on its side unless `anyhow`.
 
     Raises:
-        SceneError: there is none.
+        SceneError: the body rests stably in no pose.
     """
     assert shape.model is not None
     poses = list(stable_rotations(surface_points(shape.model.solids), np.array(shape.model.centre)))
@@ -95,9 +97,3 @@ def _lying(shape: Shape, anyhow: bool) -> Shape:
     return turned_shape(
         shape, max((rows for low, rows in sideways if low <= height + 1e-6), key=lambda rows: rows[2, 2])
     )
-
-
-def _radians(degrees: tuple[float, ...]) -> tuple[float, float, float]:
-    """Return three angles in radians."""
-    x, y, z = map(math.radians, degrees)
-    return (x, y, z)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from prag_asp.physics import Demonstration, Staging, Variation, check_footage, film
-from prag_asp.physics.demonstration.packing import Packer
+from prag_asp.physics.demonstration.packed_arrays import Packer
 from prag_asp.scene.scene import Mount
 
 EPISODES = Path(__file__).parents[1] / "episodes"
