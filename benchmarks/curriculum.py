@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.table import Table
 
 from prag_asp import TaskSpace, load_domain
-from prag_asp.rl import Adaptive, Bandit, Novelty
+from prag_asp.rl import AdaptiveCurriculum, BanditCurriculum, NoveltyCurriculum
 from prag_asp.rl.curriculum.task_pool import TaskPool
 from prag_asp.rl.curriculum.task_sampler import Attempt, EpisodeResult, TaskSampler
 
@@ -54,7 +54,13 @@ def figures(space: TaskSpace) -> Iterator[str]:
     yield f"{smallest(sample):.2f}"
     yield f"{smallest(lambda _: sample(TIMES - 1)):.2f}"
     pool = TaskPool(space)
-    for kind in (Adaptive(lot=COUNT), Bandit(lot=COUNT), Novelty(), Novelty("skeletons"), Novelty("tasks")):
+    for kind in (
+        AdaptiveCurriculum(lot=COUNT),
+        BanditCurriculum(lot=COUNT),
+        NoveltyCurriculum(),
+        NoveltyCurriculum("skeletons"),
+        NoveltyCurriculum("tasks"),
+    ):
         sampler = kind.task_sampler(pool)
         sampler.seed(0)
         lot(sampler, pool)

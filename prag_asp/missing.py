@@ -88,7 +88,7 @@ def require_ray() -> None:
     """Check that Ray is installed; a separate process imports it.
 
     Raises:
-        RayMissingError: it is not installed.
+        RayMissingError: Ray is not installed.
     """
     if find_spec("ray") is None:
         raise RayMissingError('a cluster needs Ray; install it on every node: pip install "prag_asp[ray]"')

@@ -41,7 +41,7 @@ from starts import (
     starts,
 )
 
-from prag_asp.rl import Backwards, Rate, TaskEnv
+from prag_asp.rl import Rate, ReverseCurriculum, TaskEnv
 from prag_asp.rl.rewards import REWARDS
 
 COLOURS = {"dense": "#2e86ab", "faded": "#3a9d5d", "sparse": "#e4572e"}
@@ -66,7 +66,8 @@ STEPS = {"grasp": 25}
 """The time limit of a skill in training episodes, in steps, if it differs from the default."""
 
 BEGUN: dict[str, dict[str, Any]] = {
-    "last": {"stage": -1}, "task": {"stage": 0}, "any": {"stage": "any"}, "backwards": {"curriculum": Backwards()},
+    "last": {"stage": -1}, "task": {"stage": 0}, "any": {"stage": "any"},
+    "backwards": {"curriculum": ReverseCurriculum()},
 }  # fmt: skip
 """The arguments of the environment for the stage at which training episodes begin."""
 

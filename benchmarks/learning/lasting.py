@@ -18,7 +18,7 @@ import click
 from rich.console import Console
 
 from prag_asp import TaskSpace, load_domain
-from prag_asp.rl import Adaptive, Backwards, TaskEnv
+from prag_asp.rl import AdaptiveCurriculum, ReverseCurriculum, TaskEnv
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
@@ -32,7 +32,7 @@ from memory import LIMIT, megabytes
 def main(steps: int, every: int, seed: int) -> None:
     """Act, print the memory over time, and check its growth."""
     space = TaskSpace(load_domain("tabletop"), length=2)
-    env = TaskEnv(space, curriculum=(Adaptive(), Backwards()), reward="faded")
+    env = TaskEnv(space, curriculum=(AdaptiveCurriculum(), ReverseCurriculum()), reward="faded")
     env.action_space.seed(seed)
     env.reset(seed=seed)
     console, sizes, episodes = Console(), list[float](), 1

@@ -24,7 +24,7 @@ def parse_lengths(text: str) -> int | range:
     """Return the number of actions in a text, or all numbers of a range such as ``3..6``.
 
     Raises:
-        QueryError: the text is neither.
+        QueryError: the text is neither a number nor a range.
     """
     return parse_range(text, f"--length {text}")
 

@@ -113,7 +113,7 @@ class DomainOptions:
         """Return the conditions on tasks.
 
         Raises:
-            QueryError: one is empty.
+            QueryError: a condition is empty.
         """
         if not all(map(str.strip, self.where)):
             raise QueryError("condition '': write one, such as 'uses apple' or 'has at least 2 grasp'")

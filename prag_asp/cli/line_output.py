@@ -108,7 +108,7 @@ def require_writable(output: str | None) -> None:
     """Check that a file can be written, without changing it; None is stdout.
 
     Raises:
-        OutputError: it cannot.
+        OutputError: the file cannot be written.
     """
     if output is None:
         return

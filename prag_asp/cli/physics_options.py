@@ -55,7 +55,7 @@ class PhysicsOptions:
         """Refuse options of physics if it is off; `others` has further options, and whether each is given.
 
         Raises:
-            QueryError: an option is given.
+            QueryError: an option of physics is given although physics is off.
         """
         options = {
             "--demonstrate": self.demonstrate is not None,

@@ -46,7 +46,7 @@ class TaskSelection:
         """Check that the options and the conditions are consistent, before anything is loaded.
 
         Raises:
-            QueryError: they are not.
+            QueryError: two options exclude each other, or one needs another.
         """
         options = {"--plan": self.plan, "--index": self.index, "--tasks": self.tasks}
         selectors = [option for option, value in options.items() if value is not None]

@@ -80,9 +80,9 @@ def _in_order(parts: Sequence[Dataset]) -> list[Dataset]:
         deal = part.manifest.spec.deal
         if deal == ALL:
             raise QueryError(f"{part.folder}: is no part of a dataset, but a whole one; leave it out")
-        difference = _difference(first.manifest, part.manifest)
+        difference = _difference(part.manifest, first.manifest)
         if difference:
-            raise QueryError(f"{part.folder}: is a part of another dataset than {first.folder}: {difference}")
+            raise QueryError(f"{part.folder}: is a part of another dataset than {first.folder}: one {difference}")
         if deal.number in by_number:
             raise QueryError(f"{part.folder}: is part {deal}, as {by_number[deal.number].folder}; name each part once")
         by_number[deal.number] = part
@@ -96,18 +96,11 @@ def _in_order(parts: Sequence[Dataset]) -> list[Dataset]:
     return [by_number[number] for number in range(1, of + 1)]
 
 
-def _difference(one: Manifest, other: Manifest) -> str:
-    """Return the first difference between two manifests except the number of the part, "" without any."""
-    if one.spec.deal.of != other.spec.deal.of:
-        return f"one of {other.spec.deal.of} parts, not of {one.spec.deal.of}"
-    if one.domain.name != other.domain.name:
-        return f"it is of {other.domain.name}, not of {one.domain.name}"
-    theirs = other.request
-    for key, value in one.request.items():
-        if key != "part" and theirs[key] != value:
-            return f"it was made with other {key.replace('_', ' ')}"
-    if one.domain != other.domain:
-        return "it is of another state of the domain or of the encodings"
-    if one.spec.tasks != other.spec.tasks:
-        return f"it was made for {plural(other.spec.tasks, 'task')}, not {one.spec.tasks}; run the same --tasks for all"
-    return ""
+def _difference(part: Manifest, first: Manifest) -> str:
+    """Return what distinguishes the dataset of a part from that of the first one, "" without any difference."""
+    if part.spec.deal.of != first.spec.deal.of:
+        return f"of {part.spec.deal.of} parts, not of {first.spec.deal.of}"
+    difference = part.difference(first, ignored="part")
+    if not difference and part.spec.tasks != first.spec.tasks:
+        return f"made for {plural(part.spec.tasks, 'task')}, not {first.spec.tasks}; run the same --tasks for all"
+    return difference

@@ -76,8 +76,8 @@ def errors_with_place(record: Record, domain: Domain | None = None, advice: str 
     If the record names another domain than `domain`, the message includes that.
 
     Raises:
-        QueryError: the body raises one.
-        SceneError: the body raises one.
+        QueryError: the body raises a QueryError.
+        SceneError: the body raises a SceneError.
     """
     try:
         yield

@@ -124,20 +124,8 @@ def load_domain(
     encodings = Path(encodings) if encodings is not None else data_folder("encodings")
     core = core_sources(encodings)
     own = each_once(each for entry in entries for each in read_sources(entry, encodings, own=folder))
-    own = set_constants(own, values, name) if values else own
-    selected = tuple(each for rule in rules for each in _rule_sources(rule, encodings))
-    core_paths = {each.path.resolve() for each in core}
-    added = (*asked_sources(own, encodings), *own, *selected)
-    extra = tuple(each for each in added if each.path.resolve() not in core_paths)
-    program = Program((*core, *each_once(extra)))
-    table_file = Source(NO_SETTINGS, "")
-    if settings is not None:
-        if not os.path.lexists(settings):
-            raise DomainError(f"{settings}: no such file of settings; give one written like a domain.toml")
-        table_file = Source(Path(settings), read_text(Path(settings)))
-    elif folder is not None:
-        path = folder / "domain.toml"
-        table_file = Source(path, read_text(path, folder) if os.path.lexists(path) else "")
+    program = _whole_program(core, set_constants(own, values, name) if values else own, rules, encodings)
+    table_file = _settings_file(settings, folder)
     learned_path = folder / LEARNED if learned and folder and settings is None else None
     if learned_path and not os.path.lexists(learned_path):
         learned_path = None
@@ -200,6 +188,34 @@ def _find_domain(
         return imported.name, None, [*imported.sources, *entries], imported.warnings
     first = entries[0].path if isinstance(entries[0], Source) else entries[0]
     return first.stem.strip("<>"), None, entries, ()
+
+
+def _whole_program(core: tuple[Source, ...], own: tuple[Source, ...], rules: Iterable[str], encodings: Path) -> Program:
+    """Return the program of the encodings of every domain, those that a domain's `own` files need, these, and `rules`.
+
+    Raises:
+        DomainError: there is no such rule, or it takes another number of arguments.
+    """
+    core_paths = {each.path.resolve() for each in core}
+    selected = (each for rule in rules for each in _rule_sources(rule, encodings))
+    added = each_once((*asked_sources(own, encodings), *own, *selected))
+    return Program((*core, *(each for each in added if each.path.resolve() not in core_paths)))
+
+
+def _settings_file(settings: str | Path | None, folder: Path | None) -> Source:
+    """Return the text of the settings: a given file or that of the folder; it is empty if there is none.
+
+    Raises:
+        DomainError: the given file does not exist, or a file cannot be read.
+    """
+    if settings is not None:
+        if not os.path.lexists(settings):
+            raise DomainError(f"{settings}: no such file of settings; give one written like a domain.toml")
+        return Source(Path(settings), read_text(Path(settings)))
+    if folder is None:
+        return Source(NO_SETTINGS, "")
+    path = folder / "domain.toml"
+    return Source(path, read_text(path, folder) if os.path.lexists(path) else "")
 
 
 def _rule_sources(rule: str, encodings: Path) -> tuple[Source, ...]:

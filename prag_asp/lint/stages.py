@@ -100,7 +100,7 @@ def check(
     warnings.add([*directive_problems(statements), *size_problems(statements)])
     warnings.add([*vocabulary_problems(statements), *placement_problems(statements), *recursion_problems(statements)])
     warnings.add(last_step_problems(statements))
-    step = _described(_one_free_step(program, sources), statements)
+    step = _described(_one_free_step(sources), statements)
     encodings = encodings_folder(program)
     relaxed = relaxed_sources(encodings) if encodings else ()
     grounder = Grounder(Program((*step.sources, *relaxed)))
@@ -175,7 +175,7 @@ def check_learned(program: Program, learned: Sequence[Source]) -> Facts:
         if each.path in paths and not _states_invariant(each)
     )
     raise_problems([*directive_problems(statements), *vocabulary_problems(statements)])
-    grounder = Grounder(_described(_one_free_step(program, sources), statements))
+    grounder = Grounder(_described(_one_free_step(sources), statements))
     grounder.ground([("base", [])])
     origins = Origins([each for each in statements if each.own or each.path.name != HIERARCHY])
     facts = _facts(grounder, statements, origins)
@@ -202,7 +202,7 @@ def _facts(grounder: Grounder, statements: Sequence[Statement], origins: Origins
         raise
 
 
-def _one_free_step(program: Program, owned: Sequence[tuple[Source, bool]]) -> Program:
+def _one_free_step(owned: Sequence[tuple[Source, bool]]) -> Program:
     """Return the program without the hierarchy, and with the author's step rules in parts that are not grounded.
 
     Line numbers do not change.

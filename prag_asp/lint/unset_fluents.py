@@ -8,7 +8,7 @@ terms in every state. Those that one step may break are dropped until the rest i
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 
 import clingo
 
@@ -47,7 +47,8 @@ def unset_fluents(
 ) -> dict[clingo.Symbol, Statement]:
     """Return the fluents that may become unknown, apart from those `unsure` to be known, each with a rule to blame."""
     steps = [each for each in statements if each.own and each.is_rule and each.part == "step"]
-    changing = [(each, atom) for each, atom in _changing(steps) if not _is_set(each, atom, steps)]
+    heads = ((each, atom) for each in steps for atom in each.heads if atom.signature == CHANGED and not atom.negated)
+    changing = [(each, atom) for each, atom in heads if not _is_set(each, atom, steps)]
     if not changing:
         return {}
     try:
@@ -61,12 +62,6 @@ def unset_fluents(
         if rule is not None:
             blamed[fluent] = rule
     return blamed
-
-
-def _changing(steps: Sequence[Statement]) -> Iterator[tuple[Statement, AtomNode]]:
-    """Yield the rules that change a fluent, each with its head."""
-    for each in steps:
-        yield from ((each, atom) for atom in each.heads if atom.signature == CHANGED and not atom.negated)
 
 
 def _is_set(rule: Statement, head: AtomNode, steps: Sequence[Statement]) -> bool:

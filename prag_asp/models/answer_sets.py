@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from itertools import count as counting
 from itertools import islice
 from pathlib import Path
 
@@ -15,29 +14,18 @@ import clingo
 from prag_asp.errors import NotFound, QueryError
 from prag_asp.logic.formula.approximate import Estimate, Tolerance, estimate_models
 from prag_asp.logic.formula.clause_builder import TRUE, Literal
-from prag_asp.logic.formula.counter import CountBeside, count_models, has_ganak
+from prag_asp.logic.formula.counter import D4, GANAK, count_models
 from prag_asp.models import ENGINES
-from prag_asp.models.answer_set_formula import ModelFormula, model_formula
-from prag_asp.models.atom_weights import (
-    PLAIN,
-    LiteralWeights,
-    literal_weights,
-    projected_away,
-    stated_weights,
-    unknown_weights,
-)
-from prag_asp.models.compiler import PreparedFormula, Progress, compile_formula, prepare
-from prag_asp.models.diagram import WeightedDiagram
-from prag_asp.models.enumeration.bounded_enumeration import BoundedEnumeration
-from prag_asp.models.enumeration.effort import SECOND, first_effort, is_worth_enumerating
-from prag_asp.models.enumeration.enumeration import Enumeration
+from prag_asp.models.atom_weights import stated_weights, unknown_weights
+from prag_asp.models.compiled_program import CompiledProgram
+from prag_asp.models.compiler import Progress
+from prag_asp.models.counting_race import count_beside, count_by_enumeration
 from prag_asp.models.foundedness import list_models
 from prag_asp.models.ground_program import GroundModels, ground_models
 from prag_asp.models.program_reader import GivenProgram, places_of_costs, read_program
 from prag_asp.models.questions.conflict import Conflict, find_conflict
 from prag_asp.models.questions.facets import Facet, facets_of_diagram, facets_of_lists
 from prag_asp.models.questions.optimum import Optimum, find_optimum, only_optimal
-from prag_asp.models.shifting import is_head_cycle_free
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.constants import Constant
 from prag_asp.program.sources import Source, text_source
@@ -47,19 +35,8 @@ AnswerSet = tuple[clingo.Symbol, ...]
 
 Tell = Callable[[str], None]
 
-PATIENCE = 500
-"""Calls of `look`, each after 64 visits of nodes, before a counter starts in parallel: about 2 s of compilation."""
-
-HEAD_START = 1.0
-"""Processor seconds of a counter before compiling begins as well, for tight programs: most are counted by then."""
-
-
-class _Counted(Exception):
-    """The parallel counter finished before the compilation."""
-
-    def __init__(self, number: int) -> None:
-        super().__init__(number)
-        self.number = number
+COUNTERS = {"ganak": GANAK, "d4": D4}
+"""The engines that only count, on the clauses."""
 
 
 def answer_sets(
@@ -129,67 +106,36 @@ class AnswerSets:
     tell: Tell | None = None
     progress: Progress | None = None
 
+    @cached_property
+    def _compiled(self) -> CompiledProgram:
+        return CompiledProgram(
+            self.given, self.ground, self.project, self.stated, self.optimum, self.progress, self.note
+        )
+
     def count(self) -> int:
         """Return their exact number, regardless of weights.
 
-        With engine auto, clingo enumerates first, with limited work. If there are more answer sets, a counter and the
-        compiler of a diagram run in parallel, and the first answers: either may be faster by orders of magnitude. The
-        counter begins if the program is tight, otherwise the compiler.
+        With engine auto, clingo enumerates first, with limited work. If there are more answer sets, counters and the
+        compiler of a diagram race: any of them may be faster by orders of magnitude.
 
         Raises:
-            EngineError: the engine ganak is not installed, or fails.
+            EngineError: the engine ganak or d4 is not installed, or fails.
         """
-        if self.engine == "auto" and "_diagram" not in self.__dict__ and not self._reason_to_enumerate:
-            number = self._count_by_enumeration()
+        if self.engine == "auto" and not self._compiled.has_diagram and not self._reason_to_enumerate:
+            number = count_by_enumeration(self._compiled)
             if number is not None:
                 return number
-        how = self._way(counts=True)
-        if how == "clingo":
-            return self._enumeration.count()
-        if self.engine == "ganak":
-            stage("counting models with ganak")
-            return count_models(self._counting_formula.cnf, request="engine ganak")
-        if self.engine == "auto" and has_ganak() and "_diagram" not in self.__dict__:
-            number = self._count_beside(HEAD_START if how == "ganak" else None)
+        if self._way(counts=True) == "clingo":
+            return self._compiled.enumeration.count()
+        if self.engine in COUNTERS:
+            counter = COUNTERS[self.engine]
+            stage(f"counting models with {counter.name}")
+            return count_models(self._compiled.counting_formula.cnf, counter=counter, request=f"engine {self.engine}")
+        if self.engine == "auto" and not self._compiled.has_diagram:
+            number = count_beside(self._compiled)
             if number is not None:
                 return number
-        return WeightedDiagram(self._diagram.diagram, {}).total
-
-    def _count_beside(self, head_start: float | None) -> int | None:
-        """Return their number by a counter, or None if the diagram was compiled before.
-
-        The counter starts at once with a head start in processor seconds, or, without it, after `PATIENCE`.
-        """
-        looks = counting()
-
-        def begins() -> None:
-            if head_start is None:
-                self.note("ganak counts as well, because compiling takes long; the first answers")
-
-        def look() -> None:
-            number = beside() if head_start is not None or next(looks) >= PATIENCE else None
-            if number is not None:
-                raise _Counted(number)
-
-        with CountBeside(lambda: (self._counting_formula.cnf, ()), 0, begins) as beside:
-            if head_start is not None:
-                stage("counting models with ganak")
-                number = beside.alone(head_start)
-                if number is not None:
-                    return number
-            try:
-                self.__dict__["_diagram"] = self._compile(look)  # fills the cached_property
-            except _Counted as counted:
-                return counted.number
-        return None
-
-    def _count_by_enumeration(self) -> int | None:
-        """Return their number if clingo is likely to be the fastest engine, and enumerates all within limits."""
-        enumeration = BoundedEnumeration(self.ground, project=self.project)
-        number = enumeration.count(first_effort(self.ground))
-        if number is None and is_worth_enumerating(enumeration.depth(), self._prepared.order.width):
-            number = enumeration.count(SECOND)
-        return number
+        return self._compiled.diagram.unweighted().total
 
     def estimate(self, epsilon: float = 0.8, delta: float = 0.2, seed: int = 0) -> Estimate:
         """Return an estimate of their number, regardless of weights.
@@ -201,18 +147,18 @@ class AnswerSets:
             EngineError: ApproxMC is not installed, or fails.
         """
         tolerance = Tolerance(epsilon, delta)
-        if self._no_clauses:
-            raise QueryError(f"--approximate: {self._no_clauses}; leave it out, and clingo enumerates")
+        if self._compiled.no_clauses:
+            raise QueryError(f"--approximate: {self._compiled.no_clauses}; leave it out, and clingo enumerates")
         stage("estimating the number of models")
-        return estimate_models(self._counting_formula.cnf, tolerance, seed)
+        return estimate_models(self._compiled.counting_formula.cnf, tolerance, seed)
 
     def total(self) -> Fraction:
         """Return the exact sum of their weights; without weights, their number."""
         if not self.stated:
             return Fraction(self.count())
         if self._way() == "clingo":
-            return self._enumeration.total()
-        return self._diagram.total * self._weights.scale
+            return self._compiled.enumeration.total()
+        return self._compiled.diagram.total * self._compiled.weights.scale
 
     def sample(self, count: int, seed: int = 0) -> Iterator[AnswerSet]:
         """Yield `count` answer sets, each with a probability exactly proportional to its weight, reproducibly by seed.
@@ -221,12 +167,12 @@ class AnswerSets:
             NotFound: there is none, or all have the weight 0.
         """
         if self._way() == "clingo":
-            total = self._enumeration.total()
+            total = self._compiled.enumeration.total()
             self._require(total)
-            yield from self._enumeration.sample(seed, count, total)
+            yield from self._compiled.enumeration.sample(seed, count, total)
             return
-        self._require(self._diagram.total)
-        yield from map(self._print, islice(self._diagram.sample(seed), count))
+        self._require(self._compiled.diagram.total)
+        yield from map(self._print, islice(self._compiled.diagram.sample(seed), count))
 
     def marginals(self) -> dict[clingo.Symbol, Fraction]:
         """Return for each symbol that may be shown the exact probability, by weight, that an answer set has it.
@@ -235,14 +181,14 @@ class AnswerSets:
             NotFound: there is none, or all have the weight 0.
         """
         if self._way() == "clingo":
-            total = self._enumeration.total()
+            total = self._compiled.enumeration.total()
             self._require(total)
-            sums = self._enumeration.marginals()
+            sums = self._compiled.enumeration.marginals()
             return {symbol: sums.get(symbol, Fraction(0)) / total for symbol in self._symbols}
-        whole = self._diagram.total
+        whole = self._compiled.diagram.total
         self._require(whole)
-        weights = self._diagram.marginals() | {TRUE: whole}
-        return {symbol: Fraction(weights.get(literal, 0), whole) for symbol, literal in self._formula.printed}
+        weights = self._compiled.diagram.marginals() | {TRUE: whole}
+        return {symbol: Fraction(weights.get(literal, 0), whole) for symbol, literal in self._compiled.formula.printed}
 
     def facets(self) -> dict[clingo.Symbol, Facet]:
         """Return for each symbol that may be shown its share, whether it is a facet, and how much it narrows them.
@@ -257,24 +203,20 @@ class AnswerSets:
             found = facets_of_lists(self._symbols, self)
             self._require(any(facet.share for facet in found.values()) or self.count())
             return found
-        diagram = WeightedDiagram(self._diagram.diagram, {})
+        diagram = self._compiled.diagram.unweighted()
         self._require(diagram.total)
-        return facets_of_diagram(diagram.diagram, self._formula.printed, diagram.marginals(), diagram.total)
+        return facets_of_diagram(diagram.diagram, self._compiled.formula.printed, diagram.marginals(), diagram.total)
 
     def explain(self) -> Conflict | None:
-        """Return lines of the program that together exclude every answer set, or None if there is one.
-
-        Raises:
-            QueryError: the program is ground already.
-        """
+        """Return lines of the program that together exclude every answer set, or None if there is one."""
         return find_conflict(self.given, self.ground)
 
     def __iter__(self) -> Iterator[AnswerSet]:
         if self._way() == "clingo":
-            yield from self._enumeration
+            yield from self._compiled.enumeration
             return
         stage("searching answer sets")
-        formula = self._formula
+        formula = self._compiled.formula
         order = [literal for _, literal in formula.printed]
         if not formula.whole:
             order += formula.cnf.shown
@@ -292,7 +234,7 @@ class AnswerSets:
         return tuple([self._symbols[place] for place in sorted(shown)])
 
     def _way(self, *, counts: bool = False) -> str:
-        """Return the name of the engine that answers, and note a fallback.
+        """Return whether clingo or the diagram answers, and note a fallback.
 
         Raises:
             QueryError: the chosen engine cannot answer.
@@ -303,67 +245,19 @@ class AnswerSets:
             if self.engine != "auto":
                 raise QueryError(f"engine {self.engine}: {self._reason_to_enumerate}; choose the engine clingo")
             return "clingo"
-        if self.engine == "ganak" and not counts:
-            raise QueryError("engine ganak: it only counts; choose the engine diagram")
-        fits = counts and not self.stated and not self._formula.completion.loops and has_ganak()
-        return "ganak" if self.engine == "ganak" or (self.engine == "auto" and fits) else "diagram"
+        if self.engine in COUNTERS and not counts:
+            raise QueryError(f"engine {self.engine}: it only counts; choose the engine diagram")
+        if self.engine == "d4" and not self._compiled.formula.whole:
+            raise QueryError("engine d4: it does not project; choose the engine ganak or diagram")
+        return "diagram"
 
     @cached_property
     def _reason_to_enumerate(self) -> str:
         """The reason why there is no formula, or ""; with engine auto it is noted."""
-        reason = self._no_clauses
+        reason = self._compiled.no_clauses
         if reason and self.engine == "auto":
             self.note(f"{reason}: clingo enumerates, which takes time for each answer set")
         return reason
-
-    @cached_property
-    def _no_clauses(self) -> str:
-        """The reason why there is no formula, or ""."""
-        reason = ""
-        if self.ground.acyclic:
-            reason = "#edge wants a graph without cycles"
-        elif any(rule.is_disjunctive for rule in self.ground.rules) and not is_head_cycle_free(self.ground.rules):
-            reason = "atoms of one disjunction depend on each other"
-        elif self.ground.contested:
-            contested = sorted(symbol for symbol, atom in self.ground.names if atom in self.ground.contested)
-            first = contested[0] if contested else "an atom without a name"
-            reason = f"a rule derives {first}, which is #external and not false"
-        return reason
-
-    @cached_property
-    def _formula(self) -> ModelFormula:
-        return self._formula_of(copied=True)
-
-    @property
-    def _counting_formula(self) -> ModelFormula:
-        """The formula for a counter, without copies of atoms."""
-        return self._formula if not self._formula.completion.copies else self._formula_of(copied=False)
-
-    def _formula_of(self, *, copied: bool) -> ModelFormula:
-        return model_formula(self.ground, project=self.project, copied=copied)
-
-    @cached_property
-    def _weights(self) -> LiteralWeights:
-        if not self.stated:
-            return PLAIN
-        return literal_weights(self._formula, self.stated, self.ground, self.given.program)
-
-    @cached_property
-    def _diagram(self) -> WeightedDiagram:
-        return self._compile()
-
-    def _compile(self, look: Callable[[], None] = lambda: None) -> WeightedDiagram:
-        if self._prepared.clauses:
-            self.note(f"compiling {self._prepared.cost}")
-        stage("compiling")
-        diagram = compile_formula(self._formula, self._prepared, self.progress, look)
-        return WeightedDiagram(diagram, self._weights.weights)
-
-    @cached_property
-    def _prepared(self) -> PreparedFormula:
-        printed = {abs(literal) for _, literal in self._formula.printed}
-        stage("ordering variables")
-        return prepare(self._formula, printed | {abs(literal) for literal in self._weights.weights})
 
     @cached_property
     def _symbols(self) -> tuple[clingo.Symbol, ...]:
@@ -371,26 +265,15 @@ class AnswerSets:
             by_statement = self.project and self.ground.projected is not None
             named = (symbol for symbol, atom in self.ground.names if atom in (self.ground.projected or ()))
             return tuple(named) if by_statement else tuple(symbol for symbol, _ in self.ground.shown)
-        return tuple(symbol for symbol, _ in self._formula.printed)
+        return tuple(symbol for symbol, _ in self._compiled.formula.printed)
 
     @cached_property
     def _places(self) -> tuple[dict[Literal, list[int]], list[int]]:
         """The indices of the symbols of each literal, and those of the symbols that all answer sets have."""
         places: dict[Literal, list[int]] = {}
-        for place, (_, literal) in enumerate(self._formula.printed):
+        for place, (_, literal) in enumerate(self._compiled.formula.printed):
             places.setdefault(literal, []).append(place)
         return places, places.pop(TRUE, [])
-
-    @cached_property
-    def _enumeration(self) -> Enumeration:
-        if self.project and self.stated:
-            projection = self.ground.projection_variables
-            left = sorted(
-                symbol for symbol, atom in self.ground.names if symbol in self.stated and atom not in projection
-            )
-            if left:
-                raise projected_away(left[0], self.ground, self.given.program)
-        return Enumeration(self.given, self.ground, self.project, self.stated, self.optimum, self.progress)
 
     def note(self, line: str) -> None:
         """Pass a line to `tell`, if there is one."""

@@ -21,8 +21,8 @@ HEADER = re.compile(r"asp \d")
 LARGEST = 2**31 - 1
 """The largest number that clingo reads."""
 
-MINIMIZE, ASSUME, THEORY, COMMENT = 2, 6, 9, 10
-"""The numbers of statements that minimize, that assume literals, that state a theory, and of comments."""
+RULE, MINIMIZE, OUTPUT, ASSUME, THEORY, COMMENT = 1, 2, 4, 6, 9, 10
+"""The numbers of rules, of statements that minimize, show, assume literals or state a theory, and of comments."""
 
 
 def is_aspif(source: Source) -> bool:
@@ -64,7 +64,7 @@ def aspif_problems(source: Source, *, optimal: bool) -> Iterator[Problem]:
                 yield Problem(source.path, rest, problem)
             return
         try:
-            _Line(line).check(optimal=optimal)
+            _AspifLine(line).check(optimal=optimal)
         except _Malformed as error:
             yield Problem(source.path, number, str(error))
     yield Problem(source.path, len(lines), "the program has no end; add a last line 0")
@@ -74,7 +74,7 @@ class _Malformed(Exception):
     """A line is not a supported statement; the message says why, and what to do."""
 
 
-class _Line:
+class _AspifLine:
     """Reads the fields of one line from left to right."""
 
     def __init__(self, text: str) -> None:
@@ -85,7 +85,7 @@ class _Line:
         """Check that the line is a supported statement.
 
         Raises:
-            _Malformed: it is not.
+            _Malformed: the line is no statement, or one that is not supported.
         """
         kind = self.number("the kind of a statement")
         if kind == COMMENT:
@@ -162,23 +162,23 @@ class _Line:
             raise _Malformed("0 is no literal; write an atom, negative if it is negated")
 
 
-def _field(what: str, least: int = 0, most: int = LARGEST) -> Callable[[_Line], object]:
+def _field(what: str, least: int = 0, most: int = LARGEST) -> Callable[[_AspifLine], object]:
     return lambda line: line.number(what, least, most)
 
 
 _PRIORITY, _NODE = _field("a priority", -LARGEST), _field("a node", -LARGEST)
 
-FIELDS: Mapping[int, Sequence[Callable[[_Line], object]]] = {
-    1: (_field("the kind of a head, 0 or 1", 0, 1), _Line.atoms, _Line.body),
-    MINIMIZE: (_PRIORITY, _Line.weighted),
-    3: (_Line.atoms,),  # #project
-    4: (_Line.term, _Line.literals),  # #show
-    5: (_Line.atom, _field("the value of an external, 0 to 3", 0, 3)),
-    ASSUME: (_Line.literals,),
+FIELDS: Mapping[int, Sequence[Callable[[_AspifLine], object]]] = {
+    RULE: (_field("the kind of a head, 0 or 1", 0, 1), _AspifLine.atoms, _AspifLine.body),
+    MINIMIZE: (_PRIORITY, _AspifLine.weighted),
+    3: (_AspifLine.atoms,),  # #project
+    OUTPUT: (_AspifLine.term, _AspifLine.literals),
+    5: (_AspifLine.atom, _field("the value of an external, 0 to 3", 0, 3)),
+    ASSUME: (_AspifLine.literals,),
     7: (
-        _field("the kind of a heuristic, 0 to 5", 0, 5), _Line.atom, _field("the bias of a heuristic", -LARGEST),
-        _field("a priority that is not negative"), _Line.literals,
+        _field("the kind of a heuristic, 0 to 5", 0, 5), _AspifLine.atom, _field("the bias of a heuristic", -LARGEST),
+        _field("a priority that is not negative"), _AspifLine.literals,
     ),
-    8: (_NODE, _NODE, _Line.literals),  # #edge
+    8: (_NODE, _NODE, _AspifLine.literals),  # #edge
 }  # fmt: skip
 """The fields of each supported statement by its number."""

@@ -40,7 +40,7 @@ def stated_weights(ground: GroundModels, program: Program) -> dict[clingo.Symbol
 
     Raises:
         DomainError: a weight is not a fact, no number, negative or ambiguous, or all have a wrong arity.
-        QueryError: there is no weight.
+        QueryError: the program states no weight.
     """
     weights: dict[clingo.Symbol, Fraction] = {}
     for symbol, atom in ground.names:

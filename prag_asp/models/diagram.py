@@ -44,6 +44,10 @@ class WeightedDiagram:
     diagram: Diagram
     weights: Mapping[Literal, int]
 
+    def unweighted(self) -> WeightedDiagram:
+        """Return the same diagram without weights."""
+        return WeightedDiagram(self.diagram, {})
+
     @property
     def total(self) -> int:
         """The sum of the weights of all models; without weights, their number."""

@@ -25,19 +25,11 @@ def digest(values: object) -> str:
     return blake2b(json.dumps(values, default=str).encode(), digest_size=BYTES).hexdigest()
 
 
-def file_digest(path: Path) -> str:
-    """Return the digest of a file's content.
-
-    Raises:
-        OSError: the file cannot be read.
-    """
-    return blake2b(read_bytes(path), digest_size=BYTES).hexdigest()
-
-
 def files_digest(paths: Iterable[Path], folder: Path) -> str:
     """Return a digest of the contents of files and of their paths below a folder.
 
     Raises:
         OSError: a file cannot be read.
     """
-    return digest([(str(path.relative_to(folder)), file_digest(path)) for path in sorted(paths)])
+    contents = ((path, blake2b(read_bytes(path), digest_size=BYTES)) for path in sorted(paths))
+    return digest([(str(path.relative_to(folder)), content.hexdigest()) for path, content in contents])

@@ -50,7 +50,7 @@ class Situation:
         """Return the arm of a robot.
 
         Raises:
-            SceneError: there is none here.
+            SceneError: the situation has no robot of that name.
         """
         arm = self.arms.get(robot)
         if arm is None:

@@ -76,12 +76,6 @@ def processor_time_of(process: int) -> float:
         return inf
 
 
-def most_addresses() -> int:
-    """Return the peak size of the address space of this process in bytes, 0 if the system does not report it."""
-    sizes = (line.split()[1] for line in _lines("/proc/self/status") if line.startswith("VmPeak:"))
-    return 1024 * int(next(sizes, 0))
-
-
 def family_of(process: int) -> list[int]:
     """Return the ids of a process and of all its descendants."""
     found = [process]

@@ -52,7 +52,7 @@ class Worker:
         """Send it a message, which is pickled.
 
         Raises:
-            WorkerEnded: it is gone.
+            WorkerEnded: the worker has ended.
         """
         content = pickle.dumps(message)
         try:
@@ -65,8 +65,8 @@ class Worker:
 
         Raises:
             TimeoutError: there was none within the seconds.
-            WorkerEnded: it is gone.
-            Exception: the worker raised it.
+            WorkerEnded: the worker has ended.
+            Exception: the worker's function raised it.
         """
         try:
             if not self.connection.poll(seconds):

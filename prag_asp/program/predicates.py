@@ -40,7 +40,7 @@ class EncodingPredicate(NamedTuple):
 
 
 OCCURS, HOLDS, CHANGED = EncodingPredicate("occurs", 2), EncodingPredicate("holds", 3), EncodingPredicate("changed", 2)
-NAME, MENTIONS, IS_A = EncodingPredicate("name", 2), EncodingPredicate("mentions", 3), EncodingPredicate("is_a", 2)
+NAME, MENTIONS = EncodingPredicate("name", 2), EncodingPredicate("mentions", 3)
 EVER, IMPOSSIBLE = EncodingPredicate("ever", 1), EncodingPredicate("impossible", 2)
 """Predicates of the contract."""
 

@@ -18,7 +18,7 @@ from prag_asp.wording import unknown
 Until = Literal["subgoal", "task"]
 UNTIL: tuple[Until, ...] = get_args(Until)
 
-OPTIONS = ("task", "witness", "rank", "stage")
+OPTIONS = ("task", "witness", "rank", "stage", "steps")
 
 REAL = "biuf"
 """The kinds of NumPy's types of real numbers: no complex numbers, and no texts, which it would read as numbers."""
@@ -28,22 +28,21 @@ def check_episodes(*, until: object, reward: object, control: object, stage: obj
     """Check the options of episodes.
 
     Raises:
-        QueryError: one is wrong.
+        QueryError: an option has another value than those allowed.
     """
     for value, choices, what in ((until, UNTIL, "end"), (reward, REWARDS, "reward"), (control, CONTROLS, "control")):
         if value not in choices:
             raise QueryError(unknown(str(value), choices, what))
     if not is_whole(stage) and stage != "any":
         raise QueryError(f"stage {stage!r}: give the number of a subgoal, from 0 or, from the last one, -1; or any")
-    if not is_whole(steps) or steps < 1:
-        raise QueryError(f"an episode needs at least 1 step; got {steps!r}")
+    _check_steps(steps)
 
 
 def check_figures(*, discount: object, budget: object, render_mode: object, modes: list[str]) -> None:
     """Check a discount, a budget and a render mode.
 
     Raises:
-        QueryError: one is wrong.
+        QueryError: the discount, the budget or the render mode has a value that is not allowed.
     """
     if not isinstance(discount, Real) or isinstance(discount, bool) or not 0.0 < float(discount) <= 1.0:
         raise QueryError(f"a discount is above 0 and at most 1; got {discount!r}")
@@ -68,6 +67,8 @@ def options_of(options: object) -> Mapping[str, Any]:
             raise QueryError(unknown(str(name), OPTIONS, "option"))
     if options.get("rank") is not None and options.get("task") is not None:
         raise QueryError("a rank and a task: give one of them")
+    if options.get("steps") is not None:
+        _check_steps(options["steps"])
     return options
 
 
@@ -99,6 +100,16 @@ def steps_left_of(info: object) -> NDArray[np.float64]:
     if isinstance(info, Sequence | np.ndarray):
         return np.array([each.get("steps_left", np.inf) for each in info], dtype=np.float64)
     return np.array(np.inf)
+
+
+def _check_steps(steps: object) -> None:
+    """Check a number of steps.
+
+    Raises:
+        QueryError: it is no whole number from 1.
+    """
+    if not is_whole(steps) or steps < 1:
+        raise QueryError(f"an episode needs at least 1 step; got {steps!r}")
 
 
 def is_whole(number: object) -> TypeGuard[int | np.integer[Any]]:

@@ -22,7 +22,8 @@ from prag_asp.scene.boxes import Vector
 from prag_asp.scene.geometry import compose, wrap, yaw_of
 
 if TYPE_CHECKING:
-    from prag_asp.rl.environment import Observation, TaskEnv
+    from prag_asp.rl.environment import TaskEnv
+    from prag_asp.rl.goal_env import Observation
 
 CLOSE, CLOSE_TURN = 0.004, 0.03
 """The distance at which a waypoint counts as passed, in metres and radians."""
@@ -76,7 +77,7 @@ def _require_tool(env: TaskEnv) -> None:
     """Check that an environment takes displacements of the tool.
 
     Raises:
-        QueryError: it does not.
+        QueryError: the environment takes other actions.
     """
     if env.control != "tool":
         raise QueryError('the oracle moves the tool; make the environment with control="tool"')

@@ -173,7 +173,7 @@ def run(
             raise QueryError(f"{what} is a whole number from 1 on; got {number!r}")
     rollouts = []
     for options in _reset_options(tasks):
-        observation, _ = env.reset(seed=seed, options=options)
+        observation, _ = env.reset(seed=seed, options=options | {"steps": tries * patience})
         seed = None
         rollouts.append(_pursued(env, policies, observation, tries, patience))
     return Rollouts(tuple(rollouts))
@@ -183,7 +183,7 @@ def _reset_options(tasks: Tasks) -> Iterator[dict[str, Any]]:
     """Yield the reset options of each rollout.
 
     Raises:
-        QueryError: these are no tasks.
+        QueryError: `tasks` is neither a positive number nor tasks of a space or a dataset.
     """
     if isinstance(tasks, int) and not isinstance(tasks, bool) and tasks > 0:
         yield from ({} for _ in range(tasks))
@@ -227,10 +227,7 @@ def _pursued(
 def _attempt(
     wrapped: gymnasium.Env[Any, Any], policy: Policy, observation: Any, patience: int
 ) -> tuple[Any, bool, int]:
-    """Pursue one subgoal by a policy; return the last observation, whether the goal is reached, and the steps taken.
-
-    Truncation by the environment's own step limit is ignored here.
-    """
+    """Pursue one subgoal by a policy; return the last observation, whether the goal is reached, and the steps taken."""
     env: TaskEnv = wrapped.unwrapped  # type: ignore[assignment]
     stage, begin = env.stage, getattr(policy, "begin", None)
     if begin is not None:
@@ -249,7 +246,7 @@ def _policy(policies: Policy | Mapping[str, Policy], env: TaskEnv) -> Policy:
     """Return the policy for the current subgoal.
 
     Raises:
-        QueryError: there is none.
+        QueryError: no policy is given for the action of the subgoal.
     """
     if not isinstance(policies, Mapping):
         return policies

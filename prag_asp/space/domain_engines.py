@@ -17,6 +17,8 @@ from prag_asp.space.engines.listed_words import NoWords
 from prag_asp.space.limits import Limits
 
 if TYPE_CHECKING:
+    from prag_asp.logic.formula.approximate import Estimate, Tolerance
+    from prag_asp.space.conditions.condition import Condition
     from prag_asp.space.plans.readings import Hierarchy
     from prag_asp.space.plans.task_builder import TaskBuilder
     from prag_asp.space.reduced_count import ReducedCounter
@@ -67,6 +69,23 @@ class DomainEngines:
             reduced = self._reduced.count(by, length, prefix) if self._reduced else None
             self._counts[key] = self.engine(by, length).count(length, prefix) if reduced is None else reduced
         return self._counts[key]
+
+    def estimate(self, by: Level, length: int, prefix: Letters, tolerance: Tolerance, seed: int) -> Estimate:
+        """Return an estimate of the number of words by ApproxMC."""
+        from prag_asp.logic.formula.approximate import Estimate
+        from prag_asp.space.engines.sharp_engine import estimate_words
+
+        if length < self.fewest_actions:
+            return Estimate(0, tolerance)
+        return estimate_words(self.model, by, length, prefix, tolerance, seed, self.limits)
+
+    def under(self, condition: Condition, whole: DomainLogic | None) -> DomainEngines:
+        """Return engines of the same domain under another condition; `whole` has the renamings that define tasks."""
+        from prag_asp.space.conditions.conditioned_domain import conditioned
+
+        bare = self.model.bare or self.model
+        model = DomainLogic(conditioned(bare.domain, condition), bare, whole)
+        return DomainEngines(model, self.name, self.progress, self.limits, condition.fewest_actions)
 
     @cached_property
     def _reduced(self) -> ReducedCounter | None:

@@ -146,13 +146,8 @@ class TaskSpace:
 
     def _restrict_engines(self, engines: DomainEngines) -> None:
         """Create the engines of the condition, from engines of this domain under other conditions."""
-        from prag_asp.space.conditions.conditioned_domain import conditioned
-
         condition = self.condition.up_to(max(self.lengths))
-        whole = self._part_of.engines.model if self._part_of else None
-        model = DomainLogic(conditioned(self.domain, condition), engines.model.bare or engines.model, whole)
-        fewest = self.condition.fewest_actions
-        self.engines = DomainEngines(model, engines.name, engines.progress, engines.limits, fewest)
+        self.engines = engines.under(condition, self._part_of.engines.model if self._part_of else None)
         self._longest = None if condition == self.condition else max(self.lengths)
 
     def part(self, condition: str | Condition) -> TaskSpace:
@@ -200,14 +195,11 @@ class TaskSpace:
             EngineError: ApproxMC is not installed or fails, or the program cannot be translated to clauses.
             LimitReached: the time limit is reached.
         """
-        from prag_asp.logic.formula.approximate import Estimate, Tolerance
-        from prag_asp.space.engines.sharp_engine import estimate_words
+        from prag_asp.logic.formula.approximate import Tolerance
 
-        tolerance, engines, length = Tolerance(epsilon, delta), self.engines, self.length
+        tolerance, length = Tolerance(epsilon, delta), self.length
         ((_, first),) = self._prefixes(by, prefix)
-        if length < engines.fewest_actions:
-            return Estimate(0, tolerance)
-        return estimate_words(engines.model, by, length, first, tolerance, seed, engines.limits)
+        return self.engines.estimate(by, length, first, tolerance, seed)
 
     def enumerate(self, by: Level = "task", prefix: Prefix = ()) -> Iterator[tuple[str, ...]]:
         """Yield plans and tasks as texts of actions, skeletons as names, length by length in rank order, lazily.
@@ -386,14 +378,11 @@ class TaskSpace:
         Raises:
             QueryError: the shares do not add up to 1.
         """
-        from prag_asp.space.parts.ranked_tasks import RankedTasks, RankRange, ShuffledRanks
-        from prag_asp.space.parts.shares import divided, parse_shares
-        from prag_asp.space.parts.shuffle import Shuffle
+        from prag_asp.space.parts.ranked_tasks import RankedTasks, divided_ranks
 
         self.length  # noqa: B018  ranks are those of one length
-        order = Shuffle(self.count(), seed)
-        parts = divided(order.size, parse_shares(shares))
-        return {name: RankedTasks(ShuffledRanks(order, RankRange(places)), self) for name, places in parts.items()}
+        parts = divided_ranks(self.count(), shares, seed)
+        return {name: RankedTasks(ranks, self) for name, ranks in parts.items()}
 
     def split_skeletons(self, shares: Mapping[str, Number | float], *, seed: int = 0) -> dict[str, TaskSpace]:
         """Return disjoint random parts that share no skeleton, each a task space of this length.

@@ -17,7 +17,6 @@ from prag_asp.errors import QueryError
 from prag_asp.tables.report import Keys, TableEntry, TableProblem, shown
 
 Kind = TypeVar("Kind")
-Option = TypeVar("Option", bound=str)
 
 Number = Annotated[float, msgspec.Meta(ge=-sys.float_info.max, le=sys.float_info.max)]
 """A finite number."""
@@ -118,18 +117,6 @@ def require_complete(data: Any, written: object, name: str) -> None:
             require_complete(data[i], value, f"{name}[{i}]")
     elif isinstance(written, float) and not math.isfinite(written):
         raise QueryError(f"{name}: needs {WORDS['float']}; got {shown(data)}")
-
-
-def one_of(options: Sequence[Option], value: str, name: str) -> Option:
-    """Return the option that equals a value.
-
-    Raises:
-        QueryError: there is none; the message begins with the path `name`.
-    """
-    for option in options:
-        if value == option:
-            return option
-    raise QueryError(f"{name}: needs one of {', '.join(options)}; got {shown(value)}")
 
 
 def _needed(what: str) -> str:

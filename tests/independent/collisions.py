@@ -42,7 +42,7 @@ def _in_table(layout: Layout, name: str) -> bool:
     """Tell whether a body over the table is lower than its top; its foot is taken to be all below its centre."""
     centre, half = layout.world.table
     over = (np.abs(layout.poses[name].at[:2] - centre) <= half).all()
-    return bool(over and layout.span(name)[0][2] < -DEEPEST)
+    return bool(over and layout.body(name).lows[:, 2].min() < -DEEPEST)
 
 
 class Arm:

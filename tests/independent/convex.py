@@ -1,4 +1,4 @@
-"""How deep convex primitives are in each other, by directions that separate them.
+"""How deep convex bodies, primitives or hulls, are in each other, by directions that separate them.
 
 Two convex bodies overlap by no more than d if along some direction their shadows do (the theorem of separating
 axes). Whatever direction is tried gives an upper bound, so a few too many are tried.
@@ -13,17 +13,22 @@ from typing import NamedTuple
 import numpy as np
 
 from tests.independent.frames import Array, Frame
+from tests.independent.hulls import Hull
 
 RING = np.linspace(0, 2 * np.pi, 180, endpoint=False)
 HALVINGS = 12
 
 
 class Part(NamedTuple):
-    """A primitive: box, cylinder or sphere, half the sides of its bounding box, its place in its body."""
+    """A primitive: box, cylinder or sphere, half the sides of its bounding box, its place in its body.
+
+    A `hull` in place of these is about the middle of that box.
+    """
 
     kind: str
     half: Array
     at: Array
+    hull: Hull | None = None
 
 
 def volume(part: Part) -> float:
@@ -39,9 +44,9 @@ def depth(one: Part, at: Frame, two: Part, there: Frame, enough: float) -> float
         return -float("inf")
 
     def shadows(tried: Array) -> Array:
-        return np.asarray(reach(one, at.turn, tried) + reach(two, there.turn, tried) - tried @ gap)
+        return np.asarray(reach(one, at.turn, tried) + reach(two, there.turn, -tried) - tried @ gap)
 
-    faces = np.concatenate([at.turn.T, there.turn.T])
+    faces = np.concatenate([_normals(one, at.turn), _normals(two, there.turn)])
     best = float(np.minimum(shadows(faces), shadows(-faces)).min())
     if best <= enough:
         return best
@@ -63,9 +68,16 @@ def depth(one: Part, at: Frame, two: Part, there: Frame, enough: float) -> float
     return best
 
 
+def _normals(part: Part, turn: Array) -> Array:
+    """Return the normals of the faces of a turned body, of a primitive its axes."""
+    return turn.T if part.hull is None else np.asarray(part.hull.normals @ turn.T)
+
+
 def reach(part: Part, turn: Array, directions: Array) -> Array:
-    """Return how far a turned primitive reaches from its centre along unit directions, shape (n,)."""
+    """Return how far a turned body reaches from its centre along unit directions, shape (n,)."""
     local = directions @ turn
+    if part.hull is not None:
+        return np.asarray((local @ part.hull.corners.T).max(axis=1))
     if part.kind == "sphere":
         return np.full(len(directions), part.half[0])
     if part.kind == "cylinder":
@@ -94,7 +106,10 @@ def _directions(one: Part, turn: Array, two: Part, other: Array, gap: Array) -> 
 
 
 def _nearest(part: Part, point: Array) -> Array:
-    """Return the point of a primitive that is nearest to one in its own axes."""
+    """Return the point of a body that is nearest to one in its own axes, of a hull of those spread over it."""
+    if part.hull is not None:
+        inside = part.hull.within(point[None])[0] > 0.0
+        return point if inside else part.hull.points[np.linalg.norm(part.hull.points - point, axis=1).argmin()]
     if part.kind == "box":
         return np.clip(point, -part.half, part.half)
     if part.kind == "sphere":
@@ -104,8 +119,13 @@ def _nearest(part: Part, point: Array) -> Array:
 
 
 def clearance(part: Part, at: Frame, points: Array) -> Array:
-    """Return the distances of points, shape (n, 3), to the surface of a primitive: negative within it."""
+    """Return the distances of points, shape (n, 3), to the surface of a body: negative within it.
+
+    Outside of a hull it is that to the plane of the face that is farthest, which is no more.
+    """
     local = (points - at.at) @ at.turn - part.at
+    if part.hull is not None:
+        return -part.hull.within(local)
     if part.kind == "sphere":
         return np.asarray(np.linalg.norm(local, axis=1) - part.half[0])
     if part.kind == "cylinder":
@@ -138,7 +158,9 @@ def _to_edges(point: Array, outline: Array) -> float:
 
 
 def surface(part: Part, spacing: float) -> Array:
-    """Return points on a primitive from its own middle, shape (n, 3): edges of a box, rims and sides of a cylinder."""
+    """Return points on a body from its own middle, shape (n, 3): edges of a box, rims and sides of a cylinder."""
+    if part.hull is not None:
+        return part.hull.points
     return _surface(part.kind, tuple(part.half.tolist()), spacing)
 
 

@@ -1,12 +1,14 @@
-"""Whether two pads hold a body of boxes, judged by points on its surface; no geometry of the package is used."""
+"""Whether two pads hold a body, judged by lines between them or points on it; no geometry of the package is used."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 
+from tests.independent.convex import Part, depth
 from tests.independent.frames import Array, Frame
 
 STEP = 0.0015
@@ -23,6 +25,114 @@ SLANT = 0.5
 
 FINGER = ((-0.0088, 0.0088), (0.0, 0.0142), (-0.0086, 0.009))
 """The ends of a closed finger's pad along x, y and z of the tool, in metres."""
+
+RUBBER = 1.4
+"""The coefficient of friction of a pad, times that of the body."""
+
+LINES = 45
+"""Lines between the pads along either side: every 0.4 mm."""
+
+GIVES = 0.001
+"""Metres of rubber that give way: what is so near to the outermost is touched as well."""
+
+YIELDS = 0.0027
+"""Metres by which a finger may be in what it holds: 2 mm of the definition, and how exact depths of hulls are."""
+
+BALL, LINED = 24, 1e-9
+"""Rings of a ball, and the cosine from which a line is parallel to a face."""
+
+
+class Grip(NamedTuple):
+    """What is between two pads: its ends along y of the tool in metres, and what each pad touches of it.
+
+    Of that there are the mean angle to the pad in radians, the centre along x and z in metres, and the mean square of
+    the distances from the centre.
+    """
+
+    low: float
+    high: float
+    angles: tuple[float, float]
+    centres: tuple[Array, Array]
+    spreads: tuple[float, float]
+
+    @property
+    def width(self) -> float:
+        return self.high - self.low
+
+
+def grip(parts: Sequence[tuple[Part, Frame]], tool: Frame, opening: float) -> Grip | None:
+    """Return what pads meet of convex parts when they close, None where there is nothing between them."""
+    across = np.linspace(-PAD / 2, PAD / 2, LINES)
+    x, z = (each.ravel() for each in np.meshgrid(across, across + AHEAD - PAD / 2))
+    begins = np.column_stack([x, np.zeros_like(x), z]) @ tool.turn.T + tool.at
+    ends = [_through(part, place, begins, tool.turn[:, 1], opening / 2) for part, place in parts]
+    lows, highs = (np.array([each[k] for each in ends]) for k in (0, 1))
+    met = lows < highs
+    if not met.any():
+        return None
+    sides = []
+    for outward, places, normals in ((-1.0, -lows, 2), (1.0, highs, 3)):
+        values = np.where(met, places, -np.inf)
+        outermost = values.argmax(axis=0)
+        farthest = values.max(axis=0)
+        touched = farthest > values.max() - GIVES
+        slopes = np.array([each[normals] for each in ends])[outermost, np.arange(len(x))] * outward
+        touched &= slopes > 0.0
+        flat = np.column_stack([x, z])[touched]
+        centre = flat.mean(axis=0) if len(flat) else np.zeros(2)
+        slope = float(slopes[touched].mean()) if len(flat) else 0.0
+        spread = float(((flat - centre) ** 2).sum(axis=1).mean()) if len(flat) else 0.0
+        sides.append((outward * float(values.max()), float(np.arccos(min(1.0, slope))), centre, spread))
+    (low, one, here, near), (high, two, there, far) = sides
+    return Grip(low, high, (one, two), (here, there), (near, far))
+
+
+def _through(part: Part, place: Frame, begins: Array, way: Array, most: float) -> tuple[Array, Array, Array, Array]:
+    """Return where lines enter and leave a convex part, and its normals there along the lines; cut off at the pads."""
+    local, along = (begins - place.at) @ place.turn - part.at, way @ place.turn
+    normals, offsets = _faces(part)
+    toward, left = normals @ along, offsets - local @ normals.T
+    parallel = np.abs(toward) < LINED
+    with np.errstate(divide="ignore", invalid="ignore"):
+        cut = left / toward
+    leaves, enters = np.where(toward > LINED, cut, np.inf), np.where(toward < -LINED, cut, -np.inf)
+    outside = (left[:, parallel] < 0.0).any(axis=1)
+    exits, entries = leaves.argmin(axis=1), enters.argmax(axis=1)
+    low, high = np.maximum(enters.max(axis=1), -most), np.minimum(leaves.min(axis=1), most)
+    high = np.where(outside, low - 1.0, high)
+    return low, high, toward[entries], toward[exits]
+
+
+def _faces(part: Part) -> tuple[Array, Array]:
+    """Return the normals of the faces of a part, and their distances from its middle; round ones have many faces."""
+    if part.hull is not None:
+        return part.hull.normals, part.hull.offsets
+    angles = np.linspace(0, 2 * np.pi, 96, endpoint=False)
+    ring = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])
+    if part.kind == "sphere":
+        heights = np.linspace(-np.pi / 2, np.pi / 2, BALL)
+        normals = np.concatenate([ring * np.cos(height) + [0, 0, np.sin(height)] for height in heights])
+        return normals, np.full(len(normals), part.half[0])
+    if part.kind == "cylinder":
+        normals = np.concatenate([ring, [[0, 0, 1], [0, 0, -1]]])
+        return normals, np.array([part.half[0]] * len(ring) + [part.half[2]] * 2)
+    return np.concatenate([np.eye(3), -np.eye(3)]), np.concatenate([part.half, part.half])
+
+
+def in_fingers(parts: Sequence[tuple[Part, Frame]], tool: Frame, width: float) -> bool:
+    """Tell whether a finger is in a body that it holds, by more than rubber gives way."""
+    low, high = (np.array(ends) for ends in zip(*FINGER, strict=True))
+    for side in (1.0, -1.0):
+        middle = (low + high) / 2 * [1.0, side, 1.0] + [0.0, side * width / 2, 0.0]
+        pad = Part("box", (high - low) / 2, middle)
+        if any(depth(pad, tool, part, place, YIELDS) > YIELDS for part, place in parts):
+            return True
+    return False
+
+
+def borne(found: Grip, friction: float, force: float) -> float:
+    """Return the torque in newton metres that the friction of both pads bears: 2 mu F r, of the smaller contact."""
+    return 2 * RUBBER * friction * force * min(found.spreads) ** 0.5
 
 
 def points_on(boxes: Sequence[tuple[Array, Frame]]) -> tuple[Array, Array]:

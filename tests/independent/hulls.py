@@ -28,7 +28,7 @@ would else make slivers of faces."""
 class Hull(NamedTuple):
     """A convex solid: unit normals of its faces (m, 3), their distances from the origin (m,), points on it (n, 3).
 
-    All of it lies within a ball.
+    All of it lies within a ball. `corners`, shape (k, 3), are those of its faces.
     """
 
     normals: Array
@@ -36,6 +36,7 @@ class Hull(NamedTuple):
     points: Array
     middle: Array
     radius: float
+    corners: Array
 
     def within(self, points: Array) -> Array:
         """Return by how many metres points, shape (k, 3), lie within the hull; negative outside."""
@@ -53,7 +54,7 @@ def hull_of(corners: Array, spacing: float) -> Hull:
     middle = (used.min(axis=0) + used.max(axis=0)) / 2
     radius = float(np.linalg.norm(used - middle, axis=1).max())
     points = _spread(used, triangles, spacing)
-    return Hull(normals, (normals * triangles[:, 0]).sum(axis=1), points, middle, radius)
+    return Hull(normals, (normals * triangles[:, 0]).sum(axis=1), points, middle, radius, used)
 
 
 def _faces(corners: Array) -> Whole:

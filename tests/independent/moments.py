@@ -10,9 +10,10 @@ import numpy as np
 
 from tests.independent.collisions import Arm, arm, overlapping
 from tests.independent.frames import Frame, frame, sound
-from tests.independent.relations import Seen, holds
-from tests.independent.statics import falling
-from tests.independent.tolerances import HANDLE, MOVED, ROUNDING, TURNED
+from tests.independent.grips import RUBBER, borne, in_fingers
+from tests.independent.relations import Seen, grip_of, holds
+from tests.independent.statics import falling, rests
+from tests.independent.tolerances import GRIP_FORCE, HANDLE, MOVED, ROUNDING, STRAINED, TURNED
 from tests.independent.world import Layout, World
 
 
@@ -124,6 +125,29 @@ def state_problems(moment: Moment, before: Moment | None) -> Iterator[str]:
                 yield f"{hand.held} is not where the gripper holds it"
             if not holds(seen, "holding", (robot, hand.held), True):
                 yield f"the gripper does not grip {hand.held}"
+            elif hand.held in world.models:
+                yield from _strain(moment, robot, hand.held)
+
+
+def _strain(moment: Moment, robot: str, held: str) -> Iterator[str]:
+    """Yield that a finger is in what is held, or that it slips or turns between the pads where it is in the air."""
+    layout, world = moment.layout, moment.world
+    found = grip_of(moment.seen(), robot, held)
+    parts = [(solid.part, solid.place) for solid in layout.body(held).solids]
+    if in_fingers(parts, moment.tool(robot), moment.hands[robot].width):
+        yield f"a finger is in {held}"
+    if found is None or rests(layout, held):
+        return
+    bears = 2 * RUBBER * world.frictions[held] * GRIP_FORCE
+    if 9.81 * world.masses[held] > STRAINED * bears:
+        yield f"{held} slips out of the gripper"
+    tool = moment.tool(robot)
+    x, z = np.mean(found.centres, axis=0)
+    lever = tool.turn @ np.array([x, 0.0, z]) + tool.at - layout.centre(held)
+    lever -= (lever @ tool.turn[:, 1]) * tool.turn[:, 1]
+    torque = 9.81 * world.masses[held] * float(np.hypot(lever[0], lever[1]))
+    if torque > STRAINED * borne(found, world.frictions[held], GRIP_FORCE):
+        yield f"{held} turns between the pads"
 
 
 def _unmoved(one: Layout, two: Layout) -> bool:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tests.independent.collisions import overlapping
-from tests.independent.frames import Frame
+from tests.independent.frames import Frame, moved
 from tests.independent.moments import Hand, Moment, arm_problems, at_handle, same
 from tests.independent.relations import holds
 from tests.independent.statics import riders
@@ -138,17 +138,22 @@ def _handle(now: Moment, reached: Moment, robot: str, waypoint: Waypoint) -> Ite
 
 
 def _order(last: str, here: Frame, waypoint: Waypoint, there: Frame) -> Iterator[str]:
-    """Yield that a gripper does not come straight down to where it acts, or straight up from there.
+    """Yield that a gripper does not come straight to where it acts, or straight from there: vertically or as it points.
 
     Whether it is down in the first state is not known: no waypoint has led there.
     """
     name, stays = waypoint["name"], same(here, there)
-    if name == "at" and not stays and (last != "approach" or not same(here, there.raised(ABOVE))):
+    if name == "at" and not stays and (last != "approach" or not _straight_off(here, there)):
         yield "it does not come from straight above"
-    if name in ("lift", "retreat") and not same(there, here.raised(ABOVE)):
+    if name in ("lift", "retreat") and not _straight_off(there, here):
         yield "it does not leave straight up"
     if last == "at" and not stays and name not in ("lift", "retreat", "pull", TRANSIT):
         yield "it leaves to the side"
+
+
+def _straight_off(off: Frame, low: Frame) -> bool:
+    """Tell whether one place of a tool is straight above another, or as far back along its fingers."""
+    return same(off, low.raised(ABOVE)) or same(off, low @ moved(0.0, 0.0, -ABOVE))
 
 
 def _steps(now: Moment, waypoint: Waypoint) -> Iterator[Moment]:
@@ -166,7 +171,9 @@ def _stride(now: Moment, waypoint: Waypoint) -> Iterator[str]:
     far = float(np.abs(np.subtract(waypoint["joints"], now.hands[robot].joints)).max())
     here, there = now.tool(robot), now.world.robots[robot].tool(tuple(waypoint["joints"]))
     up = abs(float(there.at[2] - here.at[2]))
-    straight = np.abs(there.at - here.at)[:2].max() <= 10 * MOVED and up <= RUNG
+    way = there.at - here.at
+    aslant = np.linalg.norm(way - (way @ here.turn[:, 2]) * here.turn[:, 2]) <= 10 * MOVED
+    straight = (np.abs(way)[:2].max() <= 10 * MOVED and up <= RUNG) or (aslant and np.linalg.norm(way) <= RUNG)
     if far > STRIDE and not straight:
         yield f"the way leaps by {far:.2f} rad"
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from tests.independent.convex import outlines_apart, reach
 from tests.independent.frames import Array, Frame
+from tests.independent.grips import RUBBER, Grip, grip
 from tests.independent.tolerances import SLACK, TILT
 from tests.independent.world import Layout, World
 
@@ -40,14 +41,20 @@ class Seen:
         return np.asarray(pose.turn.T @ (at - pose.at))
 
     def wide(self, name: str, direction: Array) -> float:
-        """Return half the width of a body along a direction of length one, of furniture that of the box around it."""
+        """Return half the width of a body along a direction of length one, of furniture that of the box around it.
+
+        Of a body from a file it is that of its own box.
+        """
         if name in self.world.furniture:
             low, high = self.layout.span(name)
             return float(np.abs(direction) @ (high - low)) / 2
+        if name in self.world.models:
+            return float(np.abs(direction @ self.layout.pose(name).turn) @ self.world.halves[name])
         low, high = np.inf, -np.inf
         for solid in self.layout.body(name).solids:
-            middle, half = solid.middle @ direction, reach(solid.part, solid.place.turn, direction[None])[0]
-            low, high = min(low, middle - half), max(high, middle + half)
+            middle = solid.middle @ direction
+            ends = reach(solid.part, solid.place.turn, np.array([-direction, direction]))
+            low, high = min(low, middle - ends[0]), max(high, middle + ends[1])
         return float(high - low) / 2
 
 
@@ -186,12 +193,19 @@ def _within(seen: Seen, arguments: Sequence[str], highest: float | None) -> Iter
     yield height - (rim - floor + 0.2 if highest is None else highest)
     local = frame.inverse() @ seen.layout.poses[name]
     for axis, (low, high) in ((0, x), (1, y)):
-        half = max(
-            reach(solid.part, local.turn, np.eye(3)[axis : axis + 1])[0] + abs((local.turn @ solid.part.at)[axis])
-            for solid in seen.layout.body(name).solids
-        )
+        half = _half_along(seen, name, local.turn, axis)
         yield low - (local.at[axis] - half)
         yield local.at[axis] + half - high
+
+
+def _half_along(seen: Seen, name: str, turn: Array, axis: int) -> float:
+    """Return half the width of a turned body along an axis, of a body from a file that of its own box."""
+    if name in seen.world.models:
+        return float(np.abs(turn[axis]) @ seen.world.halves[name])
+    return max(
+        reach(solid.part, turn, np.eye(3)[axis : axis + 1])[0] + abs((turn @ solid.part.at)[axis])
+        for solid in seen.layout.body(name).solids
+    )
 
 
 def _inside(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
@@ -211,8 +225,14 @@ def _located(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
     at = seen.layout.poses[name].at
     yield from np.abs(seen.local(place, at)[:2]) - seen.layout.flat(place)
     for other in seen.layout.poses:
-        if other != name and seen.world.kinds[other] in HOLLOW:
+        if other != name and _is_hollow(seen, other):
             yield from _beyond(seen, other, at)
+
+
+def _is_hollow(seen: Seen, name: str) -> bool:
+    if name in seen.world.models:
+        return bool(seen.world.models[name].cavity[1].any())
+    return seen.world.kinds[name] in HOLLOW
 
 
 def _beyond(seen: Seen, container: str, at: Array) -> Iterator[float]:
@@ -244,6 +264,9 @@ def _at(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
 def _holding(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
     """At the body, a box anywhere but 1 cm from its ends; open as wide as the body is between the pads, +- 2 mm."""
     robot, name = arguments
+    if name in seen.world.models:
+        yield from _gripped(seen, robot, name)
+        return
     if seen.world.kinds[name] == "box":
         yield from _height(seen, arguments)
         local = np.abs(seen.local(name, seen.tools[robot].at)[:2])
@@ -258,6 +281,23 @@ def _holding(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
         strips = 2 * seen.world.halves[name] + PAD * np.sqrt(1 - np.minimum(along, 1.0) ** 2)
         wide = min(wide, float((strips / np.maximum(along, 1e-9)).min()))
     yield abs(seen.widths[robot] - wide) - 0.002
+
+
+def _gripped(seen: Seen, robot: str, name: str) -> Iterator[float]:
+    """Both pads on opposite sides, as wide open as these are apart, their normals within the cone of friction."""
+    grip = grip_of(seen, robot, name)
+    if grip is None:
+        yield 0.02
+        return
+    yield abs(seen.widths[robot] - grip.width) - 0.002
+    yield abs(grip.high + grip.low) / 2 - 0.002
+    yield from (angle - np.arctan(RUBBER * seen.world.frictions[name]) for angle in grip.angles)
+
+
+def grip_of(seen: Seen, robot: str, name: str) -> Grip | None:
+    """Return what the pads of a gripper meet of a body, None where nothing is between them."""
+    body, opening = seen.layout.body(name), seen.world.robots[robot].robot.opening
+    return grip([(solid.part, solid.place) for solid in body.solids], seen.tools[robot], opening)
 
 
 def _gripper_open(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:

@@ -11,8 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tests.independent.convex import surface
 from tests.independent.frames import Array
-from tests.independent.tolerances import BALANCED, CONTACT, UPRIGHT
+from tests.independent.tolerances import BALANCED, CONTACT, SAME, UPRIGHT
 from tests.independent.world import Layout, Solid
 
 SIDES = 48
@@ -48,7 +49,7 @@ def _unbalanced(layout: Layout, loose: list[str], touching: list[Contact]) -> st
     forces = np.zeros((3 * len(loose), len(touching)))
     weights = np.zeros(3 * len(loose))
     for name, row in rows.items():
-        x, y, _ = layout.poses[name].at
+        x, y, _ = layout.centre(name)
         weights[row : row + 3] = layout.world.masses[name] * np.array([1.0, 10 * x, 10 * y])
     for column, contact in enumerate(touching):
         lever = np.array([1.0, 10 * contact.corner[0], 10 * contact.corner[1]])
@@ -94,11 +95,44 @@ def _contacts(layout: Layout, name: str) -> Iterator[Contact]:
     for other in layout.poses:
         if other == name or layout.gap(name, other) > CONTACT:
             continue
+        if other in layout.world.models:
+            below = _foot(layout, name) if below is None else below
+            yield from (Contact(name, other, False, corner) for corner in _on_model(layout, other, low, below))
+            continue
         for solid in layout.body(other).solids:
             if solid.part.kind != "sphere" and abs(low - solid.middle[2] - solid.part.half[2]) <= CONTACT:
                 below = _foot(layout, name) if below is None else below
                 for corner in _common(below, _outline(solid)):
                     yield Contact(name, other, solid.moving, corner)
+
+
+def _on_model(layout: Layout, name: str, height: float, foot: Array) -> Iterator[Array]:
+    """Yield the corners of what a foot at a height shares with the highest points of a body, or with its cavity."""
+    points = np.concatenate([corners(solid) for solid in layout.body(name).solids])
+    top = points[:, 2].max()
+    if abs(height - top) <= CONTACT:
+        yield from _common(foot, _around(points[points[:, 2] >= top - SAME][:, :2]))
+    if layout.world.models[name].cavity[1].any():
+        frame, ((_, x), (_, y), (floor, _)) = layout.room(name)
+        if abs(height - frame.at[2] - floor) <= CONTACT:
+            yield from _common(foot, _rectangle(frame.at[:2], np.array([x, y]), frame.turn[:2, :2]))
+
+
+def corners(solid: Solid) -> Array:
+    """Return the corners of a body where it is, those of a round one spread over its rims."""
+    part, place = solid.part, solid.place
+    if part.hull is not None:
+        local = part.hull.corners
+    elif part.kind == "box":
+        local = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * part.half
+    else:
+        local = surface(part, 0.002)
+    return np.asarray((local + part.at) @ place.turn.T + place.at)
+
+
+def rests(layout: Layout, name: str) -> bool:
+    """Tell whether a body stands on anything, wherever its centre of mass is."""
+    return next(_contacts(layout, name), None) is not None
 
 
 def riders(layout: Layout, carrier: str) -> set[str]:
@@ -119,6 +153,9 @@ def riders(layout: Layout, carrier: str) -> set[str]:
 
 def _foot(layout: Layout, name: str) -> Array:
     """Return the corners of what a body stands on with, counter-clockwise, shape (n, 2)."""
+    if name in layout.world.models:
+        points = np.concatenate([corners(solid) for solid in layout.body(name).solids])
+        return _around(points[points[:, 2] <= points[:, 2].min() + SAME][:, :2])
     lowest = min(layout.body(name).solids, key=lambda solid: solid.middle[2] - solid.part.half[2])
     return _outline(lowest)
 
@@ -132,6 +169,26 @@ def _outline(solid: Solid) -> Array:
         angles = np.linspace(0, 2 * np.pi, SIDES, endpoint=False)
         return np.asarray(at + half[0] * np.column_stack([np.cos(angles), np.sin(angles)]))
     return _rectangle(at, half[:2], solid.place.turn[:2, :2])
+
+
+def _around(points: Array) -> Array:
+    """Return the corners of the convex outline of points in a plane, counter-clockwise (Andrew 1979)."""
+    ordered = [tuple(point) for point in np.unique(points.round(7), axis=0).tolist()]
+    if len(ordered) < 3:
+        return np.array(ordered)
+    chains: list[list[tuple[float, ...]]] = []
+    for row in (ordered, ordered[::-1]):
+        chain: list[tuple[float, ...]] = []
+        for point in row:
+            while len(chain) > 1 and _turns_right(*chain[-2:], point):
+                chain.pop()
+            chain.append(point)
+        chains.append(chain[:-1])
+    return np.array([*chains[0], *chains[1]])
+
+
+def _turns_right(one: tuple[float, ...], two: tuple[float, ...], three: tuple[float, ...]) -> bool:
+    return (two[0] - one[0]) * (three[1] - one[1]) - (two[1] - one[1]) * (three[0] - one[0]) <= 0.0
 
 
 def _rectangle(centre: Array, half: Array, turn: Array) -> Array:

@@ -21,11 +21,19 @@ SLACK = 1e-6
 CONTACT = 0.002
 """Metres between surfaces that touch: the product takes a body so far from a surface to stand on it."""
 
+SAME = 0.002
+"""Metres over its lowest point up to which a body from a file is taken to stand on what it has there."""
+
 UPRIGHT = 1e-3
 """By how much the vertical part of a standing body's axis may be less than 1, which is a lean of 2.6 degrees."""
 
 BALANCED = 1e-5
 """What share of the heaviest body's weight may be left over where forces balance: 10 micrometres of its lever."""
+
+GRIP_FORCE, STRAINED = 12.0, 1.08
+"""Newtons with which a finger presses, and how many times what friction bears a torque may be: 5 % of the definition,
+and the spread of what lines between the pads see of a contact.
+"""
 
 HANDLE = 1e-3
 """Metres and radians by which the gripper may be off the handle that it pulls, and turn on it: the rubber gives way."""

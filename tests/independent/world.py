@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from itertools import chain
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from prag_asp.scene.predicate_names import PREDICATE_ROLES
+from prag_asp.scene.read.mesh import mesh_parts
 from prag_asp.scene.scene import Scene
-from tests.independent.convex import Part, volume
-from tests.independent.frames import Array, Frame, moved, standing
+from tests.independent.convex import Part, reach, volume
+from tests.independent.frames import Array, Frame, moved, standing, turned
 from tests.independent.furniture import MADE, Corners, Furniture
+from tests.independent.hulls import hull_of
 from tests.independent.robots import ROBOTS, Mounted
+from tests.independent.tolerances import SPACING
 
 FLAT = ("robot", "table", "zone")
 KINDS = ("box", "cylinder", "sphere", "container", *MADE)
@@ -24,7 +28,7 @@ class World:
     """The bodies, the robots and the words of a scene.
 
     `parts` are those of each body that stand still on it, of furniture those without its door; `places` is where
-    zones and fixed bodies are.
+    zones and fixed bodies are. `models` are the bodies from files, with their convex parts as the scene has them.
     """
 
     kinds: Mapping[str, str]
@@ -39,6 +43,8 @@ class World:
     meanings: Mapping[str, str]
     rotations: Mapping[str, float]
     viewer: bool
+    models: Mapping[str, Model] = field(default_factory=dict)
+    frictions: Mapping[str, float] = field(default_factory=dict)
 
     def meaning(self, name: str) -> str | None:
         """Return the spatial predicate that a fluent's name means, None where it means none."""
@@ -46,8 +52,19 @@ class World:
         return meaning if meaning in PREDICATE_ROLES else None
 
 
+@dataclass(frozen=True)
+class Model:
+    """What a scene says of a body from a file, in its own frame: the centre of mass, and the cavity.
+
+    The cavity is the middle of its floor, its sides and its depth; there is none where these are 0.
+    """
+
+    centre: Array
+    cavity: tuple[Array, Array]
+
+
 class Solid(NamedTuple):
-    """A primitive where it is; whose it is, whether it moves on a joint and is part of a handle."""
+    """A convex body where it is; whose it is, whether it moves on a joint and is part of a handle."""
 
     name: str
     part: Part
@@ -84,10 +101,15 @@ class Layout:
         if known is not None and known.pose is pose and known.opening == opening:
             return known
         solids = tuple(self._solids(name))
-        halves = np.array([_box(solid.part, solid.place.turn) for solid in solids])
         middles = np.array([solid.middle for solid in solids])
-        lows, highs = middles - halves, middles + halves
-        body = self.known[name] = Body(pose, opening, solids, lows, highs, lows.min(axis=0), highs.max(axis=0))
+        ends = np.array([_box(solid.part, solid.place.turn) for solid in solids])
+        lows, highs = middles + ends[:, 0], middles + ends[:, 1]
+        low, high = lows.min(axis=0), highs.max(axis=0)
+        if name in self.world.models:
+            # What is said of such a body means the box around its own box.
+            half = np.abs(pose.turn) @ self.world.halves[name]
+            low, high = pose.at - half, pose.at + half
+        body = self.known[name] = Body(pose, opening, solids, lows, highs, low, high)
         return body
 
     def _solids(self, name: str) -> Iterator[Solid]:
@@ -99,6 +121,11 @@ class Layout:
             for k, box in enumerate(furniture.moving):
                 part = _boxed(box)
                 yield Solid(name, part, place, place.turn @ part.at + place.at, True, k >= last)
+
+    def centre(self, name: str) -> Array:
+        """Return the centre of mass of a body."""
+        pose, model = self.poses[name], self.world.models.get(name)
+        return pose.at if model is None else np.asarray(pose.turn @ model.centre + pose.at)
 
     def joint(self, name: str) -> Frame:
         """Return the frame of the joint of furniture."""
@@ -131,6 +158,10 @@ class Layout:
         furniture = self.world.furniture.get(name)
         if furniture is not None:
             return (self.joint(name) if furniture.slides else self.poses[name]), furniture.room
+        if name in self.world.models:
+            middle, (wide, long, deep) = self.world.models[name].cavity
+            frame = self.poses[name] @ Frame(np.eye(3), middle)
+            return frame, ((-wide / 2, wide / 2), (-long / 2, long / 2), (0.0, deep))
         (x, y, z), wall = self.world.halves[name], self.world.walls[name]
         return self.poses[name], ((wall - x, x - wall), (wall - y, y - wall), (wall - z, z))
 
@@ -150,14 +181,9 @@ class Layout:
         return float(np.maximum(low - other_high, other_low - high).max())
 
 
-def _box(part: Part, turn: Array) -> Array:
-    """Return half the sides of the box around a turned primitive, along the axes in which its turn is given."""
-    if part.kind == "sphere":
-        return part.half
-    if part.kind == "cylinder":
-        axis = turn[:, 2]
-        return np.asarray(np.abs(axis) * part.half[2] + part.half[0] * np.sqrt(np.maximum(0.0, 1 - axis**2)))
-    return np.asarray(np.abs(turn) @ part.half)
+def _box(part: Part, turn: Array) -> tuple[Array, Array]:
+    """Return the ends of the box around a turned body from its middle, along the axes in which its turn is given."""
+    return -reach(part, turn, -np.eye(3)), reach(part, turn, np.eye(3))
 
 
 def _boxed(corners: Corners) -> Part:
@@ -172,7 +198,8 @@ def world_of(scene: Scene) -> World:
         ValueError: it has shapes that the check cannot measure.
     """
     kinds = {name: shape.kind for name, shape in scene.shapes.items()}
-    unknown = sorted({kind for kind in kinds.values() if kind not in (*KINDS, *FLAT)})
+    models = {name: shape.model for name, shape in scene.shapes.items() if shape.model is not None}
+    unknown = sorted({kind for name, kind in kinds.items() if kind not in (*KINDS, *FLAT) and name not in models})
     if unknown or scene.ranges:
         raise ValueError(f"the independent check knows no {', '.join(unknown) or 'ranges of sizes'}")
     halves = {name: np.array(shape.size) / 2 for name, shape in scene.shapes.items()}
@@ -181,6 +208,8 @@ def world_of(scene: Scene) -> World:
     parts = {
         name: tuple(_boxed(box) for box in furniture[name].still)
         if name in furniture
+        else tuple(chain.from_iterable(map(_of_solid, models[name].solids)))
+        if name in models
         else _parts(kind, halves[name], walls[name])
         for name, kind in kinds.items()
         if kind not in FLAT
@@ -192,7 +221,10 @@ def world_of(scene: Scene) -> World:
         walls=walls,
         parts=parts,
         furniture=furniture,
-        masses={name: scene.material(name).density * sum(map(volume, pieces)) for name, pieces in parts.items()},
+        masses={
+            name: models[name].mass if name in models else scene.material(name).density * sum(map(volume, pieces))
+            for name, pieces in parts.items()
+        },
         places={name: standing(x, y, heights[name], yaw) for name, (x, y, yaw) in scene.fixed.items()},
         table=(np.array(scene.table.centre), np.array(scene.table.size) / 2),
         robots={
@@ -202,7 +234,45 @@ def world_of(scene: Scene) -> World:
         meanings=dict(scene.predicates),
         rotations=dict(scene.rotations),
         viewer=scene.frame == "viewer",
+        models={
+            name: Model(
+                np.array(model.centre),
+                (np.zeros(3), np.zeros(3))
+                if model.cavity is None
+                else (np.array(model.cavity.middle), np.array(model.cavity.sides)),
+            )
+            for name, model in models.items()
+        },
+        frictions={name: scene.material(name).friction for name in parts},
     )
+
+
+def _of_solid(solid: Any) -> Iterator[Part]:
+    """Yield the convex parts of a solid of a model; what is turned in its body becomes a hull."""
+    turn = turned(solid.turn[2], "z") @ _about_y(solid.turn[1]) @ turned(solid.turn[0], "x")
+    if not solid.mesh and (solid.kind == "sphere" or np.allclose(turn, np.eye(3))):
+        yield Part(solid.kind, np.array(solid.size) / 2, np.array(solid.at))
+        return
+    pieces = mesh_parts(solid.mesh, solid.size) if solid.mesh else [_round(solid.kind, np.array(solid.size) / 2)]
+    for piece in pieces:
+        corners = np.array(piece).reshape(-1, 3) @ turn.T + solid.at
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        middle = (low + high) / 2
+        yield Part("hull", (high - low) / 2, middle, hull_of(corners - middle, SPACING / 3))
+
+
+def _about_y(angle: float) -> Array:
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return np.array([[cosine, 0, sine], [0, 1, 0], [-sine, 0, cosine]])
+
+
+def _round(kind: str, half: Array) -> Array:
+    """Return the corners of a box, or of a cylinder as a prism."""
+    if kind == "box":
+        return np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half
+    angles = np.linspace(0, 2 * np.pi, 64, endpoint=False)
+    ring = np.column_stack([np.cos(angles), np.sin(angles), np.ones(64)])
+    return np.concatenate([ring * half, ring * half * [1, 1, -1]])
 
 
 def _parts(kind: str, half: Array, wall: float) -> tuple[Part, ...]:

@@ -49,7 +49,7 @@ def estimated(approxmc: Worker, cnf: Cnf, seed: int, tolerance: Tolerance) -> in
 def test_the_estimates_of_ten_seeds_are_within_the_bounds(
     text: str, project: bool, count: int, approxmc: Worker
 ) -> None:
-    cnf = answer_sets(text=text, project=project)._counting_formula.cnf
+    cnf = answer_sets(text=text, project=project)._compiled.counting_formula.cnf
     estimates = [estimated(approxmc, cnf, seed, Tolerance()) for seed in range(10)]
     assert all(count / 1.8 <= each <= count * 1.8 for each in estimates), estimates
 

@@ -21,8 +21,8 @@ NOTHING = Effort(0, 0)
 def count_by_counter(text: str, monkeypatch: pytest.MonkeyPatch, **how: object) -> int:
     """Return the count if clingo is given no time."""
     with monkeypatch.context() as patch:
-        patch.setattr("prag_asp.models.answer_sets.first_effort", lambda _: NOTHING)
-        patch.setattr("prag_asp.models.answer_sets.is_worth_enumerating", lambda *_: False)
+        patch.setattr("prag_asp.models.counting_race.first_effort", lambda _: NOTHING)
+        patch.setattr("prag_asp.models.counting_race.is_worth_enumerating", lambda *_: False)
         return answer_sets(text=text, **how).count()  # type: ignore[arg-type]
 
 
@@ -33,7 +33,7 @@ def test_small_numbers_are_enumerated(text: str, n: int, known: int, monkeypatch
     def never(*_: object, **__: object) -> None:
         raise AssertionError
 
-    monkeypatch.setattr("prag_asp.models.answer_sets.model_formula", never)
+    monkeypatch.setattr("prag_asp.models.compiled_program.model_formula", never)
     assert answer_sets(text=text, constants={"n": n}).count() == known
 
 

@@ -16,7 +16,14 @@ import pytest
 from prag_asp import Dataset, Task, TaskSpace, load_domain
 from prag_asp.errors import QueryError
 from prag_asp.physics import Witness
-from prag_asp.rl import Adaptive, Backwards, Bandit, Lengths, Novelty, TaskEnv
+from prag_asp.rl import (
+    AdaptiveCurriculum,
+    BanditCurriculum,
+    LengthCurriculum,
+    NoveltyCurriculum,
+    ReverseCurriculum,
+    TaskEnv,
+)
 from tests.chance import Chance
 from tests.rl.conftest import Given
 
@@ -41,7 +48,9 @@ def begun(env: TaskEnv, count: int, seed: int | None = None) -> list[dict[str, A
     return found
 
 
-@pytest.mark.parametrize("curriculum", [(Backwards(window=2), Adaptive(lot=4)), Novelty("tasks")])
+@pytest.mark.parametrize(
+    "curriculum", [(ReverseCurriculum(window=2), AdaptiveCurriculum(lot=4)), NoveltyCurriculum("tasks")]
+)
 def test_an_environment_that_is_resumed_begins_the_same_episodes(curriculum: Any, space: TaskSpace) -> None:
     def made() -> TaskEnv:
         return TaskEnv(space, curriculum=curriculum, steps=1, reward="faded", fade=5, stage="any")
@@ -84,7 +93,7 @@ def test_an_environment_of_a_dataset_or_of_one_task_is_resumed(
 
 
 def test_tasks_that_options_name_are_not_held_against_the_curriculum_of_tasks(space: TaskSpace) -> None:
-    env = TaskEnv(space, curriculum=Adaptive(lot=2), steps=1)
+    env = TaskEnv(space, curriculum=AdaptiveCurriculum(lot=2), steps=1)
     env.reset(seed=0)
     for options, noted in (({"rank": 100}, 0), ({"task": env.task}, 0), ({}, 1)):
         env.reset(options=options)
@@ -131,7 +140,9 @@ def test_only_tasks_of_the_part_are_given(space: TaskSpace) -> None:
 
 def test_what_options_ask_for_is_not_held_against_the_curriculum(given: Mapping[str, list[Given]]) -> None:
     task, witness = given["tabletop"][0]
-    env = TaskEnv(task=task, witness=witness, curriculum=Backwards(threshold=1, window=1), steps=1, until="subgoal")
+    env = TaskEnv(
+        task=task, witness=witness, curriculum=ReverseCurriculum(threshold=1, window=1), steps=1, until="subgoal"
+    )
     _, info = env.reset(seed=0)
     assert info["stage"] == 3 and info["curriculum"] == {"back": 1} and info["probability"] == 1
     env.reset(options={"stage": 0})
@@ -145,7 +156,12 @@ def test_what_options_ask_for_is_not_held_against_the_curriculum(given: Mapping[
 
 def test_several_processes_have_their_own_curricula_and_hand_on_fractions(space: TaskSpace) -> None:
     made = gymnasium.make_vec(
-        "prag_asp/Task-v0", 2, vectorization_mode="async", space=space, steps=1, curriculum=(Bandit(), Backwards())
+        "prag_asp/Task-v0",
+        2,
+        vectorization_mode="async",
+        space=space,
+        steps=1,
+        curriculum=(BanditCurriculum(), ReverseCurriculum()),
     )
     _, infos = made.reset(seed=4)
     assert all(isinstance(each, Fraction) for each in infos["probability"])
@@ -161,9 +177,9 @@ def test_several_processes_have_their_own_curricula_and_hand_on_fractions(space:
     ("asked", "told"),
     [
         ({"curriculum": "adaptive"}, "no curriculum"),
-        ({"curriculum": Adaptive}, "no curriculum"),
-        ({"curriculum": (Adaptive(), Bandit())}, "of one kind"),
-        ({"curriculum": (Backwards(), Backwards())}, "of one kind"),
+        ({"curriculum": AdaptiveCurriculum}, "no curriculum"),
+        ({"curriculum": (AdaptiveCurriculum(), BanditCurriculum())}, "of one kind"),
+        ({"curriculum": (ReverseCurriculum(), ReverseCurriculum())}, "of one kind"),
         ({"part": "train"}, "no origin"),
         (lambda space: {"space": TaskSpace(space.domain, range(1, 3)), "part": space.at(1)[:2]}, "part is one of"),
         (lambda space: {"part": space.at(1)[:2]}, "of length|length=1"),
@@ -183,12 +199,13 @@ def test_what_means_nothing_is_refused(space: TaskSpace, asked: Any, told: str) 
         TaskEnv(**{"space": space, **given})
 
 
-def test_an_episode_ends_once_however_long_it_is_stepped_on(given: Mapping[str, list[Given]]) -> None:
+def test_an_episode_ends_once_and_steps_after_it_are_refused(given: Mapping[str, list[Given]]) -> None:
     task, witness = given["tabletop"][0]
-    env = TaskEnv(task=task, witness=witness, curriculum=Backwards(), steps=1, reward="faded", until="subgoal")
+    env = TaskEnv(task=task, witness=witness, curriculum=ReverseCurriculum(), steps=1, reward="faded", until="subgoal")
     env.reset(seed=0)
     env.reset()  # what is cut off is not heard of
-    for _ in range(5):
+    env.step(STILL)
+    with pytest.raises(QueryError, match="the episode has ended"):
         env.step(STILL)
     state = env.state_dict()
     assert state["subgoals"]["ends"] == state["annealing"]["ends"] == [False]
@@ -197,7 +214,7 @@ def test_an_episode_ends_once_however_long_it_is_stepped_on(given: Mapping[str, 
 
 def test_curricula_of_tasks_need_a_space(given: Mapping[str, list[Given]], space: TaskSpace) -> None:
     task, witness = given["tabletop"][0]
-    for curriculum in (Lengths(), (Backwards(), Novelty())):
+    for curriculum in (LengthCurriculum(), (ReverseCurriculum(), NoveltyCurriculum())):
         with pytest.raises(QueryError, match="needs a space"):
             TaskEnv(task=task, witness=witness, curriculum=curriculum)
     with pytest.raises(QueryError, match="give the space"):
@@ -207,7 +224,7 @@ def test_curricula_of_tasks_need_a_space(given: Mapping[str, list[Given]], space
 @pytest.mark.slow
 def test_memory_does_not_grow_with_steps(chance: Chance, given: Mapping[str, list[Given]]) -> None:
     task, witness = given["tabletop"][0]
-    env = TaskEnv(task=task, witness=witness, curriculum=Backwards(), steps=10)
+    env = TaskEnv(task=task, witness=witness, curriculum=ReverseCurriculum(), steps=10)
     rng = np.random.default_rng(chance.seed(9))
     env.reset(seed=0)
 

@@ -119,7 +119,7 @@ def _write_feasible(
     """Write the feasible ones of sampled tasks; `drawing` are arguments of `feasible`.
 
     Raises:
-        NotFound: there are too few.
+        NotFound: physics finds fewer feasible tasks than were requested.
     """
     from prag_asp.cli.summary import tallied, tally_line
     from prag_asp.dataset.pass_rates import Tally

@@ -86,7 +86,7 @@ class SentenceWriter:
         """Return an unambiguous sentence of an action, or of a `fact` with its value, and its topic.
 
         Raises:
-            QueryError: there is none.
+            QueryError: every sentence of the atom could mean something else.
         """
         key = (atom, value, fact)
         sentences = self._paraphrases.get(key)

@@ -39,7 +39,6 @@ from prag_asp.processes.workers import uninterrupted
 from prag_asp.safe_reading import read_bytes
 from prag_asp.space.distinct_sampling import TaskOrder
 from prag_asp.space.without_replacement import ordered_parts, with_tasks
-from prag_asp.tables.report import shown
 from prag_asp.versions import versions
 from prag_asp.wording import plural
 
@@ -144,7 +143,7 @@ class DatasetRun:
         spec, shares = self._spec, self._shares
         manifest = DATASET.read(self._folder) or request
         if manifest.identity != request.identity:
-            raise OutputError(f"{self._folder}: {difference(manifest, request)}; give a new folder")
+            raise OutputError(f"{self._folder}: is a dataset {manifest.difference(request)}; give a new folder")
         for note in manifest.parts:
             rows = note.rows("tasks") + (note.tail.rows("tasks") if note.tail else 0)
             if rows > spec.tasks_of(shares[note.name]):
@@ -283,17 +282,6 @@ class DatasetRun:
         if sha256(content).hexdigest() != row["sha256"]:
             raise QueryError(f"{path}: is not the file that was written; {MEND}")
         return {**row, "file": self._write_recording(writer, row["start"], content)}
-
-
-def difference(one: Manifest, other: Manifest) -> str:
-    """Return the first difference between two manifests with different identities, as a message."""
-    if one.domain.name != other.domain.name:
-        return f"is a dataset of {one.domain.name}, not of {other.domain.name}"
-    before = one.request
-    for name, value in other.request.items():
-        if before[name] != value:
-            return f"is a dataset made with other {name.replace('_', ' ')} ({shown(before[name])})"
-    return "is a dataset of another state of the domain or of the encodings"
 
 
 def too_few(part: PartManifest, available: TaskOrder, limit: int) -> str:

@@ -17,13 +17,14 @@ from prag_asp.errors import QueryError
 from prag_asp.integers import digits_of, number_of
 from prag_asp.output.digests import digest
 from prag_asp.tables.json_fields import Whole
+from prag_asp.tables.report import shown
 
 if TYPE_CHECKING:
     from prag_asp.space.task_space import TaskSpace
 
 NAME = "dataset.json"
 
-FOLDERS = {"tasks": "data", "witnesses": "witnesses", "refused": "refused", "recordings": "recordings"}
+FOLDERS = {"tasks": "data", "witnesses": "witnesses", "rejected": "rejected", "recordings": "recordings"}
 """The folder of each table inside a dataset, in the order in which a hub offers the tables."""
 
 MOST_DIGITS = 1_000_000
@@ -40,8 +41,8 @@ class CauseCount(msgspec.Struct):
     count: Whole
 
 
-class RefusalCount(msgspec.Struct):
-    """A reason for refusal, and the number of tasks refused for it."""
+class RejectionCount(msgspec.Struct):
+    """A reason for rejection, and the number of tasks rejected for it."""
 
     status: str
     reason: str
@@ -59,7 +60,7 @@ class LengthTally(msgspec.Struct):
     witnesses: Whole = 0
     pass_rate: float = 0.0
     causes: list[CauseCount] = []
-    reasons: list[RefusalCount] = []
+    reasons: list[RejectionCount] = []
 
 
 class ShardFile(msgspec.Struct):
@@ -151,6 +152,19 @@ class Manifest(msgspec.Struct):
         """The values besides the domain that identify the dataset, as `request_of` returns them."""
         return {"lengths": self.lengths, "where": self.where, **self.spec.fixed()}
 
+    def difference(self, other: Manifest, ignored: str = "") -> str:
+        """Return what distinguishes this dataset from another, apart from its tasks, "" without any difference.
+
+        The phrase continues "a dataset". One entry of the requests can be `ignored`.
+        """
+        if self.domain.name != other.domain.name:
+            return f"of {self.domain.name}, not of {other.domain.name}"
+        request = self.request
+        for name, value in other.request.items():
+            if name != ignored and request[name] != value:
+                return f"made with other {name.replace('_', ' ')} ({shown(request[name])})"
+        return "" if self.domain == other.domain else "of another state of the domain or of the encodings"
+
     def rows(self, table: str) -> int:
         """Return the number of rows of a table in all parts."""
         return sum(part.rows(table) for part in self.parts)
@@ -201,7 +215,7 @@ def summed(tallies: Iterable[LengthTally]) -> list[LengthTally]:
         reasons = {(reason.status, reason.reason): reason.count for reason in into.reasons}
         for reason in each.reasons:
             reasons[reason.status, reason.reason] = reasons.get((reason.status, reason.reason), 0) + reason.count
-        into.reasons = [RefusalCount(*key, count) for key, count in sorted(reasons.items())]
+        into.reasons = [RejectionCount(*key, count) for key, count in sorted(reasons.items())]
     return [sums[length] for length in sorted(sums)]
 
 
@@ -217,7 +231,7 @@ def tally_of_draw(length: int, verdict: Mapping[str, Any] | None, witnesses: int
         infeasible=status == "infeasible",
         witnesses=witnesses,
         causes=[CauseCount(each["cause"], each["count"]) for each in verdict["causes"]],
-        reasons=[] if status == "feasible" else [RefusalCount(status, verdict["reason"], 1)],
+        reasons=[] if status == "feasible" else [RejectionCount(status, verdict["reason"], 1)],
     )
 
 

@@ -140,7 +140,7 @@ def refuse_leaks(suite: Suite, figures: Figures) -> None:
     """Refuse a suite in which parts share tasks without declaring it.
 
     Raises:
-        QueryError: there are such parts.
+        QueryError: two parts share tasks that the suite does not declare.
     """
     problems = []
     for leak in figures.leaks:

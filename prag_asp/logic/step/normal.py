@@ -142,7 +142,7 @@ def _refuse_circular(allowed: Iterable[RuleBody], bodies: Mapping[int, list[Rule
     """Check that no action is allowed by what occurs in the same step: it could support itself.
 
     Raises:
-        EngineError: one is.
+        EngineError: an action depends on what occurs in its own step.
     """
     seen: set[int] = set()
     waiting = [abs(literal) for body in allowed for literal in body.literals]

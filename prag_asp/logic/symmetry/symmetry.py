@@ -24,7 +24,7 @@ from prag_asp.logic.ground.ground_step import GroundStep
 from prag_asp.logic.symmetry.atom_numbering import START, Atoms, SpelledRule
 from prag_asp.logic.symmetry.renaming import Shaped, Shapes, by_entity
 from prag_asp.logic.symmetry.symmetries import Symmetries
-from prag_asp.logic.symmetry.unit_symmetry import Conflict, joint_groups
+from prag_asp.logic.symmetry.unit_symmetry import MissingImage, joint_groups
 from prag_asp.program.entity_names import action_name
 from prag_asp.program.facts import Facts
 
@@ -113,18 +113,18 @@ class _Terms:
     naming: Mapping[int, Sequence[Shaped]]
     has: Callable[[Shaped], bool]
 
-    def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[Conflict]:
+    def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[MissingImage]:
         """Yield the terms that name some entities and whose image is no term."""
         for entity in entities:
             for shape, inside in self.naming.get(entity, ()):
                 if not self.has((shape, tuple([names.get(each, each) for each in inside]))):
-                    yield Conflict(frozenset(inside), partial(self._has_image, (shape, inside)))
+                    yield MissingImage(frozenset(inside), partial(self._has_image, (shape, inside)))
 
     def _has_image(self, shaped: Shaped, names: Mapping[int, int]) -> bool:
         shape, inside = shaped
         return self.has((shape, tuple(names.get(each, each) for each in inside)))
 
-    def broken(self, names: Mapping[int, int]) -> Iterator[Conflict]:
+    def broken(self, names: Mapping[int, int]) -> Iterator[MissingImage]:
         """Yield nothing: there are no rules."""
         return iter(())
 
@@ -153,19 +153,19 @@ class _Rules:
         names = {first: second, second: first}
         return next(self.lacking(names, names), None) is None and next(self.broken(names), None) is None
 
-    def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[Conflict]:
+    def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[MissingImage]:
         """Yield the atoms of rules that name some entities and whose image is no atom."""
         yield from self._terms.lacking(names, entities)
         if self._others:
             yield from self._others.lacking(names, entities)
 
-    def broken(self, names: Mapping[int, int]) -> Iterator[Conflict]:
+    def broken(self, names: Mapping[int, int]) -> Iterator[MissingImage]:
         """Yield the rules whose image is neither a rule nor entailed."""
         renamed = self.atoms.under(names)
         for table in self._tables:
             for rule, image in table.missing(renamed, names):
                 if image is None or not self._entails(image):
-                    yield Conflict(self.atoms.entities(rule), partial(self._says, rule))
+                    yield MissingImage(self.atoms.entities(rule), partial(self._says, rule))
         if self._others:
             yield from self._others.broken(names)
 

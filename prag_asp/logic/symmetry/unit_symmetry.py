@@ -35,7 +35,7 @@ entity. An atom whose rules are renamed counts as `RULES`."""
 
 
 @dataclass(frozen=True)
-class Conflict:
+class MissingImage:
     """An atom or a rule without an image under a renaming: the entities that it names, and the rest of it."""
 
     entities: frozenset[int]
@@ -50,11 +50,11 @@ class Renamed(Protocol):
         """Terms, each with a mark, that every renaming maps onto themselves."""
         ...
 
-    def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[Conflict]:
+    def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[MissingImage]:
         """Yield the atoms that name some entities and have no image."""
         ...
 
-    def broken(self, names: Mapping[int, int]) -> Iterator[Conflict]:
+    def broken(self, names: Mapping[int, int]) -> Iterator[MissingImage]:
         """Yield the rules without an image, given that all atoms have one."""
         ...
 
@@ -225,22 +225,22 @@ class _UnitSearch:
         names = self._names(moved)
         for place in list(moved)[clean:]:
             self._left -= 1 + self._rules.size(self._blocks[place])
-            conflict = next(self._rules.lacking(names, self._blocks[place]), None)
-            if conflict is not None:
+            missing = next(self._rules.lacking(names, self._blocks[place]), None)
+            if missing is not None:
                 break
             clean += 1
         else:
             self._left -= RULES * self._rules.size(names)
-            conflict = next(self._rules.broken(names), None)
-        if conflict is None:
+            missing = next(self._rules.broken(names), None)
+        if missing is None:
             return moved
-        places = {self._place_of[entity] for entity in conflict.entities if entity in self._place_of}
+        places = {self._place_of[entity] for entity in missing.entities if entity in self._place_of}
         for place in sorted(places - moved.keys() - fixed):
             settled = places <= {place, *moved, *fixed}
             for partner in self._partners(place, moved, fixed):
                 self._left -= 1
                 longer = {**moved, place: partner, partner: place}
-                if settled and not conflict.kept_by(self._names({p: longer[p] for p in places if p in longer})):
+                if settled and not missing.kept_by(self._names({p: longer[p] for p in places if p in longer})):
                     continue
                 if extended := self._swap(longer, fixed, clean):
                     return extended

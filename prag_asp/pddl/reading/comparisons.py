@@ -21,7 +21,7 @@ from prag_asp.pddl.formulas import (
     replaced,
     variables,
 )
-from prag_asp.pddl.reading.scopes import PddlSource
+from prag_asp.pddl.reading.pddl_source import PddlSource
 
 COMPARE: Mapping[str, Callable[[Fraction, Fraction], bool]] = {
     "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "=": operator.eq,
@@ -111,6 +111,7 @@ class _Comparisons:
         self, rows: Iterable[tuple[dict[Variable, str], dict[FunctionTerm, Fraction]]], term: FunctionTerm
     ) -> Iterator[tuple[dict[Variable, str], dict[FunctionTerm, Fraction]]]:
         """Yield rows with each value of another function that agrees with them."""
+        above, kinds = self._domain.above, self._problem.objects
         for objects, values in rows:
             for names, value in self._stated.get(term.function, {}).items():
                 more = dict(objects)
@@ -118,13 +119,10 @@ class _Comparisons:
                     if isinstance(place, str):
                         if place != name:
                             break
-                    elif more.setdefault(place, name) != name or not self._belongs(name, place):
+                    elif more.setdefault(place, name) != name or above(kinds[name]).isdisjoint(place.types):
                         break
                 else:
                     yield more, {**values, term: value}
-
-    def _belongs(self, name: str, variable: Variable) -> bool:
-        return not self._domain.above(self._problem.objects[name]).isdisjoint(variable.types)
 
 
 def quantity_value(quantity: Quantity, values: Mapping[FunctionTerm, Fraction]) -> Fraction | None:

@@ -23,7 +23,7 @@ from prag_asp.pddl.formulas import (
     replaced,
     subformulas,
 )
-from prag_asp.pddl.reading.scopes import PddlSource
+from prag_asp.pddl.reading.pddl_source import PddlSource
 
 
 def untimed_schema(
@@ -66,7 +66,9 @@ def untimed_schema(
     last = [replace(each, condition=before(each.condition)) for each in last]
     kept = []
     for each in first:
-        overruled = [_made(each.literal, other) for other in last if _opposite(each, other)]
+        opposed = (each.literal.predicate, not each.literal.positive)
+        opposite = (other for other in last if (other.literal.predicate, other.literal.positive) == opposed)
+        overruled = [_made(each.literal, other) for other in opposite]
         guard = (each.condition, *(map(negated, overruled) if each.literal.positive else ()))
         kept.append(replace(each, condition=Junction(True, guard, each.literal.line)))
     return replace(
@@ -75,10 +77,6 @@ def untimed_schema(
         effects=(*kept, *last),
         numeric=tuple(each for part in effects for each in part if isinstance(each, NumericEffect)),
     )
-
-
-def _opposite(one: SchemaEffect, other: SchemaEffect) -> bool:
-    return one.literal.predicate == other.literal.predicate and one.literal.positive != other.literal.positive
 
 
 def _made(literal: Literal, effect: SchemaEffect) -> Formula:

@@ -8,7 +8,8 @@ from collections.abc import Iterator, Mapping
 from prag_asp.physics.grasps.body_grasps import is_hand_free
 from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.physics.predicates import PREDICATES
-from prag_asp.physics.predicates.gripper import grip_width, lowest_grip, slips, twists
+from prag_asp.physics.predicates.grip_friction import SLIPS, held_load, slips
+from prag_asp.physics.predicates.grip_geometry import grip_width, lowest_grip
 from prag_asp.physics.situation import Situation, fixed_pose
 from prag_asp.physics.symbolic_facts import PhysicalTask
 from prag_asp.physics.witness import Arm, Moment
@@ -53,8 +54,7 @@ def state_problems(moment: Moment, physical: PhysicalTask, k: int, simulator: Si
             yield from _grip_problems(situation, name, arm.held)
             if slips(situation.scene, arm.held, name) is not None and not contacts(situation, arm.held, poses):
                 yield f"{arm.held} slips out of the gripper"
-            in_air = situation.shape(arm.held).model is not None and not contacts(situation, arm.held, poses)
-            if in_air and twists(situation, arm.held, name):
+            elif held_load(situation, arm.held, name) > SLIPS and not contacts(situation, arm.held, poses):
                 yield f"{arm.held} turns between the pads"
 
 

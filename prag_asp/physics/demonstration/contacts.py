@@ -20,7 +20,7 @@ from itertools import chain
 from typing import NamedTuple
 
 from prag_asp.physics.predicates import Gripper
-from prag_asp.physics.predicates.gripper import GRAVITY
+from prag_asp.physics.predicates.grip_friction import GRAVITY
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import PhysicalTask
 from prag_asp.physics.witness import ROBOT_PARTS

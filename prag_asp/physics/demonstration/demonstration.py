@@ -16,7 +16,7 @@ from prag_asp.array_archive import BadArchive, read_arrays
 from prag_asp.errors import OutputError, QueryError
 from prag_asp.output import replace_file
 from prag_asp.physics.demonstration.footage import Footage, are_equal, read_footage, require_arrays
-from prag_asp.physics.demonstration.packing import with_packed
+from prag_asp.physics.demonstration.packed_arrays import with_packed
 from prag_asp.physics.witness import VERSION, Arm
 from prag_asp.safe_reading import open_binary
 from prag_asp.scene.geometry import Pose
@@ -250,7 +250,7 @@ def _require_fitting(content: Mapping[str, NDArray[Any]]) -> None:
     """Check that the shapes and types of an episode's arrays match.
 
     Raises:
-        ValueError: they do not.
+        ValueError: an array has another shape or type than the others require.
     """
     for name in ("times", "forces", "ends", *LISTS):
         if content[name].ndim != 1:

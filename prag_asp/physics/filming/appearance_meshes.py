@@ -122,7 +122,7 @@ def read_parts(text: str) -> dict[str, Mesh]:
     """Return the triangles of an .obj by material; all share the vertices of the whole.
 
     Raises:
-        ValueError: it is none.
+        ValueError: the text is not in the format of .obj files.
     """
     corners: list[str] = []
     faces: dict[str, list[tuple[int, int, int]]] = {}

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.physics.motion.trajectory import JointLimits, time_path
-from prag_asp.physics.predicates.gripper import GRAVITY, bearable
+from prag_asp.physics.predicates.grip_friction import GRAVITY, bearable
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.scene.robots import Joints, Robot
 from prag_asp.scene.scene import Scene

@@ -54,7 +54,7 @@ def pillow() -> Any:
     """Return Pillow's module of images.
 
     Raises:
-        PicturesMissingError: it is not installed.
+        PicturesMissingError: Pillow is not installed.
     """
     try:
         from PIL import Image  # noqa: PLC0415 - pictures are optional

@@ -8,46 +8,42 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from prag_asp.physics.grasps.antipodal import Grasp
-from prag_asp.physics.grasps.body_grasps import body_grasps, lever, pad_contact
 from prag_asp.physics.grasps.opposite_faces import is_never_spanned
-from prag_asp.physics.grasps.pads import PadContact, ParallelGripper
+from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.physics.predicates.gaps import ROUNDING, Demand, Gap, Z, along, between, bottom, centre, top
+from prag_asp.physics.predicates.grip_friction import grasps_in_body, gripper_words, pad_friction
+from prag_asp.physics.predicates.grip_geometry import (
+    GRIP_TOLERANCE,
+    contact_at,
+    grip_width,
+    lowest_body,
+    pad_reach,
+    rise_over_flat,
+)
 from prag_asp.physics.predicates.predicate import Arguments, Gripper, Predicate, states, words
 from prag_asp.physics.predicates.volume import Ring, Volume, over_rectangle
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.geometry import Quaternion, compose, heading, invert, rotate, to_local, turn_between, width_along
-from prag_asp.scene.robots import Robot, robot_of
+from prag_asp.scene.geometry import Quaternion, compose, heading, invert, to_local, turn_between
+from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.solids import weight
 
 CENTRE_TOLERANCE = 0.015
+"""By how much a tool may be beside the centre of a body that it holds, along each axis, in metres."""
+
 BELOW = 0.005
-MARGIN = 0.001
-OVER_MARGIN = 0.003
+"""By how much a tool may be below a body that it holds, in metres."""
+
 EDGE = 0.01
+"""The least distance of a tool from the edges of a box that it holds, in metres."""
+
 OPEN_TOLERANCE = 0.001
-GRIP_TOLERANCE = 0.002
-CLEARANCE = 0.006
-"""The smallest difference between the opening of a gripper and the width of an object that it grasps, in metres."""
+"""By how much an open gripper may be narrower than its opening, in metres."""
 
-TIP_ROOM = 0.002
-"""The clearance of the fingertips above the bottom of a grasped object, in metres, unless that is flat."""
+MARGIN, OVER_MARGIN = 0.001, 0.003
+"""By how much sampled tools and widths stay within the tolerances, and tools over a body within its sides, in metres.
 
-FLAT_TIP_ROOM = 0.0005
-"""The clearance of the fingertips above the bottom of a flat object, in metres: more than what arms are off."""
-
-PAD_OVERLAP = 0.002
-"""The least height of the part of an object that is between the pads, in metres."""
-
-FINGER_FRICTION = 1.4
-"""The coefficient of friction of the rubber pads, which PyBullet multiplies by that of the object."""
-
-GRAVITY = 9.81
-SLIPS = 1.05
-"""A body is proved to slip if its weight exceeds the friction at rest by this factor.
-
-The robot also accelerates the object, so it may drop lighter bodies; a proof needs this margin.
+Kinematics are not exact, so that what is sampled on a bound could violate it.
 """
 
 RISE, ROOM, AJAR = 0.04, 0.03, 2.0
@@ -59,95 +55,6 @@ NOTHING_BETWEEN = 0.02
 
 LEVER = 0.05
 """What a turn of the tool by one radian counts on the way to a grasp, in metres: what it moves at the fingertips."""
-
-SLANT = 1e-9
-"""The cosine below which a side counts as parallel to the opening direction of the gripper."""
-
-
-def grip_width(situation: Situation, entity: str, robot: str) -> float:
-    """Return the opening with which a gripper holds an object in the present orientation of the tool, in metres.
-
-    For a rotated box, only the part between the pads counts; for a body with a model, what is between them where the
-    tool is. If there is nothing, it is 0.
-    """
-    if situation.shape(entity).model is not None:
-        contact = contact_at(situation, entity, robot)
-        return 0.0 if contact is None else contact.width
-    opening = rotate(situation.tool(robot).quaternion, (0.0, 1.0, 0.0))
-    shape, quaternion = situation.shape(entity), situation.pose(entity).quaternion
-    width = width_along(shape, quaternion, opening)
-    if shape.kind != "box":
-        return width
-    x, y, z, w = quaternion
-    along = [max(abs(part), SLANT) for part in rotate((-x, -y, -z, w), opening)]
-    half, cosine = min(zip(shape.half, along, strict=True), key=lambda side: side[0] / side[1])
-    pad = situation.robot(robot).finger_boxes[0].size[0]
-    return min(width, (2 * half + pad * math.sqrt(max(0.0, 1.0 - cosine**2))) / cosine)
-
-
-def contact_at(situation: Situation, entity: str, robot: str) -> PadContact | None:
-    """Return what the pads of a gripper touch when they close on a body, None if there is nothing between them."""
-    tool = compose(invert(situation.pose(entity)), situation.tool(robot))
-    return pad_contact(situation.shape(entity), ParallelGripper.of(situation.robot(robot)), tool)
-
-
-def lowest_grip(robot: Robot, height: float) -> float:
-    """Return the least height of the tool above the bottom of an object that it grasps, in metres.
-
-    An object that is lower than the fingers usually reach is flat: they close on its edges just above its support.
-    """
-    return robot.fingertip + (FLAT_TIP_ROOM if is_flat(robot, height) else TIP_ROOM)
-
-
-def is_flat(robot: Robot, height: float) -> bool:
-    """Return whether an object of a height in metres is lower than the fingers of a robot usually reach."""
-    return height < robot.fingertip + TIP_ROOM - ROUNDING
-
-
-def rise_over_flat(robot: Robot, height: float) -> float:
-    """Return by how much the tool may be above the top of an object that it grasps, in metres; 0 unless it is flat."""
-    return max(0.0, min(TIP_ROOM + robot.fingertip - height, robot.fingertip - PAD_OVERLAP))
-
-
-def lowest_body() -> float:
-    """Return the least height of an object that is held, in metres."""
-    return FLAT_TIP_ROOM + PAD_OVERLAP
-
-
-def bearable(scene: Scene, entity: str, robot: str) -> float:
-    """Return the largest mass in kilograms that the fingers of a robot hold by friction, for the material of a body.
-
-    By Coulomb's law it is 2 mu F / g, with the force F of a finger and the product mu of both coefficients, as PyBullet
-    combines them.
-    """
-    return 2 * pad_friction(scene, entity) * robot_of(scene, robot).grip_force / GRAVITY
-
-
-def pad_friction(scene: Scene, entity: str) -> float:
-    """Return the coefficient of friction between the pads and a body, as PyBullet combines it."""
-    return FINGER_FRICTION * scene.material(entity).friction
-
-
-def slips(scene: Scene, entity: str, robot: str) -> str | None:
-    """Return the reason, in words, why a body slips out of a gripper that lifts it; None if it may not slip."""
-    heavy, most = weight(scene, entity), bearable(scene, entity, robot)
-    if heavy > SLIPS * most:
-        return f"{words(entity)} weighs {heavy:.3g} kg, and {_called(scene, robot)} lifts {most:.3g} kg by its friction"
-    return None
-
-
-def twists(situation: Situation, entity: str, robot: str) -> bool:
-    """Return whether the weight of a body with a model turns it between the pads that hold it in the air.
-
-    The friction of both pads bears the torque 2 mu F r, with the force F of a finger, the product mu of both
-    coefficients and the radius of gyration r of the smaller contact. The margin is that of `SLIPS`.
-    """
-    contact, shape = contact_at(situation, entity, robot), situation.shape(entity)
-    if contact is None:
-        return False
-    tool = compose(invert(situation.pose(entity)), situation.tool(robot))
-    bears = 2 * pad_friction(situation.scene, entity) * situation.robot(robot).grip_force * contact.radius
-    return GRAVITY * weight(situation.scene, entity) * lever(shape, tool, contact) > SLIPS * bears
 
 
 def _tool_violations(situation: Situation, arguments: Arguments, even: bool) -> Iterator[float]:
@@ -172,16 +79,6 @@ def _tool_violations(situation: Situation, arguments: Arguments, even: bool) -> 
     else:
         cx, cy, _ = body.pose.position
         yield math.hypot(x - cx, y - cy) - CENTRE_TOLERANCE
-
-
-def pad_reach(robot: Robot) -> float:
-    """Return how far at most the tool is from the box around a body with a model that it holds, in metres.
-
-    Both contacts are in the box and so is the middle between them, which is off the tool by at most the reach of a pad
-    across the axis of the fingers, and by `GRIP_TOLERANCE` along it.
-    """
-    gripper = ParallelGripper.of(robot)
-    return math.hypot(gripper.half_x, max(-gripper.low_z, gripper.high_z)) + GRIP_TOLERANCE
 
 
 def _contact_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
@@ -267,12 +164,6 @@ def _way_to_grasp(situation: Situation, robot: str, entity: str) -> float:
     return min(ways)
 
 
-def grasps_in_body(situation: Situation, entity: str, robot: str) -> tuple[Grasp, ...]:
-    """Return the grasps of a body with a model in its own frame, the best first."""
-    gripper = ParallelGripper.of(situation.robot(robot))
-    return body_grasps(situation.shape(entity), gripper, pad_friction(situation.scene, entity))
-
-
 def _holding_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return a disc for the tool around the vertical axis of the object, and the opening that grips it."""
     tight, (robot, entity) = GRIP_TOLERANCE - MARGIN, arguments
@@ -327,7 +218,7 @@ def _holding_impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
     A body with a model can be narrow and high in parts, so the box around it proves nothing about it.
     """
     robot, entity = arguments
-    able, gripper, shape = robot_of(scene, robot), _called(scene, robot), scene.shapes[entity]
+    able, gripper, shape = robot_of(scene, robot), gripper_words(scene, robot), scene.shapes[entity]
     opens, heavy = f"{gripper} opens {able.opening * 1000:.0f} mm", weight(scene, entity)
     if shape.model is not None:
         if is_never_spanned(shape, ParallelGripper.of(able), pad_friction(scene, entity)):
@@ -350,15 +241,10 @@ def _holding_excludes(scene: Scene, arguments: Arguments, other: Predicate, othe
     if others[0] != robot:
         return None
     if other.gripper is Gripper.HOLDS and others[1] != entity:
-        return f"{_called(scene, robot)} cannot hold {words(entity)} and {words(others[1])} at once"
+        return f"{gripper_words(scene, robot)} cannot hold {words(entity)} and {words(others[1])} at once"
     if other.gripper is Gripper.OPEN:
-        return f"{_called(scene, robot)} cannot be open while it holds {words(entity)}"
+        return f"{gripper_words(scene, robot)} cannot be open while it holds {words(entity)}"
     return None
-
-
-def _called(scene: Scene, robot: str) -> str:
-    """Return the gripper's name for a sentence."""
-    return f"the {words(robot)} gripper" if len(scene.robots) > 1 else "the gripper"
 
 
 AT = Predicate(

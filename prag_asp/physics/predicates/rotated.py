@@ -20,7 +20,7 @@ def target_yaw(situation: Situation, rotation: str) -> float:
     """Return the yaw in radians that the scene gives to a rotation.
 
     Raises:
-        SceneError: the scene gives none.
+        SceneError: the scene gives the rotation no yaw.
     """
     yaw = situation.scene.rotations.get(rotation)
     if yaw is None:

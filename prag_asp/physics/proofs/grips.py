@@ -10,7 +10,8 @@ from prag_asp.physics.grasps.body_grasps import body_grasps
 from prag_asp.physics.grasps.opposite_faces import is_never_spanned
 from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.physics.predicates import PREDICATES, Gripper
-from prag_asp.physics.predicates.gripper import CLEARANCE, bearable, pad_friction
+from prag_asp.physics.predicates.grip_friction import bearable, pad_friction
+from prag_asp.physics.predicates.grip_geometry import CLEARANCE
 from prag_asp.program.problem import Problem
 from prag_asp.scene.read.scene_values import ancestors
 from prag_asp.scene.robots import robot_of

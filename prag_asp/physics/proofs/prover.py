@@ -19,7 +19,7 @@ from typing import NamedTuple
 from prag_asp.atom import Atom
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.predicates.gaps import Demand, Gap, Node
-from prag_asp.physics.predicates.gripper import slips
+from prag_asp.physics.predicates.grip_friction import slips
 from prag_asp.physics.proofs.placement_demands import all_demands, bodies
 from prag_asp.physics.proofs.reasons import (
     AXES,

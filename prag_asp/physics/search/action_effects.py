@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from prag_asp.physics.predicates import PREDICATES
-from prag_asp.physics.predicates.gripper import grip_width
+from prag_asp.physics.predicates.grip_geometry import grip_width
 from prag_asp.physics.search.attempt import NO_GRASP, RELATION, Exhausted, Failure, Search, Snapshot
 from prag_asp.physics.search.carrying import carry, release, relocate
 from prag_asp.physics.search.furniture_handling import turn
@@ -24,7 +24,7 @@ def advance(
     """Return a snapshot after an action, and the waypoints of the arm; `attempt` counts from 0.
 
     Raises:
-        Failure: this attempt failed.
+        Failure: the action cannot be performed from this snapshot in this attempt.
         Exhausted: there are no further attempts.
     """
     if attempt > 0 and not (effect.moved or effect.turns or effect.grasps or effect.visits or effect.over):
@@ -46,7 +46,7 @@ def advance(
         predicate = fact.predicate
         concerned = predicate.of_gripper or predicate.looks_around or not changed.isdisjoint(fact.arguments)
         if (concerned or fact in fresh) and not fact.is_satisfied(after):
-            raise Failure(RELATION, fact=fact)
+            raise Failure(RELATION, fact=fact, missed=fact.distance(after))
     return snapshot, snapshot.waypoints
 
 
@@ -54,7 +54,7 @@ def _act(search: Search, snapshot: Snapshot, effect: ActionEffect, attempt: int)
     """Return a snapshot after the gripper's part of an action.
 
     Raises:
-        Failure: this attempt failed.
+        Failure: the gripper cannot perform its part in this attempt.
     """
     for furniture in effect.turns:
         snapshot = turn(search, snapshot, furniture, effect.after, attempt)

@@ -10,8 +10,8 @@ from prag_asp.physics.search.allowed_region import relevant_facts, sample_yaws, 
 from prag_asp.physics.search.attempt import ARM_COLLIDES, OBJECTS_COLLIDE, Failure, Search, Snapshot
 from prag_asp.physics.search.grasping import LIFT, CollisionQuery, configure, descend
 from prag_asp.physics.search.moving import move_object, moved_arm, raise_arm, require_free, with_riders
-from prag_asp.physics.search.packing import pose_on, resting_pose
-from prag_asp.physics.search.placement import known_support
+from prag_asp.physics.search.packing import requested_pose, resting_pose
+from prag_asp.physics.search.placement import PlacementRequest, known_support
 from prag_asp.physics.symbolic_facts import ActionEffect
 from prag_asp.physics.witness import Arm
 from prag_asp.physics.world.collisions import colliding
@@ -86,7 +86,8 @@ def carry(search: Search, snapshot: Snapshot, entity: str, effect: ActionEffect)
         elif support != TABLE:
             depth = cavity(situation.shape(support))[2]
         height = max(LIFT, depth + OVER_RIM)
-        pose = pose_on(search, situation, entity, support, effect.after, effect.number, height=height)
+        request = PlacementRequest(entity, support, effect.after, effect.number, height)
+        pose = requested_pose(search, situation, request)
     poses = move_object(search, snapshot, entity, pose)
     query = CollisionQuery(situation.with_poses(poses), arm.width, entity)
     joints = configure(search, compose(pose, invert(arm.grasp)), query)

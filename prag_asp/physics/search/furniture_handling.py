@@ -49,7 +49,7 @@ def sample_opening(search: Search, situation: Situation, furniture: str, facts: 
     """Return a random opening of furniture in metres or radians, as facts require; without any, open or closed.
 
     Raises:
-        Failure: the facts allow none.
+        Failure: the facts allow no opening.
     """
     volumes = [
         fact.predicate.volume if fact.value else fact.predicate.otherwise

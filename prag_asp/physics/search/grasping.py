@@ -8,15 +8,8 @@ from itertools import chain, islice
 from typing import NamedTuple
 
 from prag_asp.physics.predicates.gaps import ROUNDING
-from prag_asp.physics.predicates.gripper import (
-    CLEARANCE,
-    GRAVITY,
-    grasps_in_body,
-    is_flat,
-    lowest_body,
-    lowest_grip,
-    pad_friction,
-)
+from prag_asp.physics.predicates.grip_friction import SLIPS, grasps_in_body, grip_load
+from prag_asp.physics.predicates.grip_geometry import CLEARANCE, is_flat, lowest_body, lowest_grip
 from prag_asp.physics.robot.kinematics import adjust_joints, inverse
 from prag_asp.physics.search.attempt import (
     ARM_COLLIDES,
@@ -32,7 +25,6 @@ from prag_asp.physics.world.collisions import ArmCollision, arm_collision
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.geometry import Pose, compose, multiply, raised, rotate, width_along, yaw_of, yaw_quaternion
 from prag_asp.scene.robots import Joints
-from prag_asp.scene.solids import weight
 
 LIFT = 0.10
 """The height above an object at which the gripper begins its approach, in metres."""
@@ -95,19 +87,18 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
     """Return the grasps of a body with a model at its pose, the best first; each is turned to where the arm comes from.
 
     Raises:
-        Failure: there are none, or friction bears the torque of the body in none.
+        Failure: there are none, or friction bears the weight and the torque of the body in none.
     """
     found = grasps_in_body(situation, entity, search.simulator.acting)
     if not found:
         raise Failure(NO_GRASP, entity)
-    bears = 2 * pad_friction(search.scene, entity) * search.robot.grip_force
-    load, pose = GRAVITY * weight(search.scene, entity), situation.pose(entity)
-    steady = [grasp for grasp in found if load * grasp.lever <= bears * grasp.radius]
-    if not steady:
+    acting, pose = search.simulator.acting, situation.pose(entity)
+    bearing = [each for each in found if grip_load(search.scene, entity, acting, each.lever, each.radius) <= SLIPS]
+    if not bearing:
         raise Failure(TWISTS, entity)
     base_x, base_y, _ = search.robot.base.position
     ranked = []
-    for grasp in steady:
+    for grasp in bearing:
         tool = compose(pose, grasp.tool)
         heading = math.atan2(tool.position[1] - base_y, tool.position[0] - base_x)
         outward = (math.cos(heading), math.sin(heading), 0.0)
@@ -123,7 +114,9 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
     for _, kind, option in ranked:
         order.append((counts[kind], option))
         counts[kind] += 1
-    return [option for _, option in sorted(order, key=lambda row: row[0])]
+    options = [option for _, option in sorted(order, key=lambda row: row[0])]
+    first = search.passed_over % len(options)
+    return options[first:] + options[:first]
 
 
 def _kind(tool: Pose) -> tuple[int, bool]:
@@ -161,14 +154,15 @@ def _from_above(search: Search, situation: Situation, entity: str) -> list[tuple
     turns = [first + turn * math.pi / (4 if round_body else 2) for turn in range(8 if round_body else 4)]
     # Half a turn gives the same grasp, so the nearer one of each pair of opposite headings is enough.
     yaws = sorted(turns, key=lambda angle: -math.cos(angle - heading))[: len(turns) // 2]
-    candidates = []
+    candidates, limit, widths = [], search.robot.opening - CLEARANCE, []
     for yaw in yaws:
         opening = (-math.sin(yaw), math.cos(yaw), 0.0)
         width = width_along(shape, pose.quaternion, opening)
-        if width <= search.robot.opening - CLEARANCE:
+        widths.append(width)
+        if width <= limit:
             candidates.append((Pose((x, y, height), multiply(yaw_quaternion(yaw), DOWN)), width))
     if not candidates:
-        raise Failure(NO_GRASP, entity)
+        raise Failure(NO_GRASP, entity, missed=min(widths) - limit)
     if search.scene.shared and shape.traits.even and max(shape.half[:2]) >= LONG:
         # A grasp near either end leaves the other end free for another robot.
         reach, along_x = max(shape.half[:2]) - FROM_END, shape.half[0] > shape.half[1]
@@ -189,7 +183,7 @@ def configure(search: Search, tool: Pose, query: CollisionQuery, near: Joints | 
     """Return a collision-free joint configuration for a tool pose.
 
     Raises:
-        Failure: there are none.
+        Failure: every configuration collides, or there is none for the pose.
     """
     failed = Failure(NO_KINEMATICS_AT, *_touched(query))
     for joints in inverse(search.robot, tool, near):
@@ -210,7 +204,7 @@ def descend(
     With `back`, the second is `LIFT` back along the direction of the fingers instead.
 
     Raises:
-        Failure: there are none.
+        Failure: every configuration collides, or there is none for one of the poses.
     """
     before = backed(tool) if back else raised(tool, LIFT)
     failed: Failure | None = None
@@ -278,7 +272,7 @@ def require_clear(search: Search, joints: Joints, query: CollisionQuery) -> None
     """Check that the acting arm is free of collisions.
 
     Raises:
-        Failure: it is not.
+        Failure: the arm collides with something.
     """
     hit = collide(search, joints, query)
     if hit is not None:

@@ -28,7 +28,7 @@ def sample_initial_state(search: Search, physical: PhysicalTask) -> Snapshot:
     """Return a snapshot that satisfies the facts of the initial state.
 
     Raises:
-        Failure: this attempt failed.
+        Failure: this attempt placed the objects or the arms so that a fact is violated or bodies collide.
     """
     scene = search.scene
     poses = {entity: fixed_pose(scene, entity) for entity in scene.fixed if entity in physical.objects}
@@ -43,7 +43,7 @@ def sample_initial_state(search: Search, physical: PhysicalTask) -> Snapshot:
         snapshot = _bring(search, turn_to(search, snapshot, robot), physical)
     for fact in physical.initial:
         if not fact.is_satisfied(snapshot.situation):
-            raise Failure(RELATION, fact=fact)
+            raise Failure(RELATION, fact=fact, missed=fact.distance(snapshot.situation))
     return snapshot
 
 
@@ -71,7 +71,7 @@ def _bring(search: Search, snapshot: Snapshot, physical: PhysicalTask) -> Snapsh
     """Move the acting arm to where the facts of the initial state have it.
 
     Raises:
-        Failure: it cannot get there.
+        Failure: the arm cannot get there without a collision.
     """
     own = of_robot(physical.initial, snapshot.acting)
     held, over = physical.held.get(snapshot.acting), _place(own, Gripper.OVER)

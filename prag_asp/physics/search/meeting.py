@@ -26,7 +26,7 @@ def move_over(search: Search, snapshot: Snapshot, place: str, attempt: int) -> S
     """Move the gripper over a zone or an object, with what it holds.
 
     Raises:
-        Failure: this attempt failed.
+        Failure: the arm cannot get there in this attempt without a collision.
     """
     tool = _tool_over(search, snapshot, place, attempt)
     situation, arm = snapshot.situation, snapshot.arm
@@ -43,7 +43,7 @@ def take_over(search: Search, snapshot: Snapshot, giver: str) -> Snapshot:
     """Let the giver in a handover open its gripper and retreat upwards, when the receiver has grasped the object.
 
     Raises:
-        Failure: it cannot retreat.
+        Failure: the giver cannot retreat without a collision.
     """
     snapshot = turn_to(search, snapshot, giver)
     before, opening, tool = snapshot.arm, search.robot.opening, snapshot.tool

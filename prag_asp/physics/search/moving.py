@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from prag_asp.physics.predicates.grip_torque import grip_load
-from prag_asp.physics.predicates.gripper import SLIPS, slips
+from prag_asp.physics.predicates.grip_friction import SLIPS, held_load, slips
 from prag_asp.physics.search.attempt import (
     LOST,
     NO_KINEMATICS_ABOVE,
@@ -19,7 +18,7 @@ from prag_asp.physics.search.attempt import (
 )
 from prag_asp.physics.search.grasping import LIFT, CollisionQuery, backed, is_downward, near_joints, require_clear
 from prag_asp.physics.situation import Situation
-from prag_asp.physics.world.collisions import colliding
+from prag_asp.physics.world.collisions import colliding, overlap_depth
 from prag_asp.physics.world.support import STEADY, riders, unsupported
 from prag_asp.scene.geometry import Pose, compose, invert, raised
 from prag_asp.scene.robots import Joints
@@ -43,7 +42,7 @@ def raise_arm(search: Search, snapshot: Snapshot) -> Snapshot:
     if held is not None:
         if slips(search.scene, held, snapshot.acting) is not None:
             raise Failure(LOST, held)
-        if grip_load(snapshot.situation, held, snapshot.acting) > SLIPS:
+        if held_load(snapshot.situation, held, snapshot.acting) > SLIPS:
             raise Failure(TWISTS, held)
         poses = move_object(search, snapshot, held, raised(poses[held], LIFT))
     if not is_downward(snapshot.tool):
@@ -95,7 +94,7 @@ def require_free(search: Search, snapshot: Snapshot, touched: str | None = None)
     """Check that the arm of a snapshot is free of collisions; it may touch an object, by default the held one.
 
     Raises:
-        Failure: it is not.
+        Failure: the arm collides with something else.
     """
     arm = snapshot.arm
     require_clear(search, arm.joints, CollisionQuery(snapshot.situation, arm.width, touched or arm.held))
@@ -109,7 +108,7 @@ def verify_objects(search: Search, situation: Situation, changed: Iterable[str])
     """
     pair = colliding(search.simulator, situation, changed, search.objects)
     if pair is not None:
-        raise Failure(OBJECTS_COLLIDE, *pair)
+        raise Failure(OBJECTS_COLLIDE, *pair, missed=overlap_depth(search.simulator, situation, *pair))
     falling = unsupported(situation, search.objects, STEADY)
     if falling is not None:
         raise Failure(UNSUPPORTED, falling)

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from itertools import repeat
 from typing import NamedTuple
+
+import numpy as np
 
 from prag_asp.physics.predicates import Gripper, Ring, Volume
 from prag_asp.physics.predicates.inside import INSIDE
@@ -30,7 +33,8 @@ from prag_asp.physics.world.support import TABLE
 from prag_asp.scene.boxes import Vector, box_of
 from prag_asp.scene.furniture import swept
 from prag_asp.scene.geometry import Pose, Quaternion, extents, yaw_of, yaw_quaternion
-from prag_asp.scene.surfaces import part_boxes
+from prag_asp.scene.scene import Shape
+from prag_asp.scene.surfaces import outlines_meet, turned_boxes, turned_outlines
 
 TRIES = 8  # samples with each spacing
 SPACING = 0.01  # metres between objects on the table, which do not touch then
@@ -39,22 +43,35 @@ NEAR = 0.15  # metres within which people say that an object is beside another
 JITTER = 0.05  # radians by which an object on a support is turned against it, as nothing stands exactly straight
 EDGE = 0.02  # metres to the edge of the table
 
-Neighbour = tuple[float, float, float, float]
-"""The centre of a body seen from above, and the distances along x and y at which another touches it; metres."""
+
+class Neighbour(NamedTuple):
+    """A body that another can meet: its centre seen from above, the distances along x and y at which boxes touch.
+
+    If one of the two has a model, `parts` returns whether their parts are nearer than a spacing with the other at a
+    place, and their boxes alone decide nothing. All in metres.
+    """
+
+    x: float
+    y: float
+    dx: float
+    dy: float
+    parts: Callable[[Vector, float], bool] | None = None
 
 
 class PlacementRequest(NamedTuple):
-    """An object to be placed on a support, or `height` metres above it, so that the facts `about` it hold.
-
-    `ahead` is room for what comes beside it later, `between` for what comes between it and others, ample room first.
-    """
+    """An object to be placed on a support, or `height` metres above it, so that facts hold in a state of a task."""
 
     entity: str
     support: str
-    about: list[Fact]
-    height: float
-    ahead: tuple[Volume, ...]
-    between: tuple[list[SpacingChain], ...]
+    facts: Sequence[Fact]
+    state: int
+    height: float = 0.0
+
+    def isolated(self, situation: Situation) -> tuple[PlacementRequest, Situation]:
+        """Return the request with the facts that matter for its object, and a situation without that object."""
+        entity = self.entity
+        others = situation.with_poses({other: pose for other, pose in situation.poses.items() if other != entity})
+        return self._replace(facts=relevant_facts(self.facts, entity, others)), others
 
 
 def known_support(situation: Situation, entity: str, facts: Iterable[Fact]) -> str | None:
@@ -94,35 +111,27 @@ def choose_support(search: Search, situation: Situation, entity: str, facts: Ite
     return TABLE if possible == [TABLE] else possible[int(search.rng.integers(len(possible)))]
 
 
-def sample_pose(
-    search: Search,
-    situation: Situation,
-    entity: str,
-    support: str,
-    facts: Iterable[Fact],
-    state: int,
-    *,
-    height: float = 0.0,
-) -> Pose:
-    """Return a random pose of an object on a support, or `height` metres above it, that the facts of a state allow.
+def sample_pose(search: Search, situation: Situation, request: PlacementRequest) -> Pose:
+    """Return a random pose for a request.
 
     Raises:
         Failure: the volume is empty, or no sample of it satisfies the facts and is free.
     """
-    facts = list(facts)
-    situation = situation.with_poses({other: pose for other, pose in situation.poses.items() if other != entity})
-    about = relevant_facts(facts, entity, situation)
-    ahead = _ahead(search, situation, entity, support, state)
-    request = PlacementRequest(entity, support, about, height, ahead, spacing_chains(situation, entity, facts))
-    quaternion, volume, everything = _place(search, situation, request)
+    every_fact = request.facts
+    request, situation = request.isolated(situation)
+    entity, support, about, _, height = request
+    # These go through objects that are not placed yet, too.
+    between = spacing_chains(situation, entity, every_fact)
+    quaternion, volume, everything = _place(search, situation, request, between)
     half = extents(situation.shape(entity), quaternion)
     preferred = _close(situation, entity, volume, about)
     room = TABLE_ROOM if support == TABLE else FINGER_ROOM
     favourite = preferred.floor(room) or preferred.floor() or everything
     checked = [fact for fact in about if not shapes_volume(fact, entity)]
     others = kept_apart(situation, about)
-    below = _neighbours(situation, others, support, half, volume.low[2] - height)
-    beside = _neighbours(situation, others, support, half, volume.low[2]) if height > 0.0 else below
+    turned = (situation.shape(entity), quaternion, half)
+    below = _neighbours(situation, others, support, turned, volume.low[2] - height)
+    beside = _neighbours(situation, others, support, turned, volume.low[2]) if height > 0.0 else below
     failed = Failure(RELATION, entity)
     # A held object should be free to come down; if that is impossible it may be held above something.
     for floor, spacing, neighbours in (
@@ -133,7 +142,10 @@ def sample_pose(
         at = volume.sample(floor, search.uniform)
         if at is None:
             continue
-        if any(abs(at[0] - x) < dx + spacing and abs(at[1] - y) < dy + spacing for x, y, dx, dy in neighbours):
+        if any(
+            abs(at[0] - x) < dx + spacing and abs(at[1] - y) < dy + spacing and (parts is None or parts(at, spacing))
+            for x, y, dx, dy, parts in neighbours
+        ):
             failed = Failure(OBJECTS_COLLIDE, entity)
             continue
         pose = Pose(at, quaternion)
@@ -141,7 +153,7 @@ def sample_pose(
         broken = next((fact for fact in checked if not fact.is_satisfied(trial)), None)
         if broken is None:
             return pose
-        failed = Failure(RELATION, fact=broken)
+        failed = Failure(RELATION, fact=broken, missed=broken.distance(trial))
     raise failed
 
 
@@ -153,29 +165,32 @@ def kept_apart(situation: Situation, about: Iterable[Fact]) -> list[str]:
     return [other for other in situation.poses if other not in touched]
 
 
-def _place(search: Search, situation: Situation, request: PlacementRequest) -> tuple[Quaternion, Volume, Floor]:
+def _place(
+    search: Search, situation: Situation, request: PlacementRequest, between: Sequence[list[SpacingChain]]
+) -> tuple[Quaternion, Volume, Floor]:
     """Return the orientation of an object, its volume with that, and the floor of the volume.
 
     The yaw is random. If it leaves no room for the object or for later ones, the object is aligned with the axes
-    instead, which takes the least room.
+    instead, which takes the least room. `between` are chains for what comes between it and others, ample room first.
 
     Raises:
         Failure: the volume is empty.
     """
     first: tuple[Quaternion, Volume, Floor] | None = None
+    ahead = _ahead(search, situation, request)
     for yaw in _yaws(search, situation, request):
         quaternion = yaw_quaternion(yaw)
         whole = placement_volume(situation, request, quaternion)
         # Room for what comes between is ample if possible, else just enough.
         parts = (
             whole.meet(spacing_volume(situation, request.entity, quaternion, chained)) if chained else whole
-            for chained in request.between or ([],)
+            for chained in between or ([],)
         )
         volume, floor = next(((part, floor) for part in parts if (floor := part.floor()) is not None), (whole, None))
         if floor is None:
             continue
         dx, dy, _ = extents(situation.shape(request.entity), quaternion)
-        for room in request.ahead:
+        for room in ahead:
             (ax, ay, az), (bx, by, bz) = room.low, room.high
             inner = room._replace(low=(ax + dx, ay + dy, az), high=(bx - dx, by - dy, bz))
             preferred_volume = volume.meet(inner)
@@ -185,17 +200,18 @@ def _place(search: Search, situation: Situation, request: PlacementRequest) -> t
             ):
                 return quaternion, preferred_volume, preferred_floor
         first = first or (quaternion, volume, floor)
-        if not request.ahead:
+        if not ahead:
             break
     if first is None:
         raise Failure(EMPTY_VOLUME, request.entity)
     return first
 
 
-def _ahead(search: Search, situation: Situation, entity: str, support: str, state: int) -> tuple[Volume, ...]:
+def _ahead(search: Search, situation: Situation, request: PlacementRequest) -> tuple[Volume, ...]:
     """Return the volumes in which an object leaves ample room for later ones, and just enough."""
-    rooms = search.foresight.get((state, entity), ()) if support == TABLE else ()
-    spans = [span for span in search.spans.get((state, entity), ()) if span.other in situation.poses]
+    key = (request.state, request.entity)
+    rooms = search.foresight.get(key, ()) if request.support == TABLE else ()
+    spans = [span for span in search.spans.get(key, ()) if span.other in situation.poses]
     if not spans:
         return rooms
     volumes = []
@@ -214,7 +230,7 @@ def placement_volume(situation: Situation, request: PlacementRequest, quaternion
     An object on the table has to be in the workspace and within reach. It may be anywhere on the table if it is known
     to be out of reach, and anywhere in the workspace if several robots share the table.
     """
-    entity, support, about, height, *_ = request
+    entity, support, about, _, height = request
     out_of_reach = any(fact.predicate.gripper is Gripper.REACHES and not fact.value for fact in about)
     if support != TABLE:
         # A body from a file with a cavity can bear others on its rim, too.
@@ -255,29 +271,52 @@ def _close(situation: Situation, entity: str, volume: Volume, about: Iterable[Fa
     return volume
 
 
-def _neighbours(situation: Situation, others: Iterable[str], support: str, half: Vector, z: float) -> list[Neighbour]:
-    """Return the others that the bounding box of an object at a height can meet, without containers it is put into.
+def _neighbours(
+    situation: Situation, others: Iterable[str], support: str, turned: tuple[Shape, Quaternion, Vector], z: float
+) -> list[Neighbour]:
+    """Return the others that an object at a height can meet, without containers it is put into.
 
-    Furniture has the bounding boxes of its body and of the swept moving part, a body from a file those of its parts.
+    `turned` has the shape of the object, its orientation, and the half-sides of its bounding box. Furniture has the
+    bounding boxes of its body and of the swept moving part.
     """
     neighbours = []
+    own, quaternion, half = turned
     for other in others:
         shape, boxes = situation.scene.shapes[other], [box(situation, other)]
-        if shape.traits.hollow and support != TABLE:
+        if support != TABLE and (shape.traits.hollow or (other == support and shape.hollow)):
             continue
         if shape.traits.furniture:
             boxes = [box_of(corners) for corners in swept(shape, situation.pose(other))]
-        elif shape.model is not None:
-            boxes = part_boxes(shape, situation.pose(other))
+        elif shape.model is not None or own.model is not None:
+            parts = partial(parts_meet, own, quaternion, shape, situation.pose(other), z)
+            ((x, y, other_z), (half_x, half_y, half_z)) = boxes[0]
+            if abs(z - other_z) < half[2] + half_z + COLLISION:
+                neighbours.append(Neighbour(x, y, half_x + half[0], half_y + half[1], parts))
+            continue
         for (x, y, other_z), (half_x, half_y, half_z) in boxes:
             if abs(z - other_z) < half[2] + half_z + COLLISION:
-                neighbours.append((x, y, half_x + half[0], half_y + half[1]))
+                neighbours.append(Neighbour(x, y, half_x + half[0], half_y + half[1]))
     return neighbours
+
+
+def parts_meet(
+    own: Shape, quaternion: Quaternion, other: Shape, pose: Pose, z: float, at: Vector, spacing: float
+) -> bool:
+    """Return whether the parts of an object, at a place and height, may be nearer than a spacing to those of another.
+
+    Seen from above they are their convex outlines.
+    """
+    ours, theirs = (np.array(turned_boxes(*each)) for each in ((own, quaternion), (other, pose.quaternion)))
+    offset = np.array((at[0], at[1], z)) - pose.position
+    apart = np.abs(offset + ours[:, None, 0] - theirs[None, :, 0]) - ours[:, None, 1] - theirs[None, :, 1]
+    one, two = turned_outlines(own, quaternion), turned_outlines(other, pose.quaternion)
+    close = np.argwhere((apart < (spacing, spacing, COLLISION)).all(axis=2))
+    return any(outlines_meet(one[i] + offset[:2], two[j], spacing) for i, j in close)
 
 
 def _yaws(search: Search, situation: Situation, request: PlacementRequest) -> Iterator[float]:
     """Yield yaws in radians: in required ranges, else random and then axis-aligned, on a support along it."""
-    ranges = yaw_ranges(situation, request.entity, request.about)
+    ranges = yaw_ranges(situation, request.entity, request.facts)
     if ranges is not None:
         yield from sample_yaws(search, ranges)
         return

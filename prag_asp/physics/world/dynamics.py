@@ -10,7 +10,7 @@ from itertools import combinations
 from typing import NamedTuple
 
 from prag_asp.physics.bullet import STDOUT, mute_output, pybullet
-from prag_asp.physics.predicates.gripper import FINGER_FRICTION
+from prag_asp.physics.predicates.grip_friction import FINGER_FRICTION
 from prag_asp.physics.robot.robot_files import robot_file
 from prag_asp.physics.witness import ROBOT_PARTS, Arm, Moment
 from prag_asp.physics.world.bodies import body_pose, make_body, make_table, parking_place, put_body

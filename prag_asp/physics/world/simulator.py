@@ -136,7 +136,7 @@ class Simulator:
         """Return the pose of an object in the simulator.
 
         Raises:
-            SceneError: it has no body.
+            SceneError: the entity has no body.
         """
         return body_pose(self.client, self.scene, entity, self.body(entity))
 
@@ -144,7 +144,7 @@ class Simulator:
         """Return the id of an object's body.
 
         Raises:
-            SceneError: it has none.
+            SceneError: the entity has no body.
         """
         if entity not in self.bodies:
             raise SceneError(f"{entity} has no body; give its class a shape under [scene.shapes]")

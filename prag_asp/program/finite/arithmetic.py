@@ -113,7 +113,7 @@ def compute(expression: Expression, values: Mapping[str, clingo.Symbol]) -> int:
 
     Raises:
         OutOfRange: the value or an intermediate result is out of range.
-        Undefined: it has no value.
+        Undefined: the expression has no value.
     """
     return next(_values(expression, values))
 

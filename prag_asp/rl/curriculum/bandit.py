@@ -31,7 +31,7 @@ DIGITS = Context(prec=40)
 
 
 @dataclass(frozen=True)
-class Bandit:
+class BanditCurriculum:
     """EXP3 over arms that are action names, pairs of names, or classes.
 
     A pull of an arm is a `lot` of episodes whose tasks are sampled with `EMPHASIS` times the weight for it. Its gain is
@@ -67,7 +67,7 @@ class Bandit:
 class BanditSampler:
     """Samples tasks by the weights of the arm that is pulled."""
 
-    def __init__(self, curriculum: Bandit, pool: TaskPool):
+    def __init__(self, curriculum: BanditCurriculum, pool: TaskPool):
         self._curriculum, self._pool = curriculum, pool
         self._exploration = parse_share("exploration", curriculum.exploration, positive=True)
         self._keys = ActionKeys(pool.space.domain.facts)

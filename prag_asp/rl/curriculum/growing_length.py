@@ -12,7 +12,7 @@ from prag_asp.space.weights.weights import Number
 
 
 @dataclass(frozen=True)
-class Lengths:
+class LengthCurriculum:
     """Begin with the shortest tasks of a space, and go on to longer ones as the agent succeeds.
 
     The next length is added when a share of `threshold` of the last `window` episodes with tasks of the longest length
@@ -31,15 +31,15 @@ class Lengths:
         Mastery.of(self.threshold, self.window)
         parse_share("review", self.review)
 
-    def task_sampler(self, pool: TaskPool) -> LengthsSampler:
+    def task_sampler(self, pool: TaskPool) -> LengthSampler:
         """Return a sampler of the tasks of a pool."""
-        return LengthsSampler(self, pool)
+        return LengthSampler(self, pool)
 
 
-class LengthsSampler:
+class LengthSampler:
     """Samples tasks of growing length."""
 
-    def __init__(self, curriculum: Lengths, pool: TaskPool):
+    def __init__(self, curriculum: LengthCurriculum, pool: TaskPool):
         self._pool, self._lengths = pool, pool.lengths
         self._review = parse_share("review", curriculum.review)
         self._mastery = Mastery.of(curriculum.threshold, curriculum.window)

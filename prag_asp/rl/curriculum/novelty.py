@@ -36,7 +36,7 @@ EMPHASIS, HALF = 64, Fraction(1, 2)
 
 
 @dataclass(frozen=True)
-class Novelty:
+class NoveltyCurriculum:
     """Sample what was not sampled yet: `what` is "tasks", "skeletons", or the "names" of actions or "pairs" of them.
 
     Tasks are sampled without replacement, in uniformly random order; so are skeletons, each with one of its tasks by
@@ -76,8 +76,9 @@ class _Tasks:
 
     def word(self, number: int, seed: int) -> tuple[Word, Fraction]:
         """Return the task of a number."""
-        part = self._pool.part
-        length, rank = _found(self._stretches, number if part is None else part[number])
+        if self._pool.part is not None:
+            return self._pool.part.word(number), Fraction(1)
+        length, rank = _found(self._stretches, number)
         return self._pool.at(length).plan_at(rank), Fraction(1)
 
 

@@ -38,7 +38,7 @@ def require_inside(path: Path, folder: Path) -> None:
     """Check that a file exists inside a folder.
 
     Raises:
-        SceneError: it does not.
+        SceneError: the file does not exist, or is outside the folder.
     """
     if not is_inside(path, folder):
         raise SceneError(f"{path}: lies outside the domain; copy it into {folder}")

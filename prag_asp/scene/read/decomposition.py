@@ -33,7 +33,7 @@ PARAMETERS = {
 """CoACD's own defaults, stated here because results depend on them; the threshold is a share of the mesh's size."""
 
 LONGEST = 300.0
-"""The most seconds that a decomposition takes: a mesh of 100,000 triangles takes a minute, a tangle takes for ever."""
+"""The most seconds that a decomposition takes. Some 2,000 triangles take 9 s; CoACD has no bound of its own."""
 
 LARGEST = 64_000_000
 """The largest size of a cached decomposition in bytes."""

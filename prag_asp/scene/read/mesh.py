@@ -15,16 +15,19 @@ from functools import lru_cache
 from io import BytesIO
 from itertools import chain, pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.errors import LimitReached, SceneError
 from prag_asp.safe_reading import read_bytes
-from prag_asp.scene.read.scene_values import SMALLEST
 
 LARGEST = 32_000_000
 """The largest size in bytes of a mesh file, or of a file that it refers to, such as a buffer of a .gltf."""
+
+FLATTEST = 0.0005
+"""The smallest thickness of a part of a mesh in metres: simulators do not collide with the hull of a flatter one."""
 
 HEADER, TRIANGLE = 84, 50
 """The bytes of the header of a binary .stl, and of each triangle."""
@@ -87,14 +90,14 @@ def _concave(part: Part) -> bool:
     """Return whether a part is concave; one that is too thin for a hull is not."""
     from prag_asp.scene.read.convex import is_convex  # noqa: PLC0415 - few domains have meshes
 
-    return thickness(_corners(part)) >= SMALLEST and not is_convex(np.array(part, dtype=float))
+    return thickness(_corners(part)) >= FLATTEST and not is_convex(np.array(part, dtype=float))
 
 
 def file_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[Part, ...]:
     """Return the triangles of each part of a mesh in its file, multiplied by a scale along each axis.
 
     The parts of an .obj are its objects and groups, those of a .glb, .gltf or .dae its nodes. If one of them is thinner
-    than `SMALLEST` metres, the mesh has only one part.
+    than `FLATTEST` metres, the mesh has only one part.
 
     Raises:
         SceneError: the file cannot be read, is of another format, or has no faces or no finite points.
@@ -103,7 +106,7 @@ def file_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[Part, ...]:
         tuple((_scaled(one, scale), _scaled(two, scale), _scaled(three, scale)) for one, two, three in part)
         for part in _parts(path)
     )
-    if len(scaled) > 1 and min(thickness(_corners(part)) for part in scaled) < SMALLEST:
+    if len(scaled) > 1 and min(thickness(_corners(part)) for part in scaled) < FLATTEST:
         return (tuple(chain.from_iterable(scaled)),)
     return scaled
 
@@ -251,6 +254,16 @@ def read_by_trimesh(path: str, content: bytes) -> list[NDArray[np.float64]]:
         SceneError: trimesh is not installed.
         ValueError: the file is not a mesh.
     """
+    return [np.asarray(mesh.triangles, dtype=float) for mesh in trimesh_parts(path, content)]
+
+
+def trimesh_parts(path: str, content: bytes) -> list[Any]:
+    """Return the parts of a mesh file as meshes of trimesh, in the unit of the file.
+
+    Raises:
+        SceneError: trimesh is not installed.
+        ValueError: the file is not a mesh.
+    """
     try:
         import trimesh  # noqa: PLC0415 - an extra
     except ImportError:
@@ -259,7 +272,6 @@ def read_by_trimesh(path: str, content: bytes) -> list[NDArray[np.float64]]:
     kind = Path(path).suffix.lower().removeprefix(".")
     try:
         scene = trimesh.load_scene(BytesIO(content), file_type=kind, resolver=FilesBeside(Path(path).parent))
-        meshes = [each for each in scene.dump() if isinstance(each, trimesh.Trimesh)]
+        return [each for each in scene.dump() if isinstance(each, trimesh.Trimesh)]
     except Exception as error:  # its readers raise whatever they meet in a broken file
         raise ValueError(" ".join(str(error).split())[:200] or type(error).__name__) from error
-    return [np.asarray(mesh.triangles, dtype=float) for mesh in meshes]

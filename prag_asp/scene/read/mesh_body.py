@@ -12,9 +12,10 @@ from prag_asp.errors import SceneError
 from prag_asp.scene.read.asset_paths import require_inside
 from prag_asp.scene.read.body import body_shape, ends, roll_pitch_yaw, solid_mass, stable_rotations, turned_shape
 from prag_asp.scene.read.decomposition import can_decompose
+from prag_asp.scene.read.looks.surfaces import mesh_surfaces
 from prag_asp.scene.read.mesh import is_concave
 from prag_asp.scene.read.stability import rotation, surface_points
-from prag_asp.scene.scene import Shape, Solid
+from prag_asp.scene.scene import Look, Shape, Solid
 from prag_asp.tables.report import TableEntry, is_number
 
 UPWARD: Mapping[str, tuple[float, float, float]] = {
@@ -61,9 +62,13 @@ def read_mesh_body(entry: TableEntry, folder: Path) -> Shape | None:
     angles = entry.at("rotation", [0.0, 0.0, 0.0]).numbers(3, "degrees about x, y and z")
     mass = entry.at("mass").number(*MASSES, "kilograms") if "mass" in entry.value else None
     rests = entry.at("rests", RESTS[0]).choice(RESTS)
+    visual = folder / str(entry.value.get("visual", entry.value.get("path")))
+    if not isinstance(entry.value.get("visual", ""), str):
+        entry.at("visual").needs("the path of the mesh that is seen, in the folder of the domain")
     if not entry.is_sound or sides is None or up is None or angles is None:
         return None
-    require_inside(path, folder)
+    for each in (path, visual):
+        require_inside(each, folder)
     x, y, z = map(float, sides)
     solid = Solid("mesh", (x, y, z), mesh=str(path))
     list(ends(solid))
@@ -71,11 +76,15 @@ def read_mesh_body(entry: TableEntry, folder: Path) -> Shape | None:
         remedy = 'pip install "prag_asp[meshes]" to divide it, or give an .obj with a convex object for each part'
         raise SceneError(f"{path}: the mesh is not convex; {remedy}")
     uniform = solid_mass([solid])
-    first, second = (np.array(rotation(_radians(each))) for each in (UPWARD[up], angles))
+    first, second = (
+        np.array(rotation((math.radians(x), math.radians(y), math.radians(z)))) for x, y, z in (UPWARD[up], angles)
+    )
     rows = second @ first
     properties = uniform if mass is None else uniform.scaled(mass)
     turned = solid._replace(turn=roll_pitch_yaw(rows))
-    shape = body_shape("mesh", [turned], properties.moved(rows, np.zeros(3)))
+    look = Look(turned._replace(mesh=str(visual)), str(folder))
+    mesh_surfaces(look.solid.mesh, look.folder)
+    shape = body_shape("mesh", [turned], properties.moved(rows, np.zeros(3)), looks=[look])
     return shape if rests == RESTS[0] else _lying(shape, anyhow=rests == "any")
 
 
@@ -83,7 +92,7 @@ def _lying(shape: Shape, anyhow: bool) -> Shape:
     """Return the shape of a body in the stable pose with the lowest centre of mass, on its side unless `anyhow`.
 
     Raises:
-        SceneError: there is none.
+        SceneError: the body rests stably in no pose.
     """
     assert shape.model is not None
     poses = list(stable_rotations(surface_points(shape.model.solids), np.array(shape.model.centre)))
@@ -95,9 +104,3 @@ def _lying(shape: Shape, anyhow: bool) -> Shape:
     return turned_shape(
         shape, max((rows for low, rows in sideways if low <= height + 1e-6), key=lambda rows: rows[2, 2])
     )
-
-
-def _radians(degrees: tuple[float, ...]) -> tuple[float, float, float]:
-    """Return three angles in radians."""
-    x, y, z = map(math.radians, degrees)
-    return (x, y, z)

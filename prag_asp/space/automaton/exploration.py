@@ -220,7 +220,7 @@ class _BreadthFirst:
         renamings = Renamings(
             np.concatenate([some.multiplicities for some in edges]),
             np.concatenate([some.order_of for some in edges]),
-            _unpack(self._orders.rows, self._merging.size),
+            np.ascontiguousarray(self._orders.rows).view(np.uint16)[:, : self._merging.size].astype(np.int64),
             np.concatenate([np.zeros((0, self._merging.size), dtype=np.bool_), *self._twins]),
         )
         return Exploration(automaton, labels, stop, renamings)
@@ -231,10 +231,6 @@ def _pack(orders: Orders) -> Rows:
     short = np.zeros((len(orders), -(-orders.shape[1] // 4) * 4), dtype=np.uint16)
     short[:, : orders.shape[1]] = orders
     return short.view(np.uint64)
-
-
-def _unpack(rows: Rows, entities: int) -> Orders:
-    return np.ascontiguousarray(rows).view(np.uint16)[:, :entities].astype(np.int64)
 
 
 @dataclass(frozen=True)

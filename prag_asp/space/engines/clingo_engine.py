@@ -116,7 +116,7 @@ class ClingoEngine:
         """Return the words of a length with their weights, by enumerating them all.
 
         Raises:
-            EngineError: there are too many.
+            EngineError: there are too many words to list.
             LimitReached: a limit ended the search; the error has the number of words found so far.
         """
         return weigh_words(self._listed(length), self.letters, self._model, self._level, length, weights, goals)

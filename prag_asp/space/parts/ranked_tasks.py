@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count as numbers_from
 from itertools import takewhile
 from typing import Protocol, overload
 
 from prag_asp.errors import QueryError
+from prag_asp.space.parts.shares import divided, parse_shares
 from prag_asp.space.parts.shuffle import Shuffle
+from prag_asp.space.weights.weights import Number
 from prag_asp.task import Task
 from prag_asp.wording import plural
 
@@ -101,6 +103,16 @@ class ShuffledRanks:
         return ShuffledRanks(self.order, self.places.cut(places))
 
 
+def divided_ranks(count: int, shares: Mapping[str, Number | float], seed: int) -> dict[str, ShuffledRanks]:
+    """Return disjoint random parts of the ranks below `count`, with shares of them that are rounded by less than one.
+
+    Raises:
+        QueryError: the shares are not numbers above 0 that add up to 1.
+    """
+    order, parts = Shuffle(count, seed), divided(count, parse_shares(shares))
+    return {name: ShuffledRanks(order, RankRange(places)) for name, places in parts.items()}
+
+
 @dataclass(frozen=True)
 class RankedTasks:
     """An ordered subset of the tasks of a space: counted, indexed, sliced, tested and sampled without listing them."""
@@ -159,7 +171,7 @@ class RankedTasks:
         A smaller sample of distinct tasks is a prefix of a larger one with the same seed.
 
         Raises:
-            QueryError: there are too few.
+            QueryError: more distinct tasks are requested than there are.
         """
         size = self.count()
         if count < 0 or (count and not size) or (distinct and count > size):

@@ -25,6 +25,7 @@ from tests.physics.scenarios import HANDOVER, carrying, stacking
 
 PLAIN = {"__future__", "collections.abc", "dataclasses", "functools", "itertools", "pathlib", "re", "typing"}
 ALLOWED = PLAIN | {"numpy", "numpy.typing", "pybullet_data", "prag_asp.scene.scene", "prag_asp.scene.predicate_names"}
+ALLOWED |= {"prag_asp.scene.read.mesh"}  # the convex parts, which are data of the scene
 
 FETCH = ("open(panda,{0})", "approach(panda,{1},{0})", "grasp(panda,{1})", "move(panda,{1},{2})")
 FETCH += ("drop(panda,{1})", "withdraw(panda,{1})", "close(panda,{0})")

@@ -15,7 +15,7 @@ from prag_asp.physics.demonstration.contacts import DEEPEST, FACTOR, FIRM, Inten
 from prag_asp.physics.demonstration.performance import Performer, open_performer
 from prag_asp.physics.motion.carried_motion import MOST, bearable_acceleration, peak_acceleration, time_carried
 from prag_asp.physics.motion.trajectory import joint_limits, time_path
-from prag_asp.physics.predicates.grip_torque import grip_load, mean_radius
+from prag_asp.physics.predicates.grip_friction import held_load, mean_radius
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.search.attempt import NO_GRASP, OVERBEARING, SLIPPED, TWISTS
 from prag_asp.physics.situation import Situation
@@ -174,7 +174,7 @@ def test_a_grip_beside_the_middle_bears_less(chance: Chance) -> None:
     for beside in (0.0, 0.004, 0.10):
         rod = {"rod": Pose((0.5 + beside, 0.0, 0.12))}
         at = Situation(scene, rod, {"panda": Arm(PANDA.home, 0.07)}, {}, {"panda": down})
-        loads.append(grip_load(at, "rod", "panda"))
+        loads.append(held_load(at, "rod", "panda"))
     force, most = 0.40 * 0.07 * 0.24 * 200 * 9.81, 2 * 1.4 * 0.7 * 12.0
     assert loads[0] == pytest.approx(force / most)
     assert loads[1] == pytest.approx(math.hypot(force, force * 0.004 / mean_radius(0.0176, 0.0176)) / most)

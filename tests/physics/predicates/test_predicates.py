@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from prag_asp.errors import SceneError
 from prag_asp.physics import PREDICATES
 from prag_asp.physics.predicates import predicate_of
-from prag_asp.physics.predicates.gripper import grip_width
+from prag_asp.physics.predicates.grip_geometry import grip_width
 from prag_asp.physics.predicates.volume import Volume
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import Fact

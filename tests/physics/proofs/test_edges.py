@@ -8,8 +8,8 @@ from dataclasses import replace
 import pytest
 
 from prag_asp.physics import Budget, check_witness, open_validator, validate_task
-from prag_asp.physics.predicates import gripper
-from prag_asp.physics.predicates.gripper import GRAVITY, SLIPS, bearable
+from prag_asp.physics.predicates import grip_geometry
+from prag_asp.physics.predicates.grip_friction import GRAVITY, SLIPS, bearable
 from prag_asp.physics.proofs.prover import Impossibility, Prover
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.search import moving
@@ -97,7 +97,7 @@ def test_the_check_of_a_witness_demands_that_the_fingers_stay_above_what_they_ho
     made = scene((0.05, 0.05, 0.013))
     witness = validate_task(LIFTED, made, seed=1).witness
     assert witness is not None and check_witness(LIFTED, witness, made) == []
-    monkeypatch.setattr(gripper, "TIP_ROOM", gripper.TIP_ROOM + 0.001)
+    monkeypatch.setattr(grip_geometry, "TIP_ROOM", grip_geometry.TIP_ROOM + 0.001)
     assert any("the fingers reach below cube_1" in text for text in check_witness(LIFTED, witness, made))
 
 

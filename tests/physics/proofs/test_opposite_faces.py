@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 from prag_asp.physics.grasps.opposite_faces import exceeds_opening
 from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.physics.predicates import PREDICATES
+from prag_asp.scene.read.convex import convex_hull
 from prag_asp.scene.robots.panda import PANDA
 from prag_asp.scene.scene import BodyModel, Scene, Shape, Solid
 from prag_asp.scene.surfaces import part_surfaces
 from tests.chance import Chance
+from tests.independent.antipodes import gripped, random_body
 
 GRIPPER = ParallelGripper.of(PANDA)
 FRICTION = 0.98
@@ -106,6 +108,24 @@ def test_no_body_that_is_proved_too_wide_has_an_antipodal_grasp(chance: Chance) 
             proved += 1
             assert narrowest_pinch(parts, draws) > GRIPPER.opening
     assert proved >= 2
+
+
+def test_no_random_shape_that_is_proved_too_wide_is_gripped_by_two_pads(chance: Chance) -> None:
+    rng, proved = np.random.default_rng(chance.seed(2)), 0
+    for _ in range(chance.examples(40)):
+        _, corners = random_body(rng, ("block", "cone", "profile", "stone"))
+        if exceeds_opening([convex_hull(part) for part in corners], GRIPPER, FRICTION):
+            proved += 1
+            assert gripped(corners, GRIPPER.opening, FRICTION, rng, 60) is None
+    assert proved >= 2
+
+
+def test_the_search_for_grips_finds_those_that_are_there() -> None:
+    rng = np.random.default_rng(0)
+    sides = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) / 2
+    assert gripped([sides * (0.078, 0.2, 0.2)], 0.08, FRICTION, rng, 60) is not None
+    assert gripped([sides * (0.081, 0.2, 0.2)], 0.08, FRICTION, rng, 60) is None
+    assert gripped([sides * 0.2, sides * (0.01, 0.06, 0.1) + (0.0, 0.0, 0.15)], 0.08, FRICTION, rng, 200) is not None
 
 
 def test_a_rougher_body_or_a_wider_gripper_is_proved_less_often() -> None:

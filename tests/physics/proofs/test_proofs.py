@@ -11,7 +11,7 @@ import pytest
 
 from prag_asp.physics import PREDICATES
 from prag_asp.physics.predicates.gaps import ORIGIN, Gap
-from prag_asp.physics.predicates.gripper import grip_width
+from prag_asp.physics.predicates.grip_geometry import grip_width
 from prag_asp.physics.proofs.prover import Impossibility, Prover
 from prag_asp.physics.proofs.reasons import impossible_row, lowest, own_reasons
 from prag_asp.physics.situation import Situation

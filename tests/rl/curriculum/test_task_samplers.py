@@ -16,7 +16,7 @@ import pytest
 from prag_asp import Task, TaskSpace, load_domain
 from prag_asp.atom import Atom
 from prag_asp.errors import QueryError
-from prag_asp.rl import Adaptive, Backwards, Bandit, Lengths, Novelty
+from prag_asp.rl import AdaptiveCurriculum, BanditCurriculum, LengthCurriculum, NoveltyCurriculum, ReverseCurriculum
 from prag_asp.rl.curriculum.task_pool import Proposal, TaskPool, Word, sample_index
 from prag_asp.rl.curriculum.task_sampler import (
     Attempt,
@@ -28,9 +28,11 @@ from prag_asp.rl.curriculum.task_sampler import (
 from tests.chance import Chance
 
 KINDS: Sequence[TaskCurriculum] = (
-    Lengths(window=4), Novelty("tasks"), Novelty("skeletons"), Novelty("names"), Novelty("pairs"), Adaptive(lot=8),
-    Bandit(lot=8),
-)  # fmt: skip
+    LengthCurriculum(window=4),
+    *(NoveltyCurriculum(what) for what in ("tasks", "skeletons", "names", "pairs")),
+    AdaptiveCurriculum(lot=8),
+    BanditCurriculum(lot=8),
+)
 NAMES = [str(kind) for kind in KINDS]
 
 
@@ -105,13 +107,13 @@ def test_what_is_held_out_is_never_drawn(
 def test_probabilities_are_those_of_a_brute_force(space: TaskSpace, tasks: dict[Word, Task]) -> None:
     pool, count = TaskPool(space), len(tasks)
     assert {offer.probability for offer in lived(DomainWeightsSampler(pool), space, 20, bool)} == {Fraction(1, count)}
-    order = lived(Novelty("tasks").task_sampler(pool), space, count + 1, bool)
+    order = lived(NoveltyCurriculum("tasks").task_sampler(pool), space, count + 1, bool)
     assert {offer.word for offer in order[:-1]} == set(tasks)
     assert [offer.probability for offer in order] == [Fraction(1, count - i) for i in range(count)] + [
         Fraction(1, count)
     ]
     skeletons = Counter(tuple(names(word)) for word in tasks)
-    each = lived(Novelty("skeletons").task_sampler(pool), space, len(skeletons), bool)
+    each = lived(NoveltyCurriculum("skeletons").task_sampler(pool), space, len(skeletons), bool)
     assert {tuple(names(offer.word)) for offer in each} == set(skeletons)
     for i, offer in enumerate(each):
         shape = tuple(names(offer.word))
@@ -124,7 +126,7 @@ def test_every_draw_has_something_that_is_due_as_probably_as_it_should(
 ) -> None:
     have = {word: pairs(word) if what == "pairs" else set(names(word)) for word in tasks}
     every = set().union(*have.values())
-    course = Novelty(what).task_sampler(TaskPool(space))  # type: ignore[arg-type]
+    course = NoveltyCurriculum(what).task_sampler(TaskPool(space))  # type: ignore[arg-type]
     course.seed(2)
     due: set[str] = set(every)
     for _ in range(12):
@@ -139,7 +141,7 @@ def test_every_draw_has_something_that_is_due_as_probably_as_it_should(
 def test_what_is_rare_and_due_is_weighed_up_and_still_exact() -> None:
     space = TaskSpace(load_domain("prag"), length=4)
     all_words = list(space.enumerate())
-    course = Novelty("pairs").task_sampler(TaskPool(space))
+    course = NoveltyCurriculum("pairs").task_sampler(TaskPool(space))
     counts = Counter(pair for word in all_words for pair in pairs(word))
     rarest = min(counts, key=lambda pair: (counts[pair], pair))
     assert counts[rarest] < len(all_words) / 100, "it is not rare"
@@ -158,7 +160,7 @@ def test_what_is_rare_and_due_is_weighed_up_and_still_exact() -> None:
 def test_a_rare_name_that_is_also_that_of_a_class_is_waited_for(tmp_path: Path) -> None:
     program = "class(ball). entity(red,ball). fluent(on). action(ball). action(hit). action(rest(1..98))."
     (tmp_path / "domain.lp").write_text(f"{program} postcondition(ball,on,true). postcondition(hit,on,false).")
-    course = Novelty("names").task_sampler(TaskPool(TaskSpace(load_domain(tmp_path), length=1)))
+    course = NoveltyCurriculum("names").task_sampler(TaskPool(TaskSpace(load_domain(tmp_path), length=1)))
     drawn = []
     for _ in range(3):
         drawn += course.propose().word
@@ -172,7 +174,7 @@ def test_a_rare_name_that_is_also_that_of_a_class_is_waited_for(tmp_path: Path) 
 
 def test_lengths_come_one_after_another_with_their_shares() -> None:
     spaces = TaskSpace(load_domain("prag"), range(1, 4))
-    course = Lengths(threshold=0.75, window=4, review=0.5).task_sampler(TaskPool(spaces))
+    course = LengthCurriculum(threshold=0.75, window=4, review=0.5).task_sampler(TaskPool(spaces))
     sizes = {length: spaces.at(length).count() for length in (1, 2, 3)}
     shares = {1: {1: Fraction(1)}, 2: dict.fromkeys((1, 2), Fraction(1, 2))}
     shares[3] = {1: Fraction(1, 4), 2: Fraction(1, 4), 3: Fraction(1, 2)}
@@ -192,7 +194,7 @@ def test_lengths_come_one_after_another_with_their_shares() -> None:
 def test_success_becomes_weights_and_the_probability_is_that_of_the_mixture(
     space: TaskSpace, tasks: dict[Word, Task]
 ) -> None:
-    course = Adaptive(exploration=0.25, lot=40, window=4).task_sampler(TaskPool(space))
+    course = AdaptiveCurriculum(exploration=0.25, lot=40, window=4).task_sampler(TaskPool(space))
     pick = next(task for word, task in tasks.items() if names(word) == ["approach", "grasp"]).actions
     other = next(task for word, task in tasks.items() if names(word) == ["follow", "move"]).actions
     for number in range(40):
@@ -214,7 +216,7 @@ def test_success_becomes_weights_and_the_probability_is_that_of_the_mixture(
 
 
 @pytest.mark.parametrize(
-    "kind", [Adaptive(exploration=0.25, lot=8, window=4), Bandit(lot=6)], ids=["Adaptive", "Bandit"]
+    "kind", [AdaptiveCurriculum(exploration=0.25, lot=8, window=4), BanditCurriculum(lot=6)], ids=["adaptive", "bandit"]
 )
 def test_lengths_and_weights_of_the_domain_are_in_the_probability(kind: TaskCurriculum) -> None:
     usual = {"grasp": Fraction(3), "can": Fraction(1, 2), "move>drop": Fraction(5)}
@@ -261,7 +263,9 @@ def plan(space: TaskSpace, word: Word) -> list[object]:
     return [symbols[action] for action in word]
 
 
-@pytest.mark.parametrize("kind", [Adaptive(lot=10, exploration=0.3), Bandit(lot=10)], ids=["Adaptive", "Bandit"])
+@pytest.mark.parametrize(
+    "kind", [AdaptiveCurriculum(lot=10, exploration=0.3), BanditCurriculum(lot=10)], ids=["adaptive", "bandit"]
+)
 def test_importance_weights_give_back_the_mean_of_uniform_draws(
     kind: TaskCurriculum, chance: Chance, space: TaskSpace, tasks: dict[Word, Task]
 ) -> None:
@@ -277,7 +281,9 @@ def test_importance_weights_give_back_the_mean_of_uniform_draws(
 
 
 @pytest.mark.parametrize(
-    "kind", [Adaptive(lot=20, window=4, exploration=0.3), Novelty("names")], ids=["Adaptive", "Novelty"]
+    "kind",
+    [AdaptiveCurriculum(lot=20, window=4, exploration=0.3), NoveltyCurriculum("names")],
+    ids=["adaptive", "novelty"],
 )
 def test_what_is_passed_over_for_a_part_counts_as_draws_of_the_same_mixture(
     kind: TaskCurriculum, chance: Chance, space: TaskSpace, tasks: dict[Word, Task]
@@ -297,7 +303,7 @@ def test_what_is_passed_over_for_a_part_counts_as_draws_of_the_same_mixture(
 
 
 def test_what_no_task_of_the_part_has_does_not_stay_due(space: TaskSpace) -> None:
-    course = Novelty("names").task_sampler(TaskPool(space, space[7:9].ranks))
+    course = NoveltyCurriculum("names").task_sampler(TaskPool(space, space[7:9].ranks))
     for _ in range(4):
         offer = course.propose()
         assert offer.word in (space.plan_at(7), space.plan_at(8))
@@ -306,12 +312,12 @@ def test_what_no_task_of_the_part_has_does_not_stay_due(space: TaskSpace) -> Non
 
 def test_a_part_of_one_task_is_found_among_skeletons(space: TaskSpace) -> None:
     part = space[7:8]
-    course = Novelty("skeletons").task_sampler(TaskPool(space, part.ranks))
+    course = NoveltyCurriculum("skeletons").task_sampler(TaskPool(space, part.ranks))
     assert {course.propose().word for _ in range(3)} == {space.plan_at(7)}
 
 
 def test_a_bandit_learns_as_exp3_does_and_draws_more_of_its_arm(space: TaskSpace, tasks: dict[Word, Task]) -> None:
-    course = Bandit(exploration=0.3, lot=2).task_sampler(TaskPool(space))
+    course = BanditCurriculum(exploration=0.3, lot=2).task_sampler(TaskPool(space))
     assert {"grasp", "approach>grasp", "can"} <= set(course.arms)
     gained, before = dict.fromkeys(course.arms, 0.0), dict.fromkeys(course.arms, 0.0)
     every = [task.actions for task in tasks.values()]
@@ -344,7 +350,7 @@ def keys(space: TaskSpace, actions: Sequence[Atom]) -> set[str]:
 
 
 def test_going_back_from_the_goal() -> None:
-    walk = Backwards(threshold=1, window=3, review=0.2).subgoal_sampler()
+    walk = ReverseCurriculum(threshold=1, window=3, review=0.2).subgoal_sampler()
     for back in (1, 2, 3, 4, 4):
         assert walk.summary() == {"back": back}
         drawn = {walk.stage(4) for _ in range(60)}
@@ -356,7 +362,7 @@ def test_going_back_from_the_goal() -> None:
         for success in (False, True, True, True):
             assert walk.summary() == {"back": back}
             walk.update(EpisodeResult(4, 4 - back, (), success))
-    again = Backwards(threshold=1, window=3, review=0.2).subgoal_sampler()
+    again = ReverseCurriculum(threshold=1, window=3, review=0.2).subgoal_sampler()
     again.load_state_dict(json.loads(json.dumps(walk.state_dict())))
     assert [walk.stage(4) for _ in range(9)] == [again.stage(4) for _ in range(9)]
 
@@ -370,10 +376,11 @@ def test_a_place_is_chosen_by_exactly_its_share() -> None:
 @pytest.mark.parametrize(
     "wrong",
     [
-        lambda: Lengths(threshold=0), lambda: Lengths(window=0), lambda: Lengths(review=1.5),
-        lambda: Backwards(threshold="x"), lambda: Backwards(window=True), lambda: Novelty("pair"),  # type: ignore[arg-type]
-        lambda: Adaptive(exploration=0), lambda: Adaptive(lot=0), lambda: Adaptive(window=0.5),  # type: ignore[arg-type]
-        lambda: Bandit(exploration=2), lambda: Bandit(lot=-1),
+        lambda: LengthCurriculum(threshold=0), lambda: LengthCurriculum(window=0), lambda: LengthCurriculum(review=1.5),
+        lambda: ReverseCurriculum(threshold="x"), lambda: ReverseCurriculum(window=True),
+        lambda: NoveltyCurriculum("pair"), lambda: AdaptiveCurriculum(window=0.5),  # type: ignore[arg-type]
+        lambda: AdaptiveCurriculum(exploration=0), lambda: AdaptiveCurriculum(lot=0),
+        lambda: BanditCurriculum(exploration=2), lambda: BanditCurriculum(lot=-1),
     ],
 )  # fmt: skip
 def test_curricula_that_mean_nothing_are_refused(wrong: Callable[[], object]) -> None:
@@ -390,7 +397,7 @@ def test_pools_that_have_nothing_are_refused(space: TaskSpace) -> None:
     with pytest.raises(QueryError, match="no subgoal"):
         TaskPool(space.at(0))
     with pytest.raises(QueryError, match="has pairs"):
-        Novelty("pairs").task_sampler(TaskPool(space.at(1)))
+        NoveltyCurriculum("pairs").task_sampler(TaskPool(space.at(1)))
     for kind in KINDS:
         with pytest.raises(QueryError, match="no task"):
             kind.task_sampler(TaskPool(space.where("has at least 3 grasp")))

@@ -8,7 +8,7 @@ import pytest
 
 from prag_asp.errors import SceneError
 from prag_asp.physics.world.primitives import mesh_file
-from prag_asp.scene.read.mesh import mesh_parts, mesh_points
+from prag_asp.scene.read.mesh import file_parts, mesh_parts, mesh_points
 from prag_asp.scene.scene import Solid
 
 POINTS = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
@@ -65,3 +65,10 @@ def test_a_mesh_that_is_no_regular_file_or_too_large_is_refused(tmp_path: Path) 
     for path in (str(large), "/dev/zero.stl"):
         with pytest.raises(SceneError, match="cannot be read"):
             mesh_points(path)
+
+
+@pytest.mark.parametrize(("thin", "parts"), [(0.001, 2), (0.0002, 1)])
+def test_a_part_is_one_as_long_as_its_hull_has_a_thickness(tmp_path: Path, thin: float, parts: int) -> None:
+    thick = "o one\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+    flat = f"o two\nv 2 0 0\nv 3 0 0\nv 2 1 0\nv 2 0 {thin * 2}\nf 5 7 6\nf 5 6 8\nf 6 7 8\nf 7 5 8\n"
+    assert len(file_parts(written(tmp_path, thick + flat))) == parts

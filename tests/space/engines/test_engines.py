@@ -122,6 +122,18 @@ def test_an_unknown_engine_and_a_negative_length_are_refused() -> None:
         TaskSpace(domain_of(TWO), -1)
 
 
+def test_loop_free_tasks_are_listed_to_sample_them_and_too_many_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    facts = "fluent(f;g). initially(f,false;g,false). action(a;b). postcondition(a,f,true;b,g,true)."
+    loop_free = TaskSpace(domain_of(facts), 2).where("loop-free")
+    monkeypatch.setattr(clingo_engine, "MOST_LISTED", 2)
+    assert {" ".join(map(str, task.actions)) for task in loop_free.sample(9, seed=1)} == {"a b", "b a"}
+    monkeypatch.setattr(clingo_engine, "MOST_LISTED", 1)
+    refusal = "lists all words, and length 2 has more than 1 tasks; choose a smaller length"
+    with pytest.raises(EngineError, match=refusal) as error:
+        TaskSpace(domain_of(facts), 2).where("loop-free").sample(1, seed=1)
+    assert len(error.value.lines) == 1
+
+
 def test_progress_says_why_clingo_took_over() -> None:
     told: list[str] = []
     TaskSpace(domain_of(TWO + BEYOND[1][0]), 2, progress=told.append).count("plan")

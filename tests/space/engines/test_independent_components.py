@@ -181,7 +181,7 @@ def test_words_of_two_domains_side_by_side_are_those_of_the_whole(
     for level in LEVELS:
         whole, apart = AutomatonEngine(model, level, merge=False), AutomatonEngine(model, level)
         with wherever_possible():
-            for length in (4, 3, 0):
+            for length in (4, 0):
                 words = list(whole.words(length))
                 assert list(apart.words(length)) == words
                 assert [apart.unrank(length, rank) for rank in range(len(words))] == words

@@ -9,7 +9,7 @@ import pytest
 
 from prag_asp.array_archive import BadArchive
 from prag_asp.errors import QueryError
-from prag_asp.physics.demonstration.packing import Packed, Packer, read_packed, with_packed
+from prag_asp.physics.demonstration.packed_arrays import Packed, Packer, read_packed, with_packed
 
 KINDS = {"u1": (4, 5, 3), "<f2": (4, 5), "<u2": (1,)}
 

@@ -28,7 +28,7 @@ STEPS = 16
 
 
 @dataclass(frozen=True)
-class Adaptive:
+class AdaptiveCurriculum:
     """Sample more tasks of what the agent is getting better or worse at, by action name, pair of names, and class.
 
     The progress of each is the difference between the success rates of the newer and the older half of its last
@@ -39,7 +39,7 @@ class Adaptive:
     A share of `exploration` of the tasks is sampled by the weights of the domain alone: 1 explores only, near 0
     exploits. So the probability of a task is at least that share of the one without a curriculum, and no importance
     weight exceeds its inverse. The absolute learning progress is that of Matiisen, Oliver, Cohen and Schulman
-    ("Teacher-student curriculum learning", 2017); no bound of regret is known for it (`Bandit` has one).
+    ("Teacher-student curriculum learning", 2017); no bound of regret is known for it (`BanditCurriculum` has one).
 
     Raises:
         QueryError: the share is not above 0 and at most 1, or a number is less than 1.
@@ -62,7 +62,7 @@ class Adaptive:
 class AdaptiveSampler:
     """Samples tasks by learning progress."""
 
-    def __init__(self, curriculum: Adaptive, pool: TaskPool):
+    def __init__(self, curriculum: AdaptiveCurriculum, pool: TaskPool):
         self._curriculum, self._pool = curriculum, pool
         exploration = parse_share("exploration", curriculum.exploration, positive=True)
         self._shares = exploration, 1 - exploration

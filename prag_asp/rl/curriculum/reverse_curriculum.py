@@ -13,7 +13,7 @@ from prag_asp.space.weights.weights import Number
 
 
 @dataclass(frozen=True)
-class Backwards:
+class ReverseCurriculum:
     """Begin with the last subgoal of tasks, then with the last two, and so on back to whole tasks.
 
     One more subgoal is added when a share of `threshold` of the last `window` episodes that began farthest back were
@@ -33,15 +33,15 @@ class Backwards:
         Mastery.of(self.threshold, self.window)
         parse_share("review", self.review)
 
-    def subgoal_sampler(self) -> BackwardsSampler:
+    def subgoal_sampler(self) -> ReverseSampler:
         """Return a sampler of initial subgoals."""
-        return BackwardsSampler(self)
+        return ReverseSampler(self)
 
 
-class BackwardsSampler:
+class ReverseSampler:
     """Samples initial subgoals, from the last one back to the first."""
 
-    def __init__(self, curriculum: Backwards):
+    def __init__(self, curriculum: ReverseCurriculum):
         self._review = parse_share("review", curriculum.review)
         self._mastery = Mastery.of(curriculum.threshold, curriculum.window)
         self.seed(0)

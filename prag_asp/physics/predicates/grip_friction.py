@@ -1,0 +1,102 @@
+"""What the friction of two pads bears: the weight of a body, and its torque if it is held beside its centre of mass."""
+
+from __future__ import annotations
+
+import math
+
+from prag_asp.physics.grasps.antipodal import Grasp
+from prag_asp.physics.grasps.body_grasps import body_grasps, lever
+from prag_asp.physics.grasps.pads import ParallelGripper
+from prag_asp.physics.predicates.grip_geometry import contact_at
+from prag_asp.physics.predicates.predicate import words
+from prag_asp.physics.situation import Situation
+from prag_asp.scene.geometry import centre_of_mass, compose, invert, rotate
+from prag_asp.scene.robots import robot_of
+from prag_asp.scene.scene import Scene
+from prag_asp.scene.solids import weight
+
+FINGER_FRICTION = 1.4
+"""The coefficient of friction of the rubber pads, which PyBullet multiplies by that of the object."""
+
+GRAVITY = 9.81
+"""In m/s²."""
+
+SLIPS = 1.05
+"""A body slips out of a gripper, or turns in it, if its load exceeds the friction at rest by this factor.
+
+The robot also accelerates the object, so it may drop lighter bodies; a proof needs this margin.
+"""
+
+
+def grasps_in_body(situation: Situation, entity: str, robot: str) -> tuple[Grasp, ...]:
+    """Return the grasps of a body with a model in its own frame, the best first."""
+    gripper = ParallelGripper.of(situation.robot(robot))
+    return body_grasps(situation.shape(entity), gripper, pad_friction(situation.scene, entity))
+
+
+def bearable(scene: Scene, entity: str, robot: str) -> float:
+    """Return the largest mass in kilograms that the fingers of a robot hold by friction, for the material of a body.
+
+    By Coulomb's law it is 2 mu F / g, with the force F of a finger and the product mu of both coefficients, as PyBullet
+    combines them.
+    """
+    return 2 * pad_friction(scene, entity) * robot_of(scene, robot).grip_force / GRAVITY
+
+
+def pad_friction(scene: Scene, entity: str) -> float:
+    """Return the coefficient of friction between the pads and a body, as PyBullet combines it."""
+    return FINGER_FRICTION * scene.material(entity).friction
+
+
+def slips(scene: Scene, entity: str, robot: str) -> str | None:
+    """Return the reason, in words, why a body slips out of a gripper that lifts it; None if it may not slip."""
+    heavy, most = weight(scene, entity), bearable(scene, entity, robot)
+    if heavy > SLIPS * most:
+        lifts = f"{gripper_words(scene, robot)} lifts {most:.3g} kg by its friction"
+        return f"{words(entity)} weighs {heavy:.3g} kg, and {lifts}"
+    return None
+
+
+def gripper_words(scene: Scene, robot: str) -> str:
+    """Return the gripper's name for a sentence."""
+    return f"the {words(robot)} gripper" if len(scene.robots) > 1 else "the gripper"
+
+
+def grip_load(scene: Scene, entity: str, robot: str, lever_arm: float, radius: float) -> float:
+    """Return the load of a grip as a share of what its friction bears; above 1 the body slips or turns.
+
+    Gravity pulls at the centre of mass, `lever_arm` metres beside the axis through both pads, and turns the body about
+    that axis. With a uniform pressure each pad bears the force mu F, or the torque mu F r with the mean distance r of
+    its points from its middle, `radius` in metres. Both together follow an ellipse (Howe and Cutkosky, "Practical
+    force-motion models for sliding manipulation", 1996).
+    """
+    most = 2 * pad_friction(scene, entity) * robot_of(scene, robot).grip_force
+    force = GRAVITY * weight(scene, entity)
+    return math.hypot(force / most, force * lever_arm / (most * radius)) if radius > 0.0 else math.inf
+
+
+def held_load(situation: Situation, entity: str, robot: str) -> float:
+    """Return the `grip_load` of a body that a gripper holds in the air; 0 if there is nothing between the pads.
+
+    The pads lie on a body with their whole area; on one with a model only a part may touch, and its radius of gyration
+    stands for the mean distance, which is up to 7 % smaller for a rectangle like a pad.
+    """
+    shape, tool = situation.shape(entity), situation.tool(robot)
+    if shape.model is not None:
+        contact = contact_at(situation, entity, robot)
+        if contact is None:
+            return 0.0
+        aside = lever(shape, compose(invert(situation.pose(entity)), tool), contact)
+        return grip_load(situation.scene, entity, robot, aside, contact.radius)
+    along_x, _, along_z = situation.robot(robot).finger_boxes[0].size
+    centre = centre_of_mass(shape, situation.pose(entity))
+    x, y, _ = (a - b for a, b in zip(centre, tool.position, strict=True))
+    axis_x, axis_y, _ = rotate(tool.quaternion, (0.0, 1.0, 0.0))
+    return grip_load(situation.scene, entity, robot, abs(x * axis_y - y * axis_x), mean_radius(along_x, along_z))
+
+
+def mean_radius(a: float, b: float) -> float:
+    """Return the mean distance of the points of a rectangle from its middle, for sides in metres."""
+    diagonal = math.hypot(a, b)
+    ends = a * a / (2 * b) * math.log((b + diagonal) / a) + b * b / (2 * a) * math.log((a + diagonal) / b)
+    return (diagonal + ends) / 6

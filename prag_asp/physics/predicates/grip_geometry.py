@@ -1,0 +1,90 @@
+"""How a gripper fits around a body: the opening that holds it, and the heights at which it may."""
+
+from __future__ import annotations
+
+import math
+
+from prag_asp.physics.grasps.body_grasps import pad_contact
+from prag_asp.physics.grasps.pads import PadContact, ParallelGripper
+from prag_asp.physics.predicates.gaps import ROUNDING
+from prag_asp.physics.situation import Situation
+from prag_asp.scene.geometry import compose, invert, rotate, width_along
+from prag_asp.scene.robots import Robot
+
+GRIP_TOLERANCE = 0.002
+"""By how much the opening of a gripper that holds a body may differ from its width there, in metres."""
+
+CLEARANCE = 0.006
+"""The smallest difference between the opening of a gripper and the width of an object that it grasps, in metres."""
+
+TIP_ROOM = 0.002
+"""The clearance of the fingertips above the bottom of a grasped object, in metres, unless that is flat."""
+
+FLAT_TIP_ROOM = 0.0005
+"""The clearance of the fingertips above the bottom of a flat object, in metres: more than what arms are off."""
+
+PAD_OVERLAP = 0.002
+"""The least height of the part of an object that is between the pads, in metres."""
+
+SLANT = 1e-9
+"""The cosine below which a side counts as parallel to the opening direction of the gripper."""
+
+
+def grip_width(situation: Situation, entity: str, robot: str) -> float:
+    """Return the opening with which a gripper holds an object in the present orientation of the tool, in metres.
+
+    For a rotated box, only the part between the pads counts; for a body with a model, what is between them where the
+    tool is. If there is nothing, it is 0.
+    """
+    if situation.shape(entity).model is not None:
+        contact = contact_at(situation, entity, robot)
+        return 0.0 if contact is None else contact.width
+    opening = rotate(situation.tool(robot).quaternion, (0.0, 1.0, 0.0))
+    shape, quaternion = situation.shape(entity), situation.pose(entity).quaternion
+    width = width_along(shape, quaternion, opening)
+    if shape.kind != "box":
+        return width
+    x, y, z, w = quaternion
+    along = [max(abs(part), SLANT) for part in rotate((-x, -y, -z, w), opening)]
+    half, cosine = min(zip(shape.half, along, strict=True), key=lambda side: side[0] / side[1])
+    pad = situation.robot(robot).finger_boxes[0].size[0]
+    return min(width, (2 * half + pad * math.sqrt(max(0.0, 1.0 - cosine**2))) / cosine)
+
+
+def contact_at(situation: Situation, entity: str, robot: str) -> PadContact | None:
+    """Return what the pads of a gripper touch when they close on a body, None if there is nothing between them."""
+    tool = compose(invert(situation.pose(entity)), situation.tool(robot))
+    return pad_contact(situation.shape(entity), ParallelGripper.of(situation.robot(robot)), tool)
+
+
+def lowest_grip(robot: Robot, height: float) -> float:
+    """Return the least height of the tool above the bottom of an object that it grasps, in metres.
+
+    An object that is lower than the fingers usually reach is flat: they close on its edges just above its support.
+    """
+    return robot.fingertip + (FLAT_TIP_ROOM if is_flat(robot, height) else TIP_ROOM)
+
+
+def is_flat(robot: Robot, height: float) -> bool:
+    """Return whether an object of a height in metres is lower than the fingers of a robot usually reach."""
+    return height < robot.fingertip + TIP_ROOM - ROUNDING
+
+
+def rise_over_flat(robot: Robot, height: float) -> float:
+    """Return by how much the tool may be above the top of an object that it grasps, in metres; 0 unless it is flat."""
+    return max(0.0, min(TIP_ROOM + robot.fingertip - height, robot.fingertip - PAD_OVERLAP))
+
+
+def lowest_body() -> float:
+    """Return the least height of an object that is held, in metres."""
+    return FLAT_TIP_ROOM + PAD_OVERLAP
+
+
+def pad_reach(robot: Robot) -> float:
+    """Return how far at most the tool is from the box around a body with a model that it holds, in metres.
+
+    Both contacts are in the box and so is the middle between them, which is off the tool by at most the reach of a pad
+    across the axis of the fingers, and by `GRIP_TOLERANCE` along it.
+    """
+    gripper = ParallelGripper.of(robot)
+    return math.hypot(gripper.half_x, max(-gripper.low_z, gripper.high_z)) + GRIP_TOLERANCE
