@@ -20,6 +20,9 @@ UNTIL: tuple[Until, ...] = get_args(Until)
 
 OPTIONS = ("task", "witness", "rank", "stage", "steps")
 
+REAL = "biuf"
+"""The kinds of NumPy's types of real numbers: no complex numbers, and no texts, which it would read as numbers."""
+
 
 def check_episodes(*, until: object, reward: object, control: object, stage: object, steps: object) -> None:
     """Check the options of episodes.
@@ -53,7 +56,7 @@ def options_of(options: object) -> Mapping[str, Any]:
     """Return the options of a reset.
 
     Raises:
-        QueryError: they are malformed, unknown or contradictory.
+        QueryError: the options are malformed, unknown or contradictory.
     """
     if options is None:
         return {}
@@ -73,10 +76,12 @@ def moves_of(action: object, size: int) -> NDArray[np.float64]:
     """Return an action of `size` numbers, clipped to -1 and 1.
 
     Raises:
-        QueryError: it has another shape, or is not finite.
+        QueryError: the action has another shape, or is not finite.
     """
     try:
-        moves = np.asarray(action, dtype=np.float64)
+        numbers = np.asarray(action)
+        real = numbers.dtype.kind in REAL and not np.ma.is_masked(action)
+        moves = numbers.astype(np.float64) if real else np.array(np.nan)
     except (TypeError, ValueError, OverflowError):
         moves = np.array(np.nan)
     if moves.shape != (size,) or not np.isfinite(moves).all():
@@ -101,7 +106,7 @@ def _check_steps(steps: object) -> None:
     """Check a number of steps.
 
     Raises:
-        QueryError: it is no whole number from 1.
+        QueryError: the number is not a whole number of at least 1.
     """
     if not is_whole(steps) or steps < 1:
         raise QueryError(f"an episode needs at least 1 step; got {steps!r}")
