@@ -36,14 +36,14 @@ SIDEWAYS = math.cos(math.radians(45.0))
 SCALES = (1e-6, 1e6)
 """The smallest and the largest scale: from micrometres to parsecs nobody has models."""
 
-MASSES = (1e-4, 100.0)
-"""The smallest and the largest mass of a body in kilograms."""
+MASSES, DENSITIES = (1e-4, 100.0), (1.0, 25000.0)
+"""The smallest and the largest mass of a body in kilograms, and density in kilograms per cubic metre."""
 
 
 def read_mesh_body(entry: TableEntry, folder: Path) -> Shape | None:
     """Return the shape of a table of the kind ``mesh``, and report what is wrong with it.
 
-    Without a `mass` its model has the mass of a density of 1 kg/m³.
+    With neither `mass` nor `density` its model has the mass of a density of 1 kg/m³.
 
     Raises:
         SceneError: the file is missing, outside of the folder, or not a mesh that a body can have.
@@ -60,8 +60,11 @@ def read_mesh_body(entry: TableEntry, folder: Path) -> Shape | None:
     up = entry.at("up", usual).choice(tuple(UPWARD))
     angles = entry.at("rotation", [0.0, 0.0, 0.0]).numbers(3, "degrees about x, y and z")
     mass = entry.at("mass").number(*MASSES, "kilograms") if "mass" in entry.value else None
+    density = entry.at("density").number(*DENSITIES, "kilograms a cubic metre") if "density" in entry.value else 1.0
+    if "mass" in entry.value and "density" in entry.value:
+        entry.at("density").add("a body has a mass or a density; leave one of them out")
     rests = entry.at("rests", RESTS[0]).choice(RESTS)
-    if not entry.is_sound or sides is None or up is None or angles is None:
+    if not entry.is_sound or sides is None or up is None or angles is None or density is None:
         return None
     require_inside(path, folder)
     x, y, z = map(float, sides)
@@ -75,7 +78,7 @@ def read_mesh_body(entry: TableEntry, folder: Path) -> Shape | None:
         np.array(rotation((math.radians(x), math.radians(y), math.radians(z)))) for x, y, z in (UPWARD[up], angles)
     )
     rows = second @ first
-    properties = uniform if mass is None else uniform.scaled(mass)
+    properties = uniform.scaled(uniform.mass * density if mass is None else mass)
     turned = solid._replace(turn=roll_pitch_yaw(rows))
     shape = body_shape("mesh", [turned], properties.moved(rows, np.zeros(3)))
     return shape if rests == RESTS[0] else _lying(shape, anyhow=rests == "any")

@@ -140,11 +140,12 @@ def _check_bodies(root: TableEntry, scene: Scene, names: DomainNames) -> None:
 def _weighed(
     section: TableEntry, names: DomainNames, shapes: Mapping[str, Shape], materials: Mapping[str, Material]
 ) -> dict[str, Shape]:
-    """Return the shapes of meshes without a mass, which is their volume times the density of their material."""
+    """Return the shapes of meshes without a mass or a density: with that of their material, by their volume."""
     found = {}
     for entity, shape in shapes.items():
         owner = next(name for name in names.line(entity) if name in section.value)
-        if shape.model is not None and shape.kind == "mesh" and "mass" not in section.value[owner]:
+        own = section.value[owner]
+        if shape.model is not None and shape.kind == "mesh" and "mass" not in own and "density" not in own:
             density = materials.get(entity, Material()).density
             found[entity] = shape._replace(model=shape.model.with_mass(shape.model.mass * density))
     return found
