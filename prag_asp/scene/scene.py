@@ -197,6 +197,10 @@ class TableTop:
     color: str = "#c8a27a"
 
 
+BALANCE = 0.01
+"""The default of `Scene.balance`: robots put things down within a few millimetres."""
+
+
 @dataclass(frozen=True)
 class Scene:
     """The scene of a domain.
@@ -211,7 +215,8 @@ class Scene:
     in radians. `frame` is "robot", for which left is +y and in front is -x, or "viewer", who faces the robot.
 
     `own` has the spatial predicates that the domain adds, by name; their Python files are run only if `trusted` is set.
-    `cameras` are named, too; by default there is one, `front`. `vary` has the ranges of domain randomization.
+    `cameras` are named, too; by default there is one, `front`. `vary` has the ranges of domain randomization. `balance`
+    is the margin in metres that the centre of mass of a placed object keeps within what it stands on, if that is large.
     """
 
     shapes: Mapping[str, Shape]
@@ -229,6 +234,7 @@ class Scene:
     robots: Mapping[str, Mount] = field(default_factory=dict)
     cameras: Mapping[str, Camera] = field(default_factory=dict)
     vary: Ranges = USUAL_RANGES
+    balance: float = BALANCE
 
     def __post_init__(self) -> None:
         if not self.robots:
