@@ -76,6 +76,10 @@ class BodyModel(NamedTuple):
     settled: float = 0.0
     cavity: Cavity | None = None
 
+    def __hash__(self) -> int:
+        # Caches look models up all the time, and some have hundreds of numbers: these few tell them apart.
+        return hash((self.mass, self.centre, self.moments, len(self.solids)))
+
     def with_mass(self, mass: float) -> BodyModel:
         """Return the model with another mass in kilograms, distributed alike."""
         x, y, z = (moment * mass / self.mass for moment in self.moments)

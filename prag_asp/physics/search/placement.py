@@ -34,7 +34,7 @@ from prag_asp.scene.boxes import Vector, box_of
 from prag_asp.scene.furniture import swept
 from prag_asp.scene.geometry import Pose, Quaternion, extents, yaw_of, yaw_quaternion
 from prag_asp.scene.scene import Shape
-from prag_asp.scene.surfaces import outlines_meet, turned_boxes, turned_outlines
+from prag_asp.scene.surfaces import part_boxes, part_outlines
 
 TRIES = 8  # samples with each spacing
 SPACING = 0.01  # metres between objects on the table, which do not touch then
@@ -306,12 +306,14 @@ def parts_meet(
 
     Seen from above they are their convex outlines.
     """
-    ours, theirs = (np.array(turned_boxes(*each)) for each in ((own, quaternion), (other, pose.quaternion)))
+    ours, theirs = part_boxes(own, quaternion), part_boxes(other, pose.quaternion)
     offset = np.array((at[0], at[1], z)) - pose.position
     apart = np.abs(offset + ours[:, None, 0] - theirs[None, :, 0]) - ours[:, None, 1] - theirs[None, :, 1]
-    one, two = turned_outlines(own, quaternion), turned_outlines(other, pose.quaternion)
-    close = np.argwhere((apart < (spacing, spacing, COLLISION)).all(axis=2))
-    return any(outlines_meet(one[i] + offset[:2], two[j], spacing) for i, j in close)
+    close = np.nonzero((apart < (spacing, spacing, COLLISION)).all(axis=2))
+    if not len(close[0]):
+        return False
+    one, two = part_outlines(own, quaternion), part_outlines(other, pose.quaternion)
+    return any(one[i].meets(two[j], offset[:2], spacing) for i, j in zip(*close, strict=True))
 
 
 def _yaws(search: Search, situation: Situation, request: PlacementRequest) -> Iterator[float]:
