@@ -77,7 +77,7 @@ class BodyModel(NamedTuple):
     cavity: Cavity | None = None
 
     def __hash__(self) -> int:
-        # Caches look models up all the time, and some have hundreds of numbers: these few tell them apart.
+        # Caches look models up all the time, and some have hundreds of numbers; these few distinguish them.
         return hash((self.mass, self.centre, self.moments, len(self.solids)))
 
     def with_mass(self, mass: float) -> BodyModel:

@@ -109,6 +109,6 @@ def verify_objects(search: Search, situation: Situation, changed: Iterable[str])
     pair = colliding(search.simulator, situation, changed, search.objects)
     if pair is not None:
         raise Failure(OBJECTS_COLLIDE, *pair, missed=overlap_depth(search.simulator, situation, *pair))
-    falling = unsupported(situation, search.objects, steady=True)
+    falling = unsupported(situation, search.objects, needs_margin=True)
     if falling is not None:
         raise Failure(UNSUPPORTED, falling)

@@ -16,7 +16,7 @@ from prag_asp.scene.solids import weight
 
 CONTACT = 0.002
 BALANCE = 1e-6
-STEADY, TENTH = 0.005, 0.1
+LEAST_MARGIN, TENTH = 0.005, 0.1
 """The margin of the centre of mass of a placed object within what it stands on that is always worth having, in metres,
 and the share of its base that is enough."""
 TABLE = ""
@@ -64,11 +64,11 @@ def resting_height(situation: Situation, entity: str, others: Iterable[str]) -> 
     return max(heights, default=0.0)
 
 
-def unsupported(situation: Situation, entities: Iterable[str], steady: bool = False) -> str | None:
+def unsupported(situation: Situation, entities: Iterable[str], needs_margin: bool = False) -> str | None:
     """Return a body that would fall or tip over, None if all are stable; held bodies are stable, and bear others.
 
-    The centre of mass has to be over what the body touches below. If it has to be `steady`, by a margin: that of the
-    scene, or a tenth of the width of its base or `STEADY` if that is less; on a small contact half of its radius is
+    The centre of mass has to be over what the body touches below. If it `needs_margin`, by one: that of the
+    scene, or a tenth of the width of its base or `LEAST_MARGIN` if that is less; on a small contact half of its radius is
     enough.
     """
     bodies = list(entities)
@@ -92,7 +92,7 @@ def unsupported(situation: Situation, entities: Iterable[str], steady: bool = Fa
     for body, touching in resting.items():
         ground = hull([point for contact in touching for point in contact.region])
         needed = 0.0
-        if steady and ground:
+        if needs_margin and ground:
             needed = min(_margin(situation, body), max(0.0, inside_by(ground, _middle(ground)) / 2))
         if not ground or inside_by(ground, _load(situation, body, resting)[1]) < needed - BALANCE:
             return body
@@ -103,7 +103,7 @@ def _margin(situation: Situation, body: str) -> float:
     """Return the desired margin of the centre of mass of a body within what it stands on, in metres."""
     below = base(situation.shape(body), situation.pose(body))
     width = 2 * inside_by(below, _middle(below))
-    return min(situation.scene.balance, max(STEADY, TENTH * width))
+    return min(situation.scene.balance, max(LEAST_MARGIN, TENTH * width))
 
 
 def riders(situation: Situation, entity: str, others: Iterable[str]) -> list[str]:

@@ -142,5 +142,5 @@ def test_what_is_placed_keeps_a_margin_to_the_edge_of_its_support(of_file, width
     scene = Scene(shapes=shapes, fixed={"post": (0.5, 0.0, 0.0)}, balance=balance)
     for inside, falls in ((margin + 1e-4, None), (margin - 1e-4, "plate")):
         poses = {"plate": Pose((0.6 - inside - centre[0], 0.0, 0.095)), "post": Pose((0.5, 0.0, 0.04))}
-        assert unsupported(Situation(scene, poses), list(poses), steady=True) == falls
+        assert unsupported(Situation(scene, poses), list(poses), needs_margin=True) == falls
         assert inside < 0.0 or unsupported(Situation(scene, poses), list(poses)) is None
