@@ -67,9 +67,9 @@ def resting_height(situation: Situation, entity: str, others: Iterable[str]) -> 
 def unsupported(situation: Situation, entities: Iterable[str], needs_margin: bool = False) -> str | None:
     """Return a body that would fall or tip over, None if all are stable; held bodies are stable, and bear others.
 
-    The centre of mass has to be over what the body touches below. If it `needs_margin`, by one: that of the
-    scene, or a tenth of the width of its base or `LEAST_MARGIN` if that is less; on a small contact half of its radius is
-    enough.
+    The centre of mass has to be over what the body touches below. If it `needs_margin`, it has to be as far from the
+    edge as the scene says, or by a tenth of the width of its base, at least `LEAST_MARGIN`, if that is less; on a small
+    contact half of its radius is enough.
     """
     bodies = list(entities)
     still = {*(arm.held for arm in situation.arms.values()), *situation.scene.fixed}
