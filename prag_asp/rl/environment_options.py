@@ -18,7 +18,10 @@ from prag_asp.wording import unknown
 Until = Literal["subgoal", "task"]
 UNTIL: tuple[Until, ...] = get_args(Until)
 
-OPTIONS = ("task", "witness", "rank", "stage")
+OPTIONS = ("task", "witness", "rank", "stage", "steps")
+
+REAL = "biuf"
+"""The kinds of NumPy's types of real numbers: no complex numbers, and no texts, which it would read as numbers."""
 
 
 def check_episodes(*, until: object, reward: object, control: object, stage: object, steps: object) -> None:
@@ -32,8 +35,7 @@ def check_episodes(*, until: object, reward: object, control: object, stage: obj
             raise QueryError(unknown(str(value), choices, what))
     if not is_whole(stage) and stage != "any":
         raise QueryError(f"stage {stage!r}: give the number of a subgoal, from 0 or, from the last one, -1; or any")
-    if not is_whole(steps) or steps < 1:
-        raise QueryError(f"an episode needs at least 1 step; got {steps!r}")
+    _check_steps(steps)
 
 
 def check_figures(*, discount: object, budget: object, render_mode: object, modes: list[str]) -> None:
@@ -65,6 +67,8 @@ def options_of(options: object) -> Mapping[str, Any]:
             raise QueryError(unknown(str(name), OPTIONS, "option"))
     if options.get("rank") is not None and options.get("task") is not None:
         raise QueryError("a rank and a task: give one of them")
+    if options.get("steps") is not None:
+        _check_steps(options["steps"])
     return options
 
 
@@ -75,7 +79,9 @@ def moves_of(action: object, size: int) -> NDArray[np.float64]:
         QueryError: it has another shape, or is not finite.
     """
     try:
-        moves = np.asarray(action, dtype=np.float64)
+        numbers = np.asarray(action)
+        real = numbers.dtype.kind in REAL and not np.ma.is_masked(action)
+        moves = numbers.astype(np.float64) if real else np.array(np.nan)
     except (TypeError, ValueError, OverflowError):
         moves = np.array(np.nan)
     if moves.shape != (size,) or not np.isfinite(moves).all():
@@ -94,6 +100,16 @@ def steps_left_of(info: object) -> NDArray[np.float64]:
     if isinstance(info, Sequence | np.ndarray):
         return np.array([each.get("steps_left", np.inf) for each in info], dtype=np.float64)
     return np.array(np.inf)
+
+
+def _check_steps(steps: object) -> None:
+    """Check a number of steps.
+
+    Raises:
+        QueryError: it is no whole number from 1.
+    """
+    if not is_whole(steps) or steps < 1:
+        raise QueryError(f"an episode needs at least 1 step; got {steps!r}")
 
 
 def is_whole(number: object) -> TypeGuard[int | np.integer[Any]]:
