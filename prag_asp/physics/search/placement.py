@@ -224,11 +224,14 @@ def _ahead(search: Search, situation: Situation, request: PlacementRequest) -> t
     return tuple(volumes)
 
 
-def placement_volume(situation: Situation, request: PlacementRequest, quaternion: Quaternion) -> Volume:
+def placement_volume(
+    situation: Situation, request: PlacementRequest, quaternion: Quaternion, tight: bool = False
+) -> Volume:
     """Return the volume of an object with its orientation on or above a support, as the facts require.
 
     An object on the table has to be in the workspace and within reach. It may be anywhere on the table if it is known
-    to be out of reach, and anywhere in the workspace if several robots share the table.
+    to be out of reach, and anywhere in the workspace if several robots share the table. One that is `tight` touches the
+    walls of a container.
     """
     entity, support, about, _, height = request
     out_of_reach = any(fact.predicate.gripper is Gripper.REACHES and not fact.value for fact in about)
@@ -237,7 +240,8 @@ def placement_volume(situation: Situation, request: PlacementRequest, quaternion
         on_it = any(fact.value and fact.predicate is ON_TOP and fact.arguments == (entity, support) for fact in about)
         shape = situation.shape(support)
         rests = INSIDE if shape.traits.hollow or (shape.hollow and not on_it) else ON_TOP
-        volume = rests.volume(situation, (entity, support), quaternion)
+        allowed = rests.tight_volume if tight and rests.tight_volume is not None else rests.volume
+        volume = allowed(situation, (entity, support), quaternion)
     else:
         half_x, half_y, z = extents(situation.shape(entity), quaternion)
         low_x, high_x, low_y, high_y = situation.scene.workspace
