@@ -11,6 +11,7 @@ import numpy as np
 from prag_asp.physics.demonstration.planning import Action, Angles, Leg, action_legs, plan_path, plan_pull
 from prag_asp.physics.demonstration.recording import FRAME_STEPS, Recorder
 from prag_asp.physics.motion.trajectory import blend_paths, joint_limits
+from prag_asp.physics.predicates.grip_friction import finger_force
 from prag_asp.physics.search.attempt import NO_PATH
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm, Moment, Waypoint
@@ -127,7 +128,8 @@ class Actor:
     def _command(self, robot: str, command: ArmCommand, speeds: Sequence[float] = STILL) -> None:
         """Set the targets of an arm's motors, with target speeds of the joints in rad/s."""
         self._commands[robot] = command
-        self._world.drive(robot, command, speeds)
+        force = finger_force(self._world.scene, self._arms[robot].held, robot)
+        self._world.drive(robot, command, speeds, force)
 
     def _step(self) -> None:
         """Simulate one time step, and record a frame if one ends."""
