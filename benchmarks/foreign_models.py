@@ -22,10 +22,10 @@ from scipy.spatial.transform import Rotation
 
 Floats = NDArray[np.float64]
 
-PYBULLET = (
-    "lego/lego.urdf", "jenga/jenga.urdf", "domino/domino.urdf", "cube_small.urdf", "objects/mug.urdf",
-    "duck_vhacd.urdf", "teddy_vhacd.urdf",
-)  # fmt: skip
+PYBULLET = ("lego/lego.urdf", "jenga/jenga.urdf", "domino/domino.urdf", "cube_small.urdf")
+COSTLY = ("objects/mug.urdf", "duck_vhacd.urdf", "teddy_vhacd.urdf")
+"""Models of PyBullet; dividing the costly ones into convex parts takes minutes."""
+
 ROBOSUITE = ("bottle", "bread", "can", "cereal", "lemon", "milk")
 NUTS = ("round-nut", "square-nut")
 LIBERO = (
@@ -103,6 +103,7 @@ def foreign_models() -> Iterator[ForeignModel]:
             yield _of_mjcf(libero / "assets" / path / f"{Path(path).name}.xml", up)
     if bullet is not None:
         yield from (_of_urdf(bullet, bullet / f"random_urdfs/{i:03}/{i:03}.urdf") for i in range(BLOBS))
+        yield from (_of_urdf(bullet, bullet / path) for path in COSTLY)
 
 
 def _folder(package: str) -> Path | None:

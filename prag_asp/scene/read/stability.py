@@ -69,7 +69,20 @@ def falls(points: Floats, centre: Floats) -> bool:
     `ROLLS` outside of its lowest points alone. A round base of a primitive counts as if it were flat.
     """
     at = (float(centre[0]), float(centre[1]))
-    return inside_by(base_of(points), at) < STABLE_DEPTH or inside_by(base_of(points, GRAZING), at) < -ROLLS
+    return inside_by(base_of(points), at) < STABLE_DEPTH or _beside(base_of(points, GRAZING), at) > ROLLS
+
+
+def _beside(base: Outline, at: Point) -> float:
+    """Return how far a point is outside of a convex outline in metres, which may be a line or a point; 0 within it."""
+    if len(base) > 2 and inside_by(base, at) >= 0.0:
+        return 0.0
+    distances = []
+    for (ax, ay), (bx, by) in zip(base, base[1:] + base[:1], strict=True):
+        square = (bx - ax) ** 2 + (by - ay) ** 2
+        along = ((at[0] - ax) * (bx - ax) + (at[1] - ay) * (by - ay)) / square if square > 0.0 else 0.0
+        share = min(1.0, max(0.0, along))
+        distances.append(math.dist(at, (ax + share * (bx - ax), ay + share * (by - ay))))
+    return min(distances)
 
 
 def settle(points: Floats, centre: Floats) -> Floats | None:
