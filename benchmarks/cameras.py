@@ -18,9 +18,9 @@ from rich.console import Console
 from rich.table import Table
 
 from prag_asp import TaskSpace, load_domain, load_scene
-from prag_asp.physics import Budget, Demonstration, Staging, Tier, film, open_validator
+from prag_asp.physics import Budget, Demonstration, Staging, Tier, open_validator, render_cameras
 from prag_asp.physics.bullet import pybullet
-from prag_asp.physics.filming.film import moment_of
+from prag_asp.physics.filming.camera_rendering import moment_of
 from prag_asp.physics.filming.studio import matrices, open_studio
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.cameras import Camera
@@ -64,7 +64,7 @@ def main() -> None:
                 blocks[way].append(_timed(run, PICTURES))
     staging = Staging(tuple(cameras), (options.size, options.size), rate=20)
     pictures = len(shown.times) * len(cameras)
-    filmed = [_timed(lambda: film(shown, scene, staging), pictures) for _ in range(3)]
+    filmed = [_timed(lambda: render_cameras(shown, scene, staging), pictures) for _ in range(3)]
     table = Table("camera", "how", "min, ms", "median, ms", "full : ours")
     for (name, how), times in blocks.items():
         ratio = statistics.median(blocks[name, "full meshes"]) / statistics.median(times)

@@ -99,11 +99,12 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     "physics": (
         "bullet", "required", "temporary_files", "robot", "grasps", "witness", "situation", "predicates",
         "symbolic_facts", "world", "proofs", "search", "motion", "checks", "demonstration", "filming",
-        "pictures", "verdict", "tiers", "validator", "validation",
+        "pictures", "verdict", "witness_search", "tiers", "validator", "validation",
     ),
     "rl": (
-        "control", "arena", "goals", "rewards", "environment_options", "reward_annealing", "state_checksum",
-        "observations", "camera_views", "curriculum", "tasks", "environment", "scripted_agent", "skill_chains",
+        "registration", "control", "arena", "goals", "rewards", "environment_options", "goal_env", "reward_annealing",
+        "state_checksum", "observations", "camera_views", "curriculum", "tasks", "environment", "scripted_agent",
+        "skill_chains",
     ),
 }  # fmt: skip
 """The rooms within a room, from the ground up: each imports only what stands below it."""

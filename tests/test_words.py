@@ -52,6 +52,9 @@ NAMES = frozenset(
         "dealt",
         "spared",
         "steady",
+        "film",
+        "travel",
+        "backwards",
     ]
 )
 """Names that no module, class, function, argument or field may have; a class also not in capitals."""

@@ -13,7 +13,7 @@ from starts import features_of
 from prag_asp import Task
 from prag_asp.physics import Witness
 from prag_asp.rl import Layout, TaskEnv, oracle
-from prag_asp.rl.environment import Observation
+from prag_asp.rl.goal_env import Observation
 
 NOISE, OFTEN = 0.5, 0.1
 """The standard deviation of the noise on the oracle's actions, and the share of steps with noise.

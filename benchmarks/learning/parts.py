@@ -155,9 +155,9 @@ class After(gymnasium.Wrapper):
 
     def step(self, action: Any) -> Any:
         """Act; the time limit counts the steps of this episode alone."""
-        seen, gain, done, _, info = self.env.step(action)
+        seen, gain, done, late, info = self.env.step(action)
         self._left -= 1
-        return seen, gain, done, self._left <= 0 and not done, info
+        return seen, gain, done, late or (self._left <= 0 and not done), info
 
 
 def _last(rows: Sequence[dict[str, Any]], skill: str, whence: str) -> list[dict[str, Any]]:

@@ -14,7 +14,8 @@ from prag_asp import Task, TaskSpace, load_domain
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.physics import Witness, open_validator
 from prag_asp.rl import Layout, TaskEnv
-from prag_asp.rl.environment import Observation
+from prag_asp.rl.goal_env import Observation
+from prag_asp.rl.goals import PLACES
 from prag_asp.space.weights.weights import Number
 
 DOMAINS = {"approach": "prag", "grasp": "prag", "pick": "tabletop", "place": "tabletop"}
@@ -183,7 +184,7 @@ def features_of(layout: Layout) -> Callable[[Observation], NDArray[np.float32]]:
     places = np.flatnonzero(scales)
 
     def features(observation: Observation) -> NDArray[np.float32]:
-        missed = np.clip(observation["achieved_goal"][0, 1:] * MISSED, -1.0, 5.0)
+        missed = np.clip(observation["achieved_goal"][1:PLACES] * MISSED, -1.0, 5.0)
         return np.concatenate([observation["observation"][places] * scales[places], missed], dtype=np.float32)
 
     return features

@@ -21,7 +21,7 @@ from pyarrow.parquet import read_table
 
 from prag_asp import TaskSpace, load_domain, load_scene
 from prag_asp.dataset import feasible, instruction_writer_of
-from prag_asp.physics import Demonstration, Picture, Staging, film_strip, validate_task
+from prag_asp.physics import CameraImage, Demonstration, Staging, film_strip, validate_task
 from prag_asp.scene.colours import more_colours
 
 ROOT = Path(__file__).parent.parent.parent
@@ -99,7 +99,7 @@ def draw_films() -> Image.Image:
     width, height = FILMED.size
     page = Image.new("RGB", (4 * (width + GAP) - GAP, 6 * (height + GAP) - GAP), "white")
     for row, name in zip((0, 3), FILMED.cameras, strict=True):
-        pictures = [picture for k, picture in enumerate(footage.films[name].pictures()) if k in moments]
+        pictures = [image for k, image in enumerate(footage.videos[name].images()) if k in moments]
         for column, picture in enumerate(pictures):
             for k, pixels in enumerate((picture.rgb, in_grey(picture), in_palette(picture, len(footage.legend)))):
                 page.paste(Image.fromarray(pixels), (column * (width + GAP), (row + k) * (height + GAP)))
@@ -142,7 +142,7 @@ def draw_first() -> Image.Image:
     return reduced(page)
 
 
-def in_grey(picture: Picture) -> np.ndarray:
+def in_grey(picture: CameraImage) -> np.ndarray:
     """Return the depth of a picture in grey: near is dark, the background is white."""
     depth = picture.depth.astype(float)
     visible = depth > 0
@@ -151,7 +151,7 @@ def in_grey(picture: Picture) -> np.ndarray:
     return np.repeat(grey.astype(np.uint8)[..., None], 3, axis=-1)
 
 
-def in_palette(picture: Picture, count: int) -> np.ndarray:
+def in_palette(picture: CameraImage, count: int) -> np.ndarray:
     """Return the segmentation of a picture with one colour for each entity."""
     colours = ["#ffffff", "#d9cfc0", *more_colours(("#ffffff", "#d9cfc0"), count)]
     palette = np.array([[int(colour[i : i + 2], 16) for i in (1, 3, 5)] for colour in colours], dtype=np.uint8)

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
+from prag_asp.atom import atom_of
 from prag_asp.domain.load import Domain
 from prag_asp.program.problem import Problem
 from prag_asp.scene.read.decomposition import can_decompose
 from prag_asp.scene.read.mesh import is_concave, mesh_parts
 from prag_asp.scene.read.scene_values import ancestors
+from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import BodyModel, Scene, Shape
 from prag_asp.wording import plural
 
@@ -18,7 +20,7 @@ FAR = math.radians(30.0)
 
 
 def body_lines(scene: Scene) -> Iterator[str]:
-    """Yield what was read of each body from a file: size, mass, parts, and how it comes to rest."""
+    """Yield what was read of each body from a file: size, mass, parts, how it rests, its cavity, and its grasps."""
     for shape, entities in _models(scene).items():
         model = shape.model
         assert model is not None
@@ -30,7 +32,39 @@ def body_lines(scene: Scene) -> Iterator[str]:
         rest = f"; {rest_text(model)}" if model.settled > 0.0 else ""
         concave = not can_decompose() and any(s.mesh and is_concave(s.mesh, s.size) for s in model.solids)
         hull = '; its mesh is not convex and stands for its hull: pip install "prag_asp[meshes]"' if concave else ""
-        yield f"{', '.join(entities)}: {size} mm, {model.mass:.3g} kg, {parts}{rest}{room}{hull}"
+        ways = f"; {grasps_text(scene, entities[0])}"
+        yield f"{', '.join(entities)}: {size} mm, {model.mass:.3g} kg, {parts}{rest}{room}{ways}{hull}"
+
+
+def grasps_text(scene: Scene, entity: str) -> str:
+    """Return in words how many grasps of a body with a model were found, by the direction of the hand."""
+    from prag_asp.physics.grasps.antipodal import SIDEWAYS, SLANTED
+    from prag_asp.physics.grasps.body_grasps import body_grasps
+    from prag_asp.physics.grasps.pads import ParallelGripper
+    from prag_asp.physics.predicates.grip_friction import pad_friction
+
+    gripper = ParallelGripper.of(robot_of(scene, next(iter(scene.robots))))
+    tilts = [grasp.tilt for grasp in body_grasps(scene.shapes[entity], gripper, pad_friction(scene, entity))]
+    above, side = sum(tilt < SLANTED for tilt in tilts), sum(tilt >= SIDEWAYS for tilt in tilts)
+    return f"grasps: {above} from above, {len(tilts) - above - side} at a slant, {side} from the side"
+
+
+def solid_containers(domain: Domain, scene: Scene) -> Iterator[Problem]:
+    """Yield a warning for each shape from a file that things may be in by the logic, but that has no cavity."""
+    from prag_asp.physics.predicates import PREDICATES
+
+    filled = dict[Shape, list[str]]()
+    for fluent in map(atom_of, domain.facts.fluents):
+        predicate, arguments = PREDICATES.get(scene.meaning(fluent) or ""), fluent.arguments
+        if predicate is None or not predicate.places or predicate.impossible is None:
+            continue
+        shape = scene.shapes[arguments[-1]]
+        if shape.model is not None and not shape.hollow and any(predicate.impossible(scene, arguments)):
+            several = filled.setdefault(shape, [])
+            several += [arguments[-1]] if arguments[-1] not in several else []
+    for entities in filled.values():
+        text = f"{', '.join(entities)} is no container: its file has no cavity; give it one, or a floor without holes"
+        yield Problem(domain.settings.path, _shape_line(domain, entities[0]), text, "no-cavity")
 
 
 def tilted(domain: Domain, scene: Scene) -> Iterator[Problem]:
@@ -39,12 +73,17 @@ def tilted(domain: Domain, scene: Scene) -> Iterator[Problem]:
         model = shape.model
         assert model is not None
         if model.settled > FAR:
-            line = ancestors(domain.facts.entity_names[entities[0]], domain.facts.class_names)
-            owner = next(name for name in line if name in domain.settings.scene["shapes"])
             text = (
                 f"{', '.join(entities)} does not stand as its file has it and {rest_text(model)}; turn it in the file"
             )
-            yield Problem(domain.settings.path, domain.settings.line_of("scene", "shapes", owner), text, "tips-over")
+            yield Problem(domain.settings.path, _shape_line(domain, entities[0]), text, "tips-over")
+
+
+def _shape_line(domain: Domain, entity: str) -> int:
+    """Return the line of domain.toml with the shape of an entity."""
+    line = ancestors(domain.facts.entity_names[entity], domain.facts.class_names)
+    owner = next(name for name in line if name in domain.settings.scene["shapes"])
+    return domain.settings.line_of("scene", "shapes", owner)
 
 
 def rest_text(model: BodyModel) -> str:

@@ -94,7 +94,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         or take turns with `evenly`. With `split`, each part gets its share of the tasks, and no two parts have a task
         (with `skeletons`: a skeleton) in common; with `hold_out`, only ``test`` has the tasks held out. A witness is
         searched from `starts` initial states of each task. With `demonstrate`, the robot performs each task; `staging`
-        has the cameras that film it and the properties that vary. Without `physics`, the default if the domain has no
+        has the cameras that record it and the properties that vary. Without `physics`, the default if the domain has no
         scene, all sampled tasks are accepted. Instructions are in a `language` of the domain, and use some of its
         `phrasings`, such as ``1 of 2``. A shard has at most `shard` tasks. With ``part="3/64"``, only every 64th draw
         from the third on is validated, for a 64th of the tasks.
@@ -187,5 +187,5 @@ def require_demonstrated(staging: Staging, demonstrate: str | Path | None) -> No
         QueryError: cameras or variations are requested without demonstrations.
     """
     if demonstrate is None and (staging.cameras or staging.vary):
-        what = "cameras film" if staging.cameras else f"{staging.vary[0]} varies in"
+        what = "cameras record" if staging.cameras else f"{staging.vary[0]} varies in"
         raise QueryError(f"{what} demonstrations; ask for them by `demonstrate`, the folder of the recordings")

@@ -42,8 +42,8 @@ def feasible(
     ``distinct=True`` (and weights alone), no task is sampled twice, and the iterator ends with the last task. It also
     ends after a number of `draws`, feasible or not; `tally` counts all of them, and `progress` is called after each.
     With `demonstrate`, the robot performs each task, and recordings are written into that folder, which is created if
-    it is missing; `staging` has the cameras that film the tasks and the properties that vary. The results depend on the
-    seed alone, not on the number of `workers`.
+    it is missing; `staging` has the cameras that record the tasks and the properties that vary. The results depend on
+    the seed alone, not on the number of `workers`.
 
     Raises:
         SceneError: the domain has no scene, or the scene lacks the shape of an entity of a task.

@@ -102,7 +102,7 @@ def open_draw_validator(
 
         def results(jobs: Sequence[ValidationJob]) -> tuple[list[JobResult], bytes]:
             draws = [job.drawn for job in jobs if not isinstance(job.drawn, Task)]
-            job_results, rows = [], TableBuilder("refused")  # the table of tasks has all of its columns, too
+            job_results, rows = [], TableBuilder("rejected")  # the table of tasks has all of its columns, too
             for job, draw, task in zip(jobs, draws, space.tasks_of_draws(draws), strict=True):
                 result, encoded = _result(setup, job, task, validator)
                 job_results.append(encoded)

@@ -16,12 +16,12 @@ if TYPE_CHECKING:
     from prag_asp.physics.checks.witness_check import check_witness, open_witness_check
     from prag_asp.physics.demonstration.demonstration import Demonstration
     from prag_asp.physics.demonstration.demonstration_check import check_demonstration
-    from prag_asp.physics.demonstration.footage import Film, Footage, Picture
+    from prag_asp.physics.demonstration.footage import CameraImage, CameraVideo, Footage
     from prag_asp.physics.demonstration.performance import demonstrate
+    from prag_asp.physics.filming.camera_rendering import render_cameras
     from prag_asp.physics.filming.episode_options import Staging
-    from prag_asp.physics.filming.film import film
-    from prag_asp.physics.filming.film_check import check_footage
-    from prag_asp.physics.motion.transit import travel
+    from prag_asp.physics.filming.footage_check import check_footage
+    from prag_asp.physics.motion.transit import plan_transit
     from prag_asp.physics.pictures.rendering import animate, film_strip, still
     from prag_asp.physics.predicates import PREDICATES, Predicate, Side, Volume, states
     from prag_asp.physics.search.attempt import CAUSES
@@ -41,12 +41,12 @@ __all__ = [
     "TIERS",
     "Arm",
     "Budget",
+    "CameraImage",
+    "CameraVideo",
     "Demonstration",
-    "Film",
     "Footage",
     "Moment",
     "PhysicsMissingError",
-    "Picture",
     "PicturesMissingError",
     "Predicate",
     "Quaternion",
@@ -66,18 +66,18 @@ __all__ = [
     "check_footage",
     "check_witness",
     "demonstrate",
-    "film",
     "film_strip",
     "open_settling",
     "open_tier_check",
     "open_validator",
     "open_witness_check",
     "physical_task",
+    "plan_transit",
+    "render_cameras",
     "require_physics",
     "settle",
     "states",
     "still",
-    "travel",
     "validate_numbered",
     "validate_task",
     "validate_tasks",
@@ -91,13 +91,13 @@ _HOMES = {
     "prag_asp.physics.checks.settling": ("open_settling", "settle"),
     "prag_asp.physics.demonstration.demonstration_check": ("check_demonstration",),
     "prag_asp.physics.demonstration.demonstration": ("Demonstration",),
-    "prag_asp.physics.demonstration.footage": ("Film", "Footage", "Picture"),
+    "prag_asp.physics.demonstration.footage": ("CameraVideo", "Footage", "CameraImage"),
     "prag_asp.physics.demonstration.performance": ("demonstrate",),
     "prag_asp.physics.symbolic_facts": ("physical_task",),
-    "prag_asp.physics.filming.film_check": ("check_footage",),
-    "prag_asp.physics.filming.film": ("film",),
+    "prag_asp.physics.filming.footage_check": ("check_footage",),
+    "prag_asp.physics.filming.camera_rendering": ("render_cameras",),
     "prag_asp.physics.filming.episode_options": ("Staging",),
-    "prag_asp.physics.motion.transit": ("travel",),
+    "prag_asp.physics.motion.transit": ("plan_transit",),
     "prag_asp.physics.pictures.rendering": ("animate", "film_strip", "still"),
     "prag_asp.physics.validation": ("validate_numbered", "validate_tasks"),
     "prag_asp.physics.predicates": ("PREDICATES", "Predicate", "Side", "Volume", "states"),

@@ -13,8 +13,8 @@ from prag_asp.physics.checks.settling import Settling, open_settling
 from prag_asp.physics.checks.witness_check import witness_problems
 from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.demonstration.performance import Performer, open_performer
+from prag_asp.physics.filming.camera_rendering import render_cameras
 from prag_asp.physics.filming.episode_options import Staging
-from prag_asp.physics.filming.film import film
 from prag_asp.physics.motion.transit import with_transit
 from prag_asp.physics.search.attempt import NO_PATH, PhysicsFault
 from prag_asp.physics.symbolic_facts import PhysicalTask, physical_task
@@ -74,7 +74,7 @@ class TierPipeline:
         if not demonstration.success:
             return TierOutcome(witness, PhysicsFault(demonstration.cause, text=demonstration.detail), demonstration)
         if staging.cameras:
-            demonstration = film(demonstration, self._scene, staging)
+            demonstration = render_cameras(demonstration, self._scene, staging)
         return TierOutcome(witness, None, demonstration)
 
 

@@ -1,13 +1,10 @@
-"""Search for a witness of a task: restarts from new initial states, samples of each action."""
+"""Validate tasks: proofs first, then the search for a witness that passes all tiers of a budget."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, replace
-from functools import partial
-from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -15,39 +12,21 @@ from prag_asp.atom import Atom
 from prag_asp.errors import PragError, SceneError
 from prag_asp.physics.filming.episode_options import Staging
 from prag_asp.physics.proofs.prover import Prover
-from prag_asp.physics.search.action_effects import advance
-from prag_asp.physics.search.attempt import (
-    CAUSES,
-    EMPTY_VOLUME,
-    OBJECTS_COLLIDE,
-    Exhausted,
-    Failure,
-    PhysicsFault,
-    Search,
-    Snapshot,
-)
+from prag_asp.physics.search.attempt import CAUSES, PhysicsFault, Search
 from prag_asp.physics.search.failures import FailureLog
 from prag_asp.physics.search.foresight import foresee
-from prag_asp.physics.search.initial_state import sample_initial_state
 from prag_asp.physics.search.spans import foresee_spans
 from prag_asp.physics.symbolic_facts import PhysicalTask, physical_task
 from prag_asp.physics.tiers import TierPipeline
 from prag_asp.physics.verdict import Budget, Detail, Status, Verdict
-from prag_asp.physics.witness import Waypoint, Witness
+from prag_asp.physics.witness_search import witnesses
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.processes.progress_events import stage
-from prag_asp.scene.scene import Scene, Size
+from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 
-Result = TypeVar("Result")
 ACTIVITY = "checking tasks by physics"
 """What validation is called where progress is shown."""
-
-CROWDED = frozenset((EMPTY_VOLUME, OBJECTS_COLLIDE))
-"""The causes of failed attempts that are a lack of room, for which tight packing may help."""
-
-PACKED = 4
-"""Restarts that pack the objects tightly, at most, and at most half of the budget's: each backtracks on its own."""
 
 LISTED = 8
 """Details of failed attempts that a verdict has at most."""
@@ -93,7 +72,7 @@ class Validator:
         log = FailureLog()
         status: Status = "not_found"
         restarts, witness, demonstration = 0, None, None
-        for restarts, candidate in self._restarts(physical, search, budget, log):
+        for restarts, candidate in witnesses(physical, self._scene, search, budget, log):
             if candidate is None:
                 continue
             outcome = self._tiers.run(physical, candidate, budget, (*seeds, restarts - 1), staging)
@@ -117,33 +96,6 @@ class Validator:
             details=_details(log.faults, self._scene),
             nearest="" if witness is not None else log.nearest(physical.effects),
         )
-
-    def _restarts(
-        self, physical: PhysicalTask, search: Search, budget: Budget, log: FailureLog
-    ) -> Iterator[tuple[int, Witness | None]]:
-        """Yield the number of each restart, from 1, with its witness if it finds one.
-
-        Sizes with a range are sampled at each restart. If no restart of the budget finds an initial state, or all fail
-        for lack of room, up to `PACKED` further ones pack the objects tightly.
-        """
-        ranges = {entity: self._scene.ranges[entity] for entity in physical.objects if entity in self._scene.ranges}
-        begun = False
-        for number in range(budget.restarts + min(budget.restarts // 2, PACKED)):
-            if number == budget.restarts:
-                causes = {fault.cause for fault in log.faults}
-                if causes.isdisjoint(CROWDED) or (begun and not causes <= CROWDED):
-                    return
-                search = replace(search, packs=True)
-            drawn = {entity: shapes[int(search.rng.integers(len(shapes)))] for entity, shapes in ranges.items()}
-            if drawn:
-                scene = self._scene.with_shapes(drawn)
-                self._simulator.use(scene)
-                search = replace(search, foresight=foresee(physical, scene))
-            sizes = {entity: shape.size for entity, shape in drawn.items()}
-            initial = _initial_state(physical, search, budget.samples, log)
-            begun = begun or initial is not None
-            follow = None if initial is None else _follow(physical, search, initial, sizes, budget.samples, log)
-            yield number + 1, follow
 
 
 @contextmanager
@@ -179,78 +131,6 @@ def validate_task(
     """
     with open_validator(scene) as validator:
         return validator.validate(task, seed=seed, index=index, budget=budget, staging=staging)
-
-
-def _initial_state(physical: PhysicalTask, search: Search, samples: int, log: FailureLog) -> Snapshot | None:
-    """Return an initial state, None if all samples fail; a search that packs tries once, because it backtracks."""
-    trial = _retry((0, 1 if search.packs else samples), log, -1, lambda _: sample_initial_state(search, physical))
-    return None if trial is None else trial.result
-
-
-def _follow(
-    physical: PhysicalTask,
-    search: Search,
-    snapshot: Snapshot,
-    sizes: Mapping[str, Size],
-    samples: int,
-    log: FailureLog,
-) -> Witness | None:
-    """Return a witness from an initial state, None if all samples of an action fail.
-
-    If a body with a model cannot be moved or put down as it is held, the next of its grasps is tried.
-    """
-    snapshots, motions = [snapshot], list[tuple[Waypoint, ...]]()
-    tried = [0] * len(physical.effects)
-    while len(motions) < len(physical.effects):
-        k = len(motions)
-        trial = _retry((tried[k], samples), log, k, partial(advance, search, snapshots[k], physical.effects[k]))
-        if trial is None:
-            grasped = _grasped_before(physical, k, search.scene)
-            if grasped is None:
-                return None
-            tried[grasped + 1 :] = [0] * (len(tried) - grasped - 1)
-            del snapshots[grasped + 1 :], motions[grasped:]
-            continue
-        tried[k] = trial.number + 1
-        snapshots.append(trial.result[0])
-        motions.append(trial.result[1])
-    return Witness(tuple(each.moment() for each in snapshots), tuple(motions), sizes)
-
-
-def _grasped_before(physical: PhysicalTask, k: int, scene: Scene) -> int | None:
-    """Return the action that grasped the body with a model which action `k` moves or puts down, None if there is none.
-
-    Primitives have few grasps, so their tasks start over.
-    """
-    entity = physical.effects[k].releases or physical.effects[k].holds
-    if entity is None or scene.shapes[entity].model is None:
-        return None
-    return max((i for i in range(k) if physical.effects[i].grasps == entity), default=None)
-
-
-@dataclass(frozen=True)
-class _Trial(Generic[Result]):
-    """An attempt that succeeded: its number from 0, and its result."""
-
-    number: int
-    result: Result
-
-
-def _retry(
-    numbers: tuple[int, int], log: FailureLog, done: int, attempt: Callable[[int], Result]
-) -> _Trial[Result] | None:
-    """Return the first success of an attempt, which gets its number, from the first to before the last of two.
-
-    None if all fail; `done` is the number of actions before.
-    """
-    for number in range(*numbers):
-        try:
-            return _Trial(number, attempt(number))
-        except Exhausted:
-            break
-        except Failure as failure:
-            log.add(failure.fault, done)
-    return None
 
 
 def _details(faults: Counter[PhysicsFault], scene: Scene) -> tuple[Detail, ...]:

@@ -19,6 +19,7 @@ WARNINGS: Mapping[str, str] = {
     "ignored": "a part of a PDDL file that plans do not depend on, or that is read in another way",
     "never-holds": "an atom of a rule that nothing stated can be",
     "never-occurs": "an action or a composite that can never occur: it is pruned",
+    "no-cavity": "a container by the logic that is none: its file has no cavity",
     "no-effect": "a statement, a key or a comment that changes nothing",
     "no-grasp": "a body with a model on which no grasp is found",
     "no-plan": "an unreachable goal, or an initial state in which nothing can occur: every count is 0",

@@ -66,21 +66,13 @@ def find_relaxed_reach(
     term that is no fluent; or if the initial state depends on choices.
     """
     others = [each for each in statements if each.own or each.path.parent != encodings]
-    reads = any(atom.signature == PRUNED for each in others for atom in each.body)
-    steps = [each for each in others if each.is_rule and each.part == "step"]
-    derives_occurrence = any(atom.signature == OCCURS for each in others for atom in each.heads)
-    derives_later_state = any(
-        atom.signature in STATE_PREDICATES and (each.timed or atom.signature != HOLDS or atom.arguments[-1] != "0")
-        for each in others
-        if each.part != "step"
-        for atom in each.heads
-    )
-    control = grounder.control
-    if reads or derives_occurrence or derives_later_state:
+    if any(map(_exceeds_steps, others)):
         return None
+    control = grounder.control
     open_start = any(not is_fact for _, _, is_fact in ground_atoms(control, *HOLDS))
     if control.is_conflicting or open_start:
         return None
+    steps = [each for each in others if each.is_rule and each.part == "step"]
     setters = fluent_setters(steps)
     grounder.state(PRUNED(term) for term in facts.pruned)
     if setters:
@@ -111,3 +103,18 @@ def find_relaxed_reach(
         set_by[fluent, str(value)] = setters[number.number]
     values, stood = (frozenset((fluent, str(value)) for fluent, value in each) for each in (holding, standing))
     return RelaxedReach(frozenset(action for (action,) in occurring), values, stood, set_by)
+
+
+def _exceeds_steps(statement: Statement) -> bool:
+    """Return whether a statement reads which actions are pruned, derives occurring actions, or a state outside a step.
+
+    A fact of the initial state is no such state.
+    """
+    if any(atom.signature == PRUNED for atom in statement.body):
+        return True
+    for atom in statement.heads:
+        initial = atom.signature == HOLDS and not statement.timed and atom.arguments[-1] == "0"
+        of_state = statement.part != "step" and atom.signature in STATE_PREDICATES and not initial
+        if atom.signature == OCCURS or of_state:
+            return True
+    return False

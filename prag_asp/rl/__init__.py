@@ -1,14 +1,14 @@
 """Reinforcement learning: a Gymnasium environment over task spaces, its rewards, curricula, and chains of skills.
 
->>> import gymnasium, prag_asp.rl
->>> from prag_asp import TaskSpace, load_domain
->>> env = gymnasium.make("prag_asp/Task-v0", space=TaskSpace(load_domain("tabletop"), length=2))
+>>> import gymnasium
+>>> env = gymnasium.make("prag_asp/Tabletop-v0", length=2)
 >>> observation, info = env.reset(seed=0)
 >>> info["task"]
 'pick(panda,brick_1,table_1) place(panda,brick_1,behind,can_1)'
 >>> env.close()
 
-Importing it registers ``prag_asp/Task-v0``; it raises `LearningMissingError` where Gymnasium is not installed.
+The names of environments are in `prag_asp.rl.registration`. Importing this package raises `LearningMissingError` where
+Gymnasium is not installed.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from prag_asp.lazy import names_from
 from prag_asp.missing import require_gymnasium
+from prag_asp.rl.registration import register_environments
 
 if TYPE_CHECKING:
     from prag_asp.rl.curriculum.bandit import BanditCurriculum
@@ -45,7 +46,8 @@ __all__ = [
     "run",
 ]  # fmt: skip
 
-require_gymnasium().register(id="prag_asp/Task-v0", entry_point="prag_asp.rl.environment:TaskEnv")
+require_gymnasium()
+register_environments()
 
 _HOMES = {
     "prag_asp.rl.curriculum.learning_progress": ("AdaptiveCurriculum",),

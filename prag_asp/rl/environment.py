@@ -6,9 +6,9 @@ import weakref
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-import gymnasium
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
@@ -22,14 +22,16 @@ from prag_asp.physics import Budget, Witness, require_physics
 from prag_asp.rl.arena import PERIOD, Arena
 from prag_asp.rl.camera_views import Image, Viewer
 from prag_asp.rl.control import SIZES, Control
-from prag_asp.rl.environment_options import Until, check_episodes, check_figures, moves_of, options_of, steps_left_of
+from prag_asp.rl.environment_options import Until, check_episodes, check_figures, moves_of, options_of
+from prag_asp.rl.goal_env import GoalEnv, Observation
 from prag_asp.rl.goals import PLACES, subgoals_of
 from prag_asp.rl.observations import Layout, observe
 from prag_asp.rl.reward_annealing import RewardAnnealing
-from prag_asp.rl.rewards import Reward, reached, step_rewards
+from prag_asp.rl.rewards import Reward
 from prag_asp.rl.state_checksum import verify_checksum, with_checksum
-from prag_asp.rl.tasks.episode_sampler import EpisodeSampler
-from prag_asp.rl.tasks.task_origin import Curricula, TaskOrigin
+from prag_asp.rl.tasks.episode_sampler import EpisodeSampler, EpisodeStart
+from prag_asp.rl.tasks.named_origin import Lengths, Shares, SplitOptions, named_origin
+from prag_asp.rl.tasks.task_origin import Curricula
 from prag_asp.rl.tasks.task_sources import WitnessFinder
 from prag_asp.space.parts.ranked_tasks import RankedTasks
 from prag_asp.space.task_space import TaskSpace
@@ -38,21 +40,26 @@ from prag_asp.task import Task
 if TYPE_CHECKING:
     from prag_asp.physics.situation import Situation
 
-Observation = dict[str, Any]
-"""An observation: arrays by their names."""
-
 STEPS = 100
 """The default limit of steps for a subgoal."""
+
+EPISODE = ("stage", "task", "witness", "_over", "_last", "_left", "_before", "_episode_info", "_curriculum", "_latest")
+"""The attributes of an episode, beside its start and its actions."""
 
 REBUILT = ("domain", "scene", "layout", "situation", "_resources", "_viewer", "_sampler", "_arena", "_start")
 """The attributes that a copy of an environment builds anew, from its arguments and its episode."""
 
 
-class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
+class TaskEnv(GoalEnv):
     """One agent moves all arms of a scene; its tasks come from a `space`, a `dataset`, or are one `task` alone.
 
+    Instead of a space, give a `domain` and a `length`; instead of a dataset, its folder. With `split`, only one part is
+    used: that of a dataset by its name, or of a space that is divided by `shares` (80 % ``train`` and 20 % ``test`` by
+    default), by whole `skeletons`, or by what is held out (`hold_out`), as `generate` divides it with the same seed.
+    The conditions `where` restrict a space or a dataset. So plain values make an environment.
+
     An observation has what the agent sees (`layout.names` says what each number is), and, by the convention of goal
-    environments, `achieved_goal` and `desired_goal` of the shape (2, `PLACES`): the moment, then that one step before;
+    environments, `achieved_goal` and `desired_goal` of the shape (2 * `PLACES`,): now, and one step before;
     `prag_asp.rl.rewards` says what the vectors mean. The action has, of each robot in turn, a displacement of the tool
     along x, y, z, a turn about the vertical and one of the fingers (`control` "tool"), or seven joints and the fingers
     ("joints"), each between -1 and 1; it lasts 1/20 s.
@@ -66,9 +73,10 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     With a `part` of the space, only its tasks are used. A `curriculum` chooses the tasks: `LengthCurriculum`,
     `NoveltyCurriculum`, `AdaptiveCurriculum` or `BanditCurriculum`; `ReverseCurriculum` chooses the initial subgoals;
     or give two, one of each kind. It learns from the episodes of this environment alone. `info` has the same keys at a
-    reset and at each step, among them the exact `probability` of the task and of its stage (`stage_probability`), and
-    the number of samples that were `rejected` before it. Images of `cameras` are in observations, too, as `camera_` and
-    the name: 8-bit colours, of `size` width and height in pixels.
+    reset and at each step, among them the instruction at three levels in a `language`, the sentence of the current
+    subgoal, the exact `probability` of the task and of its stage (`stage_probability`), and the number of samples that
+    were `rejected` before it. Images of `cameras` are in observations, too, as `camera_` and the name: 8-bit colours,
+    of `size` width and height in pixels.
 
     A copy, by `pickle` or `copy.deepcopy`, has simulators of its own and continues the episode in the same way, bit for
     bit: it performs the actions of the episode again.
@@ -85,11 +93,18 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self,
         space: TaskSpace | None = None,
         *,
+        domain: Domain | str | None = None,
+        length: Lengths | None = None,
+        where: Sequence[str] = (),
+        split: str | None = None,
+        shares: Shares | None = None,
+        skeletons: bool = False,
+        hold_out: str | None = None,
+        split_seed: int = 0,
         part: RankedTasks | None = None,
-        dataset: Dataset | None = None,
+        dataset: Dataset | str | Path | None = None,
         task: Task | None = None,
         witness: Witness | None = None,
-        domain: Domain | str | None = None,
         curriculum: Curricula = None,
         stage: int | Literal["any"] = 0,
         until: Until = "task",
@@ -100,39 +115,48 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         everything: bool = False,
         steps: int = STEPS,
         budget: Budget | None = None,
+        language: str = "en",
         cameras: Sequence[str] = (),
         size: int | tuple[int, int] | None = None,
         render_mode: Literal["rgb_array"] | None = None,
     ) -> None:
         self._arguments = {
-            "space": space, "part": part, "dataset": dataset, "task": task, "witness": witness, "domain": domain,
+            "space": space, "domain": domain, "length": length, "where": where, "split": split, "shares": shares,
+            "skeletons": skeletons, "hold_out": hold_out, "split_seed": split_seed, "part": part,
+            "dataset": dataset, "task": task, "witness": witness,
             "curriculum": curriculum, "stage": stage, "until": until, "reward": reward, "fade": fade,
             "discount": discount, "control": control, "everything": everything, "steps": steps, "budget": budget,
+            "language": language,
             "cameras": cameras, "size": size, "render_mode": render_mode,
         }  # fmt: skip
-        origin = TaskOrigin(space, part, dataset, task, curriculum)
+        origin = named_origin(
+            space=space, part=part, dataset=dataset, task=task, domain=domain, length=length, where=where,
+            split=SplitOptions(split, shares, skeletons, hold_out, split_seed), curriculum=curriculum,
+        )  # fmt: skip
         check_episodes(until=until, reward=reward, control=control, stage=stage, steps=steps)
         modes = self.metadata["render_modes"]
         check_figures(discount=discount, budget=budget, render_mode=render_mode, modes=modes)
         require_physics()
         self.render_mode = render_mode
-        self.domain = origin.domain(domain)
+        self.domain = origin.domain(domain if length is None else None)
         self.scene = scene_of(self.domain)
         self._resources = ExitStack()
         # Releases the simulators also where the environment is not closed.
         weakref.finalize(self, self._resources.close)
         self._viewer = Viewer(self.scene, cameras, size, self._resources)
         self.layout = Layout.of(self.scene, map(atom_of, self.domain.facts.actions), everything=everything)
-        self.control, self._until, self._steps, self._discount = control, until, int(steps), float(discount)
+        self.control, self._until, self._steps, self.discount = control, until, int(steps), float(discount)
         annealing = RewardAnnealing(fade)
-        self._share, self._annealing = float(reward != "sparse"), annealing if reward == "faded" else None
+        self.share, self._annealing = float(reward != "sparse"), annealing if reward == "faded" else None
         self._spec = f"{origin.title}, {fade if reward == 'faded' else 'no fading'}"
         finder = WitnessFinder(self.scene, self._resources, budget)
-        self._sampler = EpisodeSampler(origin, witness, stage, finder, domain=self.domain, layout=self.layout)
+        self._sampler = EpisodeSampler(
+            origin, witness, stage, finder, domain=self.domain, layout=self.layout, language=language
+        )
         self._arena: Arena | None = None
         self._over = True
         self.action_space = spaces.Box(-1.0, 1.0, (SIZES[control] * len(self.layout.robots),), np.float32)
-        goals = spaces.Box(-np.inf, np.inf, (2, PLACES), np.float32)
+        goals = spaces.Box(-np.inf, np.inf, (2 * PLACES,), np.float32)
         seen = spaces.Box(-np.inf, np.inf, (len(self.layout.names),), np.float32)
         self.observation_space = spaces.Dict(
             {"observation": seen, "achieved_goal": goals, "desired_goal": goals, **self._viewer.spaces}
@@ -143,9 +167,9 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     ) -> tuple[Observation, dict[str, Any]]:
         """Begin an episode.
 
-        `options` may have the `task` (and its `witness`) or the `rank` of a task (in a dataset, its number), and the
-        initial `stage`; the rest is sampled. With a `seed`, all samples from then on depend on it alone; without any,
-        they are random.
+        `options` may have the `task` (and its `witness`) or the `rank` of a task (in a dataset, its number), the
+        initial `stage`, and the `steps` of each subgoal; the rest is sampled. With a `seed`, all samples from then on
+        depend on it alone; without any, they are random.
 
         Raises:
             QueryError: the options are wrong, or the task has no witness.
@@ -161,23 +185,27 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.task, self.witness = start.assignment.task, start.assignment.witness
         self._over = False
         self._last = self.stage if self._until == "subgoal" else len(start.subgoals) - 1
-        self._left = self._steps * (self._last + 1 - self.stage)
+        self._left = int(request.get("steps") or self._steps) * (self._last + 1 - self.stage)
         if self._annealing is not None:
-            self._share = self._annealing.share
+            self.share = self._annealing.share
         self._moves: list[NDArray[np.float64]] = []
         self._perform()
         measured, here = self._goal(self.situation)
         self._before = here
         self._episode_info, self._curriculum = start.info(), self._sampler.summary()
-        return self._observation(self.situation, here), self._info(measured, success=False)
+        self._latest = self._observation(self.situation, here), self._info(measured, success=False)
+        return self._latest
 
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Apply an action for 1/20 s; its numbers are clipped to -1 and 1.
 
         Raises:
-            QueryError: the action is malformed or not finite, or no episode has begun.
+            QueryError: the action is malformed or not finite, no episode has begun, or it has ended.
         """
-        arena, moves = self._begun_arena, moves_of(action, SIZES[self.control] * len(self.layout.robots))
+        arena = self._begun_arena
+        if self._over:
+            raise QueryError("the episode has ended; reset the environment")
+        moves = moves_of(action, SIZES[self.control] * len(self.layout.robots))
         self.situation = situation = arena.act(moves, self.control)
         self._moves.append(moves)
         measured, here = self._goal(situation)
@@ -185,41 +213,19 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             self.stage += 1
             measured, here = self._goal(situation)
         seen = self._observation(situation, here)
-        reward, ended = self._rewards(seen["achieved_goal"], seen["desired_goal"])
+        reward, ended = self.rewards(seen["achieved_goal"], seen["desired_goal"])
         self._before = here
         self._left -= 1
         done, late = bool(ended), self._left <= 0
         if self._annealing is not None:
             self._annealing.step()
-        if (done or late) and not self._over:
+        if done or late:
             self._over = True
             if self._annealing is not None:
                 self._annealing.end(done)
             self._sampler.update(self._start, self.stage, success=done)
-        return seen, float(reward), done, late and not done, self._info(measured, success=done)
-
-    def compute_reward(self, achieved_goal: NDArray[np.floating], desired_goal: NDArray[np.floating], info: Any) -> Any:
-        """Return the rewards of steps that lead to `achieved_goal`, shape (..., 2, `PLACES`); `info` is ignored."""
-        reward, _ = self._rewards(np.asarray(achieved_goal), np.asarray(desired_goal))
-        return float(reward) if reward.ndim == 0 else reward
-
-    def compute_terminated(
-        self, achieved_goal: NDArray[np.floating], desired_goal: NDArray[np.floating], info: Any
-    ) -> Any:
-        """Return whether steps that lead to `achieved_goal` reach their goals; `info` is not used."""
-        is_reached = reached(np.asarray(achieved_goal)[..., 0, :], np.asarray(desired_goal)[..., 0, :])
-        return bool(is_reached) if is_reached.ndim == 0 else is_reached
-
-    def compute_truncated(
-        self, achieved_goal: NDArray[np.floating], desired_goal: NDArray[np.floating], info: Any
-    ) -> Any:
-        """Return whether steps end an episode short of their goals: no `steps_left` in `info`, and no goal reached.
-
-        `info` is that of a step, or has one for each step of a batch; nothing is truncated where it lacks `steps_left`.
-        """
-        is_reached = reached(np.asarray(achieved_goal)[..., 0, :], np.asarray(desired_goal)[..., 0, :])
-        is_truncated = ~is_reached & (steps_left_of(info) <= 0.0)
-        return bool(is_truncated) if is_truncated.ndim == 0 else is_truncated
+        self._latest = seen, self._info(measured, success=done)
+        return seen, float(reward), done, late and not done, self._latest[1]
 
     def render(self) -> Image | None:
         """Return an image of the first of the `cameras`, or of the scene's first one; None without a render mode.
@@ -231,6 +237,33 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             return None
         assert self._begun_arena
         return self._viewer.image(self.situation)
+
+    def save_state(self) -> dict[str, Any]:
+        """Return the state of the episode, which can be pickled; samplers and curricula are no part of it.
+
+        Raises:
+            QueryError: no episode has begun.
+        """
+        assert self._begun_arena
+        start, moves = replace(self._start, subgoals=()), list(self._moves)
+        return {"start": start, "moves": moves, **{name: getattr(self, name) for name in EPISODE}}
+
+    def restore_state(self, state: Mapping[str, Any]) -> tuple[Observation, dict[str, Any]]:
+        """Continue an episode of this environment, or of one with the same arguments, bit for bit.
+
+        It performs the actions of the episode again, and returns the observation and the information of its last step.
+
+        Raises:
+            QueryError: it is no state of an episode.
+        """
+        try:
+            start, moves, attributes = state["start"], list(state["moves"]), {name: state[name] for name in EPISODE}
+        except (KeyError, TypeError) as error:
+            raise QueryError(f"this is no state of an episode ({error!r:.60}); give that of save_state") from None
+        self.__dict__.update(attributes)
+        self._moves = moves
+        self._resume(start)
+        return self._latest
 
     def state_dict(self) -> dict[str, Any]:
         """Return a checkpoint of the samplers, the curricula and the annealing, as values of JSON.
@@ -318,9 +351,12 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             self._sampler.load_state_dict(state["sampler"])
             self._sampler.seeded = True
         if state["start"] is not None:
-            subgoals = subgoals_of(state["start"].assignment.task, self.scene)
-            self._start = replace(state["start"], subgoals=subgoals)
-            self._perform()
+            self._resume(state["start"])
+
+    def _resume(self, start: EpisodeStart) -> None:
+        """Perform an episode again up to its last action; the subgoals of its start are computed anew."""
+        self._start = replace(start, subgoals=subgoals_of(start.assignment.task, self.scene))
+        self._perform()
 
     def _perform(self) -> None:
         """Start the episode in the simulator, and perform the actions that it has had so far."""
@@ -329,10 +365,6 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.situation = self._arena.start(self.witness, self._start.stage)
         for moves in self._moves:
             self.situation = self._arena.act(moves, self.control)
-
-    def _rewards(self, achieved: NDArray[np.floating], desired: NDArray[np.floating]) -> tuple[Any, Any]:
-        now, before, goal = achieved[..., 0, :], achieved[..., 1, :], desired[..., 0, :]
-        return step_rewards(before, now, goal, discount=self._discount, share=self._share)
 
     def _goal(self, situation: Situation) -> tuple[list[float], NDArray[np.float32]]:
         """Return the signed distances of a moment, and its vector."""
@@ -343,10 +375,14 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     def _observation(self, situation: Situation, here: NDArray[np.float32]) -> Observation:
         """Return the observation of a moment."""
         assert self._arena is not None
-        desired = np.zeros((2, PLACES), dtype=np.float32)
-        desired[:, 0] = self._last
+        desired = np.zeros(2 * PLACES, dtype=np.float32)
+        desired[::PLACES] = self._last
         seen = observe(self.layout, situation, self.action, self._arena.speeds, self._arena.commanded_openings)
-        observation = {"observation": seen, "achieved_goal": np.array([here, self._before]), "desired_goal": desired}
+        observation = {
+            "observation": seen,
+            "achieved_goal": np.concatenate([here, self._before]),
+            "desired_goal": desired,
+        }
         return observation | self._viewer.images(situation)
 
     def _info(self, measured: list[float], *, success: bool) -> dict[str, Any]:
@@ -354,6 +390,7 @@ class TaskEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         info = self._episode_info | {
             "stage": self.stage,
             "action": str(self.action),
+            "subgoal": self._start.texts.subgoals[self.stage],
             "reached": " ".join(self._start.subgoals[self.stage].reached(measured)),
             "is_success": success,
             "steps_left": self._left,

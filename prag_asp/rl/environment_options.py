@@ -18,7 +18,7 @@ from prag_asp.wording import unknown
 Until = Literal["subgoal", "task"]
 UNTIL: tuple[Until, ...] = get_args(Until)
 
-OPTIONS = ("task", "witness", "rank", "stage")
+OPTIONS = ("task", "witness", "rank", "stage", "steps")
 
 
 def check_episodes(*, until: object, reward: object, control: object, stage: object, steps: object) -> None:
@@ -32,8 +32,7 @@ def check_episodes(*, until: object, reward: object, control: object, stage: obj
             raise QueryError(unknown(str(value), choices, what))
     if not is_whole(stage) and stage != "any":
         raise QueryError(f"stage {stage!r}: give the number of a subgoal, from 0 or, from the last one, -1; or any")
-    if not is_whole(steps) or steps < 1:
-        raise QueryError(f"an episode needs at least 1 step; got {steps!r}")
+    _check_steps(steps)
 
 
 def check_figures(*, discount: object, budget: object, render_mode: object, modes: list[str]) -> None:
@@ -65,6 +64,8 @@ def options_of(options: object) -> Mapping[str, Any]:
             raise QueryError(unknown(str(name), OPTIONS, "option"))
     if options.get("rank") is not None and options.get("task") is not None:
         raise QueryError("a rank and a task: give one of them")
+    if options.get("steps") is not None:
+        _check_steps(options["steps"])
     return options
 
 
@@ -94,6 +95,16 @@ def steps_left_of(info: object) -> NDArray[np.float64]:
     if isinstance(info, Sequence | np.ndarray):
         return np.array([each.get("steps_left", np.inf) for each in info], dtype=np.float64)
     return np.array(np.inf)
+
+
+def _check_steps(steps: object) -> None:
+    """Check a number of steps.
+
+    Raises:
+        QueryError: it is no whole number from 1.
+    """
+    if not is_whole(steps) or steps < 1:
+        raise QueryError(f"an episode needs at least 1 step; got {steps!r}")
 
 
 def is_whole(number: object) -> TypeGuard[int | np.integer[Any]]:

@@ -22,7 +22,8 @@ from prag_asp.scene.boxes import Vector
 from prag_asp.scene.geometry import compose, wrap, yaw_of
 
 if TYPE_CHECKING:
-    from prag_asp.rl.environment import Observation, TaskEnv
+    from prag_asp.rl.environment import TaskEnv
+    from prag_asp.rl.goal_env import Observation
 
 CLOSE, CLOSE_TURN = 0.004, 0.03
 """The distance at which a waypoint counts as passed, in metres and radians."""

@@ -173,7 +173,7 @@ def run(
             raise QueryError(f"{what} is a whole number from 1 on; got {number!r}")
     rollouts = []
     for options in _reset_options(tasks):
-        observation, _ = env.reset(seed=seed, options=options)
+        observation, _ = env.reset(seed=seed, options=options | {"steps": tries * patience})
         seed = None
         rollouts.append(_pursued(env, policies, observation, tries, patience))
     return Rollouts(tuple(rollouts))
@@ -227,10 +227,7 @@ def _pursued(
 def _attempt(
     wrapped: gymnasium.Env[Any, Any], policy: Policy, observation: Any, patience: int
 ) -> tuple[Any, bool, int]:
-    """Pursue one subgoal by a policy; return the last observation, whether the goal is reached, and the steps taken.
-
-    Truncation by the environment's own step limit is ignored here.
-    """
+    """Pursue one subgoal by a policy; return the last observation, whether the goal is reached, and the steps taken."""
     env: TaskEnv = wrapped.unwrapped  # type: ignore[assignment]
     stage, begin = env.stage, getattr(policy, "begin", None)
     if begin is not None:

@@ -16,8 +16,11 @@ TO_XYZ = np.array(
 )
 """From linear sRGB (IEC 61966-2-1), for daylight D65."""
 
-WHITE = TO_XYZ.sum(axis=1)
+DAYLIGHT = TO_XYZ.sum(axis=1)
 EDGE = 6 / 29
+WHITE = "#ffffff"
+"""The colour of a body that looks as its file has it: what is seen of it is multiplied by its colour."""
+
 LEVELS = (0x10, 0x38, 0x60, 0x88, 0xB0, 0xD8, 0xF8)
 """The levels of red, green and blue of which the colours of `more_colours` are mixed."""
 
@@ -42,7 +45,7 @@ def from_lab(lab: NDArray[np.float64]) -> str:
     """Return the colour of the screen that is nearest in red, green and blue to lightness, a and b."""
     y = (lab[0] + 16) / 116
     bent = np.array([y + lab[1] / 500, y, y - lab[2] / 200])
-    xyz = WHITE * np.where(bent > EDGE, bent**3, 3 * EDGE**2 * (bent - 4 / 29))
+    xyz = DAYLIGHT * np.where(bent > EDGE, bent**3, 3 * EDGE**2 * (bent - 4 / 29))
     linear = np.clip(np.linalg.solve(TO_XYZ, xyz), 0.0, 1.0)
     bright = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
     return "#" + "".join(f"{round(255 * part):02x}" for part in bright.tolist())
@@ -82,7 +85,7 @@ def _lab(colors: NDArray[np.int64]) -> NDArray[np.float64]:
     """Return lightness, a and b of colours from 0 to 255, shape (N, 3)."""
     bright = colors / 255
     linear = np.where(bright <= 0.04045, bright / 12.92, ((bright + 0.055) / 1.055) ** 2.4)
-    xyz = linear @ TO_XYZ.T / WHITE
+    xyz = linear @ TO_XYZ.T / DAYLIGHT
     bent = np.where(xyz > EDGE**3, np.cbrt(xyz), xyz / (3 * EDGE**2) + 4 / 29)
     x, y, z = bent.T
     return np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=1)

@@ -45,6 +45,19 @@ class Solid(NamedTuple):
     mesh: str = ""
 
 
+class Look(NamedTuple):
+    """What is seen of a body: a solid in its frame, which does not collide.
+
+    A mesh has the colours and textures of its file; files that it names have to be inside a `folder`. Otherwise it has
+    the `texture`, a path, and the solid the `color`, or that of the entity if it is empty.
+    """
+
+    solid: Solid
+    folder: str = ""
+    color: str = ""
+    texture: str = ""
+
+
 class Cavity(NamedTuple):
     """The cavity of a body: the middle of its floor in the frame of the body, and its sides and depth, in metres.
 
@@ -63,7 +76,8 @@ class BodyModel(NamedTuple):
 
     `base` and `crown` are the convex outlines, seen from above and counter-clockwise, of what it stands on and of what
     stands on it: its lowest and its highest points; if empty, of its box. `settled` is by how many radians it was
-    tilted from how its file has it, because it does not rest like that.
+    tilted from how its file has it, because it does not rest like that. `looks` are what is seen of it; if it has none,
+    it is seen as it collides.
     """
 
     solids: tuple[Solid, ...]
@@ -75,6 +89,7 @@ class BodyModel(NamedTuple):
     crown: tuple[tuple[float, float], ...] = ()
     settled: float = 0.0
     cavity: Cavity | None = None
+    looks: tuple[Look, ...] = ()
 
     def with_mass(self, mass: float) -> BodyModel:
         """Return the model with another mass in kilograms, distributed alike."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.scene.boxes import Box, box_between
-from prag_asp.scene.geometry import Pose, Quaternion, matrix
+from prag_asp.scene.geometry import Pose, Quaternion, extents, hull, matrix, outline
 from prag_asp.scene.read.convex import convex_hull
 from prag_asp.scene.read.mesh import mesh_parts, state_of
 from prag_asp.scene.read.stability import rotation
@@ -17,6 +17,9 @@ from prag_asp.scene.scene import Shape, Solid
 from prag_asp.scene.solids import solids
 
 Floats = NDArray[np.float64]
+
+EDGE = 1e-9
+"""The length in metres of an edge that has no direction."""
 
 SIDES = 32
 """Sides of a tessellated cylinder or ball: the surface misses half a percent of the radius at most."""
@@ -112,19 +115,45 @@ def _primitive(kind: str, size: tuple[float, float, float]) -> Floats:
     return _outward(np.concatenate(triangles))
 
 
-def part_boxes(shape: Shape, pose: Pose) -> list[Box]:
-    """Return the box around each convex part of a body along the axes of the world, in metres.
+def turned_boxes(shape: Shape, quaternion: Quaternion) -> tuple[Box, ...]:
+    """Return the boxes of a turned body at the origin that keep others apart, along the axes of the world, in metres.
 
-    Other bodies have room between the parts of a body.
+    One around each convex part of a body with a model, one around any other body.
     """
-    x, y, z = pose.position
-    return [((x + a, y + b, z + c), half) for (a, b, c), half in _turned_boxes(shape, pose.quaternion)]
+    if shape.model is None:
+        return (((0.0, 0.0, 0.0), extents(shape, quaternion)),)
+    return _turned_parts(shape, quaternion)
 
 
 @lru_cache(maxsize=1 << 10)
-def _turned_boxes(shape: Shape, quaternion: Quaternion) -> tuple[Box, ...]:
+def _turned_parts(shape: Shape, quaternion: Quaternion) -> tuple[Box, ...]:
     """Return the box around each convex part of a turned body at the origin."""
     rows = matrix(Pose((0.0, 0.0, 0.0), quaternion))[:3, :3]
     turned = (part.reshape(-1, 3) @ rows.T for part in part_surfaces(shape))
     ends = (zip(part.min(0).tolist(), part.max(0).tolist(), strict=True) for part in turned)
     return tuple(box_between(*sides) for sides in ends)
+
+
+@lru_cache(maxsize=1 << 10)
+def turned_outlines(shape: Shape, quaternion: Quaternion) -> tuple[Floats, ...]:
+    """Return the convex outline from above of each part of a turned body at the origin: arrays of shape (n, 2), metres.
+
+    They are in the order of `turned_boxes`.
+    """
+    if shape.model is None:
+        return (np.array(outline(shape, Pose((0.0, 0.0, 0.0), quaternion))),)
+    rows = matrix(Pose((0.0, 0.0, 0.0), quaternion))[:2, :3]
+    flat = (part.reshape(-1, 3) @ rows.T for part in part_surfaces(shape))
+    return tuple(np.array(hull([(x, y) for x, y in part.round(7).tolist()])) for part in flat)
+
+
+def outlines_meet(one: Floats, two: Floats, spacing: float) -> bool:
+    """Return whether two convex outlines may be nearer than a spacing in metres: no edge keeps them apart by as much.
+
+    If one does, they are (separating axis theorem).
+    """
+    edges = np.concatenate([np.roll(each, -1, 0) - each for each in (one, two)])
+    normals = np.stack([edges[:, 1], -edges[:, 0]]) / np.maximum(np.linalg.norm(edges, axis=1), EDGE)
+    ours, theirs = one @ normals, two @ normals
+    gaps = np.maximum(theirs.min(0) - ours.max(0), ours.min(0) - theirs.max(0))
+    return bool(gaps.max() < spacing)

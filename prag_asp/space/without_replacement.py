@@ -25,6 +25,7 @@ from prag_asp.space.task_space import TaskSpace
 from prag_asp.space.weights.weights import Number, Weights
 from prag_asp.space.word_set import WordSet
 from prag_asp.task import Task
+from prag_asp.wording import unknown
 
 WHOLE = "train"
 """The name of the only part of tasks that are not split, as dataset loaders expect it."""
@@ -80,6 +81,43 @@ class Division:
     def by_tasks(self) -> bool:
         """True if any two tasks may be in different parts."""
         return not self.skeletons and self.hold_out is None
+
+
+@dataclass(frozen=True)
+class SpacePart:
+    """The tasks of one part of a divided space; `order` numbers the words of `sets`, one set for each length."""
+
+    sets: Sequence[WordSet]
+    order: RankOrder
+
+    @property
+    def size(self) -> int:
+        """The number of tasks."""
+        return self.order.size
+
+    def __contains__(self, word: tuple[str, ...]) -> bool:
+        for place, words in enumerate(self.sets):
+            if words.length == len(word):
+                rank = words.rank(word)
+                return rank is not None and self.order.number(place, rank) is not None
+        return False
+
+    def word(self, number: int) -> tuple[str, ...]:
+        """Return the task of a number from 0 to size - 1 as the texts of its actions."""
+        place, rank = self.order[number]
+        return self.sets[place].word(rank)
+
+
+def space_part(space: TaskSpace, division: Division, name: str, *, seed: int) -> SpacePart:
+    """Return the part of a space that a dataset with the same division and seed has, in no particular order.
+
+    Raises:
+        QueryError: there is no such part, or there is nothing to sample.
+    """
+    if name not in division.shares:
+        raise QueryError(unknown(name, division.shares, "part"))
+    sets = _sets(space, nonempty_sets(space.sampling()), division, seed)[name]
+    return SpacePart(sets, order_of([words.count() for words in sets], division, name, seed, evenly=False))
 
 
 def ordered_parts(

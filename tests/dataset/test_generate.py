@@ -56,13 +56,13 @@ def test_tasks_are_different_feasible_and_have_their_ranks_and_shares(small: Dat
     )
 
 
-def test_refused_tasks_are_kept_with_their_causes_and_each_draw_is_one_or_the_other(small: Dataset) -> None:
-    refused = list(small.refused())
-    assert refused and all(entry.verdict is not None and not entry.verdict.feasible for entry in refused)
-    assert all(entry.verdict is not None and entry.verdict.reason for entry in refused)
+def test_rejected_tasks_are_kept_with_their_causes_and_each_draw_is_one_or_the_other(small: Dataset) -> None:
+    rejected = list(small.rejected())
+    assert rejected and all(entry.verdict is not None and not entry.verdict.feasible for entry in rejected)
+    assert all(entry.verdict is not None and entry.verdict.reason for entry in rejected)
     for part in small.manifest.parts:
         kept = [entry.draw for entry in small.part(part.name).entries()]
-        others = [entry.draw for entry in refused if entry.part == part.name]
+        others = [entry.draw for entry in rejected if entry.part == part.name]
         assert sorted(kept + others) == list(range(part.draws))
         assert sum(each.drawn for each in part.lengths) == part.draws
         assert sum(reason.count for each in part.lengths for reason in each.reasons) == len(others)
@@ -267,7 +267,7 @@ def test_a_wrong_request_is_refused_in_one_line(kitchen: TaskSpace, numbers: Pat
     refused("add up to 1", split={"train": 0.5})
     refused("need physics", starts=2)
     refused("need physics", demonstrate=True)
-    refused("cameras film demonstrations; ask for them", staging=Staging(("front",)))
+    refused("cameras record demonstrations; ask for them", staging=Staging(("front",)))
     refused("has no sentences in", language="xx")
     refused("shard 0: give a number from 1 to 20000", shard=0)
     refused("shard 1000000: give a number from 1 to 20000", shard=10**6)

@@ -12,7 +12,7 @@ from prag_asp.physics import Budget, check_demonstration, check_witness, open_va
 from prag_asp.physics.grasps.body_grasps import body_grasps, is_hand_free
 from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.physics.predicates import PREDICATES
-from prag_asp.physics.predicates.grip_friction import finger_force, pad_friction
+from prag_asp.physics.predicates.grip_friction import finger_force, grip_load, held_load, pad_friction
 from prag_asp.physics.predicates.grip_geometry import pad_reach
 from prag_asp.physics.proofs.prover import Prover
 from prag_asp.physics.robot.kinematics import tool_pose
@@ -228,7 +228,8 @@ def test_every_grasp_of_a_body_holds_it_wherever_it_stands_and_nothing_refutes_t
     held = Fact(PREDICATES["holding"], ("panda", "thing_1"), True)
     rng = np.random.default_rng(chance.seed(1))
     found = body_grasps(HELD[name], gripper, pad_friction(made, "thing_1"))
-    assert found
+    body = HELD[name].model
+    assert found and body is not None
     for grasp in found:
         pose = Pose((*rng.uniform(0.3, 0.6, 2), 0.1), yaw_quaternion(rng.uniform(-3.0, 3.0)))
         arm, tool = Arm((0.0,) * 7, grasp.width), compose(pose, grasp.tool)
@@ -239,3 +240,8 @@ def test_every_grasp_of_a_body_holds_it_wherever_it_stands_and_nothing_refutes_t
         assert all(a - beyond <= at <= b + beyond for a, at, b in zip(low, tool.position, high, strict=True))
         here = replace(made, fixed={**made.fixed, "thing_1": (*pose.position[:2], yaw_of(pose.quaternion))})
         assert Prover(here).refutation([held]) is None
+        # Search and check judge its load alike: Coulomb's law, with the torque about the line between both pads.
+        share = body.mass * 9.81 / (2 * 1.4 * made.material("thing_1").friction * 12.0)
+        load = grip_load(made, "thing_1", "panda", grasp.lever, grasp.radius)
+        assert load == pytest.approx(share * math.hypot(1.0, grasp.lever / grasp.radius))
+        assert held_load(situation, "thing_1", "panda") == pytest.approx(load, abs=1e-6)

@@ -29,7 +29,7 @@ INFEASIBLE: list[dict[str, Any]] = read("infeasible")["scene"]
 
 def scene_of(given: dict[str, Any]) -> Scene:
     shapes = {**BODIES["shapes"], **given.get("shapes", {})}
-    own = {name: given.get(name, {}) for name in ("fixed", "materials")}
+    own = {name: given.get(name, {}) for name in ("fixed", "materials", "own")}
     return parse_scene({**BODIES, **own, "shapes": shapes}, {}, {name: name for name in shapes}, folder=FOLDER)
 
 
@@ -40,7 +40,7 @@ def task_of(given: dict[str, Any]) -> Task:
 
 
 def test_there_are_enough_scenes_of_each_kind() -> None:
-    assert len(FEASIBLE) >= 30 and len(INFEASIBLE) >= 30
+    assert len(FEASIBLE) >= 66 and len(INFEASIBLE) >= 54
     names = [given["name"] for given in (*FEASIBLE, *INFEASIBLE)]
     assert len(set(names)) == len(names) and all(given["why"] for given in (*FEASIBLE, *INFEASIBLE))
     causes = Counter(given["cause"] for given in INFEASIBLE)

@@ -23,7 +23,7 @@ from contextlib import ExitStack
 from tempfile import gettempdir
 from prag_asp.physics.filming.studio import open_studio
 from prag_asp.physics.world.dynamics import open_dynamics
-from prag_asp.physics.world.primitives import make_shapes, mesh_file
+from prag_asp.physics.world.primitives import mesh_file, open_shapes
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.physics.witness import Arm, Moment
 from prag_asp.scene.scene import Scene, Shape, Solid
@@ -36,7 +36,8 @@ HOME = Moment({}, {"arm": Arm((0.0,) * 7, 0.04)})
 def work(loaded=None, until=None):
     with ExitStack() as worlds:
         simulator = worlds.enter_context(open_simulator(SCENE))
-        assert min(make_shapes([MESH, MESH], simulator.client, "#808080")) >= 0
+        with open_shapes([MESH, MESH], simulator.client, "#808080") as shapes:
+            assert min(shapes) >= 0
         worlds.enter_context(open_dynamics(SCENE)).begin((), HOME)
         worlds.enter_context(open_studio(SCENE, ())).show(HOME)
         assert os.listdir(gettempdir()) == [], "loaded, and still there"

@@ -199,12 +199,13 @@ def test_what_means_nothing_is_refused(space: TaskSpace, asked: Any, told: str) 
         TaskEnv(**{"space": space, **given})
 
 
-def test_an_episode_ends_once_however_long_it_is_stepped_on(given: Mapping[str, list[Given]]) -> None:
+def test_an_episode_ends_once_and_steps_after_it_are_refused(given: Mapping[str, list[Given]]) -> None:
     task, witness = given["tabletop"][0]
     env = TaskEnv(task=task, witness=witness, curriculum=ReverseCurriculum(), steps=1, reward="faded", until="subgoal")
     env.reset(seed=0)
     env.reset()  # what is cut off is not heard of
-    for _ in range(5):
+    env.step(STILL)
+    with pytest.raises(QueryError, match="the episode has ended"):
         env.step(STILL)
     state = env.state_dict()
     assert state["subgoals"]["ends"] == state["annealing"]["ends"] == [False]

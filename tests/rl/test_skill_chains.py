@@ -12,7 +12,7 @@ import pytest
 from prag_asp import TaskSpace, load_domain
 from prag_asp.errors import QueryError
 from prag_asp.rl import OraclePolicy, Rate, Rollouts, TaskEnv, run
-from prag_asp.rl.environment import Observation
+from prag_asp.rl.goal_env import Observation
 from prag_asp.rl.skill_chains import Rollout
 from tests.rl.conftest import Given
 

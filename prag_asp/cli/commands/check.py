@@ -43,26 +43,13 @@ def check(*, request: DomainOptions, symmetries: bool) -> None:
         raise_problems(each.as_error() for each in first_of_each(warnings))
     for warning in first_of_each(warnings):
         tell_line(str(warning))
-    reduction = domain.reduction
-    facts, total = (reduction.facts_with_all_entities, reduction.total) if reduction else (domain.facts, len)
     if domain.irreducible and is_large(domain.facts):
         tell_line(f"all entities are grounded, although many are alike: {domain.irreducible}")
+    reduction = domain.reduction
     for group, bound in zip(reduction.groups, reduction.bounds, strict=True) if reduction else ():
         needed = f"{bound.action} N + {bound.invariant} of them, at least {bound.least}"
         tell_line(f"{group[0]}, ... {group[-1]}: {len(group):,} entities are alike; counts at length N need {needed}")
-    possible = f"{total(facts.tried)} of " if len(facts.tried) < len(facts.declared_actions) else ""
-    world = "closed" if facts.closed else "open"
-    scene = "with a scene" if domain.settings.scene else "no scene"
-    parts = [
-        f"{world} world",
-        plural(len(facts.entities), "entity", "entities"),
-        plural(total(facts.fluents), "fluent"),
-        f"{possible}{plural(total(facts.declared_actions), 'action')}",
-        *([plural(len(facts.composites), "composite")] if facts.composites else []),
-        *([plural(len(domain.learned), "learned invariant")] if domain.learned else []),
-        scene,
-    ]
-    say(f"{domain.label}: ok; {', '.join(parts)}")
+    say(f"{domain.label}: ok; {', '.join(_parts(domain))}")
     if domain.settings.scene:
         from prag_asp.cli.body_summary import body_lines
         from prag_asp.dataset.scenes import scene_of
@@ -78,6 +65,24 @@ def check(*, request: DomainOptions, symmetries: bool) -> None:
         for units in alike.joint:
             texts = ("(" + ", ".join(map(str, unit)) + ")" for unit in units)
             say(f"interchangeable together: {', '.join(texts)}")
+
+
+def _parts(domain: Domain) -> list[str]:
+    """Return what a domain declares, with the numbers of each kind."""
+    reduction = domain.reduction
+    facts, total = (reduction.facts_with_all_entities, reduction.total) if reduction else (domain.facts, len)
+    possible = f"{total(facts.tried)} of " if len(facts.tried) < len(facts.declared_actions) else ""
+    world = "closed" if facts.closed else "open"
+    scene = "with a scene" if domain.settings.scene else "no scene"
+    return [
+        f"{world} world",
+        plural(len(facts.entities), "entity", "entities"),
+        plural(total(facts.fluents), "fluent"),
+        f"{possible}{plural(total(facts.declared_actions), 'action')}",
+        *([plural(len(facts.composites), "composite")] if facts.composites else []),
+        *([plural(len(domain.learned), "learned invariant")] if domain.learned else []),
+        scene,
+    ]
 
 
 def _check_learned(domain: Domain) -> None:
@@ -108,12 +113,12 @@ def _scene_warnings(domain: Domain) -> Iterable[Problem]:
         return ()
     if domain.reduction:
         domain = replace(domain, facts=domain.reduction.facts_with_all_entities)
-    from prag_asp.cli.body_summary import tilted
+    from prag_asp.cli.body_summary import solid_containers, tilted
     from prag_asp.dataset.scenes import scene_of
     from prag_asp.domain.load import shown_warnings
     from prag_asp.physics.proofs.grips import never_gripped
     from prag_asp.physics.proofs.reaching import out_of_reach
 
     scene = scene_of(domain)
-    warnings = (*never_gripped(domain, scene), *out_of_reach(domain, scene), *tilted(domain, scene))
-    return shown_warnings(warnings, domain.settings)
+    checks = (never_gripped, out_of_reach, tilted, solid_containers)
+    return shown_warnings([problem for check in checks for problem in check(domain, scene)], domain.settings)

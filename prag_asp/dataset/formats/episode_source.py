@@ -15,7 +15,7 @@ from prag_asp.dataset.store.instructions import LEVELS, PLAIN
 from prag_asp.domain.load import load_scene
 from prag_asp.errors import QueryError
 from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration
-from prag_asp.physics.demonstration.footage import NOTHING, Film
+from prag_asp.physics.demonstration.footage import NOTHING, CameraVideo
 from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.variation import table_of
@@ -58,9 +58,9 @@ class ExportEpisode:
         return list(map(str, self.entry.task.actions))
 
     @property
-    def films(self) -> Mapping[str, Film]:
-        """The films of the cameras by name, with an image for each step; empty without cameras."""
-        return self.demonstration.footage.films if self.demonstration.footage else {}
+    def videos(self) -> Mapping[str, CameraVideo]:
+        """The videos of the cameras by name, with an image for each step; empty without cameras."""
+        return self.demonstration.footage.videos if self.demonstration.footage else {}
 
     @property
     def state(self) -> Floats:
@@ -195,7 +195,7 @@ class EpisodeSource:
                 raise QueryError(f"{name}: has {what}, of which the scene knows nothing; copy the dataset once more")
             if len(demonstration.ends) != len(entry.task) + 1 or len(entry.subgoals) != len(entry.task):
                 raise QueryError(f"{name}: does not show the states of its task; copy the dataset once more")
-            sizes = {camera: film.size for camera, film in footage.films.items()} if footage else {}
+            sizes = {camera: video.size for camera, video in footage.videos.items()} if footage else {}
             if sizes != dict(self.cameras):
                 raise QueryError(f"{name}: is not of the cameras that dataset.json names; copy the dataset once more")
             frames = footage.frames if footage else np.arange(len(demonstration.times))
@@ -229,5 +229,5 @@ class EpisodeSource:
         footage = episode.demonstration.footage
         assert footage is not None
         numbers = np.array([self.legend.index(entity) for entity in footage.legend], dtype=self.segmentation_type)
-        result: NDArray[np.unsignedinteger] = numbers[episode.films[camera].segmentation]
+        result: NDArray[np.unsignedinteger] = numbers[episode.videos[camera].segmentation]
         return result

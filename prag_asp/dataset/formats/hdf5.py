@@ -149,10 +149,10 @@ def numbers_of(source: EpisodeSource, episode: ExportEpisode) -> dict[str, NDArr
 
 
 def pictures_of(source: EpisodeSource, episode: ExportEpisode) -> Iterator[tuple[str, str, NDArray[Any]]]:
-    """Yield each film: its camera, its kind (``rgb``, ``depth`` or ``segmentation``), and its pictures."""
-    for camera, film in episode.films.items():
-        yield camera, "rgb", film.rgb
-        yield camera, "depth", film.depth
+    """Yield each video: its camera, its kind (``rgb``, ``depth`` or ``segmentation``), and its pictures."""
+    for camera, video in episode.videos.items():
+        yield camera, "rgb", video.rgb
+        yield camera, "depth", video.depth
         yield camera, "segmentation", source.segmentation_of(episode, camera)
 
 
@@ -164,7 +164,7 @@ def require_steps(source: EpisodeSource, episode: ExportEpisode) -> int:
     """
     if episode.length < 2:
         task = f"task {episode.entry.number} of {episode.entry.part}"
-        raise QueryError(f"{source.data.folder}: the film of {task} has one picture; film at a higher --rate")
+        raise QueryError(f"{source.data.folder}: the video of {task} has one image; record at a higher --rate")
     return episode.length - 1
 
 

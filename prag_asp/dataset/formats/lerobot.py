@@ -202,7 +202,7 @@ class _VideoFeature:
         self._video: Video | None = None
 
     def add(self, episode: ExportEpisode) -> tuple[dict[str, Any], Statistics]:
-        """Add the film of an episode, and return its place in the videos and the statistics of its colours."""
+        """Add the video of an episode, and return its place in the files and the statistics of its colours."""
         if self._video is not None and self._video.size >= self._form.video_megabytes * MEGABYTE:
             self.close()
             self._place = next(self._places)
@@ -212,7 +212,7 @@ class _VideoFeature:
             )
             self._video = Video(self._folder / name, self._source.cameras[self._camera], self._source.rate)
         colours, begin = Colours(), self._video.seconds
-        for picture in episode.films[self._camera].packed[0].rows():
+        for picture in episode.videos[self._camera].packed[0].rows():
             colours.add(picture)
             self._video.add(picture)
         place = {

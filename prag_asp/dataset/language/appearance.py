@@ -15,9 +15,11 @@ from typing import TYPE_CHECKING
 
 from prag_asp.domain.load import load_scene
 from prag_asp.grammar.reader import Grammar, plain
+from prag_asp.scene.colours import WHITE
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
+    from prag_asp.scene.scene import Scene
 
 Lab = tuple[float, float, float]
 
@@ -100,7 +102,7 @@ def appearance_of(domain: Domain, grammar: Grammar, colors: Mapping[str, str] | 
     shown = {  # a robot has its own colours
         entity: scene.table.color if shape.kind == "table" else scene.colors[entity]
         for entity, shape in scene.shapes.items()
-        if shape.kind == "table" or (shape.kind != "robot" and entity in scene.colors)
+        if shape.kind == "table" or (shape.kind != "robot" and _has_colour(scene, entity))
     }
     shown |= colors or {}
     bodies = {entity: shape for entity, shape in scene.shapes.items() if entity in entities and shape.traits.body}
@@ -120,6 +122,12 @@ def appearance_of(domain: Domain, grammar: Grammar, colors: Mapping[str, str] | 
         robots=frozenset(scene.robots) & set(entities),
         sayable=frozenset(name for kind in ("colors", "sizes", "places") for name in grammar.words.table.get(kind, {})),
     )
+
+
+def _has_colour(scene: Scene, entity: str) -> bool:
+    """Return whether an entity is of one colour, and not as the file of its body has it."""
+    model = scene.shapes[entity].model
+    return entity in scene.colors and (model is None or not model.looks or scene.colors[entity] != WHITE)
 
 
 def _line(entity: str, kind: str, parents: Mapping[str, tuple[str, ...]]) -> list[str]:

@@ -26,7 +26,7 @@ NAME = "README.md"
 ABOUT = {
     "tasks": "tasks: plan, initial state, subgoals, goal, instructions, verdict",
     "witnesses": "how a robot does each of them, from each initial state, as JSON: `task` and `start` number them",
-    "refused": "tasks that were drawn and not found feasible, or proved infeasible, with the causes",
+    "rejected": "sampled tasks that were not found feasible, or are proved infeasible, with the causes",
     "recordings": "the files of recordings of the robot performing them, each an `.npz`",
 }
 SIZES = (

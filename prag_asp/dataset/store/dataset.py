@@ -124,9 +124,9 @@ class Dataset:
         """Yield the entry of each task, in order."""
         return (self._entry(note, row) for note, row in self._rows("tasks"))
 
-    def refused(self) -> Iterator[DatasetEntry]:
-        """Yield the entry of each task that was refused, in the order of the draws."""
-        return (self._entry(note, row) for note, row in self._rows("refused"))
+    def rejected(self) -> Iterator[DatasetEntry]:
+        """Yield the entry of each task that was rejected, in the order of the draws."""
+        return (self._entry(note, row) for note, row in self._rows("rejected"))
 
     def by_rank(self, length: int, rank: int) -> DatasetEntry:
         """Return the entry of the task with this rank among all tasks of its length.

@@ -46,7 +46,7 @@ class DrawResult(msgspec.Struct):
 
     @property
     def passed(self) -> bool:
-        """Whether the task was accepted, not refused."""
+        """Whether the task was accepted, not rejected."""
         return self.verdict is None or self.verdict.feasible
 
     @property

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 NAME = "dataset.json"
 
-FOLDERS = {"tasks": "data", "witnesses": "witnesses", "refused": "refused", "recordings": "recordings"}
+FOLDERS = {"tasks": "data", "witnesses": "witnesses", "rejected": "rejected", "recordings": "recordings"}
 """The folder of each table inside a dataset, in the order in which a hub offers the tables."""
 
 MOST_DIGITS = 1_000_000
@@ -41,8 +41,8 @@ class CauseCount(msgspec.Struct):
     count: Whole
 
 
-class RefusalCount(msgspec.Struct):
-    """A reason for refusal, and the number of tasks refused for it."""
+class RejectionCount(msgspec.Struct):
+    """A reason for rejection, and the number of tasks rejected for it."""
 
     status: str
     reason: str
@@ -60,7 +60,7 @@ class LengthTally(msgspec.Struct):
     witnesses: Whole = 0
     pass_rate: float = 0.0
     causes: list[CauseCount] = []
-    reasons: list[RefusalCount] = []
+    reasons: list[RejectionCount] = []
 
 
 class ShardFile(msgspec.Struct):
@@ -215,7 +215,7 @@ def summed(tallies: Iterable[LengthTally]) -> list[LengthTally]:
         reasons = {(reason.status, reason.reason): reason.count for reason in into.reasons}
         for reason in each.reasons:
             reasons[reason.status, reason.reason] = reasons.get((reason.status, reason.reason), 0) + reason.count
-        into.reasons = [RefusalCount(*key, count) for key, count in sorted(reasons.items())]
+        into.reasons = [RejectionCount(*key, count) for key, count in sorted(reasons.items())]
     return [sums[length] for length in sorted(sums)]
 
 
@@ -231,7 +231,7 @@ def tally_of_draw(length: int, verdict: Mapping[str, Any] | None, witnesses: int
         infeasible=status == "infeasible",
         witnesses=witnesses,
         causes=[CauseCount(each["cause"], each["count"]) for each in verdict["causes"]],
-        reasons=[] if status == "feasible" else [RefusalCount(status, verdict["reason"], 1)],
+        reasons=[] if status == "feasible" else [RejectionCount(status, verdict["reason"], 1)],
     )
 
 

@@ -62,7 +62,7 @@ _OF_A_TASK = [
 
 SCHEMAS: Mapping[str, pa.Schema] = {
     "tasks": pa.schema([("task", pa.int64()), *_OF_A_TASK, ("starts", pa.int32())]),
-    "refused": pa.schema(_OF_A_TASK),
+    "rejected": pa.schema(_OF_A_TASK),
     "witnesses": pa.schema(
         [("task", pa.int64()), ("start", pa.int32()), ("index", pa.int64()), ("witness", pa.string())]
     ),
@@ -80,5 +80,5 @@ SCHEMAS: Mapping[str, pa.Schema] = {
 }
 """The schema of each table."""
 
-ROW_GROUP: Mapping[str, int] = {"tasks": 256, "refused": 256, "witnesses": 64, "recordings": 1024}
+ROW_GROUP: Mapping[str, int] = {"tasks": 256, "rejected": 256, "witnesses": 64, "recordings": 1024}
 """Rows in a row group of each table, the least that can be read."""

@@ -57,7 +57,7 @@ class PartReader:
         shard = shards[self._shard]
         if not self._tables:
             self._tables = {table: _Cursor(self._folder, table, shard) for table in ROW_GROUP}
-        for table in ("tasks", "refused"):
+        for table in ("tasks", "rejected"):
             row = self._tables[table].rows("draw", number)
             if row is not None:
                 break

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from prag_asp.space.distinct_sampling import RankedDraw
     from prag_asp.task import Task
 
-LIMITS: Mapping[str, int] = {"tasks": 1, "refused": 10, "witnesses": 4}
+LIMITS: Mapping[str, int] = {"tasks": 1, "rejected": 10, "witnesses": 4}
 """The most rows of each table in a shard, as a multiple of the most tasks of a shard."""
 
 TOGETHER = "; "
@@ -74,7 +74,7 @@ class PartWriter:
         if result.passed:
             self._rows["tasks"].add({**row, "task": self.tasks, "starts": witnesses})
         else:
-            self._rows["refused"].add(row)
+            self._rows["rejected"].add(row)
         self._add_result(result, len(task))
 
     def add_row(self, placed: RankedDraw, row: RowReference, result: DrawResult) -> None:
@@ -82,7 +82,7 @@ class PartWriter:
         if result.passed:
             self._rows["tasks"].take(row, task=self.tasks, starts=result.witnesses)
         else:
-            self._rows["refused"].take(row)
+            self._rows["rejected"].take(row)
         self._add_result(result, len(placed.word))
 
     def _add_result(self, result: DrawResult, length: int) -> None:
@@ -106,7 +106,7 @@ class PartWriter:
             for row in source.recordings:
                 self._rows["recordings"].add({**row, "task": number})
         else:
-            self._rows["refused"].take(RowReference(source.row, 0), draw=self.next)
+            self._rows["rejected"].take(RowReference(source.row, 0), draw=self.next)
         self._tally(source.tally, source.versions)
         self._draws += 1
 

@@ -162,7 +162,7 @@ class _SuiteReader:
             return budget, None, table.demonstrate
         with self._report.errors_at("physics", "cameras" if table.cameras else "vary"):
             if not table.demonstrate:
-                raise QueryError("cameras film demonstrations; add demonstrate = true")
+                raise QueryError("cameras record demonstrations; add demonstrate = true")
             rate = {} if table.rate is None else {"rate": table.rate}
             size = None
             if table.size is not None:

@@ -75,7 +75,7 @@ class RowChecks:
         for shard in note.shards:
             tables = dict[str, tuple[list[Row], list[Finding]]]()
             try:
-                for name in ("tasks", "refused", "witnesses"):
+                for name in ("tasks", "rejected", "witnesses"):
                     file = shard.files[name].path if name in shard.files else ""
                     tables[name] = whole_rows(file, self.tables.of_shard(name, shard))
             except PragError as error:
@@ -92,25 +92,25 @@ class RowChecks:
                 continue
             self._colours = colours_of(self.tables, shard, self.manifest)
             yield from (finding for _, wrong in tables.values() for finding in wrong)
-            passed, refused, starts = (rows for rows, _ in tables.values())
+            passed, rejected, starts = (rows for rows, _ in tables.values())
             for place, row in passed:
                 if row["task"] != tasks + place:
                     problem = f"has the number {row['task']}, not {tasks + place}"
                     yield Finding(shard.files["tasks"].path, place, problem)
             tasks += shard.rows("tasks")
-            yield from self._wrong_draws(shard, passed, refused, draws)
-            if shard.tally != tally_of(passed, refused, [row for _, row in starts]):
+            yield from self._wrong_draws(shard, passed, rejected, draws)
+            if shard.tally != tally_of(passed, rejected, [row for _, row in starts]):
                 problem = f"the tally of shard {shard.number} of {note.name} is not what its rows say"
                 yield Finding(NAME, None, problem)
             self.done += shard.rows("tasks")
             self.progress("rows", self.done, self.manifest.rows("tasks"))
 
     def _wrong_draws(
-        self, shard: Shard, passed: list[Row], refused: list[Row], draws: list[tuple[RankedDraw, Task] | None]
+        self, shard: Shard, passed: list[Row], rejected: list[Row], draws: list[tuple[RankedDraw, Task] | None]
     ) -> Iterator[Finding]:
         """Yield findings about the rows of a shard: each of its draws has exactly one row in one of two tables."""
         missing = set(range(shard.first, shard.end))
-        for table, rows in (("tasks", passed), ("refused", refused)):
+        for table, rows in (("tasks", passed), ("rejected", rejected)):
             before = shard.first - 1
             for place, row in rows:
                 file, draw = shard.files[table].path, row["draw"]
@@ -132,7 +132,7 @@ class RowChecks:
                 for what in self._wrong_row(table, row, expected, f"{file}, row {place}"):
                     yield Finding(file, place, what)
         for draw in sorted(missing):
-            yield Finding(_file(shard), None, f"draw {draw} is missing, here and among the refused")
+            yield Finding(_file(shard), None, f"draw {draw} is missing, here and among the rejected")
 
     def _wrong_row(
         self, table: str, row: Mapping[str, Any], expected: tuple[RankedDraw, Task], where: str
@@ -227,9 +227,9 @@ def clingo_spaces(manifest: Manifest, domain: Domain) -> dict[int, TaskSpace]:
     return {length: TaskSpace(domain, length, engine="clingo").where(*clauses) for length in manifest.lengths}
 
 
-def tally_of(passed: list[Row], refused: list[Row], starts: list[Mapping[str, Any]]) -> list[LengthTally]:
+def tally_of(passed: list[Row], rejected: list[Row], starts: list[Mapping[str, Any]]) -> list[LengthTally]:
     """Return the tally of the draws of a shard by its rows."""
     lengths = {row["task"]: row["length"] for _, row in passed}
-    tallies = [tally_of_draw(row["length"], row["verdict"]) for _, row in (*passed, *refused)]
+    tallies = [tally_of_draw(row["length"], row["verdict"]) for _, row in (*passed, *rejected)]
     tallies += [LengthTally(lengths[start["task"]], witnesses=1) for start in starts if start["task"] in lengths]
     return summed(tallies)

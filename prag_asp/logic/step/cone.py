@@ -6,7 +6,7 @@ action can break from a state that satisfies it constrains nothing, so it adds n
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
 import clingo
@@ -70,6 +70,29 @@ def find_breakable(step: NormalStep, invariants: list[RuleBody]) -> list[RuleBod
     """
     if not invariants:
         return []
+    control, some, broken, open_ = _breaking_steps(step, invariants)
+    found: set[int] = set()
+    waiting = set(range(len(invariants)))
+    while True:
+        with control.solve(assumptions=[some], yield_=True) as handle:
+            model = handle.model()
+            if model is None:
+                return [invariants[number] for number in sorted(found)]
+            new = {number for number in waiting if model.is_true(broken[number])}
+        found |= new
+        waiting -= new
+        for number in new:
+            control.assign_external(open_[number], False)
+
+
+def _breaking_steps(
+    step: NormalStep, invariants: Sequence[RuleBody]
+) -> tuple[clingo.Control, int, Sequence[int], Sequence[int]]:
+    """Return the program whose answer sets are steps that break constraints, and its atoms.
+
+    These are one that some open constraint is broken, and for each constraint one that it is broken and an external one
+    that it is open.
+    """
     reached = sorted(_influence(step, _atoms(invariants)))
     control = clingo.Control(["--warn=none", "--heuristic=Domain"])
     with control.backend() as backend:
@@ -99,18 +122,7 @@ def find_breakable(step: NormalStep, invariants: list[RuleBody]) -> list[RuleBod
             backend.add_rule([some], [breaks, is_open])
             # A model that breaks many constraints saves as many models.
             backend.add_heuristic(breaks, clingo.backend.HeuristicType.True_, 1, 1, [is_open])
-    found: set[int] = set()
-    waiting = set(range(len(invariants)))
-    while True:
-        with control.solve(assumptions=[some], yield_=True) as handle:
-            model = handle.model()
-            if model is None:
-                return [invariants[number] for number in sorted(found)]
-            new = {number for number in waiting if model.is_true(broken[number])}
-        found |= new
-        waiting -= new
-        for number in new:
-            control.assign_external(open_[number], False)
+    return control, some, broken, open_
 
 
 def _state_constraints(step: NormalStep, reached: Collection[int]) -> list[RuleBody]:

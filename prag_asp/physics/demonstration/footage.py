@@ -1,4 +1,4 @@
-"""The films of an episode: camera images, and the motion of the grippers between them."""
+"""What cameras recorded of an episode: videos, and the motion of the grippers between them."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def are_equal(one: Any, other: Any) -> bool:
     return all(np.array_equal(a, b) if isinstance(a, np.ndarray) else bool(a == b) for a, b in pairs)
 
 
-class Picture(NamedTuple):
+class CameraImage(NamedTuple):
     """A camera image: `rgb` (H, W, 3), `depth` (H, W) in metres, `segmentation` (H, W).
 
     The depth is along the axis of the camera, 0 if there is nothing; the segmentation has indices into the legend.
@@ -48,8 +48,8 @@ class Picture(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Film:
-    """The film of one camera: N images of H x W pixels, see `Picture`.
+class CameraVideo:
+    """The video of one camera: N images of H x W pixels, see `CameraImage`.
 
     `intrinsics` (3, 3) has fx, fy, cx and cy in pixels; `extrinsics` (N, 4, 4) the pose of the camera in the scene in
     metres, with x to the right, y down and z ahead; `limits` (2,) the near and far plane in metres.
@@ -81,23 +81,23 @@ class Film:
         """The entity of each pixel as an index into the legend, shape (N, H, W)."""
         return self.packed[2].array()
 
-    def pictures(self) -> Iterator[Picture]:
+    def images(self) -> Iterator[CameraImage]:
         """Yield the images in turn, unpacking one at a time."""
         for rgb, depth, segmentation in zip(*(each.rows() for each in self.packed), strict=True):
-            yield Picture(rgb, depth, segmentation)
+            yield CameraImage(rgb, depth, segmentation)
 
     def __eq__(self, other: object) -> bool:
-        """Return whether two films are equal, bit by bit."""
-        return are_equal(self, other) if isinstance(other, Film) else NotImplemented
+        """Return whether two videos are equal, bit by bit."""
+        return are_equal(self, other) if isinstance(other, CameraVideo) else NotImplemented
 
     __hash__ = None  # type: ignore[assignment]
 
 
 @dataclass(frozen=True, eq=False)
 class Footage:
-    """The films of an episode, by the names of the cameras, and the motion of its R robots at each of the N images.
+    """The videos of an episode, by the names of the cameras, and the motion of its R robots at each of the N images.
 
-    `frames` (N,) are the filmed frames of the episode; `tools` (N, R, 7) the tool poses as x, y, z in metres and a
+    `frames` (N,) are the recorded frames of the episode; `tools` (N, R, 7) the tool poses as x, y, z in metres and a
     quaternion x, y, z, w; `deltas` (N, R, 6) the motion of the tools until the next image: a translation in metres and
     a rotation vector in radians, both along the axes of the scene; `grippers` (N, R) the openings in metres; `subgoals`
     (N,) the index of the current subgoal. `legend` has the names for the numbers of the segmentation.
@@ -109,7 +109,7 @@ class Footage:
     grippers: NDArray[np.float32]
     subgoals: NDArray[np.int32]
     legend: tuple[str, ...]
-    films: Mapping[str, Film]
+    videos: Mapping[str, CameraVideo]
 
     def __eq__(self, other: object) -> bool:
         """Return whether two footages are equal, bit by bit."""
@@ -120,28 +120,28 @@ class Footage:
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return the small arrays of the file."""
         result: dict[str, NDArray[Any]] = {name: getattr(self, name) for name in LISTS[:5]}
-        result |= {"legend": np.array(self.legend), "cameras": np.array(tuple(self.films))}
-        for name, film in self.films.items():
-            result |= {f"{name}/{each}": getattr(film, each) for each in OF_CAMERA}
+        result |= {"legend": np.array(self.legend), "cameras": np.array(tuple(self.videos))}
+        for name, video in self.videos.items():
+            result |= {f"{name}/{each}": getattr(video, each) for each in OF_CAMERA}
         return result
 
     def packed_arrays(self) -> dict[str, Packed]:
         """Return the large arrays of the file, compressed."""
         return {
             f"{name}/{what}": packed
-            for name, film in self.films.items()
-            for what, packed in zip(Picture._fields, film.packed, strict=True)
+            for name, video in self.videos.items()
+            for what, packed in zip(CameraImage._fields, video.packed, strict=True)
         }
 
 
 def read_footage(file: BinaryIO, frames: int, robots: int, at_most: int) -> Footage | None:
-    """Return the films of an episode with a number of frames and robots, None if it has none.
+    """Return the footage of an episode with a number of frames and robots, None if it has none.
 
     `at_most` limits the bytes of the arrays without images.
 
     Raises:
         OSError: the file cannot be read.
-        BadArchive: the films have another form.
+        BadArchive: the videos have another form.
         ValueError: they do not match the episode.
     """
     lists = read_arrays(file, LISTS, at_most)
@@ -165,18 +165,18 @@ def read_footage(file: BinaryIO, frames: int, robots: int, at_most: int) -> Foot
     require_arrays(lists, required)
     if count < 1 or not 0 <= lists["frames"].min() <= lists["frames"].max() < frames:
         raise ValueError(f"frames has to hold numbers of frames; it has {frames} frames")
-    films = {name: _film(file, name, count, segmentation_type(legend), at_most) for name in cameras}
+    videos = {name: _video(file, name, count, segmentation_type(legend), at_most) for name in cameras}
     arrays: dict[str, Any] = {
         name: lists[name].astype(np.int32 if kinds == "iu" else np.float32) for name, (_, kinds) in required.items()
     }
-    return Footage(**arrays, legend=legend, films=films)
+    return Footage(**arrays, legend=legend, videos=videos)
 
 
-def _film(file: BinaryIO, camera: str, count: int, segmented: str, at_most: int) -> Film:
-    """Return the film of one camera.
+def _video(file: BinaryIO, camera: str, count: int, segmented: str, at_most: int) -> CameraVideo:
+    """Return the video of one camera.
 
     Raises:
-        BadArchive: an array of the film is missing or has another form.
+        BadArchive: an array of the video is missing or has another form.
         ValueError: it does not match the others.
     """
     names = [f"{camera}/{name}" for name in OF_CAMERA]
@@ -187,12 +187,12 @@ def _film(file: BinaryIO, camera: str, count: int, segmented: str, at_most: int)
     # The principal point is the centre of the image.
     width, height = (round(2 * float(intrinsics[i, 2])) for i in (0, 1))
     if not (0 < width <= PIXEL_LIMIT and 0 < height <= PIXEL_LIMIT):
-        raise ValueError(f"{camera}/intrinsics tells of pictures of {width} x {height} pixels")
+        raise ValueError(f"{camera}/intrinsics is for images of {width} x {height} pixels")
     pixels = (count, height, width)
     forms = (((*pixels, 3), RGB), (pixels, DEPTH), (pixels, segmented))
-    packed = read_packed(file, dict(zip((f"{camera}/{name}" for name in Picture._fields), forms, strict=True)))
+    packed = read_packed(file, dict(zip((f"{camera}/{name}" for name in CameraImage._fields), forms, strict=True)))
     rgb, depth, segmentation = packed.values()
-    return Film(intrinsics, extrinsics, limits, (rgb, depth, segmentation))
+    return CameraVideo(intrinsics, extrinsics, limits, (rgb, depth, segmentation))
 
 
 def require_arrays(content: Mapping[str, NDArray[Any]], required: Mapping[str, tuple[tuple[int, ...], str]]) -> None:

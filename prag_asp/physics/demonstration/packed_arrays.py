@@ -1,6 +1,6 @@
 """Arrays that are compressed row by row, and written into a .npz archive without decompression.
 
-An uncompressed film is large, so each image is compressed when it is taken. The format of the archive's parts is that
+An uncompressed video is large, so each image is compressed when it is taken. The format of the archive's parts is that
 of PKWARE's APPNOTE (6.3.10, 4.3.7, 4.3.12 and 4.3.16).
 """
 
@@ -115,7 +115,7 @@ def with_packed(archive: bytes, arrays: Mapping[str, Packed]) -> bytes:
         file = f"{name}{SUFFIX}".encode()
         fields = (VERSION, UTF8, DEFLATED, 0, FIRST_DAY, packed.checksum, len(packed.stream), packed.size, len(file), 0)
         if max(at, packed.size) + len(packed.stream) > LARGEST:
-            raise ValueError("it is larger than 4 GB; film fewer, smaller or rarer pictures")
+            raise ValueError("it is larger than 4 GB; record fewer, smaller or rarer images")
         local = LOCAL.pack(b"PK\3\4", *fields) + file
         directory += CENTRAL.pack(b"PK\1\2", VERSION, *fields, 0, 0, 0, 0, at) + file
         pieces += [local, packed.stream]

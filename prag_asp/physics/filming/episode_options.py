@@ -1,4 +1,4 @@
-"""The options of demonstrations: which cameras film them, and what varies between them."""
+"""The options of demonstrations: which cameras record them, and what varies between them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ RATES = tuple(rate for rate in range(1, FRAMES_A_SECOND + 1) if FRAMES_A_SECOND 
 
 @dataclass(frozen=True)
 class Staging:
-    """Which cameras of a scene film demonstrations, and what varies: some of `KINDS`.
+    """Which cameras of a scene record demonstrations, and what varies: some of `KINDS`.
 
     `size` is the width and height of images in pixels, by default that of each camera; `rate` is in images a second.
 
@@ -41,7 +41,7 @@ class Staging:
                 raise QueryError(f"the camera {name} is named {self.cameras.count(name)} times; name it once")
         if self.rate not in RATES:
             rates = ", ".join(map(str, RATES))
-            raise QueryError(f"an episode has {FRAMES_A_SECOND} frames a second: film at {rates}; got {self.rate}")
+            raise QueryError(f"an episode has {FRAMES_A_SECOND} frames a second: record at {rates}; got {self.rate}")
         low, high = PIXELS
         if self.size is not None and not all(low <= side <= high for side in self.size):
             width, height = self.size
@@ -52,7 +52,7 @@ class Staging:
         return draw_variation(scene, self.vary, objects, seeds) if self.vary else None
 
     def cameras_of(self, scene: Scene) -> dict[str, Camera]:
-        """Return the cameras that film in a scene by name, with the requested image size.
+        """Return the cameras that record in a scene by name, with the requested image size.
 
         Raises:
             QueryError: the scene has no such camera.

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import STDOUT, mute_output, pybullet
-from prag_asp.physics.demonstration.footage import NOTHING, Picture, segmentation_type
+from prag_asp.physics.demonstration.footage import NOTHING, CameraImage, segmentation_type
 from prag_asp.physics.filming.appearance_meshes import low_files
 from prag_asp.physics.filming.backdrop import (
     AMBIENT,
@@ -117,7 +117,7 @@ class Studio:
             return self._poses[camera]
         return matrix(tool_pose(self._robots[camera.mount], self._joints[camera.mount])) @ self._poses[camera]
 
-    def take(self, camera: Camera) -> Picture:
+    def take(self, camera: Camera) -> CameraImage:
         """Return the present image of a camera."""
         pose = self.pose(camera)
         behind = None if camera.mount else self._fixed.get(camera)
@@ -130,7 +130,7 @@ class Studio:
         in_front = (bodies >= 0) & (depth < behind.depth + RESTING)
         depths = np.where(in_front, depth, behind.depth)
         depths[~np.isfinite(depths)] = 0.0
-        return Picture(
+        return CameraImage(
             np.where(in_front[..., None], colors, behind.rgb),
             depths.astype(np.float16),
             np.where(in_front, self._numbers[bodies + 1], behind.numbers).astype(self._dtype),

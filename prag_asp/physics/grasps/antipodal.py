@@ -58,8 +58,11 @@ BELOW = 0.0005
 ENOUGH_POINTS, UNSURE = 8, 0.15
 """Points between the pads from which a contact is judged before it is computed, and the error of that cosine."""
 
-MOST = 48
-"""Grasps that are kept of a body, the best of those that differ."""
+MOST = (40, 40, 24)
+"""Grasps that are kept of a body, the best of those that differ: from above, at a slant, and from the side."""
+
+SLANTED, SIDEWAYS = 0.5, 1.2
+"""The angles in radians between the tool's direction and straight down from which it is at a slant, and sideways."""
 
 PARALLEL = 1e-15
 """The volume in m³ of a triangle's sides and a unit vector below which this is parallel to the triangle."""
@@ -73,8 +76,11 @@ LONG_LEVER, TILT_COST = 0.05, 0.3
 ENOUGH_SLACK, WIDE_CONTACT = 0.01, 0.005
 """The room at a finger, and the radius of a contact, beyond which more does not count; metres."""
 
-APART, TURNED = 0.008, 0.25
-"""Grasps differ if their tools are as far apart in metres, or their axes turned by as much in radians."""
+APART, TURNED = (0.008, 0.008, 0.03), (0.25, 0.25, 0.4)
+"""Grasps of each of these kinds differ if their tools are as far apart in metres, or their axes turned in radians.
+
+From the side a hand has the least room, so that those in all directions are worth more than many in one.
+"""
 
 
 class Grasp(NamedTuple):
@@ -115,7 +121,8 @@ def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Gra
     rng = np.random.default_rng(0)
     triangles = np.concatenate(problem.parts)
     points, normals = _surface_points(problem.parts, POINTS, rng)
-    dense, facing = _surface_points(problem.parts, DENSE, rng)
+    # The same points as in `hand_is_free`, so that the check of a witness agrees.
+    dense, facing = _surface_points(problem.parts, DENSE, np.random.default_rng(0))
     candidates: list[tuple[float, int, float, Floats, Floats]] = []
     for point, far, axis in _antipodal_pairs(points, normals, triangles, problem.friction, gripper.opening):
         middle = (point + far) / 2
@@ -131,18 +138,20 @@ def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Gra
                     rotation,
                 )
             )
-    kept: list[Grasp] = []
+    kept, counts = list[Grasp](), [0] * len(MOST)
     for _, _, tilt, middle, rotation in sorted(candidates, key=lambda each: each[:2]):
+        kind = (tilt >= SLANTED) + (tilt >= SIDEWAYS)
+        if counts[kind] == MOST[kind]:
+            continue
         place = _above_ground(gripper, triangles, middle, rotation)
-        if place is None or not all(_differ(place, other.tool) for other in kept):
+        if place is None or not all(_differ(place, other.tool, kind) for other in kept):
             continue
         if not _promises(in_frame(dense[None], place)[0], facing @ matrix(place)[:3, 1], gripper, problem.friction):
             continue
         grasp = _judged(problem, gripper, triangles, dense, place, tilt)
-        if grasp is not None and all(_differ(grasp.tool, other.tool) for other in kept):
+        if grasp is not None and all(_differ(grasp.tool, other.tool, kind) for other in kept):
             kept.append(grasp)
-            if len(kept) == MOST:
-                break
+            counts[kind] += 1
     return tuple(sorted(kept, key=lambda grasp: -grasp.score))
 
 
@@ -288,11 +297,15 @@ def open_width(problem: GraspProblem, gripper: ParallelGripper, tool: Pose, widt
 def hand_is_free(problem: GraspProblem, gripper: ParallelGripper, tool: Pose, width: float) -> bool:
     """Return whether the hand at a tool, with the pads `width` metres apart, is in the body by `SOFT` at most."""
     dense, _ = _surface_points(problem.parts, DENSE, np.random.default_rng(0))
-    boxes = [
+    return _free(in_frame(dense[None], tool)[0], _soft_boxes(gripper, width))
+
+
+def _soft_boxes(gripper: ParallelGripper, width: float) -> list[Box]:
+    """Return the boxes of the hand with the pads `width` metres apart, smaller by `SOFT` on every side."""
+    return [
         (centre, (max(x - SOFT, 0.0), max(y - SOFT, 0.0), max(z - SOFT, 0.0)))
         for centre, (x, y, z) in gripper.boxes(width)
     ]
-    return _free(in_frame(dense[None], tool)[0], boxes)
 
 
 def _widest(points: Floats, gripper: ParallelGripper, width: float) -> float | None:
@@ -311,7 +324,8 @@ def _judged(
     tool = compose(place, Pose((0.0, (contact.low + contact.high) / 2, 0.0)))
     points = in_frame(dense[None], tool)[0]
     approach = _widest(points, gripper, contact.width)
-    if approach is None:
+    # What the fingers pass when they close may be in their way beside the pads.
+    if approach is None or not _free(points, _soft_boxes(gripper, contact.width)):
         return None
     arm, radius = lever_of(problem.centre, tool, contact), contact.radius
     slack = min((gripper.opening - contact.width) / 2, ENOUGH_SLACK) / ENOUGH_SLACK
@@ -368,11 +382,16 @@ def _quaternion(rotation: Floats) -> tuple[float, float, float, float]:
     return (x, y, z, w)
 
 
-def _differ(one: Pose, two: Pose) -> bool:
-    """Return whether two tools differ in place or direction; half a turn about the tool's own axis is no difference."""
+def _differ(one: Pose, two: Pose, kind: int) -> bool:
+    """Return whether two tools differ in place or direction, as is enough for a kind of grasps.
+
+    Half a turn about the tool's own axis is no difference.
+    """
     ax, ay, az, aw = one.quaternion
     bx, by, bz, bw = two.quaternion
     same = abs(ax * bx + ay * by + az * bz + aw * bw)
     # The other tool turned by half a turn about z has the quaternion (y, -x, w, -z).
     turned = abs(ax * by - ay * bx + az * bw - aw * bz)
-    return math.dist(one.position, two.position) > APART or 2 * math.acos(min(1.0, max(same, turned))) > TURNED
+    return (
+        math.dist(one.position, two.position) > APART[kind] or 2 * math.acos(min(1.0, max(same, turned))) > TURNED[kind]
+    )

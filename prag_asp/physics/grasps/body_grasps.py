@@ -15,7 +15,7 @@ from prag_asp.scene.geometry import Pose
 from prag_asp.scene.scene import Shape
 from prag_asp.scene.surfaces import in_frame, mesh_states, part_surfaces, surface
 
-FORM = 1
+FORM = 4
 """The version of the search and of its files: cached grasps of another one are not read."""
 
 LARGEST_FILE = 1_000_000

@@ -35,7 +35,7 @@ def with_transit(simulator: Simulator, physical: PhysicalTask, witness: Witness)
     return replace(witness, motions=tuple(motions))
 
 
-def travel(task: Task, witness: Witness, scene: Scene) -> Witness | None:
+def plan_transit(task: Task, witness: Witness, scene: Scene) -> Witness | None:
     """Return a witness with waypoints of collision-free paths added, None if a path is not found.
 
     Raises:

@@ -15,7 +15,7 @@ import numpy as np
 from prag_asp.errors import QueryError, SceneError
 from prag_asp.physics.checks.numbers import LIMIT_TOLERANCE, broken_numbers, count_mismatch
 from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration
-from prag_asp.physics.filming.film import moment_of
+from prag_asp.physics.filming.camera_rendering import moment_of
 from prag_asp.physics.pictures.camera import picture, pillow
 from prag_asp.physics.pictures.saving import save_picture
 from prag_asp.physics.pictures.sheet import Panel, line_count, sheet

@@ -46,7 +46,7 @@ def advance(
         predicate = fact.predicate
         concerned = predicate.of_gripper or predicate.looks_around or not changed.isdisjoint(fact.arguments)
         if (concerned or fact in fresh) and not fact.is_satisfied(after):
-            raise Failure(RELATION, fact=fact)
+            raise Failure(RELATION, fact=fact, missed=fact.distance(after))
     return snapshot, snapshot.waypoints
 
 

@@ -73,10 +73,14 @@ class PhysicsFault(NamedTuple):
 
 
 class Failure(Exception):
-    """An attempt of the search failed, for one of `CAUSES`; the validator catches it."""
+    """An attempt of the search failed, for one of `CAUSES`; the search catches it.
 
-    def __init__(self, cause: str, *entities: str, fact: Fact | None = None):
+    `missed` is by how many metres it failed, or radians for a fact about a rotation; 0 if that is unknown.
+    """
+
+    def __init__(self, cause: str, *entities: str, fact: Fact | None = None, missed: float = 0.0):
         super().__init__(cause)
+        self.missed = missed
         self.fault = PhysicsFault(cause, entities or (() if fact is None else fact.arguments), fact)
 
 
@@ -88,7 +92,9 @@ class Exhausted(Exception):
 class Search:
     """What a search uses: the simulator, the task's objects and random generator, and the room for later actions.
 
-    One that `packs` places objects tightly: it is for what random placement does not find.
+    One that `packs` places objects tightly: it is for what random placement does not find. One that `returns` undoes
+    actions, down to one that may be to blame, where all attempts at an action fail. The best `passed_over` grasps of
+    bodies with a model come last: witnesses with them failed a later check.
     """
 
     simulator: Simulator
@@ -97,6 +103,8 @@ class Search:
     foresight: Foresight
     spans: Spans = field(default_factory=dict)
     packs: bool = False
+    returns: bool = False
+    passed_over: int = 0
 
     @property
     def scene(self) -> Scene:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Sequence
 
@@ -11,28 +12,47 @@ from prag_asp.wording import plural
 
 
 class FailureLog:
-    """Counts the faults of attempts, and separately those of the attempts that got through the most actions."""
+    """Counts the faults of attempts, and separately those of the attempts that got through the most actions.
+
+    `grasp_to_blame` is whether an object could not be moved or put down as it was held, and no other grasp was tried.
+    """
 
     def __init__(self) -> None:
         self.faults = Counter[PhysicsFault]()
+        self.grasp_to_blame = False
         self._farthest = -1
         self._last = Counter[PhysicsFault]()
+        self._missed = dict[PhysicsFault, float]()
 
-    def add(self, fault: PhysicsFault, done: int) -> None:
-        """Count a fault that was met after the initial state and `done` actions; -1 is in the initial state."""
+    def add(self, fault: PhysicsFault, done: int, missed: float = 0.0) -> None:
+        """Count a fault that was met after the initial state and `done` actions; -1 is in the initial state.
+
+        `missed` is by how much the attempt failed, as of `Failure`.
+        """
         self.faults[fault] += 1
         if done > self._farthest:
             self._farthest = done
             self._last.clear()
+            self._missed.clear()
         if done == self._farthest:
             self._last[fault] += 1
+            if missed > 0.0:
+                self._missed[fault] = min(missed, self._missed.get(fault, missed))
 
     def nearest(self, effects: Sequence[ActionEffect]) -> str:
-        """Return, in words, how far the best attempts at a task came, and the fault that most of them met then."""
+        """Return, in words, how far the best attempts at a task came, and the fault that most of them met then.
+
+        It says by how much the nearest of these failed, if that is known.
+        """
         if not self._last:
             return ""
         fault = self._last.most_common(1)[0][0]
         concerned = fault.text or (fault.fact.sentence() if fault.fact is not None else ", ".join(fault.entities))
+        missed = self._missed.get(fault)
+        if missed is not None:
+            turns = fault.fact is not None and fault.fact.predicate.turns
+            distance = f"{math.degrees(missed):.2g} degrees" if turns else f"{1000 * missed:.3g} mm"
+            concerned += f"; missed by {distance}"
         what = f"{fault.cause} ({concerned})" if concerned else fault.cause
         if self._farthest < 0:
             return f"in the initial state {what}"

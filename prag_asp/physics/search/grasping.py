@@ -114,7 +114,9 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
     for _, kind, option in ranked:
         order.append((counts[kind], option))
         counts[kind] += 1
-    return [option for _, option in sorted(order, key=lambda row: row[0])]
+    options = [option for _, option in sorted(order, key=lambda row: row[0])]
+    first = search.passed_over % len(options)
+    return options[first:] + options[:first]
 
 
 def _kind(tool: Pose) -> tuple[int, bool]:
@@ -152,14 +154,15 @@ def _from_above(search: Search, situation: Situation, entity: str) -> list[tuple
     turns = [first + turn * math.pi / (4 if round_body else 2) for turn in range(8 if round_body else 4)]
     # Half a turn gives the same grasp, so the nearer one of each pair of opposite headings is enough.
     yaws = sorted(turns, key=lambda angle: -math.cos(angle - heading))[: len(turns) // 2]
-    candidates = []
+    candidates, limit, widths = [], search.robot.opening - CLEARANCE, []
     for yaw in yaws:
         opening = (-math.sin(yaw), math.cos(yaw), 0.0)
         width = width_along(shape, pose.quaternion, opening)
-        if width <= search.robot.opening - CLEARANCE:
+        widths.append(width)
+        if width <= limit:
             candidates.append((Pose((x, y, height), multiply(yaw_quaternion(yaw), DOWN)), width))
     if not candidates:
-        raise Failure(NO_GRASP, entity)
+        raise Failure(NO_GRASP, entity, missed=min(widths) - limit)
     if search.scene.shared and shape.traits.even and max(shape.half[:2]) >= LONG:
         # A grasp near either end leaves the other end free for another robot.
         reach, along_x = max(shape.half[:2]) - FROM_END, shape.half[0] > shape.half[1]

@@ -43,7 +43,7 @@ def sample_initial_state(search: Search, physical: PhysicalTask) -> Snapshot:
         snapshot = _bring(search, turn_to(search, snapshot, robot), physical)
     for fact in physical.initial:
         if not fact.is_satisfied(snapshot.situation):
-            raise Failure(RELATION, fact=fact)
+            raise Failure(RELATION, fact=fact, missed=fact.distance(snapshot.situation))
     return snapshot
 
 

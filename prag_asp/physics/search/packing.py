@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
+from functools import partial
 from itertools import chain, islice
 from typing import NamedTuple
 
@@ -23,6 +24,7 @@ from prag_asp.physics.search.placement import (
     PlacementRequest,
     choose_support,
     kept_apart,
+    parts_meet,
     placement_volume,
     sample_pose,
 )
@@ -31,13 +33,12 @@ from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import Fact
 from prag_asp.physics.world.simulator import COLLISION
 from prag_asp.physics.world.support import TABLE
-from prag_asp.scene.boxes import box_of
+from prag_asp.scene.boxes import Vector, box_of
 from prag_asp.scene.furniture import swept
 from prag_asp.scene.geometry import Pose, Quaternion, extents, multiply, yaw_of, yaw_quaternion
-from prag_asp.scene.surfaces import part_boxes
 
 SPACINGS = (FINGER_ROOM, FINGER_ROOM / 2, SPACING, 0.005, 0.002, 0.0)
-"""Metres between objects, the most first; on the table it is at least `SPACING`."""
+"""Metres between objects, the most first: they touch where nothing else leaves room for all."""
 
 BRANCHES = 4
 """The places of an object that are tried before the one before it is moved."""
@@ -134,25 +135,41 @@ def packed_poses(situation: Situation, request: PlacementRequest, filling: tuple
     request, situation = request.isolated(situation)
     entity, support, about, *_ = request
     checked = [fact for fact in about if not shapes_volume(fact, entity)]
-    frame = 0.0 if support == TABLE else yaw_of(situation.pose(support).quaternion)
-    for quaternion in _orientations(situation, entity, about, frame):
-        volume = placement_volume(situation, request, quaternion)
-        floor = volume.floor()
-        if floor is None:
-            continue
-        z = volume.low[2]
-        taken = _taken(situation, request, quaternion, z, frame)
-        corners = np.array([point for patch in floor for point in patch.polygon])
-        places = _places(turned(corners, -frame), taken, max(spacing, SPACING) if support == TABLE else spacing)
-        ordered = turned(corner.order(places), frame).tolist()
-        # From the corner, and by turns from the opposite one: an order of the objects may need that.
-        for x, y in chain.from_iterable(zip(ordered, reversed(ordered), strict=True)):
-            pose = Pose((x, y, z), quaternion)
-            if volume.miss_distance(pose.position) > ROUNDING:
+    for frame in _frames(situation, entity, support, about):
+        for quaternion in _orientations(situation, entity, about, frame):
+            volume = placement_volume(situation, request, quaternion)
+            floor = volume.floor()
+            if floor is None:
                 continue
-            trial = situation.with_pose(entity, pose)
-            if all(fact.is_satisfied(trial) for fact in checked):
-                yield pose
+            z = volume.low[2]
+            taken, touching, close = _taken(situation, request, quaternion, z, frame)
+            corners = np.array([point for patch in floor for point in patch.polygon])
+            places = _places(turned(corners, -frame), taken, touching, spacing)
+            ordered = turned(corner.order(places), frame).tolist()
+            # From the corner, and by turns from the opposite one: an order of the objects may need that.
+            for x, y in chain.from_iterable(zip(ordered, reversed(ordered), strict=True)):
+                pose = Pose((x, y, z), quaternion)
+                if volume.miss_distance(pose.position) > ROUNDING:
+                    continue
+                if any(meet(pose.position, spacing - ROUNDING) for meet in close):
+                    continue
+                trial = situation.with_pose(entity, pose)
+                if all(fact.is_satisfied(trial) for fact in checked):
+                    yield pose
+
+
+def _frames(situation: Situation, entity: str, support: str, about: Iterable[Fact]) -> Iterator[float]:
+    """Yield the yaws in radians along which an object is packed: that of its support or of the workspace first.
+
+    A relation of the domain may want it in a body that is turned, a slot for example: then along that, too.
+    """
+    first = 0.0 if support == TABLE else yaw_of(situation.pose(support).quaternion)
+    yield first
+    for fact in about:
+        if fact.value and fact.predicate.rests_on_other and fact.arguments[0] == entity:
+            yaw = yaw_of(situation.pose(fact.arguments[1]).quaternion)
+            if abs(math.sin(2 * (yaw - first))) > ROUNDING:
+                yield yaw
 
 
 def _fill(
@@ -186,15 +203,17 @@ def _fill(
     raise Failure(OBJECTS_COLLIDE, order[farthest])
 
 
-def _places(corners: NDArray[np.float64], taken: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
+def _places(
+    corners: NDArray[np.float64], taken: NDArray[np.float64], touching: NDArray[np.float64], spacing: float
+) -> NDArray[np.float64]:
     """Return the places in the bounding box of some corners, shape (n, 2), that keep a spacing from what is `taken`.
 
-    They are on lines through the corners, through places that touch a neighbour, and of a lattice.
+    They are on lines through the corners, through places that touch what is `touching`, and of a lattice.
     """
     lines = []
     for axis in range(2):
         low, high = corners[:, axis].min(), corners[:, axis].max()
-        centre, reach = taken[:, axis], taken[:, axis + 2] + spacing
+        centre, reach = touching[:, axis], touching[:, axis + 2] + spacing
         lattice = np.linspace(low, high, LATTICE)
         values = np.concatenate([corners[:, axis], centre - reach, centre + reach, lattice])
         lines.append(np.unique(values[(low <= values) & (values <= high)]))
@@ -207,32 +226,43 @@ def _places(corners: NDArray[np.float64], taken: NDArray[np.float64], spacing: f
 
 def _taken(
     situation: Situation, request: PlacementRequest, quaternion: Quaternion, z: float, frame: float
-) -> NDArray[np.float64]:
-    """Return the centres of the bodies that an object can meet at a height, and where it touches them, shape (n, 4).
+) -> tuple[NDArray[np.float64], NDArray[np.float64], list[Callable[[Vector, float], bool]]]:
+    """Return the places where an object overlaps others at a height, those where it touches them, and further tests.
 
-    All are seen from above in a frame that is turned by a yaw: a box around each body in that frame.
+    A row of places (n, 4) has their centre, and how far they reach along x and y, seen from above in a frame that is
+    turned by a yaw: for boxes around bodies in that frame. If one of two bodies has a model, they touch there, and a
+    function returns whether their parts overlap.
     """
     back = yaw_quaternion(-frame)
-    own = extents(situation.shape(request.entity), multiply(back, quaternion))
-    rows = []
+    entity = situation.shape(request.entity)
+    own = extents(entity, multiply(back, quaternion))
+    taken, touching, close = [], [], list[Callable[[Vector, float], bool]]()
     for other in kept_apart(situation, request.facts):
         shape, pose = situation.scene.shapes[other], situation.pose(other)
-        if shape.traits.hollow and request.support != TABLE:
+        if request.support != TABLE and (shape.traits.hollow or (other == request.support and shape.hollow)):
             continue
+        by_parts = not shape.traits.furniture and not (shape.model is None and entity.model is None)
         if shape.traits.furniture:
             boxes = [(box_of(corners), frame) for corners in swept(shape, pose)]
-        elif shape.model is not None:
-            boxes = [(box, frame) for box in part_boxes(shape, pose)]
         else:
             boxes = [((pose.position, extents(shape, multiply(back, pose.quaternion))), 0.0)]
         for ((x, y, other_z), (half_x, half_y, half_z)), turn in boxes:
             if abs(z - other_z) < own[2] + half_z + COLLISION:
                 cosine, sine = abs(math.cos(turn)), abs(math.sin(turn))
                 reach_x, reach_y = cosine * half_x + sine * half_y, sine * half_x + cosine * half_y
-                rows.append((x, y, own[0] + reach_x, own[1] + reach_y))
-    taken = np.array(rows).reshape(-1, 4)
-    taken[:, :2] = turned(taken[:, :2], -frame)
-    return taken
+                touching.append((x, y, own[0] + reach_x, own[1] + reach_y))
+                if by_parts:
+                    close.append(partial(parts_meet, entity, quaternion, shape, pose, z))
+                else:
+                    taken.append(touching[-1])
+    return _turned_rows(taken, frame), _turned_rows(touching, frame), close
+
+
+def _turned_rows(rows: list[tuple[float, float, float, float]], frame: float) -> NDArray[np.float64]:
+    """Return rows of places with their centres in a frame that is turned by a yaw, shape (n, 4)."""
+    found = np.array(rows).reshape(-1, 4)
+    found[:, :2] = turned(found[:, :2], -frame)
+    return found
 
 
 def _orientations(situation: Situation, entity: str, about: Iterable[Fact], frame: float) -> Iterator[Quaternion]:
@@ -246,5 +276,7 @@ def _orientations(situation: Situation, entity: str, about: Iterable[Fact], fram
         return
     shape = situation.shape(entity)
     yield yaw_quaternion(frame)
-    if not shape.traits.round and shape.half[0] != shape.half[1]:
+    if shape.model is not None:
+        yield from (yaw_quaternion(frame + turn * math.pi / 2) for turn in (2, 1, 3))
+    elif not shape.traits.round and shape.half[0] != shape.half[1]:
         yield yaw_quaternion(frame + math.pi / 2)

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from itertools import repeat
 from typing import NamedTuple
+
+import numpy as np
 
 from prag_asp.physics.predicates import Gripper, Ring, Volume
 from prag_asp.physics.predicates.inside import INSIDE
@@ -30,7 +33,8 @@ from prag_asp.physics.world.support import TABLE
 from prag_asp.scene.boxes import Vector, box_of
 from prag_asp.scene.furniture import swept
 from prag_asp.scene.geometry import Pose, Quaternion, extents, yaw_of, yaw_quaternion
-from prag_asp.scene.surfaces import part_boxes
+from prag_asp.scene.scene import Shape
+from prag_asp.scene.surfaces import outlines_meet, turned_boxes, turned_outlines
 
 TRIES = 8  # samples with each spacing
 SPACING = 0.01  # metres between objects on the table, which do not touch then
@@ -39,8 +43,19 @@ NEAR = 0.15  # metres within which people say that an object is beside another
 JITTER = 0.05  # radians by which an object on a support is turned against it, as nothing stands exactly straight
 EDGE = 0.02  # metres to the edge of the table
 
-Neighbour = tuple[float, float, float, float]
-"""The centre of a body seen from above, and the distances along x and y at which another touches it; metres."""
+
+class Neighbour(NamedTuple):
+    """A body that another can meet: its centre seen from above, the distances along x and y at which boxes touch.
+
+    If one of the two has a model, `parts` returns whether their parts are nearer than a spacing with the other at a
+    place, and their boxes alone decide nothing. All in metres.
+    """
+
+    x: float
+    y: float
+    dx: float
+    dy: float
+    parts: Callable[[Vector, float], bool] | None = None
 
 
 class PlacementRequest(NamedTuple):
@@ -114,8 +129,9 @@ def sample_pose(search: Search, situation: Situation, request: PlacementRequest)
     favourite = preferred.floor(room) or preferred.floor() or everything
     checked = [fact for fact in about if not shapes_volume(fact, entity)]
     others = kept_apart(situation, about)
-    below = _neighbours(situation, others, support, half, volume.low[2] - height)
-    beside = _neighbours(situation, others, support, half, volume.low[2]) if height > 0.0 else below
+    turned = (situation.shape(entity), quaternion, half)
+    below = _neighbours(situation, others, support, turned, volume.low[2] - height)
+    beside = _neighbours(situation, others, support, turned, volume.low[2]) if height > 0.0 else below
     failed = Failure(RELATION, entity)
     # A held object should be free to come down; if that is impossible it may be held above something.
     for floor, spacing, neighbours in (
@@ -126,7 +142,10 @@ def sample_pose(search: Search, situation: Situation, request: PlacementRequest)
         at = volume.sample(floor, search.uniform)
         if at is None:
             continue
-        if any(abs(at[0] - x) < dx + spacing and abs(at[1] - y) < dy + spacing for x, y, dx, dy in neighbours):
+        if any(
+            abs(at[0] - x) < dx + spacing and abs(at[1] - y) < dy + spacing and (parts is None or parts(at, spacing))
+            for x, y, dx, dy, parts in neighbours
+        ):
             failed = Failure(OBJECTS_COLLIDE, entity)
             continue
         pose = Pose(at, quaternion)
@@ -134,7 +153,7 @@ def sample_pose(search: Search, situation: Situation, request: PlacementRequest)
         broken = next((fact for fact in checked if not fact.is_satisfied(trial)), None)
         if broken is None:
             return pose
-        failed = Failure(RELATION, fact=broken)
+        failed = Failure(RELATION, fact=broken, missed=broken.distance(trial))
     raise failed
 
 
@@ -252,24 +271,47 @@ def _close(situation: Situation, entity: str, volume: Volume, about: Iterable[Fa
     return volume
 
 
-def _neighbours(situation: Situation, others: Iterable[str], support: str, half: Vector, z: float) -> list[Neighbour]:
-    """Return the others that the bounding box of an object at a height can meet, without containers it is put into.
+def _neighbours(
+    situation: Situation, others: Iterable[str], support: str, turned: tuple[Shape, Quaternion, Vector], z: float
+) -> list[Neighbour]:
+    """Return the others that an object at a height can meet, without containers it is put into.
 
-    Furniture has the bounding boxes of its body and of the swept moving part, a body from a file those of its parts.
+    `turned` has the shape of the object, its orientation, and the half-sides of its bounding box. Furniture has the
+    bounding boxes of its body and of the swept moving part.
     """
     neighbours = []
+    own, quaternion, half = turned
     for other in others:
         shape, boxes = situation.scene.shapes[other], [box(situation, other)]
-        if shape.traits.hollow and support != TABLE:
+        if support != TABLE and (shape.traits.hollow or (other == support and shape.hollow)):
             continue
         if shape.traits.furniture:
             boxes = [box_of(corners) for corners in swept(shape, situation.pose(other))]
-        elif shape.model is not None:
-            boxes = part_boxes(shape, situation.pose(other))
+        elif shape.model is not None or own.model is not None:
+            parts = partial(parts_meet, own, quaternion, shape, situation.pose(other), z)
+            ((x, y, other_z), (half_x, half_y, half_z)) = boxes[0]
+            if abs(z - other_z) < half[2] + half_z + COLLISION:
+                neighbours.append(Neighbour(x, y, half_x + half[0], half_y + half[1], parts))
+            continue
         for (x, y, other_z), (half_x, half_y, half_z) in boxes:
             if abs(z - other_z) < half[2] + half_z + COLLISION:
-                neighbours.append((x, y, half_x + half[0], half_y + half[1]))
+                neighbours.append(Neighbour(x, y, half_x + half[0], half_y + half[1]))
     return neighbours
+
+
+def parts_meet(
+    own: Shape, quaternion: Quaternion, other: Shape, pose: Pose, z: float, at: Vector, spacing: float
+) -> bool:
+    """Return whether the parts of an object, at a place and height, may be nearer than a spacing to those of another.
+
+    Seen from above they are their convex outlines.
+    """
+    ours, theirs = (np.array(turned_boxes(*each)) for each in ((own, quaternion), (other, pose.quaternion)))
+    offset = np.array((at[0], at[1], z)) - pose.position
+    apart = np.abs(offset + ours[:, None, 0] - theirs[None, :, 0]) - ours[:, None, 1] - theirs[None, :, 1]
+    one, two = turned_outlines(own, quaternion), turned_outlines(other, pose.quaternion)
+    close = np.argwhere((apart < (spacing, spacing, COLLISION)).all(axis=2))
+    return any(outlines_meet(one[i] + offset[:2], two[j], spacing) for i, j in close)
 
 
 def _yaws(search: Search, situation: Situation, request: PlacementRequest) -> Iterator[float]:

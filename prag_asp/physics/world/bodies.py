@@ -8,11 +8,11 @@ from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.situation import TABLE_THICKNESS
 from prag_asp.physics.world.furniture_bodies import make_furniture
-from prag_asp.physics.world.primitives import make_shapes
+from prag_asp.physics.world.primitives import open_shapes
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.colours import rgb
 from prag_asp.scene.geometry import Pose, compose, invert, yaw_quaternion
-from prag_asp.scene.scene import Material, Scene, Solid
+from prag_asp.scene.scene import Look, Material, Scene, Solid
 from prag_asp.scene.solids import solids, walls, weight
 
 PARKING = (20.0, 20.0, 5.0)
@@ -68,7 +68,8 @@ def make_body(
     if shape.model is None:
         made_of = solids(shape) if floor else walls(shape)
         return _make(made_of, material, mass(scene, entity), at, client, color, free)
-    body = _make(shape.model.solids, material, mass(scene, entity), at, client, color, frame=mass_frame(scene, entity))
+    solid, frame = shape.model.solids, mass_frame(scene, entity)
+    body = _make(solid, material, mass(scene, entity), at, client, color, frame=frame, looks=shape.model.looks)
     pybullet.changeDynamics(body, -1, collisionMargin=NO_MARGIN, physicsClientId=client)
     set_mass(client, scene, entity, body)
     return body
@@ -119,11 +120,14 @@ def _make(
     color: str | None,
     free: bool = False,
     frame: Pose | None = None,
+    looks: Sequence[Look] = (),
 ) -> int:
     """Make one body of several solids, with a `frame` of its mass; without a colour it is invisible."""
-    solid, looks = make_shapes(made_of, client, color)
     own = {} if frame is None else {"baseInertialFramePosition": frame[0], "baseInertialFrameOrientation": frame[1]}
-    body = pybullet.createMultiBody(mass, solid, looks, at, useMaximalCoordinates=free, physicsClientId=client, **own)
+    with open_shapes(made_of, client, color, looks) as (solid, seen):
+        body = pybullet.createMultiBody(
+            mass, solid, seen, at, useMaximalCoordinates=free, physicsClientId=client, **own
+        )
     if body < 0:
         raise SceneError(f"PyBullet refuses a body of {list(made_of)}")
     rolls = len(made_of) == 1 and made_of[0].kind == "sphere"

@@ -56,6 +56,13 @@ def colliding(
     return None
 
 
+def overlap_depth(simulator: Simulator, situation: Situation, one: str, two: str) -> float:
+    """Return how deep two objects are in each other in metres; the second may be the table."""
+    simulator.place(situation.poses, situation.openings)
+    other = simulator.bodies.get(two, simulator.table)
+    return -simulator.overlap(simulator.body(one), other)
+
+
 def arm_collision(
     simulator: Simulator, situation: Situation, joints: Joints, width: float, touched: str | None
 ) -> ArmCollision | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet
-from prag_asp.physics.world.primitives import make_shapes
+from prag_asp.physics.world.primitives import open_shapes
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.colours import rgb
 from prag_asp.scene.furniture import mechanism
@@ -26,26 +26,27 @@ def make_furniture(client: int, shape: Shape, material: Material, at: Vector, co
         SceneError: PyBullet refuses its shape.
     """
     parts = mechanism(shape)
-    solid, looks = make_shapes(boxes(parts.body), client, color)
-    part, part_looks = make_shapes(boxes(parts.part), client, color and lighter(color))
     weight = material.density * volume(boxes(parts.part))
-    body = pybullet.createMultiBody(
-        0.0,
-        solid,
-        looks,
-        at,
-        linkMasses=[weight],
-        linkCollisionShapeIndices=[part],
-        linkVisualShapeIndices=[part_looks],
-        linkPositions=[parts.joint],
-        linkOrientations=[UPRIGHT],
-        linkInertialFramePositions=[(0.0, 0.0, 0.0)],
-        linkInertialFrameOrientations=[UPRIGHT],
-        linkParentIndices=[0],
-        linkJointTypes=[pybullet.JOINT_PRISMATIC if parts.slides else pybullet.JOINT_REVOLUTE],
-        linkJointAxis=[parts.axis],
-        physicsClientId=client,
-    )
+    body_shapes = open_shapes(boxes(parts.body), client, color)
+    part_shapes = open_shapes(boxes(parts.part), client, color and lighter(color))
+    with body_shapes as (solid, looks), part_shapes as (part, part_looks):
+        body = pybullet.createMultiBody(
+            0.0,
+            solid,
+            looks,
+            at,
+            linkMasses=[weight],
+            linkCollisionShapeIndices=[part],
+            linkVisualShapeIndices=[part_looks],
+            linkPositions=[parts.joint],
+            linkOrientations=[UPRIGHT],
+            linkInertialFramePositions=[(0.0, 0.0, 0.0)],
+            linkInertialFrameOrientations=[UPRIGHT],
+            linkParentIndices=[0],
+            linkJointTypes=[pybullet.JOINT_PRISMATIC if parts.slides else pybullet.JOINT_REVOLUTE],
+            linkJointAxis=[parts.axis],
+            physicsClientId=client,
+        )
     if body < 0:
         raise SceneError(f"PyBullet refuses furniture of the size {shape.size}")
     for link in (-1, JOINT):

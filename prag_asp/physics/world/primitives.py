@@ -6,7 +6,8 @@ points that no face uses, and crash on a face of two corners or on an ASCII .stl
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import lru_cache
 from hashlib import sha256
 from itertools import chain
@@ -15,9 +16,9 @@ from typing import Any
 from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import pybullet
 from prag_asp.physics.temporary_files import temporary_folder
-from prag_asp.scene.colours import rgb
+from prag_asp.physics.world.visible_pieces import VisiblePiece, look_pieces, paint
 from prag_asp.scene.read.mesh import mesh_parts, state_of
-from prag_asp.scene.scene import Solid
+from prag_asp.scene.scene import Look, Solid
 
 GEOMETRIES: Mapping[str, int] = {
     "box": pybullet.GEOM_BOX,
@@ -36,36 +37,68 @@ ASIDE = (0.6, 0.0, 0.8)
 STRAIGHT = (0.0, 0.0, 0.0)
 
 
-def make_shapes(solids: Sequence[Solid], client: int, color: str | None) -> tuple[int, int]:
-    """Return the ids of the collision and visual shapes of several solids; without a colour they are invisible.
+@contextmanager
+def open_shapes(
+    solids: Sequence[Solid], client: int, color: str | None, looks: Sequence[Look] = ()
+) -> Iterator[tuple[int, int]]:
+    """Give the ids of the collision and visual shapes of several solids; without a colour they are invisible.
+
+    What is seen are the `looks`, if there are any. PyBullet reads the files of visual shapes only when it makes a body,
+    so that this has to be done before they are closed. Calls with meshes must not be nested.
 
     Raises:
         SceneError: PyBullet refuses one, or a mesh cannot be read.
     """
     meshes = {solid: mesh_file(solid) for solid in solids if solid.mesh}
-    looks = NOTHING
-    with temporary_folder(dict(meshes.values())) as folder:
+    seen = [] if color is None else visible_pieces(solids, looks, color)
+    written = dict(meshes.values())
+    for piece in seen:
+        written |= piece.files
+    with temporary_folder(written) as folder:
         files = {solid: str(folder / name) for solid, (name, _) in meshes.items()}
         body = pybullet.createCollisionShapeArray(
             **_sizes(solids),
             collisionFramePositions=[solid.at for solid in solids],
-            **_turned("collision", solids, files),
+            **_turned("collision", solids, [files.get(solid, "") for solid in solids]),
             physicsClientId=client,
         )
-        if color is not None:
-            rgba = [part / 255 for part in rgb(color)]
-            marks = _marks(solids[0]) if [solid.kind for solid in solids] == ["sphere"] else []
-            seen = [*solids, *marks]
-            looks = pybullet.createVisualShapeArray(
-                **_sizes(seen),
-                visualFramePositions=[solid.at for solid in seen],
-                **_turned("visual", seen, files),
-                rgbaColors=[[*rgba, 1.0]] * len(solids) + [[*(SHADE * part for part in rgba), 1.0]] * len(marks),
+        appearance = NOTHING
+        if seen:
+            shown = [piece.solid for piece in seen]
+            appearance = pybullet.createVisualShapeArray(
+                **_sizes(shown),
+                visualFramePositions=[solid.at for solid in shown],
+                **_turned("visual", shown, [str(folder / piece.mesh) if piece.mesh else "" for piece in seen]),
+                rgbaColors=[piece.rgba for piece in seen],
                 physicsClientId=client,
             )
-    if body < 0 or (looks < 0 and color is not None):
-        raise SceneError(f"PyBullet refuses a body of {list(solids)}")
-    return int(body), int(looks)
+        if body < 0 or (appearance < 0 and seen):
+            raise SceneError(f"PyBullet refuses a body of {list(solids)}")
+        yield int(body), int(appearance)
+
+
+def visible_pieces(solids: Sequence[Solid], looks: Sequence[Look], color: str) -> list[VisiblePiece]:
+    """Return what PyBullet draws of a body in a colour, by which it multiplies those of the looks.
+
+    Raises:
+        SceneError: a mesh cannot be read.
+    """
+    tint = paint(color)
+    if looks:
+        return [piece for look in looks for piece in look_pieces(look, tint)]
+    pieces = [VisiblePiece(solid, tint, *_own_file(solid)) for solid in solids]
+    if [solid.kind for solid in solids] == ["sphere"]:
+        dark = (*(SHADE * part for part in tint[:3]), 1.0)
+        pieces += [VisiblePiece(solid, dark) for solid in _marks(solids[0])]
+    return pieces
+
+
+def _own_file(solid: Solid) -> tuple[str, dict[str, bytes]]:
+    """Return the name of the file of a mesh as it collides, and the file; nothing for other solids."""
+    if not solid.mesh:
+        return "", {}
+    name, content = mesh_file(solid)
+    return name, {name: content}
 
 
 def _sizes(solids: Sequence[Solid]) -> dict[str, Any]:
@@ -89,12 +122,12 @@ def _marks(ball: Solid) -> list[Solid]:
     ]
 
 
-def _turned(what: str, solids: Sequence[Solid], files: Mapping[Solid, str]) -> dict[str, Any]:
+def _turned(what: str, solids: Sequence[Solid], files: Sequence[str]) -> dict[str, Any]:
     """Return PyBullet's arguments for rotated solids and for meshes, none if there are none."""
     if not any(solid.mesh or solid.turn != STRAIGHT for solid in solids):
         return {}
     return {
-        "fileNames": [files.get(solid, "") for solid in solids],
+        "fileNames": files,
         "meshScales": [(1.0, 1.0, 1.0)] * len(solids),
         f"{what}FrameOrientations": [pybullet.getQuaternionFromEuler(solid.turn) for solid in solids],
     }

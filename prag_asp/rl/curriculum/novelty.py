@@ -76,8 +76,9 @@ class _Tasks:
 
     def word(self, number: int, seed: int) -> tuple[Word, Fraction]:
         """Return the task of a number."""
-        part = self._pool.part
-        length, rank = _found(self._stretches, number if part is None else part[number])
+        if self._pool.part is not None:
+            return self._pool.part.word(number), Fraction(1)
+        length, rank = _found(self._stretches, number)
         return self._pool.at(length).plan_at(rank), Fraction(1)
 
 

@@ -8,7 +8,7 @@ from fractions import Fraction
 from functools import partial
 from hashlib import sha256
 from math import lcm
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from prag_asp.batches import growing_batches
 from prag_asp.errors import NotFound, QueryError
@@ -21,7 +21,7 @@ from prag_asp.space.weights.weights import Number, Weights, parse_number
 from prag_asp.task import Task
 
 if TYPE_CHECKING:
-    from prag_asp.space.parts.ranked_tasks import Ranks
+    from prag_asp.space.parts.ranked_tasks import RankedTasks
 
 Word = tuple[str, ...]
 
@@ -40,24 +40,57 @@ class Proposal(NamedTuple):
     passed: int = 0
 
 
+class PoolPart(Protocol):
+    """A part of the tasks of a space: a `SpacePart` or a `RankedPart`."""
+
+    @property
+    def size(self) -> int:
+        """The number of tasks."""
+        ...
+
+    def __contains__(self, word: Word) -> bool: ...
+
+    def word(self, number: int) -> Word:
+        """Return the task of a number from 0 to size - 1."""
+        ...
+
+
+@dataclass(frozen=True)
+class RankedPart:
+    """The tasks of some ranks of a space of one length."""
+
+    tasks: RankedTasks
+    space: TaskSpace
+
+    @property
+    def size(self) -> int:
+        """The number of tasks."""
+        return self.tasks.count()
+
+    def __contains__(self, word: Word) -> bool:
+        return self.tasks.ranks.place(self.space.index(word)) is not None
+
+    def word(self, number: int) -> Word:
+        """Return the task of a number."""
+        return self.space.plan_at(self.tasks.ranks[number])
+
+
 @dataclass(frozen=True)
 class TaskPool:
-    """The tasks of a space that have an action; with a `part`, those of them alone that it has the ranks of.
+    """The tasks of a space that have an action; with a `part`, those of them alone that it has.
 
     Raises:
-        QueryError: there are none, or a part is given of a space of several lengths.
+        QueryError: there are none.
     """
 
     space: TaskSpace
-    part: Ranks | None = None
+    part: PoolPart | None = None
     _batches: dict[Word, list[Draw]] = field(default_factory=dict, repr=False, compare=False)
     _tasks: dict[Word, Task] = field(default_factory=dict, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if not any(self.space.lengths):
             raise QueryError("tasks of no action have no subgoal; give a space of another length")
-        if self.part is not None and len(self.space.lengths) > 1:
-            raise QueryError("a part is one of a space of one length; give that, or spaces without a part")
         if self.part is not None and not self.part.size:
             raise QueryError("the part has no task; give another one")
 
@@ -81,7 +114,7 @@ class TaskPool:
         """Return whether a task of the space is in the pool."""
         if not word or self.part is None:
             return bool(word)
-        return self.part.place(self.at(len(word)).index(word)) is not None
+        return word in self.part
 
     def proposals(self, *, seed: int, length: int | None = None) -> Iterator[Proposal]:
         """Yield independent tasks by the weights of the domain, without end; those of one length where it is given.

@@ -11,6 +11,7 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.dataset.store.instructions import LEVELS, PLAIN, TaskTexts, captioner_of
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
 from prag_asp.physics import Witness
@@ -37,22 +38,28 @@ class Probability(Fraction):
 
 @dataclass(frozen=True)
 class EpisodeStart:
-    """The task of an episode with its subgoals, and the `stage`, the number of the initial subgoal.
+    """The task of an episode with its subgoals and texts, and the `stage`, the number of the initial subgoal.
 
     `chance` is the probability of the stage where it was sampled; `named` is set where the options name it.
     """
 
     assignment: Assignment
     subgoals: tuple[Subgoal, ...]
+    texts: TaskTexts
     stage: int
     chance: Fraction | None
     named: bool
 
     def info(self) -> dict[str, Any]:
         """Return the information that goes with each observation of the episode."""
-        assignment = self.assignment
+        assignment, written = self.assignment, dict(self.texts.whole)
+        levels = {level: written.get(level, written.get(PLAIN, "")) for level in LEVELS}
         return {
             "task": str(assignment.task),
+            "instruction": levels["default"],
+            "instruction_vague": levels["vague"],
+            "instruction_exact": levels["exact"],
+            "subgoals": len(self.subgoals),
             "rank": assignment.rank,
             "log_probability": assignment.task.log_probability,
             "probability": None if assignment.probability is None else Probability(assignment.probability),
@@ -77,9 +84,11 @@ class EpisodeSampler:
         *,
         domain: Domain,
         layout: Layout,
+        language: str,
     ):
         self.finder, self.seeded = finder, False
         self._stage, self._domain, self._scene, self._layout = stage, domain, finder.scene, layout
+        self._captioner = captioner_of(domain, language, seed=0)
         self._cached: OrderedDict[tuple[int, ...], tuple[tuple[object, ...], Any]] = OrderedDict()
         alone = origin.task is not None or witness is not None
         self._source: TaskSource = SingleTask(self._assign(origin.task, witness)) if alone else origin.source(finder)
@@ -105,7 +114,9 @@ class EpisodeSampler:
         else:
             assignment = self._source.draw() if rank is None else self._source.ranked(rank)
         subgoals = self._once(lambda: subgoals_of(assignment.task, self._scene), assignment.task)
-        return EpisodeStart(assignment, subgoals, *self._initial_stage(stage, len(subgoals), rng), stage is not None)
+        texts = assignment.texts or self._once(lambda: self._captioner(assignment.task, {}), "texts", assignment.task)
+        initial = self._initial_stage(stage, len(subgoals), rng)
+        return EpisodeStart(assignment, subgoals, texts, *initial, stage is not None)
 
     def update(self, start: EpisodeStart, stage: int, *, success: bool) -> None:
         """Update the curricula that chose an episode with its result; `stage` is the subgoal at which it ended."""

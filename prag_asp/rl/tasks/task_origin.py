@@ -9,15 +9,35 @@ from typing import cast
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.domain.load import Domain, load_domain
 from prag_asp.errors import QueryError
-from prag_asp.rl.curriculum.task_pool import TaskPool
+from prag_asp.rl.curriculum.task_pool import RankedPart, TaskPool
 from prag_asp.rl.curriculum.task_sampler import DomainWeightsSampler, StageCurriculum, TaskCurriculum
 from prag_asp.rl.tasks.task_sources import DatasetSource, SpaceSource, TaskSource, WitnessFinder
 from prag_asp.space.parts.ranked_tasks import RankedTasks
 from prag_asp.space.task_space import TaskSpace
+from prag_asp.space.without_replacement import Division, SpacePart, space_part
 from prag_asp.task import Task
 
 Curriculum = TaskCurriculum | StageCurriculum
 Curricula = Curriculum | Sequence[Curriculum] | None
+
+
+@dataclass(frozen=True)
+class Split:
+    """The part of a divided space that is used: that of a dataset with the same division and seed."""
+
+    part: str
+    division: Division
+    seed: int = 0
+
+    def of(self, space: TaskSpace) -> SpacePart:
+        """Return the part of a space.
+
+        Raises:
+            QueryError: there is no such part, or the space has a task of no action.
+        """
+        if not all(space.lengths):
+            raise QueryError("tasks of no action have no subgoal; split a space of lengths from 1")
+        return space_part(space, self.division, self.part, seed=self.seed)
 
 
 @dataclass(frozen=True)
@@ -33,6 +53,7 @@ class TaskOrigin:
     dataset: Dataset | None
     task: Task | None
     curriculum: Curricula
+    split: Split | None = None
 
     def __post_init__(self) -> None:
         if sum(each is not None for each in (self.space, self.dataset, self.task)) != 1:
@@ -49,6 +70,8 @@ class TaskOrigin:
             raise QueryError("a part is one of a space; give the space, too")
         if self.part is not None and isinstance(self.space, TaskSpace) and not self.space.same_tasks(self.part.space):
             raise QueryError(f"the part is one of {self.part.space!r}, and not of {self.space!r}; give a part of that")
+        if self.split is not None and (self.space is None or self.part is not None):
+            raise QueryError("a split divides a whole space; give that alone, or a part of it without a split")
         for each in self._curricula:
             if isinstance(each, type) or not (hasattr(each, "task_sampler") or hasattr(each, "subgoal_sampler")):
                 raise QueryError(f"{each!r:.80} is no curriculum; give one of prag_asp.rl, such as LengthCurriculum()")
@@ -79,7 +102,8 @@ class TaskOrigin:
         if self.dataset is not None:
             return DatasetSource(self.dataset)
         assert self.space is not None
-        pool = TaskPool(self.space, None if self.part is None else self.part.ranks)
+        part = None if self.part is None else RankedPart(self.part, self.space)
+        pool = TaskPool(self.space, part if self.split is None else self.split.of(self.space))
         curriculum = self._curriculum_with("task_sampler")
         sampler = cast(TaskCurriculum, curriculum).task_sampler(pool) if curriculum else DomainWeightsSampler(pool)
         return SpaceSource(pool, sampler, finder)
@@ -88,7 +112,7 @@ class TaskOrigin:
     def title(self) -> str:
         """A description in one line, the same in every process: it distinguishes the checkpoints of environments."""
         tasks = self.space or (f"{self.dataset.count()} tasks of data" if self.dataset is not None else self.task)
-        part = "" if self.part is None else f", {self.part!r} of it"
+        part = "".join(f", {part!r} of it" for part in (self.part, self.split) if part is not None)
         led = [repr(each) if is_dataclass(each) else type(each).__name__ for each in self._curricula]
         return f"{tasks}{part}, {' '.join(led) or 'no curriculum'}"
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
+from prag_asp.dataset.store.instructions import TaskTexts
 from prag_asp.errors import NotFound, QueryError
 from prag_asp.physics import Budget, Situation, Validator, Witness, open_validator, physical_task
 from prag_asp.rl.curriculum.task_pool import TaskPool
@@ -29,7 +30,7 @@ class Assignment(NamedTuple):
     """A task for the agent with a witness, and its rank among all of its length where that is known.
 
     `probability` is the exact probability of the sample, None where the task was not sampled; `rejected` counts the
-    samples since the last assignment that are not feasible, or not in the part.
+    samples since the last assignment that are not feasible, or not in the part. `texts` are those of a dataset.
     """
 
     task: Task
@@ -37,6 +38,7 @@ class Assignment(NamedTuple):
     rank: int | None = None
     probability: Fraction | None = None
     rejected: int = 0
+    texts: TaskTexts | None = None
 
 
 class TaskSource(Protocol):
@@ -289,4 +291,5 @@ class DatasetSource:
         if entry.starts == 0:
             raise QueryError(f"{self._dataset.folder}: its tasks have no witnesses; generate it with physics")
         start = int(self._rng.integers(entry.starts))
-        return Assignment(entry.task, self._dataset.witness(number, start), entry.rank)
+        texts = TaskTexts(tuple(entry.instruction.items()), entry.subgoals, entry.named)
+        return Assignment(entry.task, self._dataset.witness(number, start), entry.rank, texts=texts)

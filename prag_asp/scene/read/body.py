@@ -18,15 +18,17 @@ from prag_asp.scene.read.decomposition import can_decompose
 from prag_asp.scene.read.mesh import file_parts, mesh_points, thickness
 from prag_asp.scene.read.scene_values import SMALLEST
 from prag_asp.scene.read.stability import base_of, crown_of, falls, own_points, rotation, settle, surface_points
-from prag_asp.scene.scene import BodyModel, Shape, Size, Solid
+from prag_asp.scene.scene import BodyModel, Look, Shape, Size, Solid
 
 Floats = NDArray[np.float64]
 
 
-def body_shape(kind: str, solids: Sequence[Solid], mass: MassProperties, settled: float = 0.0) -> Shape:
+def body_shape(
+    kind: str, solids: Sequence[Solid], mass: MassProperties, settled: float = 0.0, looks: Iterable[Look] = ()
+) -> Shape:
     """Return the shape of a body of solids; the centre of their bounding box becomes the origin of its frame.
 
-    It has `settled` by an angle in radians.
+    It has `settled` by an angle in radians; `looks` are what is seen of it.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -48,6 +50,7 @@ def body_shape(kind: str, solids: Sequence[Solid], mass: MassProperties, settled
         crown_of(points),
         settled,
         find_cavity(np.concatenate([part for solid in centred for part in _triangles(solid)])),
+        tuple(look._replace(solid=look.solid._replace(at=_minus(look.solid.at, middle))) for look in looks),
     )
     return Shape(kind, _minus(high, low), model=model)
 
@@ -98,13 +101,17 @@ def turned_shape(shape: Shape, rows: Floats, settled: float = 0.0) -> Shape:
     """Return the shape of a body with a model after a rotation (3, 3), by which it may have `settled` in radians."""
     model = shape.model
     assert model is not None
-    solids = []
-    for solid in model.solids:
-        x, y, z = (rows @ solid.at).tolist()
-        solids.append(solid._replace(at=(x, y, z), turn=roll_pitch_yaw(rows @ np.array(rotation(solid.turn)))))
+    solids = [_turned(solid, rows) for solid in model.solids]
+    looks = [look._replace(solid=_turned(look.solid, rows)) for look in model.looks]
     axes = matrix(Pose((0.0, 0.0, 0.0), model.axes))[:3, :3]
     mass = MassProperties(model.mass, np.array(model.centre), axes @ np.diag(model.moments) @ axes.T)
-    return body_shape(shape.kind, solids, mass.moved(rows, np.zeros(3)), settled)
+    return body_shape(shape.kind, solids, mass.moved(rows, np.zeros(3)), settled, looks)
+
+
+def _turned(solid: Solid, rows: Floats) -> Solid:
+    """Return a solid after a rotation (3, 3) of its body."""
+    x, y, z = (rows @ solid.at).tolist()
+    return solid._replace(at=(x, y, z), turn=roll_pitch_yaw(rows @ np.array(rotation(solid.turn))))
 
 
 def ends(solid: Solid) -> Iterator[Size]:

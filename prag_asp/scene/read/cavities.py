@@ -2,12 +2,15 @@
 
 Heights of the surface are measured on a grid from above. Water runs off at the border and through holes, and fills any
 other point up to the lowest rim over which it can run off: the smallest, over all paths to the border, of the largest
-height on the path (Barnes, Lehman and Mulla, "Priority-flood", 2014).
+height on the path (Barnes, Lehman and Mulla, "Priority-flood", 2014). Gaps and holes too narrow for things to fall
+through are closed first: a basket is a container. What is over a cavity without closing it, as the handle of a basket
+is, counts for nothing: the body is looked at from several heights too, without what is above.
 """
 
 from __future__ import annotations
 
 import heapq
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +25,13 @@ CELLS = 64
 SHALLOW, NARROW = 0.012, 0.02
 """The smallest depth and the smallest width of a cavity in metres: nothing stands in a smaller one."""
 
+GAP = 0.008
+"""The width in metres of gaps and holes that are closed, about: a grid has whole cells."""
+
+LEVELS, OPEN = 12, 0.6
+"""Heights from which a body is looked at, and the least share of a cavity's floor that is seen from above everything.
+"""
+
 LEVEL = 0.004
 """The height in metres of the points of a floor above its lowest one."""
 
@@ -35,31 +45,49 @@ def find_cavity(triangles: Floats) -> Cavity | None:
     low, high = points.min(0), points.max(0)
     cell = float((high - low)[:2].max()) / CELLS
     xs, ys = (np.arange(low[i] - cell / 2, high[i] + cell, cell) for i in (0, 1))
-    heights = np.full((len(xs), len(ys)), -np.inf)
+    shape = (LEVELS, len(xs), len(ys))
+    cuts = np.append(np.linspace(low[2], high[2], LEVELS + 1)[1:-1], np.inf)
+    heights, solid = np.full(shape, -np.inf), np.zeros(shape, dtype=int)
     for triangle in triangles:
-        _raise(heights, triangle, xs, ys)
-    depths = _filled(heights) - np.maximum(heights, low[2])
-    best: tuple[float, Cavity] | None = None
+        _raise(heights, solid, cuts, triangle, xs, ys)
+    found: list[tuple[float, Cavity]] = []
+    for cut, seen, within in zip(cuts, heights, solid, strict=True):
+        # Without an overhang over a surface, the whole body shows as much.
+        if cut == np.inf or ((heights[-1] > cut) & (within <= 0) & (seen > -np.inf)).any():
+            surface = _closed(np.where((within > 0) & (cut < np.inf), cut, seen), round(GAP / 2 / cell))
+            found += _cavities(surface, heights[-1], float(low[2]), (xs, ys))
+    return max(found, key=lambda row: row[0])[1] if found else None
+
+
+def _cavities(surface: Floats, top: Floats, low: float, grid: tuple[Floats, Floats]) -> Iterator[tuple[float, Cavity]]:
+    """Yield the cavities of a surface, given by its heights on a grid, with what each holds in cells times metres.
+
+    `top` is the surface seen from above everything, `low` the height of the lowest point of the body, in metres.
+    """
+    cell = float(grid[0][1] - grid[0][0])
+    depths = _filled(surface) - np.maximum(surface, low)
     for region in _regions(depths > LEVEL):
         inside = np.zeros_like(depths, dtype=bool)
         inside[tuple(np.array(region).T)] = True
-        bottom = float(heights[inside].min())
-        floor = inside & (heights <= bottom + LEVEL)
+        bottom = float(surface[inside].min())
+        floor = inside & (surface <= bottom + LEVEL)
         depth = float(depths[inside].max())
-        ends = [
-            (axis[where.min()], axis[where.max()]) for axis, where in zip((xs, ys), np.nonzero(inside), strict=True)
-        ]
+        ends = [(axis[where.min()], axis[where.max()]) for axis, where in zip(grid, np.nonzero(inside), strict=True)]
         sides = [last - first + cell for first, last in ends]
-        if depth >= SHALLOW and min(sides) >= NARROW and floor.sum() * cell * cell >= NARROW * NARROW / 4:
+        is_open = (top[floor] <= surface[floor] + LEVEL).mean() >= OPEN
+        large = min(sides) >= NARROW and floor.sum() * cell * cell >= NARROW * NARROW / 4
+        if depth >= SHALLOW and large and is_open:
             x, y = ((first + last) / 2 for first, last in ends)
-            found = Cavity((float(x), float(y), bottom), (float(sides[0]), float(sides[1]), depth))
             volume = float(depths[inside].sum())
-            best = (volume, found) if best is None or volume > best[0] else best
-    return None if best is None else best[1]
+            yield volume, Cavity((float(x), float(y), bottom), (float(sides[0]), float(sides[1]), depth))
 
 
-def _raise(heights: Floats, triangle: Floats, xs: Floats, ys: Floats) -> None:
-    """Raise the heights of the points of a grid over which a triangle (3, 3) is to its own."""
+def _raise(heights: Floats, solid: NDArray[np.int_], cuts: Floats, triangle: Floats, xs: Floats, ys: Floats) -> None:
+    """Add a triangle (3, 3) to what is seen at the points of a grid from each of the heights `cuts`.
+
+    `heights` are those of the highest surface below a cut, `solid` counts the solids that the cut is in: the surfaces
+    below it that face down, less those that face up.
+    """
     (ax, ay, az), (bx, by, bz), (cx, cy, cz) = triangle.tolist()
     area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
     if abs(area) < UPRIGHT:
@@ -69,9 +97,20 @@ def _raise(heights: Floats, triangle: Floats, xs: Floats, ys: Floats) -> None:
     x, y = xs[rows, None] - ax, ys[None, columns] - ay
     one = (x * (cy - ay) - y * (cx - ax)) / area
     two = (y * (bx - ax) - x * (by - ay)) / area
-    covered = (one >= 0.0) & (two >= 0.0) & (one + two <= 1.0)
     own = az + one * (bz - az) + two * (cz - az)
-    heights[rows, columns] = np.where(covered, np.maximum(heights[rows, columns], own), heights[rows, columns])
+    covered = ((one >= 0.0) & (two >= 0.0) & (one + two <= 1.0)) & (own <= cuts[:, None, None])
+    there = heights[:, rows, columns]
+    heights[:, rows, columns] = np.where(covered, np.maximum(there, own), there)
+    solid[:, rows, columns] += np.where(covered, -1 if area > 0.0 else 1, 0)
+
+
+def _closed(heights: Floats, reach: int) -> Floats:
+    """Return heights with gaps of up to twice `reach` cells filled: a morphological closing by a square."""
+    padded = np.pad(heights, 2 * reach, constant_values=-np.inf)
+    window = (2 * reach + 1, 2 * reach + 1)
+    grown = np.lib.stride_tricks.sliding_window_view(padded, window).max((2, 3))
+    closed: Floats = np.lib.stride_tricks.sliding_window_view(grown, window).min((2, 3))
+    return closed
 
 
 def _filled(heights: Floats) -> Floats:

@@ -15,6 +15,7 @@ from functools import lru_cache
 from io import BytesIO
 from itertools import chain, pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -253,6 +254,16 @@ def read_by_trimesh(path: str, content: bytes) -> list[NDArray[np.float64]]:
         SceneError: trimesh is not installed.
         ValueError: the file is not a mesh.
     """
+    return [np.asarray(mesh.triangles, dtype=float) for mesh in trimesh_parts(path, content)]
+
+
+def trimesh_parts(path: str, content: bytes) -> list[Any]:
+    """Return the parts of a mesh file as meshes of trimesh, in the unit of the file.
+
+    Raises:
+        SceneError: trimesh is not installed.
+        ValueError: the file is not a mesh.
+    """
     try:
         import trimesh  # noqa: PLC0415 - an extra
     except ImportError:
@@ -261,7 +272,6 @@ def read_by_trimesh(path: str, content: bytes) -> list[NDArray[np.float64]]:
     kind = Path(path).suffix.lower().removeprefix(".")
     try:
         scene = trimesh.load_scene(BytesIO(content), file_type=kind, resolver=FilesBeside(Path(path).parent))
-        meshes = [each for each in scene.dump() if isinstance(each, trimesh.Trimesh)]
+        return [each for each in scene.dump() if isinstance(each, trimesh.Trimesh)]
     except Exception as error:  # its readers raise whatever they meet in a broken file
         raise ValueError(" ".join(str(error).split())[:200] or type(error).__name__) from error
-    return [np.asarray(mesh.triangles, dtype=float) for mesh in meshes]

@@ -12,9 +12,10 @@ from prag_asp.errors import SceneError
 from prag_asp.scene.read.asset_paths import require_inside
 from prag_asp.scene.read.body import body_shape, ends, roll_pitch_yaw, solid_mass, stable_rotations, turned_shape
 from prag_asp.scene.read.decomposition import can_decompose
+from prag_asp.scene.read.looks.surfaces import mesh_surfaces
 from prag_asp.scene.read.mesh import is_concave
 from prag_asp.scene.read.stability import rotation, surface_points
-from prag_asp.scene.scene import Shape, Solid
+from prag_asp.scene.scene import Look, Shape, Solid
 from prag_asp.tables.report import TableEntry, is_number
 
 UPWARD: Mapping[str, tuple[float, float, float]] = {
@@ -61,9 +62,13 @@ def read_mesh_body(entry: TableEntry, folder: Path) -> Shape | None:
     angles = entry.at("rotation", [0.0, 0.0, 0.0]).numbers(3, "degrees about x, y and z")
     mass = entry.at("mass").number(*MASSES, "kilograms") if "mass" in entry.value else None
     rests = entry.at("rests", RESTS[0]).choice(RESTS)
+    visual = folder / str(entry.value.get("visual", entry.value.get("path")))
+    if not isinstance(entry.value.get("visual", ""), str):
+        entry.at("visual").needs("the path of the mesh that is seen, in the folder of the domain")
     if not entry.is_sound or sides is None or up is None or angles is None:
         return None
-    require_inside(path, folder)
+    for each in (path, visual):
+        require_inside(each, folder)
     x, y, z = map(float, sides)
     solid = Solid("mesh", (x, y, z), mesh=str(path))
     list(ends(solid))
@@ -77,7 +82,9 @@ def read_mesh_body(entry: TableEntry, folder: Path) -> Shape | None:
     rows = second @ first
     properties = uniform if mass is None else uniform.scaled(mass)
     turned = solid._replace(turn=roll_pitch_yaw(rows))
-    shape = body_shape("mesh", [turned], properties.moved(rows, np.zeros(3)))
+    look = Look(turned._replace(mesh=str(visual)), str(folder))
+    mesh_surfaces(look.solid.mesh, look.folder)
+    shape = body_shape("mesh", [turned], properties.moved(rows, np.zeros(3)), looks=[look])
     return shape if rests == RESTS[0] else _lying(shape, anyhow=rests == "any")
 
 

@@ -11,8 +11,8 @@ from dataclasses import replace
 from itertools import combinations, islice
 from typing import Any
 
+from prag_asp.scene.colours import WHITE, more_colours
 from prag_asp.scene.colours import apart as colour_distance
-from prag_asp.scene.colours import more_colours
 from prag_asp.scene.footprint import TOUCHING, Footprint, apart
 from prag_asp.scene.predicate_names import PREDICATE_ROLES
 from prag_asp.scene.read.camera_reader import read_cameras
@@ -238,6 +238,7 @@ def _colors(section: TableEntry, names: DomainNames, shapes: Mapping[str, Shape]
         own = next((own_colors[name] for name in (entity, *names.line(entity)) if name in own_colors), None)
         if own is None and shape.traits.hollow:
             own = FURNITURE_COLOR if shape.traits.furniture else CONTAINER_COLOR
+        own = WHITE if own is None and _is_painted(shape) else own
         colors[entity] = own or {"table": top, "robot": ROBOT_COLOR}.get(shape.kind)
     taken = (*dict.fromkeys(each for each in colors.values() if each is not None), *AROUND)
     count = list(colors.values()).count(None)
@@ -247,6 +248,15 @@ def _colors(section: TableEntry, names: DomainNames, shapes: Mapping[str, Shape]
         chosen += more_colours((*taken, *chosen), count - len(chosen))
     others = iter(chosen)
     return {entity: each or next(others) for entity, each in colors.items()}
+
+
+def _is_painted(shape: Shape) -> bool:
+    """Return whether a body has colours of its own."""
+    if shape.model is None or not shape.model.looks:
+        return False
+    from prag_asp.scene.read.looks.surfaces import is_painted  # noqa: PLC0415 - few domains have bodies with a model
+
+    return is_painted(shape)
 
 
 def _robots(section: TableEntry, shapes: Mapping[str, Shape], usual: str) -> dict[str, Mount]:

@@ -1,7 +1,8 @@
 """Read a URDF of one rigid body: its collision solids, mass, centre of mass and inertia.
 
-Several links are one body if all their joints are fixed. The solids are boxes, cylinders, balls and meshes; other
-elements are ignored. No simulator is loaded, so that the linter can measure a body. Lengths are metres.
+Several links are one body if all their joints are fixed. The solids are boxes, cylinders, balls and meshes; visual
+elements are what is seen, others are ignored. No simulator is loaded, so that the linter can measure a body. Lengths
+are metres.
 """
 
 from __future__ import annotations
@@ -24,9 +25,11 @@ from prag_asp.safe_reading import read_bytes
 from prag_asp.scene.mass import MassProperties, combined, point_mass
 from prag_asp.scene.read.asset_paths import find_asset, require_inside
 from prag_asp.scene.read.body import body_shape, ends, roll_pitch_yaw, solid_mass, too_thin
+from prag_asp.scene.read.looks.surface import hex_color
+from prag_asp.scene.read.looks.surfaces import look_surfaces
 from prag_asp.scene.read.scene_values import SMALLEST
 from prag_asp.scene.read.stability import rotation
-from prag_asp.scene.scene import Shape, Size, Solid
+from prag_asp.scene.scene import Look, Shape, Size, Solid
 from prag_asp.wording import plural
 
 Floats = NDArray[np.float64]
@@ -86,7 +89,35 @@ def read_urdf(path: Path, folder: Path) -> Shape:
         one = f"link {first.get('name', 'without a name')} has no"
         text = f"{one if len(frames) == 1 else 'none of its links has a'} {missing}"
         raise SceneError(f"{path}:{lines[first]}: {text}; add one")
-    return body_shape("urdf", solids, combined(masses))
+    return body_shape("urdf", solids, combined(masses), looks=_looks(root, frames, path, folder))
+
+
+def _looks(
+    root: ElementTree.Element, frames: Mapping[ElementTree.Element, Frame | None], path: Path, folder: Path
+) -> list[Look]:
+    """Return what is seen of the links; nothing if a part of it cannot be read, because half a body would deceive."""
+    named = {material.get("name", ""): material for material in root.iter("material") if len(material)}
+    looks = []
+    try:
+        for link, frame in frames.items():
+            for element in link.iter("visual"):
+                solid, material = _solid(element, path, folder), element.find("material")
+                paint = None if material is None else named.get(material.get("name", ""), material)
+                look = Look(solid if frame is None else _moved(solid, frame), str(folder), *_paint(paint, path, folder))
+                if solid.mesh:
+                    look_surfaces(look)
+                looks.append(look)
+    except SceneError:
+        return []
+    return looks
+
+
+def _paint(material: ElementTree.Element | None, path: Path, folder: Path) -> tuple[str, str]:
+    """Return the colour and the path of the texture of a material; each may be empty."""
+    color = None if material is None else material.find("color")
+    texture = None if material is None else material.find("texture")
+    rgba = "" if color is None else hex_color(*_numbers(" ".join(color.get("rgba", "").split()[:3]), 3, "a colour"))
+    return rgba, "" if texture is None else str(find_asset(texture.get("filename", ""), path, folder))
 
 
 def _frames(

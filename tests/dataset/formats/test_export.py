@@ -190,7 +190,7 @@ def test_a_task_without_an_action_has_no_words(tmp_path: Path) -> None:
     assert [*read.tasks.index] == [*read.subtasks.index] == [""] and {*read.frames(0)["subgoal_index"]} == {0}
     text = (export(data, "bddl", tmp_path / "bddl") / "train-000000.bddl").read_text()
     assert "(:language )" in text
-    with pytest.raises(QueryError, match="the film of task 0 of train has one picture; film at a higher --rate"):
+    with pytest.raises(QueryError, match="the video of task 0 of train has one image; record at a higher --rate"):
         slow = Staging(("front",), (16, 16), 1)
         few = generate(still, tmp_path / "slow", tasks=1, demonstrate=True, staging=slow)
         export(few, "robomimic", tmp_path / "out.hdf5")

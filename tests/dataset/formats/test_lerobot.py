@@ -18,7 +18,7 @@ from prag_asp.dataset.formats.feature_statistics import Aggregate, Colours, stat
 from prag_asp.dataset.formats.lerobot import LeRobot
 from prag_asp.dataset.formats.video import Video
 from prag_asp.dataset.scenes import scene_of
-from prag_asp.physics import Staging, film
+from prag_asp.physics import Staging, render_cameras
 from tests.dataset.formats.conftest import RATE, SIZE, of
 from tests.dataset.formats.published import Published
 
@@ -62,7 +62,7 @@ def assert_same(data: Dataset, folder: Path) -> None:
         assert episode["prag_asp/start"] == start and [*episode["prag_asp/plan"]] == [*map(str, entry.task.actions)]
         for camera in read.cameras:
             assert footage is not None
-            seen = footage.films[camera.rpartition(".")[2]].rgb
+            seen = footage.videos[camera.rpartition(".")[2]].rgb
             for frame, picture in enumerate(read.pictures(number - 1, camera)):
                 assert far(picture, seen[frame]) < 12
                 nearest = min(range(len(seen)), key=lambda each: far(picture, seen[each]))
@@ -121,7 +121,7 @@ def test_statistics_are_those_of_all_frames_and_of_each_episode(filmed: Dataset,
         assert np.allclose(told[name], np.min(each, 0) if share <= 0.5 else np.max(each, 0))
     first = read.episodes.iloc[0]
     assert np.allclose(first["stats/observation.state/q90"], np.quantile(parts[0], 0.9, axis=0))
-    seen = [shown.footage.films["wrist"].rgb / 255 for _, _, shown in filmed.demonstrations() if shown.footage]
+    seen = [shown.footage.videos["wrist"].rgb / 255 for _, _, shown in filmed.demonstrations() if shown.footage]
     colours = read.statistics["observation.images.wrist"]
     assert np.allclose(np.ravel(colours["mean"]), np.concatenate(seen).mean((0, 1, 2)))
     assert np.shape(colours["std"]) == (3, 1, 1) and colours["count"] == [sum(map(len, seen))]
@@ -159,10 +159,10 @@ def test_the_same_data_set_gives_the_same_bytes(filmed: Dataset, written: Path, 
 
 def test_an_episode_of_185_frames_is_small(filmed: Dataset, written: Path, tmp_path: Path) -> None:
     _, _, shown = next(filmed.demonstrations())
-    large = film(shown, scene_of(filmed.domain), Staging(("front", "wrist"), (128, 128), 10)).footage
+    large = render_cameras(shown, scene_of(filmed.domain), Staging(("front", "wrist"), (128, 128), 10)).footage
     assert large is not None
     total = 0
-    for camera, each in large.films.items():
+    for camera, each in large.videos.items():
         video = Video(tmp_path / f"{camera}.mp4", (128, 128), 10)
         for picture in each.rgb:
             video.add(picture)

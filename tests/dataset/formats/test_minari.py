@@ -48,7 +48,7 @@ def test_steps_texts_and_spaces_are_those_of_the_recordings(
         steps = len(frames) - 1
         assert episode.rewards.tolist() == [0.0] * (steps - 1) + [1.0]
         assert episode.terminations.tolist() == [False] * (steps - 1) + [True] and not episode.truncations.any()
-        for camera, pictures in footage.films.items():
+        for camera, pictures in footage.videos.items():
             assert seen[f"{camera}_rgb"].shape == (len(frames), *SIZE[::-1], 3)
             assert np.abs(seen[f"{camera}_rgb"].astype(int) - pictures.rgb).mean() < 4  # they are JPEG
             assert np.array_equal(seen[f"{camera}_depth"], pictures.depth)

@@ -46,7 +46,7 @@ def test_each_sample_is_that_of_the_recording(filmed: Dataset, written: Path) ->
                 "panda_eef_pos": footage.tools[:, 0, :3],
                 "panda_eef_quat": footage.tools[:, 0, 3:],
             }
-            for camera, seen in footage.films.items():
+            for camera, seen in footage.videos.items():
                 expected[f"{camera}_image"] = seen.rgb
                 expected[f"{camera}_depth"] = seen.depth.astype(np.float32)[..., None]
             for name, values in expected.items():
@@ -81,7 +81,7 @@ def test_objects_and_entities_of_pixels_have_the_same_places_in_all_episodes(fil
                                      ("panda_joint_pos", "panda_gripper_width", "object")], 1)  # fmt: skip
             assert np.array_equal(file[f"data/demo_{number}/states"], states)
             pixels = file[f"data/demo_{number}/obs/wrist_segmentation"][..., 0]
-            legend = np.array(shown.footage.legend)[shown.footage.films["wrist"].segmentation[:-1]]
+            legend = np.array(shown.footage.legend)[shown.footage.videos["wrist"].segmentation[:-1]]
             assert np.array_equal(np.array(kept["legend"])[pixels], legend)
 
 
@@ -92,7 +92,7 @@ def test_a_legend_in_another_order_means_the_same(filmed: Dataset) -> None:
     assert footage is not None
     turned = replace(footage, legend=(footage.legend[0], *footage.legend[:0:-1]))
     other = replace(episode, demonstration=replace(episode.demonstration, footage=turned))
-    names = np.array(turned.legend)[footage.films["front"].segmentation]
+    names = np.array(turned.legend)[footage.videos["front"].segmentation]
     assert np.array_equal(np.array(source.legend)[source.segmentation_of(other, "front")], names)
     assert not np.array_equal(source.segmentation_of(other, "front"), source.segmentation_of(episode, "front"))
 

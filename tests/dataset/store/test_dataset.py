@@ -193,16 +193,16 @@ def test_the_columns_are_the_same_for_every_domain_and_other_programs_read_them(
     query = f"select count(*) from {where} where list_contains(skeleton, 'place') and verdict.status = 'feasible'"
     with duckdb.connect() as connection:
         (row,) = connection.execute(query).fetchall()
-        refused = connection.execute(f"select count(*) from '{small.folder}/refused/*.parquet'").fetchall()
+        refused = connection.execute(f"select count(*) from '{small.folder}/rejected/*.parquet'").fetchall()
     assert row == (sum("place" in task.skeleton for task in small.tasks()),)
-    assert refused == [(sum(1 for _ in small.refused()),)]
+    assert refused == [(sum(1 for _ in small.rejected()),)]
 
 
 def test_datasets_loads_each_table_with_its_parts_by_the_card(small: Dataset, tmp_path: Path) -> None:
     code = (
         "import json, sys; from datasets import load_dataset; from datasets.utils.logging import disable_progress_bar\n"
         "disable_progress_bar()\n"
-        "loaded = {name: load_dataset(sys.argv[1], name) for name in ('tasks', 'witnesses', 'refused')}\n"
+        "loaded = {name: load_dataset(sys.argv[1], name) for name in ('tasks', 'witnesses', 'rejected')}\n"
         "told = {name: {part: rows.num_rows for part, rows in each.items()} for name, each in loaded.items()}\n"
         "print(json.dumps([told, loaded['tasks']['train'][0]['plan'], loaded['tasks']['test'][0]['initial']]))"
     )
@@ -214,7 +214,7 @@ def test_datasets_loads_each_table_with_its_parts_by_the_card(small: Dataset, tm
     manifest = small.manifest
     assert told == {
         table: {part.name: part.rows(table) for part in manifest.parts if part.rows(table)}
-        for table in ("tasks", "witnesses", "refused")
+        for table in ("tasks", "witnesses", "rejected")
     }
     assert plan == [str(action) for action in small.task(0).actions]
     assert {fact["fluent"]: fact["value"] for fact in initial} == {

@@ -80,7 +80,7 @@ def of_another_part(folder: Path) -> None:
 
 
 def refused_as_task(folder: Path) -> None:
-    row = rows_of(folder, "refused", "train")[0]
+    row = rows_of(folder, "rejected", "train")[0]
     forged(lambda rows: rows[0].update(verdict=row["verdict"]))(folder)
 
 

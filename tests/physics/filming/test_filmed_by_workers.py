@@ -21,7 +21,7 @@ def test_what_is_filmed_and_what_varies_does_not_depend_on_the_number_of_workers
         found.append([(tmp_path / f"{workers}_{i}.npz").read_bytes() for i in range(2)])
     assert found[0] == found[1]
     assert shown[0].variation != shown[1].variation
-    poses = [each.footage.films["front"].extrinsics[0] for each in shown]
+    poses = [each.footage.videos["front"].extrinsics[0] for each in shown]
     assert (poses[0] != poses[1]).any(), "the camera that films is the one that was drawn"
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from prag_asp.physics import Budget, check_demonstration, check_witness, demonstrate
-from prag_asp.physics.motion.transit import travel, with_transit
+from prag_asp.physics.motion.transit import plan_transit, with_transit
 from prag_asp.physics.robot.kinematics import inverse
 from prag_asp.physics.search.attempt import NO_PATH
 from prag_asp.physics.symbolic_facts import physical_task
@@ -33,7 +33,7 @@ def test_ways_are_added_and_nothing_else_of_a_witness_changes(tabletop_validator
     assert travelled.moments == bare.moments
     own = tuple(tuple(each for each in motion if each.name != TRANSIT) for motion in travelled.motions)
     assert own == bare.motions
-    assert travel(stacking(), bare, tabletop) == travelled == travel(stacking(), travelled, tabletop)
+    assert plan_transit(stacking(), bare, tabletop) == travelled == plan_transit(stacking(), travelled, tabletop)
     assert Witness.from_json(travelled.to_json()) == travelled
 
 

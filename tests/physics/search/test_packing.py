@@ -16,7 +16,7 @@ from prag_asp.physics.search.attempt import Search
 from prag_asp.physics.search.packing import Corner, pack
 from prag_asp.physics.situation import Situation, fixed_pose
 from prag_asp.physics.symbolic_facts import physical_task
-from prag_asp.physics.validator import PACKED
+from prag_asp.physics.witness_search import PACKED
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.scene_loader import parse_scene

@@ -92,3 +92,40 @@ def test_a_cube_is_in_a_cup_where_the_cavity_is_wide_enough(tmp_path, cup_size, 
     verdict = validate_task(inside, scene, seed=1)
     assert verdict.feasible == feasible
     assert not feasible or check_witness(inside, verdict.witness, scene) == []
+
+
+BASKET = [
+    (0, 0, 0.003, 0, 0.2, 0.14, 0.006),
+    *((side * 0.097, 0, 0.035, 0, 0.006, 0.14, 0.07) for side in (1, -1)),
+    *((0, side * 0.067, 0.035, 0, 0.2, 0.006, 0.07) for side in (1, -1)),
+    *((0, side * 0.067, 0.13, 0, 0.014, 0.006, 0.12) for side in (1, -1)),
+    (0, 0, 0.183, 0, 0.014, 0.14, 0.014),
+]
+
+
+def test_a_handle_over_a_basket_does_not_divide_its_cavity(tmp_path):
+    shape = read(tmp_path, BODY.format("".join(PART.format(*part) for part in BASKET)))
+    assert shape.model.cavity.sides == pytest.approx((0.188, 0.128, 0.064), abs=0.005)
+    long = task(state("inside(brick,basket)"), ("wait", {}))
+    brick = Shape("box", (0.12, 0.06, 0.04))
+    made = Scene({"panda": Shape("robot"), "table": Shape("table"), "basket": shape, "brick": brick})
+    verdict = validate_task(long, made, seed=1)
+    assert verdict.feasible and verdict.witness is not None
+    assert check_witness(long, verdict.witness, made) == []
+
+
+@pytest.mark.parametrize(("gap", "holds"), [(0.005, True), (0.02, False)])
+def test_a_floor_of_slats_holds_things_if_its_gaps_are_narrow(tmp_path, gap, holds):
+    pitch, wide = 0.02 + gap, 0.02
+    count = round(0.1 / pitch)
+    slats = [((i - (count - 1) / 2) * pitch, 0, 0.003, 0, wide, 0.112, 0.006) for i in range(count)]
+    length = count * pitch - gap
+    walls = [(side * (length / 2 - 0.003), 0, 0.03, 0, 0.006, 0.112, 0.06) for side in (1, -1)]
+    walls += [(0, side * 0.053, 0.03, 0, length, 0.006, 0.06) for side in (1, -1)]
+    shape = read(tmp_path, BODY.format("".join(PART.format(*part) for part in [*slats, *walls])))
+    assert (shape.model.cavity is not None) == holds
+
+
+def test_a_box_with_a_lid_is_no_container(tmp_path):
+    lid = (0, 0, 0.043, 0, 0.076, 0.076, 0.006)
+    assert read(tmp_path, cup().replace("</link>", PART.format(*lid) + "</link>")).model.cavity is None

@@ -1,4 +1,4 @@
-"""Film an episode: render its frames with cameras at a frame rate."""
+"""Render the frames of an episode with cameras at a frame rate."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration, pose_of
-from prag_asp.physics.demonstration.footage import DEPTH, RGB, Film, Footage, Picture, segmentation_type
+from prag_asp.physics.demonstration.footage import DEPTH, RGB, CameraImage, CameraVideo, Footage, segmentation_type
 from prag_asp.physics.demonstration.packed_arrays import Packed, Packer
 from prag_asp.physics.filming.episode_options import Staging
 from prag_asp.physics.filming.studio import open_studio
@@ -25,7 +25,7 @@ from prag_asp.scene.scene import Scene
 from prag_asp.scene.variation import USUAL_LIGHT
 
 
-def film(demonstration: Demonstration, scene: Scene, staging: Staging) -> Demonstration:
+def render_cameras(demonstration: Demonstration, scene: Scene, staging: Staging) -> Demonstration:
     """Return an episode with camera images; light, colours and cameras are those of its variation.
 
     Each image is compressed when it is taken: memory holds one uncompressed image of each camera.
@@ -35,11 +35,11 @@ def film(demonstration: Demonstration, scene: Scene, staging: Staging) -> Demons
         SceneError: the scene does not allow the size of an object, or a robot cannot be loaded.
     """
     frames = range(0, len(demonstration.times), FRAMES_A_SECOND // staging.rate)
-    footage = film_frames(demonstration, scene, staging.cameras_of(demonstration.sized_scene(scene)), frames)
+    footage = render_frames(demonstration, scene, staging.cameras_of(demonstration.sized_scene(scene)), frames)
     return replace(demonstration, footage=footage)
 
 
-def film_frames(
+def render_frames(
     demonstration: Demonstration, scene: Scene, cameras: Mapping[str, Camera], frames: Sequence[int]
 ) -> Footage:
     """Return the camera images of some frames of an episode.
@@ -51,14 +51,14 @@ def film_frames(
     light = USUAL_LIGHT if variation is None or variation.light is None else variation.light
     arms = [demonstration.arms(frame) for frame in frames]
     tools = [[tool_pose(robot_of(scene, name), arm.joints) for name, arm in row.items()] for row in arms]
-    deltas = [[_motion(*pair) for pair in zip(*pictures, strict=True)] for pictures in pairwise(tools)]
+    deltas = [[_motion(*pair) for pair in zip(*both, strict=True)] for both in pairwise(tools)]
     deltas.append([[0.0] * 6 for _ in tools[0]])  # no motion after the last image
     with open_studio(demonstration.sized_scene(scene), demonstration.objects, light) as studio:
-        reels = {name: _FilmRecorder(camera, len(frames), studio.legend) for name, camera in cameras.items()}
+        recorders = {name: _VideoRecorder(camera, len(frames), studio.legend) for name, camera in cameras.items()}
         for frame in frames:
             studio.show(moment_of(demonstration, frame))
-            for reel in reels.values():
-                reel.add(studio.take(reel.camera), studio.pose(reel.camera))
+            for each in recorders.values():
+                each.add(studio.take(each.camera), studio.pose(each.camera))
         legend = studio.legend
     return Footage(
         frames=np.array(frames, dtype=np.int32),
@@ -67,7 +67,7 @@ def film_frames(
         grippers=demonstration.widths[list(frames)],
         subgoals=np.array([subgoal_at(demonstration, frame) for frame in frames], dtype=np.int32),
         legend=legend,
-        films={name: reel.film() for name, reel in reels.items()},
+        videos={name: each.video() for name, each in recorders.items()},
     )
 
 
@@ -83,7 +83,7 @@ def moment_of(demonstration: Demonstration, frame: int) -> Moment:
     return Moment(poses, demonstration.arms(frame), demonstration.openings_at(frame))
 
 
-class _FilmRecorder:
+class _VideoRecorder:
     """Collects the images of one camera."""
 
     def __init__(self, camera: Camera, count: int, legend: Sequence[str]):
@@ -97,18 +97,18 @@ class _FilmRecorder:
         )
         self._poses: list[NDArray[np.float64]] = []
 
-    def add(self, picture: Picture, pose: NDArray[np.float64]) -> None:
+    def add(self, image: CameraImage, pose: NDArray[np.float64]) -> None:
         """Add an image, and the pose of the camera."""
-        for packer, name in zip(self._packers, Picture._fields, strict=True):
-            packer.add(getattr(picture, name))
+        for packer, name in zip(self._packers, CameraImage._fields, strict=True):
+            packer.add(getattr(image, name))
         self._poses.append(pose)
 
-    def film(self) -> Film:
-        """Return the film, once all images have been added."""
+    def video(self) -> CameraVideo:
+        """Return the video, once all images have been added."""
         rgb, depth, segmentation = (packer.finish() for packer in self._packers)
         packed: tuple[Packed, Packed, Packed] = (rgb, depth, segmentation)
         camera = self.camera
-        return Film(
+        return CameraVideo(
             camera.intrinsics.astype(np.float32),
             np.array(self._poses, dtype=np.float32),
             np.array([camera.near, camera.far], dtype=np.float32),

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from prag_asp.physics import Demonstration, Staging, Variation, check_footage, film
+from prag_asp.physics import Demonstration, Staging, Variation, check_footage, render_cameras
 from prag_asp.physics.demonstration.packed_arrays import Packer
 from prag_asp.scene.scene import Mount
 
@@ -17,7 +17,7 @@ EPISODES = Path(__file__).parents[1] / "episodes"
 def filmed(tabletop):
     shown = Demonstration.load(EPISODES / "one_robot.npz")
     drawn = Variation(light=(0.0, 0.0, 1.0), colours={"cube_1": "#112233"})
-    return film(replace(shown, variation=drawn), tabletop, Staging(("front", "wrist"), (48, 32), rate=2))
+    return render_cameras(replace(shown, variation=drawn), tabletop, Staging(("front", "wrist"), (48, 32), rate=2))
 
 
 def changed(filmed, **fields):
@@ -25,8 +25,8 @@ def changed(filmed, **fields):
 
 
 def with_film(filmed, camera, **fields):
-    films = {**filmed.footage.films, camera: replace(filmed.footage.films[camera], **fields)}
-    return changed(filmed, films=films)
+    videos = {**filmed.footage.videos, camera: replace(filmed.footage.videos[camera], **fields)}
+    return changed(filmed, videos=videos)
 
 
 def repacked(array):
@@ -58,9 +58,9 @@ def test_a_legend_or_a_camera_that_is_another_is_reported(filmed, tabletop):
     assert check_footage(changed(filmed, legend=(*legend[:-2], legend[-1], legend[-2])), tabletop) == [
         "legend is not what the episode says"
     ]
-    films = {"side": filmed.footage.films["front"]}
-    assert check_footage(changed(filmed, films=films), tabletop) == ["the scene has no camera side"]
-    shot = filmed.footage.films["front"]
+    videos = {"side": filmed.footage.videos["front"]}
+    assert check_footage(changed(filmed, videos=videos), tabletop) == ["the scene has no camera side"]
+    shot = filmed.footage.videos["front"]
     assert check_footage(with_film(filmed, "front", intrinsics=shot.intrinsics + 1), tabletop) == [
         "front/intrinsics is not that of the camera"
     ]
@@ -68,7 +68,7 @@ def test_a_legend_or_a_camera_that_is_another_is_reported(filmed, tabletop):
 
 @pytest.mark.parametrize(("position", "what"), [(0, "colours"), (1, "depth"), (2, "entities")])
 def test_a_picture_that_was_changed_is_reported_with_its_camera_and_its_number(filmed, tabletop, position, what):
-    packed = list(filmed.footage.films["wrist"].packed)
+    packed = list(filmed.footage.videos["wrist"].packed)
     array = packed[position].array()
     array[2] = np.where(array[2] > 1, 0, array[2] + 2)
     packed[position] = repacked(array)
@@ -77,7 +77,7 @@ def test_a_picture_that_was_changed_is_reported_with_its_camera_and_its_number(f
 
 
 def test_a_film_that_was_cut_off_is_reported(filmed, tabletop):
-    packed = filmed.footage.films["front"].packed
+    packed = filmed.footage.videos["front"].packed
     cut = (replace(packed[0], stream=packed[0].stream[:-20]), *packed[1:])
     (message,) = check_footage(with_film(filmed, "front", packed=cut), tabletop)
     assert message == "front: the pictures of an episode were cut off or changed; record it anew"

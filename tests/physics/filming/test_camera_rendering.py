@@ -11,8 +11,8 @@ from prag_asp import load_domain, load_scene
 from prag_asp.errors import QueryError, SceneError
 from prag_asp.physics import Demonstration
 from prag_asp.physics.filming import studio
+from prag_asp.physics.filming.camera_rendering import moment_of, render_cameras, subgoal_at
 from prag_asp.physics.filming.episode_options import Staging
-from prag_asp.physics.filming.film import film, moment_of, subgoal_at
 from prag_asp.scene.cameras import Camera
 from prag_asp.scene.geometry import Pose, compose
 from prag_asp.scene.variation import USUAL_LIGHT
@@ -29,25 +29,25 @@ def recorded():
 @pytest.fixture(scope="module")
 def filmed(recorded, tabletop):
     """An episode with a camera in front and one at the wrist, four pictures of 64 x 48 pixels each."""
-    return film(recorded, tabletop, Staging(("front", "wrist"), (64, 48), rate=2))
+    return render_cameras(recorded, tabletop, Staging(("front", "wrist"), (64, 48), rate=2))
 
 
 def test_a_film_has_a_picture_for_every_so_many_frames(filmed):
     footage = filmed.footage
     assert footage.frames.tolist() == [0, 10, 20, 30]
     assert footage.legend == ("nothing", "table_1", "panda", *OBJECTS)
-    assert list(footage.films) == ["front", "wrist"]
-    for shot in footage.films.values():
+    assert list(footage.videos) == ["front", "wrist"]
+    for shot in footage.videos.values():
         assert shot.rgb.shape == (4, 48, 64, 3) and shot.rgb.dtype == np.uint8
         assert shot.depth.shape == (4, 48, 64) and shot.segmentation.shape == (4, 48, 64)
         assert shot.segmentation.max() < len(footage.legend)
         assert ((shot.depth > 0) == (shot.segmentation > 0)).all()
-    seen = set(np.unique(footage.films["front"].segmentation).tolist())
+    seen = set(np.unique(footage.videos["front"].segmentation).tolist())
     assert {0, 1, 2} < seen and len(seen) > 6, "nothing, the table, the robot and most objects"
 
 
 def test_a_film_that_is_taken_again_is_the_same_and_survives_its_file(filmed, recorded, tabletop, tmp_path):
-    again = film(recorded, tabletop, Staging(("front", "wrist"), (64, 48), rate=2))
+    again = render_cameras(recorded, tabletop, Staging(("front", "wrist"), (64, 48), rate=2))
     assert again == filmed
     filmed.save(tmp_path / "a.npz")
     again.save(tmp_path / "b.npz")
@@ -55,7 +55,7 @@ def test_a_film_that_is_taken_again_is_the_same_and_survives_its_file(filmed, re
     assert Demonstration.load(tmp_path / "a.npz") == filmed
     assert filmed != recorded and replace(filmed, footage=None) == recorded
     with np.load(tmp_path / "a.npz") as arrays:
-        assert (arrays["front/rgb"] == filmed.footage.films["front"].rgb).all()
+        assert (arrays["front/rgb"] == filmed.footage.videos["front"].rgb).all()
         assert arrays["cameras"].tolist() == ["front", "wrist"]
 
 
@@ -92,7 +92,7 @@ def test_an_episode_without_cameras_keeps_its_bytes(recorded, filmed, tmp_path):
 
 def test_the_middle_of_an_object_is_where_intrinsics_and_extrinsics_say(filmed):
     footage = filmed.footage
-    shot, checked = footage.films["front"], 0
+    shot, checked = footage.videos["front"], 0
     for n, frame in enumerate(footage.frames):
         for entity, pose in zip(filmed.objects, filmed.poses[frame], strict=True):
             x, y, z = (np.linalg.inv(shot.extrinsics[n]) @ (*pose[:3], 1.0))[:3]
@@ -108,10 +108,10 @@ def test_the_middle_of_an_object_is_where_intrinsics_and_extrinsics_say(filmed):
 
 def test_the_camera_at_the_wrist_moves_with_the_tool(filmed, tabletop):
     camera, footage = tabletop.cameras["wrist"], filmed.footage
-    for tool, extrinsics in zip(footage.tools[:, 0], footage.films["wrist"].extrinsics, strict=True):
+    for tool, extrinsics in zip(footage.tools[:, 0], footage.videos["wrist"].extrinsics, strict=True):
         pose = compose(Pose(tuple(tool[:3]), tuple(tool[3:])), Pose(camera.at))
         assert extrinsics[:3, 3] == pytest.approx(pose.position, abs=1e-5)
-    assert np.ptp(footage.films["front"].extrinsics, axis=0).max() == 0
+    assert np.ptp(footage.videos["front"].extrinsics, axis=0).max() == 0
 
 
 def test_what_the_hand_does_from_picture_to_picture_adds_up(filmed):
@@ -131,10 +131,10 @@ def test_each_picture_says_for_which_subgoal_is_worked(recorded):
 def test_two_robots_have_a_camera_each_and_zones_are_in_the_legend():
     shown = Demonstration.load(EPISODES / "two_robots.npz")
     scene = load_scene(load_domain("two_arms"))
-    footage = film(shown, scene, Staging(("left_wrist", "right_wrist"), (32, 32), rate=2)).footage
+    footage = render_cameras(shown, scene, Staging(("left_wrist", "right_wrist"), (32, 32), rate=2)).footage
     assert footage.tools.shape == (2, 2, 7)
     assert footage.legend[:4] == ("nothing", "table", "left", "right") and "middle" in footage.legend
-    poses = [shot.extrinsics[0, :3, 3] for shot in footage.films.values()]
+    poses = [shot.extrinsics[0, :3, 3] for shot in footage.videos.values()]
     assert np.linalg.norm(poses[0] - poses[1]) > 0.3
 
 
@@ -143,8 +143,8 @@ def test_two_robots_have_a_camera_each_and_zones_are_in_the_legend():
     [
         ({"vary": ("color",)}, r"color cannot vary; did you mean colour\?"),
         ({"cameras": ("front", "front")}, "the camera front is named 2 times; name it once"),
-        ({"cameras": ("front",), "rate": 3}, "film at 1, 2, 4, 5, 10, 20; got 3"),
-        ({"cameras": ("front",), "rate": 0}, "film at 1, 2, 4, 5, 10, 20; got 0"),
+        ({"cameras": ("front",), "rate": 3}, "record at 1, 2, 4, 5, 10, 20; got 3"),
+        ({"cameras": ("front",), "rate": 0}, "record at 1, 2, 4, 5, 10, 20; got 0"),
         ({"cameras": ("front",), "size": (8, 128)}, "has 16 to 2048 pixels a side; got 8x128"),
     ],
 )
@@ -155,9 +155,9 @@ def test_options_that_are_impossible_are_refused(options, message):
 
 def test_an_episode_of_another_scene_is_reported(recorded, prag):
     with pytest.raises(SceneError, match="bin_1 is to be filmed; give its class the shape of an object"):
-        film(recorded, prag, Staging(("front",), (16, 16), rate=1))
+        render_cameras(recorded, prag, Staging(("front",), (16, 16), rate=1))
     with pytest.raises(SceneError, match="there is no robot panda"):
-        film(recorded, load_scene(load_domain("two_arms")), Staging(("front",), (16, 16), rate=1))
+        render_cameras(recorded, load_scene(load_domain("two_arms")), Staging(("front",), (16, 16), rate=1))
 
 
 def test_every_camera_has_its_own_size_unless_another_is_requested(tabletop):
@@ -189,7 +189,7 @@ BROKEN = {
     "front/segmentation is not an array": lambda found: found.update(
         {"front/segmentation": found["front/segmentation"][:-1]}
     ),
-    "front/intrinsics tells of pictures of": lambda found: found.update(
+    "front/intrinsics is for images of": lambda found: found.update(
         {"front/intrinsics": found["front/intrinsics"] * 1e6}
     ),
     "front/extrinsics has to hold finite numbers": lambda found: found.update(
@@ -218,9 +218,9 @@ def test_a_film_of_another_form_is_reported_in_a_line(filmed, tmp_path, message)
 def test_a_film_that_numpy_wrote_again_is_read_as_before(filmed, tmp_path):
     filmed.save(tmp_path / "a.npz")
     again = Demonstration.load(rewritten(tmp_path / "a.npz", tmp_path / "b.npz", lambda found: None))
-    for name, shot in filmed.footage.films.items():
-        assert (again.footage.films[name].rgb == shot.rgb).all()
-        assert (again.footage.films[name].depth == shot.depth).all()
+    for name, shot in filmed.footage.videos.items():
+        assert (again.footage.videos[name].rgb == shot.rgb).all()
+        assert (again.footage.videos[name].depth == shot.depth).all()
 
 
 def test_a_file_that_was_cut_off_or_changed_anywhere_is_reported_when_it_is_read(filmed, tmp_path, chance):
@@ -236,8 +236,8 @@ def test_a_file_that_was_cut_off_or_changed_anywhere_is_reported_when_it_is_read
         (tmp_path / "b.npz").write_bytes(broken)
         try:
             found = Demonstration.load(tmp_path / "b.npz")
-            for shot in found.footage.films.values() if found.footage else ():
-                for _ in shot.pictures():
+            for shot in found.footage.videos.values() if found.footage else ():
+                for _ in shot.images():
                     pass
         except QueryError:
             continue

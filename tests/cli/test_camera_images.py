@@ -27,8 +27,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_recording_has_the_films_that_were_asked_for_and_what_was_drawn(folder):
     shown = Demonstration.load(folder / "shown" / "000001.npz")
     assert shown.footage is not None and shown.variation is not None
-    assert list(shown.footage.films) == ["front", "wrist"]
-    assert shown.footage.films["wrist"].rgb.shape[1:] == (24, 32, 3)
+    assert list(shown.footage.videos) == ["front", "wrist"]
+    assert shown.footage.videos["wrist"].rgb.shape[1:] == (24, 32, 3)
     assert (shown.footage.frames == range(0, len(shown.times), 5)).all()
     assert shown.variation.friction and shown.variation.mass and shown.variation.colours
     assert not shown.variation.cameras and shown.variation.light is None
@@ -57,7 +57,7 @@ def test_tasks_of_a_file_are_filmed_too_by_their_witnesses(folder):
     how = ("--cameras", "front", "--size", "16x16", "--rate", "1", "--vary", "mass", "--demonstrate", "again")
     ok("validate", "shown.jsonl", "--witness-only", *how, cwd=folder)
     again = Demonstration.load(folder / "again" / "000001.npz")
-    assert list(again.footage.films) == ["front"] and again.variation.mass and not again.variation.friction
+    assert list(again.footage.videos) == ["front"] and again.variation.mass and not again.variation.friction
 
 
 def test_an_unknown_camera_is_told_before_tasks_of_a_file_are_filmed(folder):
@@ -70,7 +70,7 @@ def test_an_unknown_camera_is_told_before_tasks_of_a_file_are_filmed(folder):
 
 def test_in_python_cameras_without_demonstrations_are_refused_at_once():
     space = TaskSpace(load_domain("tabletop"), 1)
-    with pytest.raises(QueryError, match="cameras film demonstrations; ask for them by `demonstrate`"):
+    with pytest.raises(QueryError, match="cameras record demonstrations; ask for them by `demonstrate`"):
         feasible(space, staging=Staging(("front",)))
     with pytest.raises(QueryError, match="mass varies in demonstrations"):
         next(recheck([], staging=Staging(vary=("mass",))))
@@ -87,7 +87,7 @@ def test_in_python_cameras_without_demonstrations_are_refused_at_once():
         (("--cameras", "front", "--size", "64", "--demonstrate", "new"), "--size 64: write WIDTHxHEIGHT in pixels"),
         (("--cameras", "front", "--size", f"{'9' * 30}x1", "--demonstrate", "new"), "write WIDTHxHEIGHT in pixels"),
         (("--cameras", "front", "--size", "4x4", "--demonstrate", "new"), "16 to 2048 pixels a side; got 4x4"),
-        (("--cameras", "front", "--rate", "7", "--demonstrate", "new"), "film at 1, 2, 4, 5, 10, 20; got 7"),
+        (("--cameras", "front", "--rate", "7", "--demonstrate", "new"), "record at 1, 2, 4, 5, 10, 20; got 7"),
         (("--cameras", "front,,wrist", "--demonstrate", "new"), "--cameras front,,wrist: write names with commas"),
         (("--cameras", "", "--demonstrate", "new"), "write names with commas"),
         (("--vary", "colr", "--demonstrate", "new"), "colr cannot vary; did you mean colour?"),

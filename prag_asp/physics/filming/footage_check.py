@@ -1,4 +1,4 @@
-"""Check films by rendering the episode again."""
+"""Check footage by rendering the episode again."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 
 from prag_asp.errors import QueryError
 from prag_asp.physics.demonstration.demonstration import Demonstration
-from prag_asp.physics.demonstration.footage import OF_CAMERA, Film
-from prag_asp.physics.filming.film import film_frames
+from prag_asp.physics.demonstration.footage import OF_CAMERA, CameraVideo
+from prag_asp.physics.filming.camera_rendering import render_frames
 from prag_asp.scene.scene import Scene
 
 NUMBERS = 1e-4
@@ -23,7 +23,7 @@ because machines round differently."""
 
 
 def check_footage(demonstration: Demonstration, scene: Scene) -> list[str]:
-    """Return what in the films of an episode differs from what the cameras of the scene see; nothing if all is right.
+    """Return what in the footage of an episode differs from what the cameras of the scene see; nothing if all is right.
 
     Raises:
         SceneError: the scene does not allow the size of an object, or a robot cannot be loaded.
@@ -34,13 +34,13 @@ def check_footage(demonstration: Demonstration, scene: Scene) -> list[str]:
     if demonstration.robots != tuple(scene.robots):
         return [f"it shows the robots {', '.join(demonstration.robots)}; the scene has {', '.join(scene.robots)}"]
     scene_cameras = demonstration.sized_scene(scene).cameras
-    unknown = [f"the scene has no camera {name}" for name in footage.films if name not in scene_cameras]
+    unknown = [f"the scene has no camera {name}" for name in footage.videos if name not in scene_cameras]
     cameras = {
         name: scene_cameras[name]._replace(size=each.size)
-        for name, each in footage.films.items()
+        for name, each in footage.videos.items()
         if name in scene_cameras
     }
-    again = film_frames(demonstration, scene, cameras, footage.frames.tolist())
+    again = render_frames(demonstration, scene, cameras, footage.frames.tolist())
     differing = [
         name
         for name in ROUNDED
@@ -48,16 +48,20 @@ def check_footage(demonstration: Demonstration, scene: Scene) -> list[str]:
     ]
     differing += [name for name in EXACT if not np.array_equal(getattr(footage, name), getattr(again, name))]
     faults = [f"{name} is not what the episode says" for name in differing]
-    return [*unknown, *faults, *(f for name in cameras for f in _faults(name, footage.films[name], again.films[name]))]
+    return [
+        *unknown,
+        *faults,
+        *(f for name in cameras for f in _faults(name, footage.videos[name], again.videos[name])),
+    ]
 
 
-def _faults(camera: str, one: Film, two: Film) -> Iterator[str]:
-    """Yield the differences of a film: in its numbers, and in its first wrong image."""
+def _faults(camera: str, one: CameraVideo, two: CameraVideo) -> Iterator[str]:
+    """Yield the differences of a video: in its numbers, and in its first wrong image."""
     for name in OF_CAMERA:
         if not np.allclose(getattr(one, name), getattr(two, name), rtol=0.0, atol=NUMBERS):
             yield f"{camera}/{name} is not that of the camera"
     try:
-        for number, (seen, expected) in enumerate(zip(one.pictures(), two.pictures(), strict=True)):
+        for number, (seen, expected) in enumerate(zip(one.images(), two.images(), strict=True)):
             wrong = {
                 "colours": np.abs(seen.rgb.astype(int) - expected.rgb).max(axis=-1) > COLOUR,
                 "depth": ~(np.abs(seen.depth.astype(float) - expected.depth) <= DEPTH),

@@ -1,0 +1,55 @@
+"""The goal half of an environment: rewards and ends of steps from goal vectors alone, also in batches."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.rl.environment_options import steps_left_of
+from prag_asp.rl.goals import PLACES
+from prag_asp.rl.rewards import Flags, Floats, reached, step_rewards
+
+Observation = dict[str, Any]
+"""An observation: arrays by their names."""
+
+
+class GoalEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
+    """An environment whose rewards and ends follow from goal vectors, as hindsight replay needs.
+
+    A goal has the shape (2 * `PLACES`,): the vector of the moment, then that one step before. `discount` is that of the
+    potentials, `share` the weight of the dense reward.
+    """
+
+    discount: float
+    share: float
+
+    def compute_reward(self, achieved_goal: Floats, desired_goal: Floats, info: Any) -> Any:
+        """Return the rewards of steps that lead to `achieved_goal`, shape (..., 2 * `PLACES`); `info` is ignored."""
+        reward, _ = self.rewards(np.asarray(achieved_goal), np.asarray(desired_goal))
+        return float(reward) if reward.ndim == 0 else reward
+
+    def compute_terminated(self, achieved_goal: Floats, desired_goal: Floats, info: Any) -> Any:
+        """Return whether steps that lead to `achieved_goal` reach their goals; `info` is not used."""
+        is_reached = _reached(achieved_goal, desired_goal)
+        return bool(is_reached) if is_reached.ndim == 0 else is_reached
+
+    def compute_truncated(self, achieved_goal: Floats, desired_goal: Floats, info: Any) -> Any:
+        """Return whether steps end an episode short of their goals: no `steps_left` in `info`, and no goal reached.
+
+        `info` is that of a step, or has one for each step of a batch; nothing is truncated where it lacks `steps_left`.
+        """
+        is_truncated = ~_reached(achieved_goal, desired_goal) & (steps_left_of(info) <= 0.0)
+        return bool(is_truncated) if is_truncated.ndim == 0 else is_truncated
+
+    def rewards(self, achieved: Floats, desired: Floats) -> tuple[Floats, Flags]:
+        """Return the rewards of steps, and whether they reach their goals."""
+        now, before, goal = achieved[..., :PLACES], achieved[..., PLACES:], desired[..., :PLACES]
+        return step_rewards(before, now, goal, discount=self.discount, share=self.share)
+
+
+def _reached(achieved: Floats, desired: Floats) -> Flags:
+    """Return whether steps reach their goals."""
+    return reached(np.asarray(achieved)[..., :PLACES], np.asarray(desired)[..., :PLACES])

@@ -1,0 +1,1 @@
+"""How bodies from files look: their visible surfaces with materials and textures."""

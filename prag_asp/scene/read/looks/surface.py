@@ -1,0 +1,31 @@
+"""A visible surface: triangles of one material."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+class Surface(NamedTuple):
+    """Triangles of one material; without a colour and a texture they have the colour of their entity.
+
+    `corners` and `normals` have the shape (n, 3, 3), the `places` of the corners in the texture (n, 3, 2), from the
+    lower left at 0 to the upper right at 1; None if the file has none. `color` is ``#rrggbb``, `texture` the content of
+    an image file, and `suffix` that of its name.
+    """
+
+    corners: Floats
+    normals: Floats | None = None
+    places: Floats | None = None
+    color: str = ""
+    texture: bytes = b""
+    suffix: str = ".png"
+
+
+def hex_color(red: float, green: float, blue: float) -> str:
+    """Return a colour like ``#e4572e`` of its parts from 0 to 1."""
+    return "#" + "".join(f"{round(255 * min(1.0, max(0.0, part))):02x}" for part in (red, green, blue))
