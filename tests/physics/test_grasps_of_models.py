@@ -161,7 +161,7 @@ def test_a_heavy_body_with_a_handle_at_its_end_turns_between_the_pads() -> None:
 def test_fingers_hold_a_paper_bowl_with_little_force_and_do_not_press_into_it() -> None:
     bowl = model((0.12, 0.12, 0.05), 0.004, *walls(0.12, 0.0035, 0.05))
     made = scene(bowl)
-    assert finger_force(made, "thing_1", "panda") == pytest.approx(25 * 9.81 * 0.004)
+    assert finger_force(made, "thing_1", "panda") == pytest.approx(50 * 9.81 * 0.004)
     assert finger_force(scene(HELD[BASIN]), "thing_1", "panda") == finger_force(made, None, "panda") == PANDA.grip_force
     verdict = validate_task(MOVED, made, seed=1, budget=Budget(2, 8, Tier.DEMONSTRATION))
     assert verdict.demonstration is not None, verdict.nearest

@@ -21,11 +21,11 @@ FINGER_FRICTION = 1.4
 GRAVITY = 9.81
 """In m/s²."""
 
-LIGHTLY = 25.0
+LIGHTLY = 50.0
 """The largest force of a finger on a body with a model, as a multiple of its weight.
 
 PyBullet's solver does not keep fingers out of a body that is squeezed with much more: a paper cup of 8 g gives way to
-12 N by all of its wall.
+12 N by all of its wall, and to 4 N not at all. Friction bears the torque of a lever of some 15 cm then.
 """
 
 SLIPS = 1.05
@@ -58,7 +58,7 @@ def pad_friction(scene: Scene, entity: str) -> float:
 def finger_force(scene: Scene, entity: str | None, robot: str) -> float:
     """Return what each finger presses with around what a robot holds, in newtons: its grip force.
 
-    A light body with a model gets less, `LIGHTLY` times its weight: friction still bears some 50 times that.
+    A light body with a model gets less, `LIGHTLY` times its weight: friction still bears a hundred times that.
     """
     most = robot_of(scene, robot).grip_force
     if entity is None or scene.shapes[entity].model is None:
