@@ -119,7 +119,8 @@ def _of_mesh(path: Path) -> ForeignModel:
     hull = trimesh.load(path, force="mesh").convex_hull
     mass = DENSITY * float(hull.volume)
     parts = (np.asarray(hull.vertices, dtype=float),)
-    return ForeignModel(path.stem, parts, mass, None, MESH.format(mass), text=_as_obj(parts))
+    name = f"robosuite_{path.stem}"
+    return ForeignModel(name, parts, mass, None, MESH.format(mass), text=_as_obj(parts))
 
 
 def _of_urdf(root: Path, path: Path) -> ForeignModel:
