@@ -32,15 +32,15 @@ def opened(shape: Shape) -> AnswerSets:
 
 def count_with(tool: str, shape: Shape) -> tuple[int, float]:
     """Return the count of one tool and its processor seconds, from the text or, for counters, from the clauses."""
-    opened(Shape("{a;b}. a :- b. b :- a."))._compile()  # load lazy imports
+    opened(Shape("{a;b}. a :- b. b :- a."))._compiled.compile(lambda: None)  # load lazy imports
     if tool == OURS:
         return timed(lambda: opened(shape).count())
     if tool == "clingo":
         return timed(lambda: enumerate_models(shape))
     found = opened(shape)
-    if found._no_clauses:
-        raise SystemExit(found._no_clauses)
-    cnf = found._counting_formula.cnf
+    if found._compiled.no_clauses:
+        raise SystemExit(found._compiled.no_clauses)
+    cnf = found._compiled.counting_formula.cnf
     if tool == "pyganak":
         import pyganak  # noqa: PLC0415
 

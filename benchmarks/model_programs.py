@@ -78,6 +78,47 @@ FREE = "{ a(1..n) }. :- a(X), a(X+1), a(X+2)."
 EVEN_LOOPS = "a(X) :- not b(X), X = 1..n. b(X) :- not a(X), X = 1..n. :- a(X), a(X+1)."
 
 
+KNAPSACK = "w(1..n). { in(I) } :- w(I). :- #sum { I*I\\17+1,I : in(I) } > s. :- #sum { I*I\\17+1,I : in(I) } < s-4."
+"""Sets of items whose weights sum to about `s`: aggregates with two bounds."""
+SUDOKU = (
+    "{ x(I,J,1..n*n) } = 1 :- I = 1..n*n, J = 1..n*n. :- x(I,J,K), x(I,L,K), J < L. :- x(I,J,K), x(L,J,K), I < L. "
+    ":- x(I,J,K), x(L,M,K), (I-1)/n = (L-1)/n, (J-1)/n = (M-1)/n, (I,J) < (L,M). "
+)
+GIVEN = "53  7    6  195    98    6 8   6   34  8 3  17   2   6 6    28    419  5    8  79"
+CLUES = "".join(
+    f":- not x({place // 9 + 1},{place % 9 + 1},{value}). " for place, value in enumerate(GIVEN) if value != " "
+)
+"""The clues of a Sudoku with one solution."""
+DOMINOES = (
+    "c(1..n,1..m). h(X,Y) :- c(X,Y), c(X+1,Y). v(X,Y) :- c(X,Y), c(X,Y+1). { right(X,Y) : h(X,Y); up(X,Y) : v(X,Y) }. "
+    "covered(X,Y) :- c(X,Y), 1 { right(X,Y); right(X-1,Y); up(X,Y); up(X,Y-1) } 1. :- c(X,Y), not covered(X,Y)."
+)
+MAGIC = (
+    "{ x(I,J,1..9) } = 1 :- I = 1..3, J = 1..3. :- x(I,J,K), x(L,M,K), (I,J) < (L,M). "
+    ":- I = 1..3, #sum { K,J : x(I,J,K) } != 15. :- J = 1..3, #sum { K,I : x(I,J,K) } != 15. "
+    ":- #sum { K,I : x(I,I,K) } != 15. :- #sum { K,I : x(I,4-I,K) } != 15."
+)
+LADDER = "v(1..n,1..2). e((X,Y),(X+1,Y)) :- v(X,Y), v(X+1,Y). e((X,1),(X,2)) :- v(X,1). " + (
+    "{ c(A,1..k) } = 1 :- v(X,Y), A = (X,Y). :- e(A,B), c(A,C), c(B,C)."
+)
+TERNARY = "{ d(I,0..2) } = 1 :- I = 1..n. :- S = #sum { V,I : d(I,V) }, S \\ 3 != 0."
+HIDDEN = "{ h(1..n) }. { p(1..m) }. q(I) :- p(I), h(J), J > I. r(I) :- q(I), not p(I+1). #show r/1."
+MATCHING = "{ m(I,J) : J = I+1..2*n } :- I = 1..2*n. :- I = 1..2*n, { m(I,J); m(J,I) } != 1."
+MINIMAL_COVER = "e(X,X\\n+1) :- X = 1..n. in(X) ; in(Y) :- e(X,Y)."
+FLOW = "{ f(I,0..3) } = 1 :- I = 1..n. t(0,0). t(I,S+V) :- t(I-1,S), f(I,V), S+V <= s. :- not t(n,s)."
+TOURNAMENT = "{ b(I,J) ; b(J,I) } = 1 :- I = 1..n, J = I+1..n. :- b(I,J), b(J,K), b(K,I)."
+UNFOUNDED = "a(I) :- a(I\\n+1), I = 1..n. { b(1..m) }. :- not a(1)."
+ROBOT = (
+    "at(1,0). { go(D,T) : D = -1..1 } = 1 :- T = 1..n. at(X+D,T) :- at(X,T-1), go(D,T). :- at(X,T), X < 1. "
+    ":- at(X,T), X > w. seen(X) :- at(X,T). :- X = 1..w, not seen(X)."
+)
+TRANSITIVE = "{ r(X,Y) } :- X = 1..n, Y = 1..n. :- r(X,Y), r(Y,Z), not r(X,Z). :- X = 1..n, not r(X,X)."
+STABLE = (
+    "a(I) :- not b(I), I = 1..n. b(I) :- not c(I), I = 1..n. c(I) :- not d(I), I = 1..n. d(I) :- not a(I), I = 1..n."
+)
+NOTHING_LEFT = "{ a(1..n) }. :- { a(1..n) } n/2. :- { a(1..n) } > n/2."
+
+
 def clauses(variables: int, number: int) -> str:
     """Return random clauses of three literals, by a generator of Lehmer (1951) so that they never change."""
     state, rules = 2 * variables + number, []
@@ -128,6 +169,24 @@ PROGRAMS: dict[str, Shape] = dict(
             sized("head cycles", HEAD_CYCLES, {"n": 6}),
             sized("free", FREE, {"n": 15}, {"n": 900}),
             sized("even loops", EVEN_LOOPS, {"n": 20}, {"n": 300}),
+            sized("knapsacks", KNAPSACK, {"n": 16, "s": 60}, {"n": 22, "s": 80}),
+            {"sudoku 9 x 9": Shape(SUDOKU + CLUES, {"n": 3})},
+            sized("sudokus", SUDOKU, {"n": 2}),
+            sized("dominoes", DOMINOES, {"n": 4, "m": 5}, {"n": 8, "m": 8}),
+            {"magic squares": Shape(MAGIC)},
+            sized("colourings of a ladder", LADDER, {"n": 150, "k": 4}),
+            sized("sums modulo 3", TERNARY, {"n": 8}),
+            sized("hidden", HIDDEN, {"n": 12, "m": 12}, project=True),
+            sized("matchings", MATCHING, {"n": 4}, {"n": 8}),
+            sized("minimal covers of a circle", MINIMAL_COVER, {"n": 60}),
+            sized("flows", FLOW, {"n": 12, "s": 18}),
+            sized("orders", TOURNAMENT, {"n": 7}, {"n": 9}),
+            sized("unfounded", UNFOUNDED, {"n": 30, "m": 30}),
+            sized("robots", ROBOT, {"w": 6, "n": 14}),
+            sized("preorders", TRANSITIVE, {"n": 4}, {"n": 5}),
+            sized("cycles of negation", STABLE, {"n": 40}),
+            sized("nothing left", NOTHING_LEFT, {"n": 24}),
+            {"empty": Shape("")},
             {"random clauses 60 x 240": Shape(clauses(60, 240)), "random clauses 50 x 120": Shape(clauses(50, 120))},
         )
     )

@@ -129,6 +129,7 @@ HEAVY = {
     "pysat",
     "pyapproxmc",
     "pyganak",
+    "py_d4",
     "pddl",
     "lark",
     "pyarrow",

@@ -15,7 +15,7 @@ from prag_asp.missing import NEWEST, advice, needed
 from tests.bare import LINUX, ROOT, bare_python, required
 from tests.commands import Done
 
-ABSENT = ("pybullet", "frankik", "PIL", "matplotlib", "pyganak", "pyapproxmc")
+ABSENT = ("pybullet", "frankik", "PIL", "matplotlib", "pyganak", "py_d4", "pyapproxmc")
 LOGIC = (
     "tests/dataset/test_jsonl.py", "tests/program", "tests/lint", "tests/domain", "tests/logic", "tests/test_task.py",
     "tests/space/engines/test_engines.py", "tests/space/test_limits.py",

@@ -2,5 +2,5 @@
 
 from __future__ import annotations
 
-ENGINES = ("auto", "ganak", "diagram", "clingo")
-"""Automatic choice; a #SAT counter, which only counts; a compiled diagram; and enumeration by clingo."""
+ENGINES = ("auto", "ganak", "d4", "diagram", "clingo")
+"""Automatic choice; two #SAT counters, which only count; a compiled diagram; and enumeration by clingo."""

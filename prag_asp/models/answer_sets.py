@@ -14,12 +14,12 @@ import clingo
 from prag_asp.errors import NotFound, QueryError
 from prag_asp.logic.formula.approximate import Estimate, Tolerance, estimate_models
 from prag_asp.logic.formula.clause_builder import TRUE, Literal
-from prag_asp.logic.formula.counter import count_models, has_ganak
+from prag_asp.logic.formula.counter import D4, GANAK, count_models
 from prag_asp.models import ENGINES
 from prag_asp.models.atom_weights import stated_weights, unknown_weights
 from prag_asp.models.compiled_program import CompiledProgram
 from prag_asp.models.compiler import Progress
-from prag_asp.models.counting_race import HEAD_START, count_beside, count_by_enumeration
+from prag_asp.models.counting_race import count_beside, count_by_enumeration
 from prag_asp.models.foundedness import list_models
 from prag_asp.models.ground_program import GroundModels, ground_models
 from prag_asp.models.program_reader import GivenProgram, places_of_costs, read_program
@@ -34,6 +34,9 @@ AnswerSet = tuple[clingo.Symbol, ...]
 """The shown symbols of an answer set, sorted."""
 
 Tell = Callable[[str], None]
+
+COUNTERS = {"ganak": GANAK, "d4": D4}
+"""The engines that only count, on the clauses."""
 
 
 def answer_sets(
@@ -112,25 +115,24 @@ class AnswerSets:
     def count(self) -> int:
         """Return their exact number, regardless of weights.
 
-        With engine auto, clingo enumerates first, with limited work. If there are more answer sets, a counter and the
-        compiler of a diagram run in parallel, and the first answers: either may be faster by orders of magnitude. The
-        counter begins if the program is tight, otherwise the compiler.
+        With engine auto, clingo enumerates first, with limited work. If there are more answer sets, counters and the
+        compiler of a diagram race: any of them may be faster by orders of magnitude.
 
         Raises:
-            EngineError: the engine ganak is not installed, or fails.
+            EngineError: the engine ganak or d4 is not installed, or fails.
         """
         if self.engine == "auto" and not self._compiled.has_diagram and not self._reason_to_enumerate:
             number = count_by_enumeration(self._compiled)
             if number is not None:
                 return number
-        how = self._way(counts=True)
-        if how == "clingo":
+        if self._way(counts=True) == "clingo":
             return self._compiled.enumeration.count()
-        if self.engine == "ganak":
-            stage("counting models with ganak")
-            return count_models(self._compiled.counting_formula.cnf, request="engine ganak")
-        if self.engine == "auto" and has_ganak() and not self._compiled.has_diagram:
-            number = count_beside(self._compiled, HEAD_START if how == "ganak" else None)
+        if self.engine in COUNTERS:
+            counter = COUNTERS[self.engine]
+            stage(f"counting models with {counter.name}")
+            return count_models(self._compiled.counting_formula.cnf, counter=counter, request=f"engine {self.engine}")
+        if self.engine == "auto" and not self._compiled.has_diagram:
+            number = count_beside(self._compiled)
             if number is not None:
                 return number
         return self._compiled.diagram.unweighted().total
@@ -206,11 +208,7 @@ class AnswerSets:
         return facets_of_diagram(diagram.diagram, self._compiled.formula.printed, diagram.marginals(), diagram.total)
 
     def explain(self) -> Conflict | None:
-        """Return lines of the program that together exclude every answer set, or None if there is one.
-
-        Raises:
-            QueryError: the program is ground already.
-        """
+        """Return lines of the program that together exclude every answer set, or None if there is one."""
         return find_conflict(self.given, self.ground)
 
     def __iter__(self) -> Iterator[AnswerSet]:
@@ -236,7 +234,7 @@ class AnswerSets:
         return tuple([self._symbols[place] for place in sorted(shown)])
 
     def _way(self, *, counts: bool = False) -> str:
-        """Return the name of the engine that answers, and note a fallback.
+        """Return whether clingo or the diagram answers, and note a fallback.
 
         Raises:
             QueryError: the chosen engine cannot answer.
@@ -247,10 +245,11 @@ class AnswerSets:
             if self.engine != "auto":
                 raise QueryError(f"engine {self.engine}: {self._reason_to_enumerate}; choose the engine clingo")
             return "clingo"
-        if self.engine == "ganak" and not counts:
-            raise QueryError("engine ganak: it only counts; choose the engine diagram")
-        fits = counts and not self.stated and not self._compiled.formula.completion.loops and has_ganak()
-        return "ganak" if self.engine == "ganak" or (self.engine == "auto" and fits) else "diagram"
+        if self.engine in COUNTERS and not counts:
+            raise QueryError(f"engine {self.engine}: it only counts; choose the engine diagram")
+        if self.engine == "d4" and not self._compiled.formula.whole:
+            raise QueryError("engine d4: it does not project; choose the engine ganak or diagram")
+        return "diagram"
 
     @cached_property
     def _reason_to_enumerate(self) -> str:

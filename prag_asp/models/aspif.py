@@ -21,8 +21,8 @@ HEADER = re.compile(r"asp \d")
 LARGEST = 2**31 - 1
 """The largest number that clingo reads."""
 
-MINIMIZE, ASSUME, THEORY, COMMENT = 2, 6, 9, 10
-"""The numbers of statements that minimize, that assume literals, that state a theory, and of comments."""
+RULE, MINIMIZE, OUTPUT, ASSUME, THEORY, COMMENT = 1, 2, 4, 6, 9, 10
+"""The numbers of rules, of statements that minimize, show, assume literals or state a theory, and of comments."""
 
 
 def is_aspif(source: Source) -> bool:
@@ -169,10 +169,10 @@ def _field(what: str, least: int = 0, most: int = LARGEST) -> Callable[[_AspifLi
 _PRIORITY, _NODE = _field("a priority", -LARGEST), _field("a node", -LARGEST)
 
 FIELDS: Mapping[int, Sequence[Callable[[_AspifLine], object]]] = {
-    1: (_field("the kind of a head, 0 or 1", 0, 1), _AspifLine.atoms, _AspifLine.body),
+    RULE: (_field("the kind of a head, 0 or 1", 0, 1), _AspifLine.atoms, _AspifLine.body),
     MINIMIZE: (_PRIORITY, _AspifLine.weighted),
     3: (_AspifLine.atoms,),  # #project
-    4: (_AspifLine.term, _AspifLine.literals),  # #show
+    OUTPUT: (_AspifLine.term, _AspifLine.literals),
     5: (_AspifLine.atom, _field("the value of an external, 0 to 3", 0, 3)),
     ASSUME: (_AspifLine.literals,),
     7: (

@@ -37,7 +37,7 @@ Node = int
 
 @dataclass(frozen=True)
 class _Part:
-    """Variables and clauses of a component of the formula, both sorted."""
+    """The variables of a component of the formula and its listed clauses, both sorted."""
 
     variables: tuple[int, ...]
     clauses: tuple[int, ...]
@@ -45,9 +45,10 @@ class _Part:
 
 @dataclass(frozen=True)
 class _Case:
-    """The decisions that lead to a case, and a model that satisfies them."""
+    """The decisions that lead to a case, the number of literals that follow, and a model that satisfies them."""
 
     decisions: tuple[Literal, ...]
+    implied: int
     model: Sequence[Literal]
 
 
@@ -129,23 +130,29 @@ def _propagate(
     clauses: Iterable[Sequence[Literal]],
 ) -> tuple[set[Literal], list[tuple[Literal, ...]] | None]:
     """Return the literals implied by unit propagation and the remaining clauses, or None at a contradiction."""
+    distinct = list(dict.fromkeys(tuple(dict.fromkeys(clause)) for clause in clauses))
+    against: dict[Literal, list[int]] = {}
+    for place, clause in enumerate(distinct):
+        for literal in clause:
+            against.setdefault(-literal, []).append(place)
+    left = list(map(len, distinct))
+    waiting = [clause[0] for clause in distinct if len(clause) == 1]
     fixed: set[Literal] = set()
-    left: list[tuple[Literal, ...]] = [tuple(dict.fromkeys(clause)) for clause in clauses]
-    while True:
-        reduced, before = [], len(fixed)
-        for clause in left:
-            if any(literal in fixed for literal in clause):
-                continue
-            open_literals = tuple(literal for literal in clause if -literal not in fixed)
-            if not open_literals:
+    for literal in waiting:  # grows during the iteration
+        if -literal in fixed:
+            return fixed, None
+        if literal in fixed:
+            continue
+        fixed.add(literal)
+        for place in against.get(literal, ()):
+            left[place] -= 1
+            if left[place] == 0:
                 return fixed, None
-            if len(open_literals) == 1:
-                fixed.add(open_literals[0])
-            else:
-                reduced.append(open_literals)
-        left = reduced
-        if len(fixed) == before:
-            return fixed, list(dict.fromkeys(left))
+            if left[place] == 1:
+                waiting += [each for each in distinct[place] if -each not in fixed]
+    unsatisfied = (clause for clause in distinct if fixed.isdisjoint(clause))
+    reduced = (tuple(literal for literal in clause if -literal not in fixed) for clause in unsatisfied)
+    return fixed, list(dict.fromkeys(reduced))
 
 
 class _Compiler:
@@ -165,7 +172,14 @@ class _Compiler:
         self._variables_of = [tuple(sorted({abs(literal) for literal in clause})) for clause in clauses]
         self._with: dict[int, list[int]] = {}
         self._where: list[list[int]] = [[] for _ in range(variables + 1)]
+        self._beside: list[list[int]] = [[] for _ in range(variables + 1)]
         for number, clause in enumerate(clauses):
+            if len(clause) == 2 and not prepared.copies:
+                # It is open exactly if both variables are, so no component lists it.
+                one, other = self._variables_of[number]
+                self._beside[one].append(other)
+                self._beside[other].append(one)
+                continue
             for literal in clause:
                 self._with.setdefault(literal, []).append(number)
                 self._where[abs(literal)].append(number)
@@ -178,8 +192,9 @@ class _Compiler:
         model = self._oracle.model()
         if model is None:
             return Diagram(())
-        case = _Case((), model)
-        parts = self._parts(range(1, len(self._formula.names)), range(len(self._formula.clauses)))
+        case = _Case((), 0, model)
+        variables = range(1, len(self._formula.names))
+        parts = self._parts(set(variables), set(chain.from_iterable(self._where)), set(variables))
         children = [self._compile_part(part, case) for part in parts] + [
             self._free(name) for name in self._formula.free
         ]
@@ -222,11 +237,17 @@ class _Compiler:
             if further is None:
                 continue
             below, implied = further
-            left = set(part.variables)
+            left, clauses = set(part.variables), set(part.clauses)
             new = [each for each in implied if abs(each) in left]
-            satisfied = {clause for literal in new for clause in self._with.get(literal, ())}
             left.difference_update(map(abs, new))
-            parts = self._parts(sorted(left), [clause for clause in part.clauses if clause not in satisfied])
+            touched: set[int] = set()
+            for each in new:
+                touched.update(self._beside[abs(each)])
+                for clause in clauses.intersection(self._where[abs(each)]):
+                    touched.update(self._variables_of[clause])
+            for each in new:
+                clauses.difference_update(self._with.get(each, ()))
+            parts = self._parts(left.copy(), clauses, touched & left)
             children = []
             for inner in parts:
                 left.difference_update(inner.variables)
@@ -250,39 +271,51 @@ class _Compiler:
         implied = self._propagation.propagated(decisions)
         if implied is None:
             return None
+        new = implied[case.implied :]  # propagation follows the decisions in their order
         if (case.model[self._formula.names[abs(literal)] - 1] > 0) == (literal > 0):
-            return _Case(decisions, case.model), implied
+            return _Case(decisions, len(implied), case.model), new
         names = self._formula.names
         model = self._oracle.model([names[each] if each > 0 else -names[-each] for each in decisions])
-        return None if model is None else (_Case(decisions, model), implied)
+        return None if model is None else (_Case(decisions, len(implied), model), new)
 
-    def _parts(self, variables: Sequence[int], clauses: Sequence[int]) -> list[_Part]:
-        """Return the connected components of variables by open clauses; variables without clauses are in none."""
-        unseen, waiting = set(clauses), set(variables)
+    def _parts(self, waiting: set[int], unseen: set[int], touched: set[int]) -> list[_Part]:
+        """Return the connected components of the variables `waiting` by the listed clauses `unseen` and binary ones.
+
+        Each component has one of the variables `touched`, so a search may stop at the last of them. All three sets are
+        consumed. Variables without clauses are in no component.
+        """
         components = []
-        for variable in variables:
-            if variable not in waiting:
-                continue
-            waiting.discard(variable)
-            own_variables, own_clauses = [variable], []
-            for member in own_variables:  # grows during the iteration
+        while touched:
+            own, own_clauses = [touched.pop()], []
+            waiting.discard(own[0])
+            for member in own:  # grows during the iteration
+                if not touched:
+                    break
+                reached = [*self._beside[member]]
                 for clause in self._where[member]:
                     if clause in unseen:
                         unseen.discard(clause)
                         own_clauses.append(clause)
-                        for other in self._variables_of[clause]:
-                            if other in waiting:
-                                waiting.discard(other)
-                                own_variables.append(other)
-            if own_clauses:
-                components.append(_Part(tuple(sorted(own_variables)), tuple(sorted(own_clauses))))
-        return components
+                        reached += self._variables_of[clause]
+                for other in reached:
+                    if other in waiting:
+                        waiting.discard(other)
+                        own.append(other)
+                        touched.discard(other)
+            if not touched:  # whatever is left is connected to the last of them
+                own += waiting
+                own_clauses += unseen
+            if own_clauses or len(own) > 1:
+                components.append(_Part(tuple(sorted(own)), tuple(sorted(own_clauses))))
+        return sorted(components, key=lambda part: part.variables[0])
 
     def _key(self, part: _Part) -> bytes:
-        """Return the cache key of a component; a binary clause is open exactly if both variables are.
+        """Return the cache key of a component.
 
         Equivalent copies are merged, so the key has which copies are connected, but not how.
         """
+        if not self._formula.copies:
+            return array("i", [*part.variables, 0, *part.clauses]).tobytes()
         if not any(variable in self._formula.copies for variable in part.variables):
             long = [clause for clause in part.clauses if len(self._variables_of[clause]) > 2]
             return array("i", [*part.variables, 0, *long]).tobytes()

@@ -1,24 +1,25 @@
-"""Count answer sets where it is unknown which engine is fastest: by a bounded enumeration, or by two at once."""
+"""Count answer sets where it is unknown which engine is fastest: by a bounded enumeration, or by several at once.
+
+Each counter has a turn of some processor seconds in its own process, in which the others are paused. If none has
+finished, all of them go on in parallel, and this process compiles a diagram; the first count is the answer.
+"""
 
 from __future__ import annotations
 
-from itertools import count as counting
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from itertools import count
 
-from prag_asp.logic.formula.counter import CountBeside
+from prag_asp.logic.formula.cnf import Cnf
+from prag_asp.logic.formula.counter import CountBeside, Counter, has_counter
 from prag_asp.models.compiled_program import CompiledProgram
 from prag_asp.models.enumeration.bounded_enumeration import BoundedEnumeration
-from prag_asp.models.enumeration.effort import SECOND, first_effort, is_worth_enumerating
+from prag_asp.models.enumeration.effort import SECOND, Turn, first_effort, is_worth_enumerating, turns_of_counters
 from prag_asp.processes.progress_events import stage
-
-PATIENCE = 500
-"""Calls of `look`, each after 64 visits of nodes, before a counter starts in parallel: about 2 s of compilation."""
-
-HEAD_START = 1.0
-"""Processor seconds of a counter before compiling begins as well, for tight programs: most are counted by then."""
 
 
 class _Counted(Exception):
-    """The parallel counter finished before the compilation."""
+    """A counter finished before the compilation."""
 
     def __init__(self, number: int) -> None:
         super().__init__(number)
@@ -34,30 +35,62 @@ def count_by_enumeration(compiled: CompiledProgram) -> int | None:
     return number
 
 
-def count_beside(compiled: CompiledProgram, head_start: float | None) -> int | None:
-    """Return the number of answer sets by a counter, or None if the diagram was compiled before.
+def count_beside(compiled: CompiledProgram) -> int | None:
+    """Return the number of answer sets by an installed counter, or None if the diagram was compiled before."""
+    formula = compiled.formula
+    turns = turns_of_counters(compiled.prepared.order.width, tight=not formula.completion.loops, whole=formula.whole)
 
-    The counter starts at once with a head start in processor seconds, or, without it, after `PATIENCE`.
+    def begins(counter: Counter) -> None:
+        compiled.note(f"{counter.name} counts as well, because compiling takes long; the first answers")
+
+    installed = [turn for turn in turns if has_counter(turn.counter)]
+    return count_unless_compiled(installed, lambda: compiled.counting_formula.cnf, compiled.compile, begins)
+
+
+def count_unless_compiled(
+    turns: Sequence[Turn],
+    formula: Callable[[], Cnf],
+    compile_formula: Callable[[Callable[[], None]], None],
+    begins: Callable[[Counter], None],
+) -> int | None:
+    """Return the number of models by the first counter to finish, or None if the compiler finished before.
+
+    `compile_formula` receives a function that it calls periodically, and passes on what that raises. `begins` is told
+    of each counter that first starts in parallel.
     """
-    looks = counting()
+    looks = count()
+    with ExitStack() as stack:
 
-    def begins() -> None:
-        if head_start is None:
-            compiled.note("ganak counts as well, because compiling takes long; the first answers")
+        def beside(turn: Turn) -> CountBeside:
+            tell = (lambda: None) if turn.seconds else (lambda: begins(turn.counter))
+            return stack.enter_context(CountBeside(lambda: (formula(), ()), 0, tell, turn.counter))
 
-    def look() -> None:
-        number = beside() if head_start is not None or next(looks) >= PATIENCE else None
-        if number is not None:
-            raise _Counted(number)
+        running: dict[Turn, CountBeside] = {}
+        waiting = list(turns)
 
-    with CountBeside(lambda: (compiled.counting_formula.cnf, ()), 0, begins) as beside:
-        if head_start is not None:
-            stage("counting models with ganak")
-            number = beside.alone(head_start)
-            if number is not None:
-                return number
+        def look() -> None:
+            now = next(looks)
+            for turn in [each for each in waiting if each.looks <= now]:
+                waiting.remove(turn)
+                if turn not in running:
+                    running[turn] = beside(turn)
+                running[turn].resume()
+            for each in running.values():
+                number = each()
+                if number is not None:
+                    raise _Counted(number)
+
+        for turn in turns:
+            if turn.seconds:
+                stage(f"counting models with {turn.counter.name}")
+                running[turn] = beside(turn)
+                number = running[turn].alone(turn.seconds)
+                if number is not None:
+                    return number
+                running[turn].pause()
         try:
-            compiled.compile(look)
+            look()
+            compile_formula(look)
         except _Counted as counted:
             return counted.number
     return None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TypeAlias
@@ -123,6 +123,17 @@ def subformulas(formula: Formula) -> Iterator[Formula]:
 def literals(formula: Formula) -> Iterator[Literal]:
     """Yield all literals of a formula."""
     return (each for each in subformulas(formula) if isinstance(each, Literal))
+
+
+def certainly_unlike(one: Sequence[Variable | str], other: Sequence[Variable | str], condition: Formula) -> bool:
+    """Return whether two rows of terms never denote the same objects where a condition holds, as far as it says so."""
+    unequal: list[set[Variable | str]] = [
+        {each.left, each.right} for each in conjuncts(condition) if isinstance(each, Equality) and not each.positive
+    ]
+    return any(
+        {left, right} in unequal or (isinstance(left, str) and isinstance(right, str) and left != right)
+        for left, right in zip(one, other, strict=True)
+    )
 
 
 def function_terms(quantity: Quantity) -> Iterator[FunctionTerm]:

@@ -220,16 +220,23 @@ def _by_action(
     """Return the fluents and values of a predicate by action, sorted.
 
     `actions` and `fluents` are sorted, and each term is looked up once, because comparing thousands of clingo's terms
-    is slow.
+    is slow. Further lookups are by the identity of terms that are kept alive, because to hash these is slow as well.
     """
     ranks = {fluent: (rank, fluent) for rank, fluent in enumerate(fluents)}
     spelled = {clingo.Function(value): value for value in VALUES}
     by_action: dict[clingo.Symbol, list[tuple[int, str, clingo.Symbol]]] = {action: [] for action in actions}
     declared = len(by_action)
+    places: dict[int, tuple[clingo.Symbol, tuple[int, clingo.Symbol]]] = {}
+    words: dict[int, tuple[clingo.Symbol, str]] = {}
+    lists: dict[int, tuple[clingo.Symbol, list[tuple[int, str, clingo.Symbol]]]] = {}
     for action, fluent, value in unsorted_rows(control, predicate, 3):
-        rank, same_fluent = ranks.get(fluent) or ranks.setdefault(fluent, (len(ranks), fluent))
-        word = spelled.get(value) or spelled.setdefault(value, str(value))
-        by_action.setdefault(action, []).append((rank, word, same_fluent))
+        rows_of = lists.get(id(action)) or lists.setdefault(id(action), (action, by_action.setdefault(action, [])))
+        place = places.get(id(fluent)) or places.setdefault(
+            id(fluent), (fluent, ranks.setdefault(fluent, (len(ranks), fluent)))
+        )
+        word = words.get(id(value)) or words.setdefault(id(value), (value, spelled.setdefault(value, str(value))))
+        rank, same_fluent = place[1]
+        rows_of[1].append((rank, word[1], same_fluent))
     table: dict[clingo.Symbol, Assignment] = {}
     for action in by_action if len(by_action) == declared else sorted(by_action):
         if by_action[action]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Hashable, Iterable, Mapping
+from typing import TypeVar
 
 import clingo
 
@@ -10,6 +11,9 @@ from prag_asp.program.facts import Facts
 
 FluentValue = tuple[clingo.Symbol, bool]
 """A fluent with its value."""
+
+Value = TypeVar("Value", bound=Hashable)
+"""A fluent with its value, or what stands for it."""
 
 Graph = Mapping[FluentValue, tuple[FluentValue, ...]]
 Reasons = Mapping[FluentValue, FluentValue]
@@ -28,9 +32,11 @@ def invariant_graph(facts: Facts, *, impossible: bool = False) -> Graph:
     return {value: tuple(entailed) for value, entailed in graph.items()}
 
 
-def entailed(values: Iterable[FluentValue], graph: Graph) -> dict[FluentValue, FluentValue]:
+def entailed(values: Iterable[Value], graph: Mapping[Value, tuple[Value, ...]]) -> dict[Value, Value]:
     """Return values and their consequences, each with the value that it follows from."""
-    reasons: dict[FluentValue, FluentValue] = {}
+    if not graph:
+        return {value: value for value in values}
+    reasons: dict[Value, Value] = {}
     for start in values:
         stack = [start]
         while stack:

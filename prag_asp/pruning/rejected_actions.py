@@ -10,14 +10,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from itertools import chain
+from itertools import chain, starmap
 from typing import NamedTuple
 
 import clingo
 
 from prag_asp.program.facts import Assignment, Facts, rows
 from prag_asp.program.grounding import Grounder
-from prag_asp.program.invariants import FluentValue, Reasons, conflict, entailed, invariant_graph
+from prag_asp.program.invariants import FluentValue, Reasons, entailed, invariant_graph
 from prag_asp.program.predicates import CHANGED, HOLDS, KNOWN, OCCURS
 from prag_asp.program.sources import Program
 from prag_asp.program.syntax import Signature, Statement
@@ -89,61 +89,76 @@ class _RejectionSearch:
     """Finds the actions that the invariants reject in every state, and the static values.
 
     Actions that are `able` to occur are skipped. Without `frames`, a fluent may change even if no effect sets it.
+
+    A fluent value is a number here, twice the rank of its fluent, plus 1 if it is true: to hash clingo's terms is slow.
     """
 
     def __init__(
         self, facts: Facts, start: Iterable[FluentValue], *, frames: bool, able: Collection[clingo.Symbol]
     ) -> None:
         self._facts, self._frames, self._able = facts, frames, able
-        self._graph = invariant_graph(facts)
-        self._start = dict(start)
-        self._changes = Counter(fluent for a in facts.actions for fluent in self._changed(a))
+        self._ranks: dict[clingo.Symbol, int] = {fluent: rank for rank, fluent in enumerate(facts.fluents)}
+        self._fluents = [*facts.fluents]
+        graph = invariant_graph(facts)
+        self._graph = {self._code(*value): tuple(starmap(self._code, each)) for value, each in graph.items()}
+        self._start = [self._code(*value) for value in start]
+        self._changes = Counter(rank for action in facts.actions for rank in self._changed(action))
         self._declared = set(self._changes)
-        self._static: dict[FluentValue, FluentValue] = {}
+        self._static: dict[int, int] = {}
         self._rejections: dict[clingo.Symbol, Rejection] = {}
 
     def run(self) -> RejectedActions:
         """Return the result of the search."""
-        self._add_static(value for value in self._start.items() if not self._changes[value[0]])
+        self._add_static(code for code in self._start if not self._changes[code // 2])
         waiting: list[clingo.Symbol] = []
         for action in self._facts.actions:
             if action not in self._able:
                 self._reject(action, waiting)
         # Index the actions that would be rejected if an initial value turned out to be static.
-        may_be_static = entailed(self._start.items(), self._graph) if waiting else {}
-        demanding: dict[FluentValue, list[clingo.Symbol]] = {}
+        may_be_static = entailed(self._start, self._graph) if waiting else {}
+        demanding: dict[int, list[clingo.Symbol]] = {}
         for action in self._facts.actions if may_be_static else ():
             if action not in self._able and action not in self._rejections:
                 needed, after = self._around(action)
-                for fluent, value in {**needed, **after}:
-                    if (fluent, not value) in may_be_static:
-                        demanding.setdefault((fluent, not value), []).append(action)
+                for code in {**needed, **after}:
+                    if code ^ 1 in may_be_static:
+                        demanding.setdefault(code ^ 1, []).append(action)
+        starts = {code // 2: code for code in self._start}
         while waiting:
-            for fluent in self._changed(waiting.pop()):
-                self._changes[fluent] -= 1
-                if not self._changes[fluent] and fluent in self._start:
-                    for static in self._add_static([(fluent, self._start[fluent])]):
+            for rank in self._changed(waiting.pop()):
+                self._changes[rank] -= 1
+                if not self._changes[rank] and rank in starts:
+                    for static in self._add_static([starts[rank]]):
                         for action in demanding.get(static, ()):
                             if action not in self._rejections:
                                 self._reject(action, waiting)
         ordered = {action: self._rejections[action] for action in self._facts.actions if action in self._rejections}
-        return RejectedActions(ordered, self._static)
+        return RejectedActions(ordered, {self._value(code): self._value(why) for code, why in self._static.items()})
 
-    def _add_static(self, values: Iterable[FluentValue]) -> list[FluentValue]:
+    def _code(self, fluent: clingo.Symbol, value: bool) -> int:
+        rank = self._ranks.setdefault(fluent, len(self._fluents))
+        if rank == len(self._fluents):
+            self._fluents.append(fluent)
+        return 2 * rank + value
+
+    def _value(self, code: int) -> FluentValue:
+        return self._fluents[code // 2], bool(code % 2)
+
+    def _add_static(self, codes: Iterable[int]) -> list[int]:
         """Add static values and their consequences, and return the new ones."""
-        new = {value: why for value, why in entailed(values, self._graph).items() if value not in self._static}
+        new = {code: why for code, why in entailed(codes, self._graph).items() if code not in self._static}
         self._static |= new
         return list(new)
 
     def _reject(self, action: clingo.Symbol, waiting: list[clingo.Symbol]) -> None:
         """Add an action to the rejected ones if the invariants and the static values reject it."""
         needed, after = self._around(action)
-        if pair := conflict(needed):
+        if pair := self._conflict(needed, needed):
             rejection = Rejection("precondition", pair[1], *pair, needs=True)
-        elif pair := conflict(needed, self._static):
-            may_change = pair[0][0] in self._declared
+        elif pair := self._conflict(needed, self._static):
+            may_change = self._code(*pair[0]) // 2 in self._declared
             rejection = Rejection("precondition", pair[1], *pair, needs=True, static=True, may_change=may_change)
-        elif pair := conflict(after) or conflict(after, self._static):
+        elif pair := self._conflict(after, after) or self._conflict(after, self._static):
             effects = fluent_values(self._facts.postconditions.get(action, ()))
             stated = pair[1] if pair[1] in effects else pair[0]
             predicate = "postcondition" if stated in effects else "precondition"
@@ -154,15 +169,21 @@ class _RejectionSearch:
         self._rejections[action] = rejection
         waiting.append(action)
 
-    def _changed(self, action: clingo.Symbol) -> set[clingo.Symbol]:
-        return {fluent for fluent, _ in self._facts.postconditions.get(action, ())}
+    def _conflict(self, codes: Mapping[int, int], others: Mapping[int, int]) -> tuple[FluentValue, FluentValue] | None:
+        """Return two values with contradicting consequences, the first from `others`; None if there are none."""
+        code = next((code for code in codes if code ^ 1 in others), None) if others else None
+        return None if code is None else (self._value(others[code ^ 1]), self._value(codes[code]))
 
-    def _around(self, action: clingo.Symbol) -> tuple[Reasons, Reasons]:
+    def _changed(self, action: clingo.Symbol) -> set[int]:
+        return {self._code(fluent, False) // 2 for fluent, _ in self._facts.postconditions.get(action, ())}
+
+    def _around(self, action: clingo.Symbol) -> tuple[Mapping[int, int], Mapping[int, int]]:
         """Return the values before an action and those after it, both with their consequences."""
+        before = starmap(self._code, fluent_values(self._facts.preconditions.get(action, ())))
+        effects = [*starmap(self._code, fluent_values(self._facts.postconditions.get(action, ())))]
         changed = self._changed(action)
-        needed = entailed(fluent_values(self._facts.preconditions.get(action, ())), self._graph)
-        unchanged = [value for value in needed if value[0] not in changed] if self._frames else []
-        effects = fluent_values(self._facts.postconditions.get(action, ()))
+        needed = entailed(before, self._graph)
+        unchanged = [code for code in needed if code // 2 not in changed] if self._frames else []
         return needed, entailed([*unchanged, *effects], self._graph)
 
 

@@ -20,6 +20,9 @@ UNTIL: tuple[Until, ...] = get_args(Until)
 
 OPTIONS = ("task", "witness", "rank", "stage", "steps")
 
+REAL = "biuf"
+"""The kinds of NumPy's types of real numbers: no complex numbers, and no texts, which it would read as numbers."""
+
 
 def check_episodes(*, until: object, reward: object, control: object, stage: object, steps: object) -> None:
     """Check the options of episodes.
@@ -76,7 +79,9 @@ def moves_of(action: object, size: int) -> NDArray[np.float64]:
         QueryError: it has another shape, or is not finite.
     """
     try:
-        moves = np.asarray(action, dtype=np.float64)
+        numbers = np.asarray(action)
+        real = numbers.dtype.kind in REAL and not np.ma.is_masked(action)
+        moves = numbers.astype(np.float64) if real else np.array(np.nan)
     except (TypeError, ValueError, OverflowError):
         moves = np.array(np.nan)
     if moves.shape != (size,) or not np.isfinite(moves).all():

@@ -124,6 +124,18 @@ def test_engines_that_search_obey_the_limit_of_time_in_all_they_do(
     assert not kept or (len(kept) == 1 and kept[0].startswith("out.txt.part keeps "))
 
 
+def test_a_count_that_ends_late_after_its_limit_says_so_once(tmp_path: Path) -> None:
+    (tmp_path / "lamp.lp").write_text(LAMP)
+    code = """import time
+from prag_asp.cli import exit_control, main, terminal
+told = terminal.tell_line
+terminal.tell_line = exit_control.tell_line = lambda line: (told(line), time.sleep(2))
+main()"""
+    command = [sys.executable, "-c", code, "count", "lamp.lp", "--length", "30", "--engine", "sat", "--time", "1"]
+    done = subprocess.run(command, check=False, cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    assert (done.returncode, done.stderr.count("\n")) == (3, 1), done.stderr
+
+
 @pytest.mark.parametrize(("command", "engine"), [("count", "clingo"), ("sample", "sat"), ("stats", "clingo")])
 def test_ctrl_c_ends_engines_that_search_as_it_ends_everything(command: str, engine: str, tmp_path: Path) -> None:
     (tmp_path / "lamp.lp").write_text(LAMP)

@@ -95,7 +95,7 @@ def test_an_error_of_a_listener_is_no_failure_of_the_counter() -> None:
 
 @needs_ganak
 def test_a_program_that_is_not_tight_is_counted_by_whoever_is_done_first(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(BESIDE.format("models.counting_race"), 0)
+    monkeypatch.setattr(BESIDE.format("models.enumeration.effort"), 0)
     monkeypatch.setattr("prag_asp.models.counting_race.first_effort", lambda _: Effort(0, 0))
     monkeypatch.setattr("prag_asp.models.counting_race.is_worth_enumerating", lambda *_: False)
     monkeypatch.setattr("prag_asp.models.compiler.LOOK", 1)
@@ -118,5 +118,5 @@ def test_a_program_that_is_not_tight_is_counted_by_whoever_is_done_first(monkeyp
     found = answer_sets(text=text, tell=notes.append)
     assert found.count() == expected
     assert waited == [True] and "_diagram" not in found.__dict__
-    assert any("ganak counts as well" in note for note in notes)
+    assert any("Ganak counts as well" in note for note in notes)
     assert sum(found.marginals().values()) > 0

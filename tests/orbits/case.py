@@ -203,9 +203,8 @@ class Case:
         said["lacking"] = list(filter(self._lacks, said["start"]))
         for name, action in zip(self.actions, self.toy.actions, strict=True):
             said["before", name], said["after", name] = self._having(action.before), self._having(action.after)
-        for place, clause in enumerate(self.clauses):
-            if clause.state and clause.step not in (0, -1):
-                said["clause", place] = [state for state in self._allowed if clause.state(self.named(state))]
+        for step in {clause.step for clause in self.clauses if clause.state} - {0, -1}:
+            said["state", step] = [state for state in self._allowed if self._asked(step, state)]
         return said
 
     @property
@@ -245,7 +244,7 @@ class Case:
                 return None
             return frozenset(tuple(map(renamed_action.__getitem__, words)) for words in kept)
         if clause.state:
-            return None if clause.step in (0, -1) else (clause.step, told["clause", place])
+            return None if clause.step in (0, -1) else (clause.step, told["state", clause.step])
         return clause.words
 
     @cached_property

@@ -12,7 +12,8 @@ from functools import reduce
 from typing import Any
 
 Tree = Any
-State = frozenset[tuple[str, ...]]
+State = frozenset[tuple[Any, ...]]
+"""The true atoms, and ("=", FUNCTION, OBJECTS..., VALUE) for each value that actions change and conditions read."""
 
 
 def tree_of(text: str) -> Tree:
@@ -65,10 +66,26 @@ class Search:
             {each[0] for part in parts for each in part if isinstance(each, list)} for parts in listed.values()
         )
         self.values_at_start = {tuple(each[1]): Fraction(each[2]) for each in init if each[0] == "="}
-        self.start: State = frozenset(tuple(each) for each in init if each[0] not in ("=", "not"))
         self.actions = [
             (part[1], dict(zip(part[2::2], part[3::2], strict=True))) for part in parts if part[0] == ":action"
         ]
+        self.counted = self.counted_functions()
+        numbers = {("=", *key, value) for key, value in self.values_at_start.items() if key[0] in self.counted}
+        self.start: State = frozenset(tuple(each) for each in init if each[0] not in ("=", "not")) | numbers
+
+    def counted_functions(self) -> set[str]:
+        """Return the functions that actions change and conditions read, if only to change such a function."""
+        trees = [self.goal, *(each for _, parts in self.actions for each in parts.values())]
+        read = {name for tree in trees for part in subtrees(tree) if part[0] in COMPARE for name in words(part)}
+        changes = [
+            part for _, parts in self.actions for part in subtrees(parts.get(":effect", [])) if self.is_change(part)
+        ]
+        for _ in changes:
+            read |= {name for part in changes if words(part[1])[0] in read for name in words(part[2])}
+        return read & {words(part[1])[0] for part in changes} & self.functions
+
+    def is_change(self, tree: Tree) -> bool:
+        return tree[0] in ASSIGNMENTS and len(tree) == 3 and tree[0] not in self.predicates
 
     def of(self, kinds: tuple[str, ...]) -> list[str]:
         return [name for name, kind in self.objects.items() if any(self.is_below(kind, each) for each in kinds)]
@@ -99,22 +116,27 @@ class Search:
             return any(self.holds(rest[1], state, each) for each in self.values(rest[0], given))
         quantities = [isinstance(each, list) or each in self.functions for each in rest]
         if word in COMPARE and (word != "=" or any(quantities)):
-            values = [self.number(each, given) for each in rest]
+            values = [self.number(each, state, given) for each in rest]
             return None not in values and COMPARE[word](*values)
         terms = [given.get(each, each) for each in rest]
         return terms[0] == terms[1] if word == "=" else (word, *terms) in state
 
-    def number(self, tree: Tree, given: dict[str, str]) -> Fraction | None:
+    def number(self, tree: Tree, state: State, given: dict[str, str]) -> Fraction | None:
         """Return the value of a function, a number or an operation; None if it has none."""
         if isinstance(tree, str) and re.fullmatch(r"-?[\d.]+", tree):
             return Fraction(tree)
         word, *rest = [tree] if isinstance(tree, str) else tree
         if word in ("+", "-", "*"):
-            values = [self.number(each, given) for each in rest]
+            values = [self.number(each, state, given) for each in rest]
             if None in values:
                 return None
+            if word == "-" and len(values) == 1:
+                return -values[0]
             return reduce({"+": operator.add, "-": operator.sub, "*": operator.mul}[word], values)
-        return self.values_at_start.get((word, *(given.get(each, each) for each in rest)))
+        key = (word, *(given.get(each, each) for each in rest))
+        if word in self.counted:
+            return next((each[-1] for each in state if each[:-1] == ("=", *key)), None)
+        return self.values_at_start.get(key)
 
     def closed(self, state: State) -> State:
         """Add what the rules derive; a rule that negates a derived predicate comes after those of that predicate."""
@@ -143,7 +165,7 @@ class Search:
         return [{name for name, each in level.items() if each == n} for n in range(max(level.values(), default=-1) + 1)]
 
     def changes(self, effect: Tree, state: State, given: dict[str, str]) -> Iterator[tuple[bool, tuple[str, ...]]]:
-        if not effect or (effect[0] in ASSIGNMENTS and len(effect) == 3 and effect[0] not in self.predicates):
+        if not effect or self.is_change(effect):
             return
         word, *rest = effect
         if word == "and":
@@ -160,15 +182,46 @@ class Search:
         else:
             yield True, (word, *(given.get(each, each) for each in rest))
 
+    def number_changes(self, effect: Tree, state: State, given: dict[str, str]) -> Iterator[tuple[Any, ...]]:
+        """Yield each change of a counted function: its key, the operator and the number, None if it has no value."""
+        word, *rest = effect or ["and"]
+        if effect and self.is_change(effect):
+            name, *terms = [rest[0]] if isinstance(rest[0], str) else rest[0]
+            if name in self.counted:
+                yield (name, *(given.get(each, each) for each in terms)), word, self.number(rest[1], state, given)
+        elif word == "and":
+            for each in rest:
+                yield from self.number_changes(each, state, given)
+        elif word == "forall":
+            for values in self.values(rest[0], given):
+                yield from self.number_changes(rest[1], state, values)
+        elif word == "when" and self.holds(rest[0], state, given):
+            yield from self.number_changes(rest[1], state, given)
+
+    def with_numbers(self, effect: Tree, state: State, given: dict[str, str]) -> State | None:
+        """Return a state with changed numbers; None if one has no value. Increases and decreases add up."""
+        new = {each[1:-1]: each[-1] for each in state if each[0] == "="}
+        for key, word, number in list(self.number_changes(effect, state, given)):
+            if number is None or (word != "assign" and key not in new):
+                return None
+            sums = {"increase": 1, "decrease": -1}
+            new[key] = number if word == "assign" else new[key] + sums[word] * number
+        return frozenset(each for each in state if each[0] != "=") | {("=", *key, each) for key, each in new.items()}
+
     def after(self, state: State) -> Iterator[tuple[tuple[str, ...], State]]:
         """Yield the actions that are applicable in a state, with the states after them."""
         seen = self.closed(state)
         for name, parts in self.actions:
             for given in self.values(parts[":parameters"], {}):
                 if self.holds(parts.get(":precondition"), seen, given):
+                    counted = self.with_numbers(parts.get(":effect"), seen, given)
+                    if counted is None:
+                        continue
+                    numbers = frozenset(each for each in counted if each[0] == "=")
                     changes = list(self.changes(parts.get(":effect"), seen, given))
                     added = {atom for positive, atom in changes if positive}
-                    yield (name, *given.values()), (state - {atom for _, atom in changes}) | added
+                    atoms = frozenset(each for each in state if each[0] != "=")
+                    yield (name, *given.values()), (atoms - {atom for _, atom in changes}) | added | numbers
 
     def count(self, length: int) -> list[int]:
         """Return how many plans of each length from 0 on lead to the goal."""
@@ -189,6 +242,17 @@ class Search:
         return counts
 
 
+def subtrees(tree: Tree) -> Iterator[Tree]:
+    if isinstance(tree, list) and tree:
+        yield tree
+        for each in tree:
+            yield from subtrees(each)
+
+
+def words(tree: Tree) -> list[str]:
+    return [tree] if isinstance(tree, str) else [word for each in tree for word in words(each)]
+
+
 def signed(formula: Tree, positive: bool = True) -> Iterator[tuple[str, bool]]:
     if not formula:
         return
@@ -203,5 +267,5 @@ def signed(formula: Tree, positive: bool = True) -> Iterator[tuple[str, bool]]:
         yield from signed(rest[1], positive)
     elif word in ("forall", "exists"):
         yield from signed(rest[1], positive)
-    elif word != "=":
+    elif word not in COMPARE:
         yield word, positive

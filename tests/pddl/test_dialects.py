@@ -225,3 +225,18 @@ def test_untimed_actions_do_what_they_do_from_start_to_end(goal: str, tmp_path: 
     assert any("read as instantaneous ones" in each.text for each in loaded.warnings)
     with pytest.raises(DomainError, match=r"domain.pddl:4: :durative-action: .*; give --untimed to import it"):
         read(tmp_path / "domain.pddl", tmp_path / "problem.pddl")
+
+
+def test_preferences_and_the_name_of_the_domain_are_ignored_with_a_warning(tmp_path: Path) -> None:
+    soft = "(preference far (sometime (in hall)))"
+    domain = PLAIN.format(":strips", "", "room").replace(
+        ":precondition (and", ":precondition (and (preference (in bath)) (forall (?r - room) (preference x (in ?r)))"
+    )
+    problem = ROOMS.replace("(:goal (in bath))", f"(:constraints (and {soft} {soft})) (:goal (and (in bath) {soft}))")
+    loaded = load_domain(*written(tmp_path, domain, problem.replace("(:domain d)", "(:domain dd)")))
+    assert counts(loaded, 3) == Search(PLAIN.format(":strips", "", "room"), ROOMS).count(3) == [0, 1, 0, 1]
+    texts = [each.text for each in loaded.warnings]
+    assert texts.count("preferences are ignored: plans need not meet them") == 5
+    assert [each for each in texts if "problem of" in each] == [
+        "this is a problem of dd, not of d; give the domain that it belongs to, or fix the name"
+    ]

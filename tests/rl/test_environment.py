@@ -434,6 +434,9 @@ def test_what_is_no_action_and_steps_outside_an_episode_are_refused(given: Mappi
         None,
         [[1], [1, 2]],
         [1j] * 5,
+        np.zeros(5, dtype=complex),
+        np.array(["1"] * 5),
+        np.ma.masked_all(5),
         [10**400] * 5,
     ):
         with pytest.raises(QueryError, match=r"an action has the shape \(5,\) and finite numbers"):

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from prag_asp import EngineError, TaskSpace, load_domain
-from prag_asp.logic.formula.counter import has_ganak
+from prag_asp.logic.formula.counter import has_counter
 from prag_asp.program.paths import shipped_domains
 from prag_asp.space.engines import ENGINES, LEVELS
 from tests.chance import Chance
@@ -41,7 +41,7 @@ def engines() -> Iterator[tuple[str, ...]]:
     """Give the names of the engines; those that count models share one process for it."""
     names = ("automaton", "symbolic", "clingo", "sat")
     assert {*names, "sharp"} == {*ENGINES}
-    if not has_ganak():
+    if not has_counter():
         yield names
         return
     with one_process() as count_models, counting_by(count_models):

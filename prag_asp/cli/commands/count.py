@@ -9,9 +9,8 @@ import click
 from prag_asp.atom import split_actions
 from prag_asp.cli import options
 from prag_asp.cli.domain_options import SPACES, DomainOptions, domain_options
-from prag_asp.cli.exits import Exit
 from prag_asp.cli.options import Approximation
-from prag_asp.cli.terminal import progress, say, tell_line
+from prag_asp.cli.terminal import progress, say
 from prag_asp.errors import LimitReached, QueryError
 from prag_asp.integers import digits_of
 
@@ -52,5 +51,4 @@ def count(*, request: DomainOptions, by: Any, prefix: str | None, upto: bool, ap
                 say(f"{label}{number}")
     except LimitReached as limit:
         say(f"{label}at least {digits_of(limit.at_least)}")
-        tell_line(str(limit))
-        raise click.exceptions.Exit(Exit.LIMIT) from None
+        raise

@@ -79,8 +79,8 @@ program_options = grouped(
         ),
         click.option(
             "--engine", type=click.Choice(ENGINES), default="auto", show_default=True,
-            help="ganak, a model counter (count only); diagram, a compiled decision diagram; clingo, enumeration; or "
-            "auto, the best of them for the program, by limits of work.",
+            help="ganak or d4, model counters (count only); diagram, a compiled decision diagram; clingo, enumeration; "
+            "or auto, the best of them for the program, by limits of work.",
         ),
     ),
 )  # fmt: skip
@@ -208,7 +208,7 @@ def explain(*, files: tuple[str, ...], constants: tuple[str, ...], form: str) ->
 
     Prints a set of lines of the program that together exclude every answer set, while no part of them does: lifting any
     one of them, so that a constraint is dropped and a rule only allows its head, leaves an answer set. The exit code is
-    1 if there is something to explain, otherwise 0.
+    1 if there is something to explain, otherwise 0. Rules of a ground program are printed in the language of clingo.
     """
     from prag_asp.models.questions.conflict import explain_program
 

@@ -1,6 +1,6 @@
-"""Projected model counting in a child process, exact by Ganak or approximate by ApproxMC.
+"""Model counting in a child process, exact by Ganak or d4, or approximate by ApproxMC.
 
-The native code of both handles neither Ctrl-C nor a time limit, and ends its process on invalid input.
+The native code of all three handles neither Ctrl-C nor a time limit, and ends its process on invalid input.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from importlib.util import find_spec
 from itertools import chain
+from signal import SIGCONT, SIGSTOP
 from tempfile import TemporaryFile
 from time import monotonic
 from typing import Any
@@ -33,6 +34,7 @@ class Counter:
 
 
 GANAK = Counter("Ganak", "pyganak", "sharp", "prag_asp.logic.formula.ganak")
+D4 = Counter("d4", "py_d4", "sharp", "prag_asp.logic.formula.d4")
 APPROXMC = Counter("ApproxMC", "pyapproxmc", "approximate", "prag_asp.logic.formula.approxmc")
 
 SHARP = "engine sharp"
@@ -45,9 +47,9 @@ LARGEST = 2**24
 """The largest number of variables of a formula: beyond it, Ganak needs unbounded memory or aborts."""
 
 
-def has_ganak() -> bool:
-    """Return whether Ganak is installed."""
-    return find_spec(GANAK.package) is not None
+def has_counter(counter: Counter = GANAK) -> bool:
+    """Return whether a counter is installed."""
+    return find_spec(counter.package) is not None
 
 
 def require_counter(counter: Counter = GANAK, request: str = SHARP) -> None:
@@ -56,24 +58,29 @@ def require_counter(counter: Counter = GANAK, request: str = SHARP) -> None:
     Raises:
         EngineError: the counter is not installed.
     """
-    if find_spec(counter.package) is None:
+    if not has_counter(counter):
         raise EngineError(
             f"{request}: the package {counter.package} is missing; pip install 'prag_asp[{counter.extra}]'"
         )
 
 
 def count_models(
-    cnf: Cnf, assumptions: Sequence[Literal] = (), seconds: float | None = None, *, request: str = SHARP
+    cnf: Cnf,
+    assumptions: Sequence[Literal] = (),
+    seconds: float | None = None,
+    *,
+    counter: Counter = GANAK,
+    request: str = SHARP,
 ) -> int:
     """Return the number of assignments of the shown variables that extend to a model with the assumed literals.
 
-    `request` names the request of the user in messages.
+    d4 takes no projection: it counts the models of all variables. `request` names the request of the user in messages.
 
     Raises:
-        EngineError: Ganak is missing, cannot take the formula, or fails.
+        EngineError: the counter is missing, cannot take the formula, or fails.
         LimitReached: it has not finished after `seconds`.
     """
-    return int(run_counter(GANAK, cnf, assumptions, seconds, request))
+    return int(run_counter(counter, cnf, assumptions, seconds, request))
 
 
 def run_counter(
@@ -113,8 +120,9 @@ class CountBeside:
         formula: Callable[[], tuple[Cnf, Sequence[Literal]]],
         patience: float,
         begins: Callable[[], None] = lambda: None,
+        counter: Counter = GANAK,
     ) -> None:
-        self._formula, self._begins = formula, begins
+        self._formula, self._begins, self._counter = formula, begins, counter
         self._due: float | None = monotonic() + patience
         self._running = ExitStack()
         self._child: Worker | None = None
@@ -134,9 +142,9 @@ class CountBeside:
             if due:
                 self._due = None
                 cnf, assumptions = self._formula()
-                message = _checked_formula(cnf, assumptions)
+                message = _checked_formula(cnf, assumptions, self._counter)
                 complaints = self._running.enter_context(TemporaryFile())  # noqa: SIM115  the stack closes it
-                child = self._running.enter_context(WorkerGroup(GANAK.module, complaints.fileno())).start()
+                child = self._running.enter_context(WorkerGroup(self._counter.module, complaints.fileno())).start()
                 child.send(message)
                 self._child = child
         except (EngineError, WorkerEnded, OSError, MemoryError):  # the last two: there is no room
@@ -153,6 +161,16 @@ class CountBeside:
             ready_workers([self._child], POLL)
             number = self()
         return number
+
+    def pause(self) -> None:
+        """Stop the child process, if there is one, until `resume`."""
+        if self._child is not None:
+            self._child.process.send_signal(SIGSTOP)
+
+    def resume(self) -> None:
+        """Continue the child process after `pause`."""
+        if self._child is not None:
+            self._child.process.send_signal(SIGCONT)
 
 
 def _checked_formula(

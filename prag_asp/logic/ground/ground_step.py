@@ -10,6 +10,7 @@ from typing import NamedTuple
 import clingo
 
 from prag_asp.errors import EngineError
+from prag_asp.logic.ground.carried_atoms import carried_atoms
 from prag_asp.logic.ground.growth import locate_head
 from prag_asp.logic.ground.rules import GroundRecorder, Rule, Unsupported
 from prag_asp.logic.ground.stationary import Obstacle, StepReads
@@ -36,6 +37,10 @@ A step may double the symbols of an atom, so that few steps fill the memory.
 
 MOST_GROWING, FEW_AT_ONCE = 20_000, 2
 """The same limits of atoms and of steps between two tests for predicates whose atoms may derive one another."""
+
+FAR, MOST_FORESEEN = 32, 25_000
+"""The number of steps after which the atoms that later steps add are found all at once, and their maximum number: in
+half a minute, a step is ground for so many."""
 
 PART = re.compile(r"(#program\s+)(base|step)\b")
 """Finds the program parts that an extension has."""
@@ -191,6 +196,13 @@ def _ground_until_closed(grounder: Grounder, seeds: Seeds, program: Program, rea
         bounds = _bounds(program, reads)
         if steps > bounds.steps or len(atoms) - stated > bounds.atoms:
             return _signature(min(new))
+        if steps == FAR:
+            foreseen = carried_atoms(program, NOW, seeds, carried) - seeds.keys()
+            if len(foreseen) > MOST_FORESEEN:
+                return _signature(min(new))
+            if foreseen:
+                seeds |= dict.fromkeys(sorted(foreseen))
+                return None
         more = min(steps, bounds.at_once)
 
 

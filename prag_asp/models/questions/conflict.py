@@ -18,11 +18,11 @@ from pathlib import Path
 import clingo
 from clingo.ast import AST, ASTType, Sign
 
-from prag_asp.errors import QueryError
 from prag_asp.logic.formula.liftable import RestrictingLine
 from prag_asp.models.aspif import is_aspif
 from prag_asp.models.ground_program import GroundModels, ground_models
 from prag_asp.models.program_reader import GivenProgram, read_program
+from prag_asp.models.questions.ground_lines import liftable_text
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.constants import Constant
 from prag_asp.program.grounding import Grounder
@@ -56,54 +56,69 @@ def explain_program(files: Sequence[str | Path | Source], constants: Mapping[str
 
     Raises:
         DomainError: a file cannot be read or ground.
-        QueryError: the program is ground already.
     """
     given = read_program(files, constants, optimal=True)
     return find_conflict(given, ground_models(given))
 
 
 def find_conflict(given: GivenProgram, ground: GroundModels) -> Conflict | None:
-    """Return lines of a program that exclude every answer set, or None if it has one.
-
-    Raises:
-        QueryError: the program is ground already.
-    """
+    """Return lines of a program that exclude every answer set, or None if it has one."""
     for source in given.program.sources:
         if is_aspif(source):
-            raise QueryError(f"{source.path} is ground; explain the program from which it was ground")
+            conflict = _liftable_ground(given, source, facts=False).conflict()
+            return (
+                conflict
+                if conflict is None or conflict.lines
+                else _liftable_ground(given, source, facts=True).conflict()
+            )
     data = {_signature(symbol) for symbol, _ in ground.names}
     data -= {_signature(symbol) for symbol, atom in ground.names if atom not in ground.facts}
-    conflict = _LiftableLines(given, ground, data).conflict()
-    return conflict if conflict is None or conflict.lines or not data else _LiftableLines(given, ground, ()).conflict()
+    conflict = _liftable_lines(given, ground, data).conflict()
+    return conflict if conflict is None or conflict.lines or not data else _liftable_lines(given, ground, ()).conflict()
 
 
+def _liftable_ground(given: GivenProgram, source: Source, *, facts: bool) -> _LiftableLines:
+    """Return the lines of a program in aspif; facts are among them with `facts`."""
+    text, lines, kept = liftable_text(source, facts=facts)
+    grounder = Grounder(given.program, "--opt-mode=ignore", strict=False, text=text)
+    grounder.ground([("base", [])])
+    return _LiftableLines(grounder.control, lines, kept)
+
+
+def _liftable_lines(given: GivenProgram, ground: GroundModels, data: Container[Signature]) -> _LiftableLines:
+    """Return the lines of a program without those that only state data."""
+    texts = [source.text for source in given.program.sources]
+    prefix = next(name for name in ("_" * length for length in count(1)) if not any(name in each for each in texts))
+    sources: list[Source] = []
+    lines: list[RestrictingLine] = []
+    for source in given.program.sources:
+        statements, _ = parse_sources([(source, True)])
+        replaced: dict[Statement, str] = {}
+        for statement in statements:
+            if _is_liftable(statement, data):
+                kept = f"{prefix}kept({len(lines)})"
+                replaced[statement] = " ".join(_liftable(statement, kept, f"{prefix}may"))
+                text = _written(source, statement)
+                lines.append(RestrictingLine(source.path, statement.line, text))
+        sources.append(Source(source.path, with_replaced(source.text, replaced)))
+    possible = (_possible(symbol, f"{prefix}may") for symbol, _ in ground.names if symbol.name)
+    choice = f"{{ {prefix}kept(0..{len(lines) - 1}) }}." if lines else ""
+    program = Program((*sources, Source(ADDED, " ".join([choice, *possible]))))
+    grounder = Grounder(program, *given.arguments, "--opt-mode=ignore", strict=False)
+    grounder.ground([("base", [])])
+    atoms = grounder.control.symbolic_atoms
+    symbols = (clingo.Function(f"{prefix}kept", [clingo.Number(place)]) for place in range(len(lines)))
+    literals = [atom.literal for atom in map(atoms.__getitem__, symbols) if atom is not None]
+    return _LiftableLines(grounder.control, lines, literals)
+
+
+@dataclass(frozen=True)
 class _LiftableLines:
-    """A program in which each line that restricts answer sets has an atom that keeps it."""
+    """Lines of a program that restrict answer sets, and the literal that keeps each."""
 
-    def __init__(self, given: GivenProgram, ground: GroundModels, data: Container[Signature]) -> None:
-        texts = [source.text for source in given.program.sources]
-        prefix = next(name for name in ("_" * length for length in count(1)) if not any(name in each for each in texts))
-        sources: list[Source] = []
-        self._lines: list[RestrictingLine] = []
-        for source in given.program.sources:
-            statements, _ = parse_sources([(source, True)])
-            replaced: dict[Statement, str] = {}
-            for statement in statements:
-                if _is_liftable(statement, data):
-                    kept = f"{prefix}kept({len(self._lines)})"
-                    replaced[statement] = " ".join(_liftable(statement, kept, f"{prefix}may"))
-                    text = _written(source, statement)
-                    self._lines.append(RestrictingLine(source.path, statement.line, text))
-            sources.append(Source(source.path, with_replaced(source.text, replaced)))
-        possible = (_possible(symbol, f"{prefix}may") for symbol, _ in ground.names if symbol.name)
-        choice = f"{{ {prefix}kept(0..{len(self._lines) - 1}) }}." if self._lines else ""
-        program = Program((*sources, Source(ADDED, " ".join([choice, *possible]))))
-        grounder = Grounder(program, *given.arguments, "--opt-mode=ignore", strict=False)
-        grounder.ground([("base", [])])
-        self._control = grounder.control
-        atoms = self._control.symbolic_atoms
-        symbols = (clingo.Function(f"{prefix}kept", [clingo.Number(place)]) for place in range(len(self._lines)))
-        self._literals = [atom.literal for atom in map(atoms.__getitem__, symbols) if atom is not None]
+    _control: clingo.Control
+    _lines: Sequence[RestrictingLine]
+    _literals: Sequence[int]
 
     def conflict(self) -> Conflict | None:
         """Return lines that exclude every answer set, or None if the program has one."""

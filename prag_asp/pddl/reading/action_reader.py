@@ -4,18 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from itertools import combinations
 
 from prag_asp.pddl.definitions import NumericEffect, Schema, SchemaEffect
-from prag_asp.pddl.formulas import Formula, Junction, Quantified, Variable
-from prag_asp.pddl.reading.scopes import Declared, PddlSource, Scope
+from prag_asp.pddl.formulas import Formula, Junction, Literal, Quantified, Variable, certainly_unlike
+from prag_asp.pddl.reading.object_functions import UNDEFINED, ObjectFunction
+from prag_asp.pddl.reading.outcomes import ONE_OF, outcomes, words_of
+from prag_asp.pddl.reading.pddl_source import PddlSource
+from prag_asp.pddl.reading.preferences import without_preferences
+from prag_asp.pddl.reading.scopes import DURATION, Declared, Scope
 from prag_asp.pddl.reading.untimed import untimed_schema
 from prag_asp.pddl.syntax.expressions import Expression, Word
 from prag_asp.pddl.syntax.sections import UNSUPPORTED, unexpected, unsupported
 
 ASSIGNMENTS = ("increase", "decrease", "assign", "scale-up", "scale-down")
 PARTS: Mapping[str, tuple[str, ...]] = {
-    ":action": (":parameters", ":precondition", ":effect"),
-    ":durative-action": (":parameters", ":duration", ":condition", ":effect"),
+    ":action": (":parameters", ":vars", ":precondition", ":effect"),
+    ":durative-action": (":parameters", ":vars", ":duration", ":condition", ":effect"),
 }
 """The parts of an action, each at most once and in any order."""
 
@@ -32,9 +37,10 @@ class ActionReader:
         self._declared = declared
         self._derived = derived
         self._untimed = untimed
+        self._assigned: list[tuple[ObjectFunction, int]] = []
 
-    def schema(self, action: Expression) -> Schema:
-        """Return an action."""
+    def schemas(self, action: Expression) -> Iterator[Schema]:
+        """Yield an action, or one for each of its outcomes. The variables of ``:vars`` are further parameters."""
         if action.head == ":durative-action" and not self._untimed:
             hint = "give --untimed to import it as an instantaneous action"
             self._source.refuse(action.line, f"{action.head}: actions that take time cannot be imported; {hint}")
@@ -42,20 +48,38 @@ class ActionReader:
             self._source.refuse(action.line, f"this {action.head} has no name; write one")
         name = self._source.name_of(action.parts[1])
         parts = self._parts(action)
-        scope = Scope(self._source, self._declared)
-        parameters = scope.declare(parts[":parameters"].parts if ":parameters" in parts else ())
-        schema = Schema(str(name), str(name), parameters, scope.truth(name.line), (), (), name.line)
         effect = parts.get(":effect", Expression((), name.line, name.line))
-        if action.head == ":durative-action":
+        for part in (":precondition", ":condition"):
+            if part in parts:
+                parts[part] = without_preferences(self._source, parts[part])
+        found = [effect] if ONE_OF in self._declared.predicates else outcomes(self._source, effect)
+        if len(found) > 1:
+            text = f"each outcome of {ONE_OF} is read as an action of its own, so that plans choose the outcomes"
+            self._source.warn(name.line, text, "ignored")
+        for each in found:
+            yield self._schema(name, parts, each, timed=action.head == ":durative-action")
+
+    def _schema(self, name: Word, parts: Mapping[str, Expression], effect: Expression, *, timed: bool) -> Schema:
+        scope = Scope(self._source, self._declared)
+        names = (each for part in (":parameters", ":vars") if part in parts for each in parts[part].parts)
+        schema = Schema(str(name), str(name), scope.declare(names), scope.truth(name.line), (), (), name.line)
+        if timed:
+            if ":duration" in parts:
+                scope.fix_duration(fixed_duration(parts[":duration"]))
             condition = parts.get(":condition", Expression((), name.line, name.line))
             conditions = {time: self._timed_condition(condition, scope, time) for time in (START, OVER, END)}
             ends = Junction(True, (conditions[OVER], conditions[END]), condition.line)
-            effects = [[*self._effects(effect, scope, (), scope.truth(effect.line), time)] for time in (START, END)]
+            effects: list[list[Effect]] = []
+            for time in (START, END):
+                effects.append([*self._effects(effect, scope, (), scope.truth(effect.line), time)])
+                self._check_assigned(conditions[START])
             return untimed_schema(self._source, schema, self._derived, (conditions[START], ends), effects)
+        precondition = scope.formula(parts[":precondition"]) if ":precondition" in parts else schema.precondition
         found = [*self._effects(effect, scope, (), scope.truth(effect.line))]
+        self._check_assigned(precondition)
         return replace(
             schema,
-            precondition=scope.formula(parts[":precondition"]) if ":precondition" in parts else schema.precondition,
+            precondition=precondition,
             effects=tuple(each for each in found if isinstance(each, SchemaEffect)),
             numeric=tuple(each for each in found if isinstance(each, NumericEffect)),
         )
@@ -125,9 +149,7 @@ class ActionReader:
             if time_of(tree) == time:
                 yield from self._effects(self._source.list_of(rest[1:], line), scope, outer, condition)
         elif head in ASSIGNMENTS and len(rest) == 2 and head not in self._declared.predicates:
-            if time != START:
-                function, value = scope.function_term(rest[0]), scope.quantity(rest[1])
-                yield NumericEffect(outer, condition, str(head), function, value, line)
+            yield from self._change(tree, scope, outer, condition, time)
         elif time:
             self._source.refuse(
                 line, f"{str(head) or '('!r} is not expected here; write (at start ...) or (at end ...)"
@@ -136,7 +158,58 @@ class ActionReader:
             atom = self._source.list_of(rest, line) if head == "not" else tree
             if atom.head == "=":
                 self._source.refuse(line, "an effect cannot make two terms equal; remove it")
-            yield SchemaEffect(outer, condition, scope.literal(atom, positive=head != "not"))
+            found = scope.atom(atom)
+            condition = Junction(True, (condition, *found.terms.values), line) if found.terms.new else condition
+            literal = Literal(found.predicate, found.terms.terms, head != "not", found.line)
+            yield SchemaEffect((*outer, *found.terms.new), condition, literal)
+
+    def _change(
+        self,
+        tree: Expression,
+        scope: Scope,
+        outer: tuple[Variable, ...],
+        condition: Formula,
+        time: tuple[str, str] | None,
+    ) -> Iterator[Effect]:
+        """Yield the effects of a change of a function. A change of a number without a time is read at the end."""
+        target, value = tree.rest
+        if scope.is_object_function(target):
+            if time or tree.head != "assign":
+                text = f"{tree.head} changes no function of objects here"
+                self._source.refuse(tree.line, f"{text}; write (at start (assign ...)) or (assign ...)")
+            yield from self._assignment(tree, scope, outer, condition)
+        elif time != START:
+            function, number = scope.function_term(target), scope.quantity(value)
+            yield NumericEffect(outer, condition, str(tree.head), function, number, tree.line)
+
+    def _assignment(
+        self, tree: Expression, scope: Scope, outer: tuple[Variable, ...], condition: Formula
+    ) -> Iterator[SchemaEffect]:
+        """Yield the effects that give a function of objects another value, or none."""
+        target, value = self._source.list_of(tree.rest, tree.line), tree.rest[1]
+        function = scope.function_value(target)
+        if any(variable not in function.terms.terms for variable in outer):
+            text = f"a 'forall' changes {target.head} several times"
+            self._source.refuse(tree.line, f"{text}; name its variables in the function")
+        self._assigned.append((function, tree.line))
+        guard = Junction(True, (condition, *function.terms.values), tree.line)
+        old = scope.new_variable(function.types)
+        yield SchemaEffect((*outer, *function.terms.new, old), guard, function.literal(old, positive=False))
+        if value != UNDEFINED or UNDEFINED in self._declared.objects:
+            new = scope.terms([value])
+            scope.check_value(function, new.terms[0])
+            guard = Junction(True, (guard, *new.values), tree.line)
+            yield SchemaEffect((*outer, *function.terms.new, *new.new), guard, function.literal(new.terms[0]))
+
+    def _check_assigned(self, precondition: Formula) -> None:
+        """Refuse two changes of a function of objects at once, and forget them."""
+        for (one, _), (other, line) in combinations(self._assigned, 2):
+            if one.predicate == other.predicate and not certainly_unlike(
+                one.terms.terms, other.terms.terms, precondition
+            ):
+                text = f"{one.predicate} may get two values at once"
+                self._source.refuse(line, f"{text}; join both changes, or require their objects to differ")
+        self._assigned.clear()
 
     def _conditional(
         self,
@@ -159,6 +232,19 @@ class ActionReader:
             text = "the condition and the effect of this 'when' belong to different times"
             self._source.refuse(guard.line, f"{text}; give both one time")
         yield from effects
+
+
+def fixed_duration(tree: Expression) -> Expression | Word | None:
+    """Return what a duration has to be equal to, None if it may have several values."""
+    part = tree.parts[0] if len(tree.parts) == 1 else tree
+    if isinstance(part, Expression) and part.head == "and" and len(part.rest) == 1:
+        part = part.rest[0]
+    if isinstance(part, Expression) and time_of(part):
+        part = part.rest[1]
+    equal = isinstance(part, Expression) and part.head == "=" and len(part.rest) == 2
+    if not equal or part.rest[0] != DURATION or DURATION in [*words_of(part.rest[1])]:  # type: ignore[union-attr]
+        return None
+    return part.rest[1]  # type: ignore[union-attr]
 
 
 def time_of(tree: Expression) -> tuple[str, str] | None:

@@ -1,13 +1,15 @@
 """Numbers that actions change and conditions read, as predicates: one for each value that a function may have.
 
-The values are a least fixpoint: those of the initial state, and those that an action makes of them where its own
-comparisons hold. It contains all reachable values, because objects are ignored. Where it is finite, the translation is
-exact: in each state one of the predicates is true of each function term that has a value.
+The values are a least fixpoint within the bounds of `number_bounds`: those of the initial state, and those that an
+action makes of them where its own comparisons hold. It contains all reachable values, because objects are ignored.
+Where it is finite, the translation is exact: in each state one of the predicates is true of each function term that has
+a value.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import combinations, product
@@ -18,20 +20,20 @@ from prag_asp.pddl.definitions import Declaration, DomainFile, NumericEffect, Pr
 from prag_asp.pddl.formulas import (
     Arithmetic,
     Comparison,
-    Equality,
     Formula,
     FunctionTerm,
     Junction,
     Literal,
     Quantity,
-    Variable,
+    certainly_unlike,
     conjuncts,
     function_terms,
     replaced,
     subformulas,
 )
 from prag_asp.pddl.reading.comparisons import COMPARE, quantity_value
-from prag_asp.pddl.reading.scopes import PddlSource
+from prag_asp.pddl.reading.number_bounds import SIGNS, is_unconditional, value_bounds
+from prag_asp.pddl.reading.pddl_source import PddlSource
 
 MOST_VALUES = 200
 """The limit of the values of a function: each becomes a predicate."""
@@ -54,11 +56,12 @@ def bounded(
         DomainError: such a function has too many values, has none in the initial state, or is changed twice at once.
     """
     read = read_functions(domain, problem)
+    domain = replace(domain, actions=tuple(joined(each, read) for each in domain.actions))
     effects = [(action, each) for action in domain.actions for each in action.numeric]
     changing = {each.function.function for _, each in effects if each.function.function in read}
     if not changing:
         return domain, problem
-    numbers = _Numbers(source, domain, problem, _FunctionValues(source, problem, effects, changing))
+    numbers = _Numbers(source, domain, problem, _FunctionValues(source, problem, effects, changing, domain.actions))
     actions = tuple(numbers.schema(each) for each in domain.actions)
     goal = numbers.formula(problem.goal, problem_source)
     derived = tuple(replace(each, formula=numbers.formula(each.formula, source)) for each in domain.derived)
@@ -67,6 +70,37 @@ def bounded(
         replace(domain, actions=actions, derived=derived, predicates=predicates),
         replace(problem, initial=(*problem.initial, *numbers.initial), goal=goal),
     )
+
+
+def joined(action: Schema, functions: Collection[str]) -> Schema:
+    """Return an action that changes each term of some functions once, by the sum of its unconditional changes.
+
+    A change that another one takes back is dropped, but the action still needs values of all that it reads.
+    """
+    groups: dict[FunctionTerm, list[NumericEffect]] = {}
+    for each in action.numeric:
+        if each.function.function in functions and is_unconditional(each) and each.operator in SIGNS:
+            groups.setdefault(each.function, []).append(each)
+    several = [each for changes in groups.values() if len(changes) > 1 for each in changes]
+    numeric = [each for each in action.numeric if each not in several]
+    needed: list[Formula] = []
+    for function, changes in groups.items():
+        if len(changes) < 2:
+            continue
+        sums: Counter[Quantity] = Counter()
+        for each in changes:
+            sums[each.value] += SIGNS[each.operator]
+        terms = dict.fromkeys(term for value in (function, *sums) for term in function_terms(value))
+        needed += (Comparison("=", term, term, True, changes[0].line) for term in terms)
+        parts: list[Quantity] = [Arithmetic("*", (Fraction(n), value)) for value, n in sums.items() if n]
+        if parts:
+            numeric.append(
+                NumericEffect(
+                    (), changes[0].condition, "increase", function, Arithmetic("+", tuple(parts)), changes[0].line
+                )
+            )
+    whole = Junction(True, (action.precondition, *needed), action.line) if needed else action.precondition
+    return replace(action, precondition=whole, numeric=tuple(numeric))
 
 
 def read_functions(domain: DomainFile, problem: ProblemFile) -> set[str]:
@@ -116,6 +150,7 @@ class _FunctionValues:
         problem: ProblemFile,
         effects: Iterable[tuple[Schema, NumericEffect]],
         changing: set[str],
+        all_actions: Sequence[Schema],
     ) -> None:
         self._source = source
         self.changing = changing
@@ -124,14 +159,17 @@ class _FunctionValues:
         for (function, _), value in problem.values.items():
             self._values.setdefault(function, set()).add(value)
         made = [(action, each) for action, each in effects if each.function.function in changing]
+        bounds = {name: value_bounds(name, all_actions, problem, changing) for name in changing}
         grows = True
         while grows:
             grows = False
             for action, effect in made:
                 found = self._values.setdefault(effect.function.function, set())
-                new = {_changed(effect, row) for row in self.rows(effect, action)} - found
-                found |= {each for each in new if each is not None}
-                grows |= bool(new - {None})
+                values = (_changed(effect, row) for row in self.rows(effect, action))
+                new = {each for each in values if each is not None and bounds[effect.function.function].hold(each)}
+                new -= found
+                found |= new
+                grows |= bool(new)
                 if len(found) > MOST_VALUES:
                     text = f"{effect.function.function} takes more than {MOST_VALUES} values, and conditions read it"
                     source.refuse(effect.line, f"{text}; bound its changes by conditions, or write predicates")
@@ -218,7 +256,9 @@ class _Numbers:
         """Return an action whose changes are effects on predicates."""
         made = [each for each in action.numeric if each.function.function in self.values.changing]
         for one, other in combinations(made, 2):
-            if one.function.function == other.function.function and not _are_unlike(one, other, action.precondition):
+            if one.function.function == other.function.function and not certainly_unlike(
+                one.function.terms, other.function.terms, action.precondition
+            ):
                 text = f"{one.function.function} is changed twice by one action, and conditions read it"
                 self.source.refuse(other.line, f"{text}; join both changes, or require their objects to differ")
         needed: list[Formula] = []
@@ -278,15 +318,3 @@ def _with_values(quantity: Quantity, row: Mapping[FunctionTerm, Fraction]) -> Qu
     if isinstance(quantity, Arithmetic):
         return replace(quantity, operands=tuple(_with_values(each, row) for each in quantity.operands))
     return quantity
-
-
-def _are_unlike(one: NumericEffect, other: NumericEffect, precondition: Formula) -> bool:
-    """Return whether two effects on one function never change it for the same objects."""
-    unequal: list[set[Variable | str]] = [
-        {each.left, each.right} for each in conjuncts(precondition) if isinstance(each, Equality) and not each.positive
-    ]
-    pairs = zip(one.function.terms, other.function.terms, strict=True)
-    return any(
-        {left, right} in unequal or (isinstance(left, str) and isinstance(right, str) and left != right)
-        for left, right in pairs
-    )

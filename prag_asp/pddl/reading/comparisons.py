@@ -21,7 +21,7 @@ from prag_asp.pddl.formulas import (
     replaced,
     variables,
 )
-from prag_asp.pddl.reading.scopes import PddlSource
+from prag_asp.pddl.reading.pddl_source import PddlSource
 
 COMPARE: Mapping[str, Callable[[Fraction, Fraction], bool]] = {
     "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "=": operator.eq,

@@ -6,10 +6,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import chain, count
 
+from prag_asp.pddl.clingo_names import unused
 from prag_asp.pddl.definitions import OBJECT, Declaration, Derived, DomainFile, Schema
 from prag_asp.pddl.formulas import Literal, Quantified, Variable, literals, subformulas
 from prag_asp.pddl.reading.action_reader import ActionReader
-from prag_asp.pddl.reading.scopes import Declared, PddlSource, Scope
+from prag_asp.pddl.reading.pddl_source import ATTACHED, PddlSource
+from prag_asp.pddl.reading.preferences import check_constraints
+from prag_asp.pddl.reading.scopes import Declared, Scope
 from prag_asp.pddl.syntax.expressions import Expression, Word
 from prag_asp.pddl.syntax.sections import Definition, unexpected
 from prag_asp.program.finite.components import components
@@ -18,6 +21,7 @@ REQUIREMENTS = frozenset([
     ":strips", ":typing", ":equality", ":negative-preconditions", ":disjunctive-preconditions", ":adl",
     ":existential-preconditions", ":universal-preconditions", ":quantified-preconditions", ":conditional-effects",
     ":derived-predicates", ":domain-axioms", ":action-costs", ":fluents", ":numeric-fluents",
+    ":object-fluents",
 ])  # fmt: skip
 """The requirements of what is read. They need not be declared."""
 
@@ -33,11 +37,13 @@ class DomainReader:
         self._type_lines: dict[str, int] = {}
         self._predicates: dict[str, Declaration] = {}
         self._functions: dict[str, Declaration] = {}
+        self._object_functions: dict[str, str] = {}
 
     def declarations(self) -> None:
         """Read all sections but rules and actions."""
         sections = self._definition.sections
         check_requirements(self._source, sections.get(":requirements"))
+        check_constraints(self._source, sections.get(":constraints"))
         if ":types" in sections:
             self._read_types(sections[":types"])
         self._constant_lines = (
@@ -46,12 +52,14 @@ class DomainReader:
             else {}
         )
         undeclared = ":predicates" not in sections
-        self.declared = Declared(self.declared.types, self.objects, self._predicates, self._functions, undeclared)
+        self.declared = Declared(
+            self.declared.types, self.objects, self._predicates, self._functions, undeclared, self._object_functions
+        )
         self._constants = dict(self.objects)
         if ":predicates" in sections:
             self._read_signatures("predicate", sections[":predicates"].rest, self._predicates)
         if ":functions" in sections:
-            self._read_signatures("function", self._numeric(sections[":functions"].rest), self._functions)
+            self._read_functions(sections[":functions"].rest)
 
     def domain(self, *, untimed: bool) -> DomainFile:
         """Return the domain, with durative actions as instantaneous ones if `untimed`."""
@@ -59,7 +67,7 @@ class DomainReader:
         derived_names = frozenset(each.predicate for each in derived)
         reader = ActionReader(self._source, self.declared, derived_names, untimed=untimed)
         trees = [each for each in self._definition.repeated if each.head != ":derived"]
-        actions = [*_with_unique_names(reader.schema(each) for each in trees)]
+        actions = [*_with_unique_names(schema for each in trees for schema in reader.schemas(each))]
         timed = [each for each in trees if each.head == ":durative-action"]
         if timed:
             text = (
@@ -95,18 +103,29 @@ class DomainReader:
                     paths += [[*path, above] for above in types[path[-1]]]
             self._source.refuse(lines[first], f"types form a cycle, {' - '.join(path)}; remove one of them")
 
-    def _numeric(self, parts: Iterable[Expression | Word]) -> Iterator[Expression | Word]:
-        """Yield the functions of a list, without the type `number` of their values."""
+    def _read_functions(self, parts: Iterable[Expression | Word]) -> None:
+        """Read functions: those of numbers, which may name the type `number`, and those of objects."""
+        waiting: list[Expression | Word] = []
         each_part = iter(parts)
         for part in each_part:
-            if part != "-":
-                yield part
+            if not isinstance(part, Word) or not ATTACHED.fullmatch(part):
+                waiting.append(part)
                 continue
-            kind = next(each_part, None)
-            if kind != "number":
-                name = "nothing" if kind is None else kind if isinstance(kind, Word) else kind.head
-                text = f"the values of a function are numbers, not {name}; declare predicates in place of it"
-                self._source.refuse(part.line, text)
+            kind = Word(part[1:], part.line) if len(part) > 1 else next(each_part, None)
+            if kind == "number":
+                self._read_signatures("function", waiting, self._functions)
+            else:
+                self._read_object_functions(waiting, self._source.kinds(kind, part.line, self.declared.types))
+            waiting = []
+        self._read_signatures("function", waiting, self._functions)
+
+    def _read_object_functions(self, trees: Iterable[Expression | Word], kinds: tuple[str, ...]) -> None:
+        found: dict[str, Declaration] = {}
+        self._read_signatures("function", trees, found)
+        for name, declaration in found.items():
+            predicate = name if name not in self._predicates else unused(f"{name}-value", self._predicates)
+            self._object_functions[name] = predicate
+            self._predicates[predicate] = Declaration((*declaration.types, kinds), declaration.line)
 
     def _read_signatures(
         self, kind: str, trees: Iterable[Expression | Word], signatures: dict[str, Declaration]

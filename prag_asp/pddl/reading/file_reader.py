@@ -9,8 +9,9 @@ from prag_asp.pddl.definitions import DomainFile, ProblemFile
 from prag_asp.pddl.reading.bounded_numbers import bounded, read_functions
 from prag_asp.pddl.reading.comparisons import settled
 from prag_asp.pddl.reading.domain_reader import DomainReader
+from prag_asp.pddl.reading.pddl_source import PddlSource
 from prag_asp.pddl.reading.problem_reader import ProblemReader
-from prag_asp.pddl.reading.scopes import TOTAL, PddlSource
+from prag_asp.pddl.reading.scopes import TOTAL
 from prag_asp.pddl.syntax.sections import parse
 from prag_asp.program.problem import Problem
 
@@ -28,7 +29,7 @@ def read_files(
     """
     first, second = parse(domain, "domain"), parse(problem, "problem")
     sources = PddlSource(domain), PddlSource(problem)
-    domain_reader, problem_reader = DomainReader(sources[0], first), ProblemReader(sources[1], second)
+    domain_reader, problem_reader = DomainReader(sources[0], first), ProblemReader(sources[1], second, untimed=untimed)
     domain_reader.declarations()
     problem_reader.read_objects(first.name, domain_reader.declared.types, domain_reader.objects)
     definition = domain_reader.domain(untimed=untimed)

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from fractions import Fraction
-from pathlib import Path
-from typing import NoReturn
 
-from prag_asp.errors import DomainError
 from prag_asp.pddl.clingo_names import variable_name
 from prag_asp.pddl.definitions import OBJECT, Declaration
 from prag_asp.pddl.formulas import (
@@ -23,118 +18,17 @@ from prag_asp.pddl.formulas import (
     Quantified,
     Quantity,
     Variable,
+    negated,
 )
+from prag_asp.pddl.reading.object_functions import UNDEFINED, AppliedPredicate, ObjectFunction, Terms
+from prag_asp.pddl.reading.pddl_source import LIKE_NUMBER, NUMBER, PddlSource
 from prag_asp.pddl.syntax.expressions import Expression, Word
-from prag_asp.pddl.syntax.sections import UNSUPPORTED, unexpected, unsupported
-from prag_asp.program.problem import Problem
+from prag_asp.pddl.syntax.sections import UNSUPPORTED, unsupported
 from prag_asp.wording import did_you_mean, nearest, plural
-
-NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)")
-LIKE_NUMBER = re.compile(r"[-+]?[\d.]+")
-ATTACHED = re.compile(r"-([^\W\d][^?:]*)?")
-"""The sign before a type, which some files write without the blank after it."""
 
 NEGATIONS = {"<": ">=", ">=": "<", ">": "<=", "<=": ">"}
 COMPARISONS = (*NEGATIONS, "=")
 OPERATORS = ("+", "-", "*", "/")
-
-
-@dataclass
-class PddlSource:
-    """A file whose mistakes are refused with its path and line; `warnings` are about what is read all the same."""
-
-    path: Path
-    warnings: list[Problem] = field(default_factory=list)
-
-    def refuse(self, line: int, text: str) -> NoReturn:
-        """Raise a DomainError at a line."""
-        raise DomainError(f"{self.path}:{line}: {text}")
-
-    def warn(self, line: int, text: str, name: str) -> None:
-        """Add a warning."""
-        self.warnings.append(Problem(self.path, line, text, name))
-
-    def check_known(self, kind: str, name: Word, declared: Iterable[str], section: str) -> None:
-        """Refuse a name that is not declared."""
-        if name not in declared:
-            hint = did_you_mean(name, declared, f"declare it in {section}")
-            self.refuse(name.line, f"unknown {kind} {name}; {hint}")
-
-    def check_new(self, kind: str, name: Word, declared: Iterable[str]) -> None:
-        """Refuse a second declaration of a name."""
-        if name in declared:
-            self.refuse(name.line, f"the {kind} {name} is declared twice; remove one, or rename it")
-
-    def signature(self, kind: str, name: Word, arity: int, declared: Mapping[str, Declaration]) -> Declaration:
-        """Return the declaration of a predicate or a function that is used with `arity` arguments."""
-        self.check_known(kind, name, declared, f":{kind}s")
-        expected = len(declared[name].types)
-        if expected != arity:
-            self.refuse(name.line, f"{name} takes {plural(expected, 'argument')}, not {arity}; fix them")
-        return declared[name]
-
-    def list_of(self, parts: Iterable[Expression | Word], line: int) -> Expression:
-        """Return the next part, which has to be a list."""
-        part = next(iter(parts), None)
-        if isinstance(part, Expression):
-            return part
-        self.refuse(part.line if part else line, unexpected(part) if part else "something is missing here; write it")
-
-    def name_of(self, part: Expression | Word) -> Word:
-        """Return a part that has to be a name."""
-        if isinstance(part, Expression):
-            self.refuse(part.line, unexpected(part.head or "("))
-        if part[0] in ":?" or part == "-":
-            self.refuse(part.line, unexpected(part))
-        return part
-
-    def number(self, text: Word) -> Fraction:
-        """Return a number."""
-        if not NUMBER.fullmatch(text):
-            self.refuse(text.line, f"{text} is no number; write one such as 2 or 0.5")
-        return Fraction(text)
-
-    def typed_words(
-        self, parts: Iterable[Expression | Word], types: dict[str, tuple[str, ...]] | None, *, variables: bool = False
-    ) -> Iterator[tuple[Word, tuple[str, ...]]]:
-        """Yield the words of a typed list, each with its alternative types; there are none without a type.
-
-        An unknown type is added to `types` with a warning, unless it is a misspelling of one; None if all are welcome.
-        """
-        waiting: list[Word] = []
-        each_part = iter(parts)
-        for part in each_part:
-            if isinstance(part, Word) and ATTACHED.fullmatch(part):
-                kind = Word(part[1:], part.line) if len(part) > 1 else next(each_part, None)
-                kinds = self._kinds(kind, part.line)
-                for each in kinds if types is not None else ():
-                    self._check_type(each, types)
-                yield from ((name, tuple(dict.fromkeys(map(str, kinds)))) for name in waiting)
-                waiting = []
-            elif variables and isinstance(part, Word) and part[0] == "?" and len(part) > 1:
-                waiting.append(Word(part[1:], part.line))
-            elif variables:
-                line, text = (part.line, str(part)) if isinstance(part, Word) else (part.line, "(")
-                self.refuse(line, f"{text!r} is not expected here; write a variable such as ?x")
-            else:
-                waiting.append(self.name_of(part))
-        yield from ((name, ()) for name in waiting)
-
-    def _kinds(self, kind: Expression | Word | None, line: int) -> list[Word]:
-        if kind is None:
-            self.refuse(line, "a type is missing after '-'; write it")
-        if isinstance(kind, Word):
-            return [self.name_of(kind)]
-        if kind.head != "either" or not kind.rest:
-            self.refuse(kind.line, f"{str(kind.head) or '('!r} is not expected here; write a type, or (either a b)")
-        return [self.name_of(each) for each in kind.rest]
-
-    def _check_type(self, kind: Word, types: dict[str, tuple[str, ...]] | None) -> None:
-        if types is not None and kind not in types:
-            if nearest(kind, set(types) - {OBJECT}):
-                self.check_known("type", kind, types, ":types")
-            self.warn(kind.line, f"the type {kind} is not declared; declare it in :types", "undeclared")
-            types[str(kind)] = ()
 
 
 @dataclass(frozen=True)
@@ -149,22 +43,30 @@ class Declared:
     predicates: dict[str, Declaration]
     functions: Mapping[str, Declaration]
     undeclared: bool = False
+    object_functions: dict[str, str] = field(default_factory=dict)
+    """The predicates of the functions whose values are objects: the value is their last argument."""
 
 
 class Scope:
     """The names in scope at a place of a file."""
 
-    def __init__(self, source: PddlSource, declared: Declared) -> None:
+    def __init__(self, source: PddlSource, declared: Declared, *, in_domain: bool = True) -> None:
         self._source = source
         self._declared = declared
+        self._in_domain = in_domain
         self._variables: dict[str, Variable] = {}
         self._taken: set[str] = set()
+        self._duration: tuple[Scope, Expression | Word] | None = None
 
     def within(self) -> Scope:
         """Return a nested scope. The clingo names of variables are unique in both."""
-        inner = Scope(self._source, self._declared)
-        inner._variables, inner._taken = dict(self._variables), self._taken
+        inner = Scope(self._source, self._declared, in_domain=self._in_domain)
+        inner._variables, inner._taken, inner._duration = dict(self._variables), self._taken, self._duration
         return inner
+
+    def fix_duration(self, duration: Expression | Word | None) -> None:
+        """Set what the duration of an action is equal to, None if it may have several values."""
+        self._duration = (self, duration) if duration is not None else None
 
     def narrowed(self, variables: Iterable[Variable]) -> Scope:
         """Return a scope in which the variables of these names have new types."""
@@ -190,10 +92,13 @@ class Scope:
     def signature(self, name: Word, arity: int) -> Declaration:
         """Return the declaration of a predicate that is used with `arity` arguments.
 
-        In a domain that declares no predicate at all, its first use declares it, with a warning.
+        An undeclared one is declared by its first use in a domain, with a warning, unless it is a misspelling. In a
+        domain that declares no predicate at all, a problem may declare it so, too.
         """
         predicates = self._declared.predicates
-        if self._declared.undeclared and name not in predicates:
+        if name not in predicates and (
+            self._declared.undeclared or (self._in_domain and not nearest(name, predicates))
+        ):
             text = f"the predicate {name} is not declared; declare it in :predicates"
             self._source.warn(name.line, text, "undeclared")
             predicates[str(name)] = Declaration(((OBJECT,),) * arity, name.line)
@@ -210,19 +115,74 @@ class Scope:
         self._source.check_known("object", name, self._declared.objects, ":objects or :constants")
         return str(name)
 
+    def new_variable(self, types: tuple[str, ...]) -> Variable:
+        """Return a variable that no formula has yet."""
+        variable = Variable(variable_name("value", self._taken), types)
+        self._taken.add(variable.name)
+        return variable
+
+    def is_object_function(self, part: Expression | Word) -> bool:
+        """Return whether a part is a function whose values are objects."""
+        return isinstance(part, Expression) and part.head in self._declared.object_functions
+
+    def function_value(self, part: Expression) -> ObjectFunction:
+        """Return a function whose values are objects."""
+        terms = self.terms(part.rest)
+        predicate = self._declared.object_functions[part.head]
+        *arguments, types = self._declared.predicates[predicate].types
+        if len(arguments) != len(terms.terms):
+            text = f"{part.head} takes {plural(len(arguments), 'argument')}, not {len(terms.terms)}; fix them"
+            self._source.refuse(part.line, text)
+        return ObjectFunction(predicate, terms, types, part.line)
+
+    def check_value(self, function: ObjectFunction, value: Variable | str) -> None:
+        """Refuse a value that may have another type than those of the values of a function."""
+        for kind in value.types if isinstance(value, Variable) else (self._declared.objects[value],):
+            above, waiting = {kind, OBJECT}, [kind]
+            while waiting:
+                new = set(self._declared.types[waiting.pop()]) - above
+                above |= new
+                waiting += new
+            if above.isdisjoint(function.types):
+                text = f"a value of {function.predicate} is a {' or '.join(function.types)}, not any {kind}"
+                self._source.refuse(function.line, f"{text}; give it this type")
+
+    def terms(self, parts: Iterable[Expression | Word]) -> Terms:
+        """Return terms; each function of objects among them becomes a variable, which has its value."""
+        terms: list[Variable | str] = []
+        new: list[Variable] = []
+        values: list[Literal] = []
+        for part in parts:
+            if isinstance(part, Expression) and self.is_object_function(part):
+                function = self.function_value(part)
+                variable = self.new_variable(function.types)
+                new += (*function.terms.new, variable)
+                values += (*function.terms.values, function.literal(variable))
+                terms.append(variable)
+            else:
+                terms.append(self.term(part))
+        return Terms(tuple(terms), tuple(new), tuple(values))
+
     def truth(self, line: int) -> Formula:
         """Return the formula that is always true."""
         return Junction(True, (), line)
 
-    def literal(self, expression: Expression, *, positive: bool) -> Literal:
-        """Return a literal of a predicate."""
+    def literal(self, expression: Expression, *, positive: bool = True) -> Literal:
+        """Return a literal of a predicate, whose terms are variables and objects."""
+        found = self.atom(expression)
+        if found.terms.new:
+            self._source.refuse(expression.line, "a function is not expected here; write its value")
+        return Literal(found.predicate, found.terms.terms, positive, found.line)
+
+    def atom(self, expression: Expression) -> AppliedPredicate:
+        """Return a predicate of terms, which may be functions of objects."""
         name = expression.head
         if not name:
             self._source.refuse(expression.line, "a list is not expected here; remove a pair of parentheses")
         if name in UNSUPPORTED and name not in self._declared.predicates:
             self._source.refuse(name.line, unsupported(name))
         self.signature(name, len(expression.rest))
-        return Literal(str(name), tuple(map(self.term, expression.rest)), positive, name.line)
+        return AppliedPredicate(str(name), self.terms(expression.rest), name.line)
 
     def _operands(self, expression: Expression, number: int) -> tuple[Expression, ...]:
         parts = [self._source.list_of([each], expression.line) for each in expression.rest]
@@ -252,10 +212,33 @@ class Scope:
             return Quantified((word == "forall") == positive, variables, inner.formula(part, positive=positive), line)
         if word in COMPARISONS and len(expression.rest) == 2:
             return self._comparison(expression, positive)
-        return self.literal(expression, positive=positive)
+        found = self.atom(expression)
+        whole = found.terms.bound(Literal(found.predicate, found.terms.terms, True, found.line))
+        return whole if positive else negated(whole)
 
-    def _comparison(self, expression: Expression, positive: bool) -> Equality | Comparison:
+    def _object_equality(self, left: Expression, right: Expression | Word) -> Formula:
+        """Return that two terms have the same value, or both have none; the first is a function of objects."""
+        one, line = self.function_value(left), left.line
+        if right == UNDEFINED and UNDEFINED not in self._declared.objects:
+            return one.terms.bound(self._has_no_value(one))
+        if isinstance(right, Expression) and self.is_object_function(right):
+            other = self.function_value(right)
+            value = self.new_variable(one.types)
+            both = Quantified(False, (value,), Junction(True, (one.literal(value), other.literal(value)), line), line)
+            neither = Junction(True, (self._has_no_value(one), self._has_no_value(other)), line)
+            return one.terms.bound(other.terms.bound(Junction(False, (both, neither), line)))
+        return one.terms.bound(one.literal(self.term(right)))
+
+    def _has_no_value(self, function: ObjectFunction) -> Formula:
+        value = self.new_variable(function.types)
+        return Quantified(True, (value,), negated(function.literal(value)), function.line)
+
+    def _comparison(self, expression: Expression, positive: bool) -> Formula:
         word, (left, right) = expression.head, expression.rest
+        for one, other in ((left, right), (right, left)):
+            if word == "=" and isinstance(one, Expression) and self.is_object_function(one):
+                found = self._object_equality(one, other)
+                return found if positive else negated(found)
         if word == "=" and not self._is_quantity(left) and not self._is_quantity(right):
             return Equality(self.term(left), self.term(right), positive, expression.line)
         quantities = self.quantity(left), self.quantity(right)
@@ -277,6 +260,9 @@ class Scope:
             if head == "/" and len(part.rest) != 2:
                 self._source.refuse(part.line, f"/ takes 2 operands, not {len(part.rest)}; fix them")
             return Arithmetic(str(head), tuple(map(self.quantity, part.rest)))
+        if head == DURATION and self._duration:
+            scope, duration = self._duration
+            return scope.quantity(duration)
         if head in TIMES:
             return FunctionTerm(str(head), ())
         return self.function_term(part)
@@ -292,5 +278,6 @@ class Scope:
 
 
 TOTAL = "total-cost"
-TIMES = ("?duration", "#t", "total-time")
+DURATION = "?duration"
+TIMES = (DURATION, "#t", "total-time")
 """The duration of an action, and time: they have no value."""

@@ -23,7 +23,7 @@ from prag_asp.pddl.formulas import (
     replaced,
     subformulas,
 )
-from prag_asp.pddl.reading.scopes import PddlSource
+from prag_asp.pddl.reading.pddl_source import PddlSource
 
 
 def untimed_schema(

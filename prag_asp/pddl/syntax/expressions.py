@@ -18,8 +18,10 @@ from prag_asp.wording import plural
 DEEPEST = 100
 """The maximum nesting depth of parentheses."""
 
-TOKEN = re.compile(r"[()]|\n|;[^\n]*|\??[^\s();?]+|\?")
+TOKEN = re.compile(r"[()]|\n|(?:;|//)[^\n]*|\??[^\s();?]+|\?")
 """A parenthesis, a line end, a comment, or a word; a variable may follow another word without a blank."""
+
+COMMENT = (";", "//")
 
 
 class Word(str):
@@ -91,7 +93,7 @@ def parse_expressions(path: Path, text: str) -> tuple[Expression, ...]:
                 open_lists[-1][1].append(done)
             else:
                 found.append(done)
-        elif token[0] != ";":
+        elif not token.startswith(COMMENT):
             if not open_lists:
                 raise DomainError(
                     f"{path}:{line}: {token!r} is not expected here; look for a missing parenthesis before it"

@@ -14,8 +14,8 @@ from prag_asp.wording import did_you_mean
 KINDS = ("domain", "problem")
 
 SECTIONS: Mapping[str, tuple[str, ...]] = {
-    "domain": (":requirements", ":types", ":constants", ":predicates", ":functions"),
-    "problem": (":domain", ":requirements", ":objects", ":init", ":goal", ":metric", ":length"),
+    "domain": (":requirements", ":types", ":constants", ":predicates", ":functions", ":constraints"),
+    "problem": (":domain", ":requirements", ":objects", ":init", ":goal", ":constraints", ":metric", ":length"),
 }
 """The sections that a definition has at most once."""
 
@@ -26,7 +26,8 @@ UNSUPPORTED = {
     **dict.fromkeys([":preferences", "preference"], "preferences"),
     **dict.fromkeys([":constraints"], "constraints on whole plans"),
     **dict.fromkeys([":process", ":event"], "processes and events"),
-    **dict.fromkeys(["oneof", "probabilistic", "unknown"], "effects by chance"),
+    **dict.fromkeys(["oneof", "unknown"], "initial states of which one is true"),
+    **dict.fromkeys(["probabilistic"], "effects by chance"),
     **dict.fromkeys([":observe", ":sense", "observe"], "observations"),
 }
 """Features of PDDL that a task space cannot express, by the words that introduce them."""

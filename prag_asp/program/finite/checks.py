@@ -23,6 +23,11 @@ DEEPEST = 1_000
 WIDEST = 1_000_000
 """The maximum number of values of an interval; each takes some hundred bytes in an atom."""
 
+MOST_KNOWN = 100_000
+"""The number of operations on certain inputs that are known to be in range: some ten megabytes."""
+
+ZERO = clingo.Number(0)
+
 CONSTANT = re.compile(r"(?<![\w'])_*[a-z][\w']*")
 
 BOUND = "bound it by a condition such as N < 10"
@@ -62,6 +67,7 @@ class Checks:
 
     sites: Sequence[Site]
     overflows: list[Site] = field(default_factory=list)
+    _known: set[tuple[clingo.Symbol, ...]] = field(default_factory=set)
     _values: dict[tuple[int, clingo.Symbol], set[tuple[clingo.Symbol, ...]]] = field(default_factory=dict)
     _depths: dict[clingo.Symbol, int] = field(default_factory=dict)
     _sums: dict[tuple[int, clingo.Symbol], tuple[set[clingo.Symbol], int]] = field(default_factory=dict)
@@ -84,6 +90,8 @@ class Checks:
         Raises:
             BoundReached: the operation would crash clingo.
         """
+        if (number, *inputs) in self._known:
+            return ZERO
         site = self.sites[number.number]
         try:
             check_range(site.expression, dict(zip(site.inputs, inputs, strict=True)))
@@ -92,7 +100,9 @@ class Checks:
                 raise site.error(out_of_range(site.text)) from None
             self.overflows.append(site)
             return clingo.Function("out_of_range")
-        return clingo.Number(0)
+        if len(self._known) < MOST_KNOWN:
+            self._known.add((number, *inputs))
+        return ZERO
 
     def must_fit(self, number: clingo.Symbol, *inputs: clingo.Symbol) -> clingo.Symbol:
         """Return 0 if an operation on these inputs stays in range.
@@ -103,7 +113,7 @@ class Checks:
         if self.in_range(number, *inputs).type != clingo.SymbolType.Number:
             site = self.sites[number.number]
             raise site.error(out_of_range(site.text))
-        return clingo.Number(0)
+        return ZERO
 
     def up_to(self, number: clingo.Symbol, low: clingo.Symbol, high: clingo.Symbol) -> clingo.Symbol:
         """Return the upper end of an interval.

@@ -20,6 +20,7 @@ import clingo
 from clingo.ast import AST, ASTType, BinaryOperator, ComparisonOperator, Sign
 
 from prag_asp.program.finite.arithmetic import OPERATIONS
+from prag_asp.program.finite.checks import MOST_VALUES, WIDEST
 from prag_asp.program.finite.components import components
 from prag_asp.program.syntax import Signature, Statement, below, children_of
 
@@ -186,19 +187,24 @@ def _grown(each: _Derivation, inside: Collection[Signature]) -> tuple[str, ...]:
 
 
 def _is_bounded(each: _Derivation, place: int, name: str) -> bool:
-    """Return whether an argument of the head is a variable plus a number, and a comparison bounds its value."""
+    """Return whether an argument of the head is a variable plus a number, and a comparison bounds its value.
+
+    A bound above the numbers of an interval, or in a step above the values of `Checks.goes_on`, counts as none.
+    """
     term = _substituted(each, _arguments(each.head)[place])
     step = _step(term)
     if step is None:
         return False
     variable, number = step
     bounding = UPPER if number > 0 else LOWER
+    largest = MOST_VALUES if each.rule.timed else WIDEST
     return any(
         left.ast_type == ASTType.Variable
         and left.name in (variable, name)
         and comparison in bounding
         and right.ast_type == ASTType.SymbolicTerm
         and right.symbol.type == clingo.SymbolType.Number
+        and abs(right.symbol.number) <= largest
         for left, comparison, right in each.comparisons
     )
 

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import chain
+from math import prod
 
 from clingo.ast import AST, AggregateFunction, ASTType, ComparisonOperator, Sign, UnaryOperator
 
@@ -21,12 +22,18 @@ from prag_asp.program.finite.checks import WIDEST, BoundReached, Site, too_wide
 from prag_asp.program.finite.endless import EndlessRule, endless_rules
 from prag_asp.program.parse import number_problem, parse_sources
 from prag_asp.program.sources import ADDED, Program, Source, owned
-from prag_asp.program.syntax import Statement, children_of, runs_no_code, variables
+from prag_asp.program.syntax import Statement, below, children_of, runs_no_code, variables
 
 OPERATION = re.compile(r"[-+*/\\&?^~|]|\.\.")
 """Arithmetic in the text of a rule as clingo prints it; it also matches some rules without arithmetic."""
 
 SUMS = (AggregateFunction.Sum, AggregateFunction.SumPlus)
+COLLECTIONS = (ASTType.Pool, ASTType.Aggregate, ASTType.BodyAggregate, ASTType.HeadAggregate)
+"""Nodes whose intervals are alternatives: they multiply no instances of a rule."""
+
+MOST_COMBINATIONS = 100_000_000
+"""The largest number of combinations of the constant intervals of a rule: clingo takes half a minute for so many."""
+
 SMALL = 1_000
 """The largest constant weight whose sums are not checked: two million elements would be needed for an overflow."""
 
@@ -98,6 +105,7 @@ class _CheckWriter:
         """Add the checks of a rule."""
         self._rule = rule
         text = rule.text
+        self._require_few_combinations(rule)
         if OPERATION.search(text.replace(":-", "").replace(self._before, "")) or "#sum" in text:
             bound = self._scope(rule.node.body, frozenset())
             head = rule.node.head
@@ -110,6 +118,25 @@ class _CheckWriter:
                 self._aggregate(head, bound)
         for each in endless:
             self._count(each)
+
+    def _require_few_combinations(self, rule: Statement) -> None:
+        """Check that the constant intervals of a rule have few combinations, where each makes an instance of the rule.
+
+        Raises:
+            BoundReached: they have too many.
+        """
+        parts = (rule.node.head, *rule.node.body)
+        if rule.text.count("..") < 2 or any(part.ast_type != ASTType.Literal for part in parts):
+            return
+        nodes = [node for part in parts for node in below(part)]
+        if any(node.ast_type in COLLECTIONS for node in nodes):
+            return
+        ends = [[read_expression(n.left), read_expression(n.right)] for n in nodes if n.ast_type == ASTType.Interval]
+        widths = (high - low + 1 for low, high in ends if isinstance(low, int) and isinstance(high, int))
+        combinations = prod(width for width in widths if width > 0)
+        if combinations > MOST_COMBINATIONS:
+            what = f"the intervals of this rule have {combinations:,} combinations, more than {MOST_COMBINATIONS:,}"
+            raise Site(rule.path, rule.line, "").error(f"{what}; make them smaller")
 
     def guard_cost(self, statement: Statement) -> None:
         """Add the checks of a weak constraint, or of an element of ``#minimize`` or ``#maximize``."""

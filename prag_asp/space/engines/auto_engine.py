@@ -166,7 +166,7 @@ def searching_engine(
     model: DomainLogic, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
 ) -> ClingoEngine:
     """Return the clingo engine, with a parallel model counter if one is installed."""
-    from prag_asp.logic.formula.counter import CountBeside, has_ganak
+    from prag_asp.logic.formula.counter import CountBeside, has_counter
     from prag_asp.space.engines.clingo_engine import ClingoEngine
     from prag_asp.space.engines.word_formula import word_formula
 
@@ -185,4 +185,4 @@ def searching_engine(
 
         return CountBeside(formula, PATIENCE, begins)
 
-    return ClingoEngine(model, level, progress, limits, beside if has_ganak() else None)
+    return ClingoEngine(model, level, progress, limits, beside if has_counter() else None)

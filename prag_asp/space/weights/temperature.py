@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import TypeVar
 
 from prag_asp.errors import QueryError
+from prag_asp.integers import shortened
 from prag_asp.space.weights.weights import Number, Weights, parse_number
 
 INFINITE = "inf"
@@ -55,8 +56,10 @@ def tempered(weights: Weights, temperature: Temperature) -> Weights:
     return Weights(powers(weights.names), powers(weights.pairs), powers(weights.actions), powers(weights.entities))
 
 
-def power(weight: Fraction, exponent: Fraction) -> Fraction:
+def power(weight: Fraction, exponent: Fraction, *, inverse: bool = False) -> Fraction:
     """Return `weight` to the power of an exponent of at least 0, rounded as in `tempered`.
+
+    With `inverse`, an error names 1/`weight`.
 
     Raises:
         QueryError: the power has more than 1000 digits.
@@ -64,12 +67,14 @@ def power(weight: Fraction, exponent: Fraction) -> Fraction:
     if weight in (0, 1):
         return weight
     if weight < 1:
-        return 1 / power(1 / weight, exponent)
+        return 1 / power(1 / weight, exponent, inverse=True)
     with localcontext(Context(prec=2 * DIGITS, Emax=10**9, Emin=-(10**9))) as context:
         logarithm = (Decimal(weight.numerator) / weight.denominator).ln() * exponent.numerator / exponent.denominator
         size = int(logarithm / Decimal(10).ln())
         if size > LARGEST_EXPONENT:
-            raise QueryError(f"a weight of {weight} to the power of {exponent} is too large; raise the temperature")
+            given, raised = shortened(str(1 / weight if inverse else weight)), shortened(str(exponent))
+            what = f"a weight of {given} to the power of {raised} is too {'small' if inverse else 'large'}"
+            raise QueryError(f"{what}; raise the temperature")
         bits = max(weight.numerator.bit_length(), weight.denominator.bit_length())
         if exponent.denominator == 1 and bits * exponent.numerator <= MOST_BITS:
             return weight**exponent.numerator

@@ -12,6 +12,7 @@ from prag_asp.logic.ground.ground_step import GroundStep, extend_step, ground_st
 from prag_asp.logic.ground.program import canonical_extension
 from prag_asp.logic.ground.stationary import StepReads
 from prag_asp.program.facts import Facts
+from prag_asp.program.finite import checks
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.sources import Program
 from tests.domains import domain_of
@@ -60,6 +61,29 @@ def test_a_counter_with_a_bound_is_carried_as_far_as_that() -> None:
     assert sum(symbol.name == "n" for symbol in model.ground.before) == 71
     space = TaskSpace(model.domain, 80, engine="automaton")
     assert space.count("plan") == sum(comb(80, a) for a in range(71))
+
+
+@pytest.fixture
+def few_values(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(checks, "MOST_VALUES", 1000)
+
+
+@pytest.mark.parametrize(("most", "told"), [("900", ""), ("2147483647", "1,000 times")])
+def test_a_bound_on_occurrences_takes_work_in_proportion_or_is_left_to_clingo(
+    most: str, told: str, few_values: None
+) -> None:
+    model = DomainLogic(domain_of(f"{TWO} at_most(a,{most}).", "at_most"))
+    assert [told in str(each.error()) for each in model.ground.obstacles] == [True] * bool(told)
+    carried = sum(symbol.name == "_occurrences" for symbol in model.ground.before)
+    assert carried == (0 if told else int(most) + 1)
+    assert TaskSpace(model.domain, 5).count("plan") == 2**5
+
+
+@pytest.mark.parametrize("bound", ["N < 900", "limit(K), N < K", "N < 2147483647"])
+def test_a_counter_of_the_author_is_carried_or_told_within_seconds(bound: str, few_values: None) -> None:
+    model = DomainLogic(domain_of(f"{TWO} limit(900).{counter(f', {bound}', 900)[len(TWO) :]}"))
+    assert bool(model.ground.obstacles) is (bound == "N < 2147483647")
+    assert TaskSpace(model.domain, 6).count("plan") == 2**6
 
 
 def test_what_only_several_carried_atoms_make_together_is_found() -> None:

@@ -369,6 +369,8 @@ def test_a_box_is_held_along_its_narrow_side_only():
     assert PREDICATES["holding"].holds(situation, ("panda", "brick"))
     turned = situation.with_pose("brick", Pose((0.5, 0.0, 0.02), yaw_quaternion(math.pi / 2)))
     assert PREDICATES["holding"].distance(turned, ("panda", "brick")) == pytest.approx(0.058)
+    narrowest, widest = PREDICATES["holding"].volume(situation, ("panda", "brick"), IDENTITY).width
+    assert narrowest < situation.arm("panda").width < widest
 
 
 def test_every_predicate_has_a_sentence_in_plain_words():

@@ -21,6 +21,7 @@ SHAPES = {
     "plank": PLANK,
     "ball": Shape("sphere", (0.06,) * 3),
     "bowl": Shape("container", (0.2, 0.2, 0.06), 0.006),
+    "tray": Shape("container", (0.3, 0.1, 0.06), 0.006),
 }
 
 
@@ -42,6 +43,7 @@ def _situation(**places: tuple[float, float, float]) -> Situation:
         ({"ball": (0.5, 0, 0.03), "a": (0.5, 0, 0.085)}, "a"),
         ({"bowl": (0.5, 0, 0.03), "a": (0.5, 0, 0.031)}, None),
         ({"bowl": (0.5, 0, 0.03), "a": (0.5, 0, 0.085)}, "a"),
+        ({"tray": (0.5, 0, 0.03), "a": (0.6, 0, 0.031)}, None),
         ({"a": (0.42, 0, 0.025), "b": (0.58, 0, 0.025), "plank": (0.5, 0, 0.06)}, None),
     ],
 )

@@ -169,3 +169,9 @@ def test_an_interval_of_too_many_numbers_is_reported_before_it_is_made(text: str
         DomainError, match=r"^domain\.lp:2: 1\.\.\w+ has 1,000,000,000 numbers, more than 1,000,000; make"
     ):
         ground(f"\n{text}")
+
+
+def test_intervals_of_too_many_combinations_are_reported_before_they_are_made() -> None:
+    with pytest.raises(DomainError, match=r"^domain\.lp:2: .* 1,000,000,000,000 combinations, more than 100,000,000"):
+        ground("\nn(X,Y) :- X = 1..1000000, Y = 1..1000000.")
+    ground("n((1..9999;1..9999;1..9999)). m :- #count { X : X = 1..9999 } > 1, #count { X : X = 1..99999 } > 1.")

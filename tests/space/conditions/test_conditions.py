@@ -42,10 +42,13 @@ def test_nontrivial_and_loop_free_tasks_are_those_whose_told_states_differ(toy: 
 NEVER = Toy(2, (Action("a", {}, {0: False}),), exclusive=((0, 0),))
 NEVER_BY_TWO = Toy(4, (Action("a", {}, {0: None, 3: True}),), exclusive=((1, 2),), implies=((0, 1), (3, 0), (1, 2)))
 """Fluents that can never be true, which actions set."""
+EQUAL = Toy(2, (Action("a", {}, {0: None}), Action("b", {}, {1: True})), implies=((0, 1), (1, 0)))
+"""After a(0) b(1), f0 holds, so it held before b(1), so f1 did: it held at the start, and so did f0."""
 
 
 @example(NEVER)
 @example(NEVER_BY_TWO)
+@example(EQUAL)
 @settings(max_examples=examples(40), suppress_health_check=list(HealthCheck))
 @given(st.one_of(toys(closed=False), toys(closed=True)))
 def test_what_is_known_of_states_is_what_all_runs_share_so_nontrivial_and_loop_free_agree(toy: Toy) -> None:

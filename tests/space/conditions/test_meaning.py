@@ -75,6 +75,7 @@ postcondition(p(X),f(X),true) :- entity(X,c). postcondition(q(X),f(X),false) :- 
         ["has p(a)", "has p(b)"],
         ["has at least 2 p(_)", "ends f(a) or f(b)"],
         ["lacks p(b)", "has at most 0 p(a)", "loop-free"],
+        ["after 1: f(a), f(b)", "after 1: f(a)"],
     ],
 )
 def test_conditions_that_say_the_same_of_two_entities_leave_them_interchangeable(words: list[str]) -> None:

@@ -54,6 +54,7 @@ CARRIED = [
     ("", "armed(t) :- occurs(a,t). armed(t) :- armed(t-1), not occurs(b,t).", ":- armed(t-1), occurs(a,t)."),
     ("", "n(1,t) :- occurs(a,t), not n(1,t-1). n(2,t) :- n(1,t-1). n(2,t) :- n(2,t-1).", ":- n(2,t), occurs(a,t)."),
     ("", "", ":- #sum { 2 : occurs(a,t-1); 1 : holds(f,true,t); 1 : occurs(b,t) } > 2."),
+    ("", "", ":- #sum { 2 : not occurs(a,t); 1 : holds(f,true,t-1); 1,b : occurs(b,t) } > 3."),
     ("", "more(t) :- 1 { holds(F,true,t-1) : fluent(F) } 1.", ":- more(t), occurs(a,t)."),
 ]
 

@@ -40,12 +40,12 @@ def random_text(random: Random) -> str:
     return "\n".join(lines)
 
 
-@pytest.mark.parametrize("number", range(30))
+@pytest.mark.parametrize("number", range(50))
 def test_python_the_command_line_and_datasets_sample_the_same_distinct_tasks(
-    number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    number: int, tmp_path: Path, chance: Chance, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(distinct_sampling, "MISSES", 20)
-    random = Random(number)
+    random = chance.generator(number)
     file = tmp_path / "toy.lp"
     file.write_text(random_text(random), encoding="utf-8")
     domain = load_domain(str(file))

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from prag_asp import QueryError, TaskSpace, load_domain
 from prag_asp.space.weights.temperature import LARGEST_DENOMINATOR, power, tempered
+from prag_asp.space.weights.weights import Weights
 
 DOMAIN = load_domain("prag")
 
@@ -66,3 +67,12 @@ def test_weights_whose_totals_are_too_long_are_refused() -> None:
     assert space.sample(1, seed=1, weights={"grasp": digits})
     with pytest.raises(QueryError, match=r"the weights have 59\d digits together, .* at length 1,000; round them"):
         space.at(1000).sample(1, seed=1, weights={"grasp": digits})
+
+
+@pytest.mark.parametrize(
+    ("weight", "told"), [(10**300, "0{19}... .301 digits. .*large"), (Fraction(1, 3), "1/3 .*small")]
+)
+def test_a_power_that_is_out_of_range_is_told_with_the_weight_in_short(weight: int | Fraction, told: str) -> None:
+    with pytest.raises(QueryError, match=told) as raised:
+        tempered(Weights({"a": Fraction(weight)}), "1/9999")
+    assert len(str(raised.value)) < 160

@@ -1,0 +1,48 @@
+"""All atoms that steps may carry along, from a single grounding: the step is ground as if it followed itself.
+
+With step t-1 replaced by step t, the rules of a step derive from one another what they derive from step to step, and
+clingo derives each atom once. A counter up to K takes K instances of its rule, where K steps one after the other take
+K^2. The result may have atoms too many, which no plan reaches, and lack some that depend on what is absent.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from pathlib import Path
+
+import clingo
+
+from prag_asp.program.grounding import Grounder
+from prag_asp.program.parse import parse_sources
+from prag_asp.program.sources import CONTRACT, Program, Source
+from prag_asp.program.syntax import Signature, Statement, with_replaced
+
+
+def carried_atoms(
+    program: Program, time: clingo.Symbol, open_atoms: Iterable[clingo.Symbol], carried: Collection[Signature]
+) -> set[clingo.Symbol]:
+    """Return atoms of the predicates `carried` that steps may derive, without their time; `open_atoms` may be true.
+
+    Raises:
+        BoundReached: a rule makes too many values from one another.
+    """
+    grounder = Grounder(Program(tuple(map(_onto_itself, program.sources))))
+    grounder.ground([("base", [])])
+    grounder.leave_open(clingo.Function(each.name, [*each.arguments, time]) for each in open_atoms)
+    grounder.ground([("step", [time])])
+    atoms = (atom.symbol for each in carried for atom in grounder.control.symbolic_atoms.by_signature(*each))
+    return {clingo.Function(each.name, each.arguments[:-1]) for each in atoms if each.arguments[-1] == time}
+
+
+def _onto_itself(source: Source) -> Source:
+    """Return a source whose rules of a step read that step instead of the one before, without its constraints.
+
+    Without a file of the name of the contract, the rules of encodings are bounded like those of authors.
+    """
+    replaced: dict[Statement, str] = {}
+    for statement in parse_sources([(source, True)])[0]:
+        if statement.part == "step" and statement.is_rule:
+            now = statement.parameters[0] if statement.parameters else "t"
+            replaced[statement] = statement.text.replace(f"({now}-1)", now) if statement.heads else ""
+    path = Path("<contract>") if source.path.name == CONTRACT else source.path
+    return Source(path, with_replaced(source.text, replaced))

@@ -1,0 +1,122 @@
+"""A file of PDDL that is read: its names, numbers and typed lists, and the messages about its mistakes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from typing import NoReturn
+
+from prag_asp.errors import DomainError
+from prag_asp.pddl.definitions import OBJECT, Declaration
+from prag_asp.pddl.syntax.expressions import Expression, Word
+from prag_asp.pddl.syntax.sections import unexpected
+from prag_asp.program.problem import Problem
+from prag_asp.wording import did_you_mean, nearest, plural
+
+NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)")
+LIKE_NUMBER = re.compile(r"[-+]?[\d.]+")
+ATTACHED = re.compile(r"-([^\W\d][^?:]*)?")
+"""The sign before a type, which some files write without the blank after it."""
+
+
+@dataclass
+class PddlSource:
+    """A file whose mistakes are refused with its path and line; `warnings` are about what is read all the same."""
+
+    path: Path
+    warnings: list[Problem] = field(default_factory=list)
+
+    def refuse(self, line: int, text: str) -> NoReturn:
+        """Raise a DomainError at a line."""
+        raise DomainError(f"{self.path}:{line}: {text}")
+
+    def warn(self, line: int, text: str, name: str) -> None:
+        """Add a warning."""
+        self.warnings.append(Problem(self.path, line, text, name))
+
+    def check_known(self, kind: str, name: Word, declared: Iterable[str], section: str) -> None:
+        """Refuse a name that is not declared."""
+        if name not in declared:
+            hint = did_you_mean(name, declared, f"declare it in {section}")
+            self.refuse(name.line, f"unknown {kind} {name}; {hint}")
+
+    def check_new(self, kind: str, name: Word, declared: Iterable[str]) -> None:
+        """Refuse a second declaration of a name."""
+        if name in declared:
+            self.refuse(name.line, f"the {kind} {name} is declared twice; remove one, or rename it")
+
+    def signature(self, kind: str, name: Word, arity: int, declared: Mapping[str, Declaration]) -> Declaration:
+        """Return the declaration of a predicate or a function that is used with `arity` arguments."""
+        self.check_known(kind, name, declared, f":{kind}s")
+        expected = len(declared[name].types)
+        if expected != arity:
+            self.refuse(name.line, f"{name} takes {plural(expected, 'argument')}, not {arity}; fix them")
+        return declared[name]
+
+    def list_of(self, parts: Iterable[Expression | Word], line: int) -> Expression:
+        """Return the next part, which has to be a list."""
+        part = next(iter(parts), None)
+        if isinstance(part, Expression):
+            return part
+        self.refuse(part.line if part else line, unexpected(part) if part else "something is missing here; write it")
+
+    def name_of(self, part: Expression | Word) -> Word:
+        """Return a part that has to be a name."""
+        if isinstance(part, Expression):
+            self.refuse(part.line, unexpected(part.head or "("))
+        if part[0] in ":?" or part == "-":
+            self.refuse(part.line, unexpected(part))
+        return part
+
+    def number(self, text: Word) -> Fraction:
+        """Return a number."""
+        if not NUMBER.fullmatch(text):
+            self.refuse(text.line, f"{text} is no number; write one such as 2 or 0.5")
+        return Fraction(text)
+
+    def typed_words(
+        self, parts: Iterable[Expression | Word], types: dict[str, tuple[str, ...]] | None, *, variables: bool = False
+    ) -> Iterator[tuple[Word, tuple[str, ...]]]:
+        """Yield the words of a typed list, each with its alternative types; there are none without a type.
+
+        An unknown type is added to `types` with a warning, unless it is a misspelling of one; None if all are welcome.
+        """
+        waiting: list[Word] = []
+        each_part = iter(parts)
+        for part in each_part:
+            if isinstance(part, Word) and ATTACHED.fullmatch(part):
+                kind = Word(part[1:], part.line) if len(part) > 1 else next(each_part, None)
+                kinds = self.kinds(kind, part.line, types)
+                yield from ((name, kinds) for name in waiting)
+                waiting = []
+            elif variables and isinstance(part, Word) and part[0] == "?" and len(part) > 1:
+                waiting.append(Word(part[1:], part.line))
+            elif variables:
+                line, text = (part.line, str(part)) if isinstance(part, Word) else (part.line, "(")
+                self.refuse(line, f"{text!r} is not expected here; write a variable such as ?x")
+            else:
+                waiting.append(self.name_of(part))
+        yield from ((name, ()) for name in waiting)
+
+    def kinds(
+        self, kind: Expression | Word | None, line: int, types: dict[str, tuple[str, ...]] | None
+    ) -> tuple[str, ...]:
+        """Return the alternative types that follow a sign, and check them as `typed_words` does."""
+        if kind is None:
+            self.refuse(line, "a type is missing after '-'; write it")
+        if isinstance(kind, Expression) and (kind.head != "either" or not kind.rest):
+            self.refuse(kind.line, f"{str(kind.head) or '('!r} is not expected here; write a type, or (either a b)")
+        names = [self.name_of(each) for each in ([kind] if isinstance(kind, Word) else kind.rest)]
+        for each in names if types is not None else ():
+            self._check_type(each, types)
+        return tuple(dict.fromkeys(map(str, names)))
+
+    def _check_type(self, kind: Word, types: dict[str, tuple[str, ...]] | None) -> None:
+        if types is not None and kind not in types:
+            if nearest(kind, set(types) - {OBJECT}):
+                self.check_known("type", kind, types, ":types")
+            self.warn(kind.line, f"the type {kind} is not declared; declare it in :types", "undeclared")
+            types[str(kind)] = ()
