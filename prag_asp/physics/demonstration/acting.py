@@ -20,7 +20,7 @@ from prag_asp.physics.world.simulator import Simulator
 from prag_asp.scene.robots import robot_of
 
 SQUEEZE = 0.008
-"""By how much the target opening of a gripper is below the width of the object that it holds, in metres."""
+"""The difference in metres between the width of a held object and the target opening of the gripper."""
 
 LONGEST_REST = 0.5
 """The longest time to wait for objects to come to rest, in seconds: a ball may roll on."""

@@ -1,4 +1,4 @@
-"""What the friction of two pads bears: the weight of a body, and its torque if it is held beside its centre of mass."""
+"""The friction of two pads: whether it bears the weight of a body, and its torque if held off its centre of mass."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a body from a file rests on the ground: whether it stands, and how it comes to rest otherwise.
+"""The stability of a body from a file on the ground: whether it stands, and otherwise how it comes to rest.
 
 Its base is the convex hull of all its points within `CONTACT` of the lowest one. Boxes and meshes are sampled at their
 corners, cylinders and balls all around, balls also just above their lowest point.
