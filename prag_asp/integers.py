@@ -70,7 +70,7 @@ def number_of(digits: str) -> int:
     """Return the number that decimal digits spell, however many there are: Python itself reads some thousands.
 
     Raises:
-        ValueError: the text has a character that is no decimal digit.
+        ValueError: the text has a character that is not a decimal digit.
     """
     if len(digits) <= PLAIN_DIGITS:
         return int(digits)

@@ -51,7 +51,7 @@ def _axes(footprint: Footprint, other: Footprint) -> list[Point]:
 
 
 def _shadow(footprint: Footprint, direction: Point) -> tuple[float, float]:
-    """Return where a body begins and ends along a unit vector, in metres."""
+    """Return the interval that a body covers along a unit vector, in metres."""
     if footprint.shape.traits.round:
         middle = direction[0] * footprint.place[0] + direction[1] * footprint.place[1]
         return middle - footprint.shape.half[0], middle + footprint.shape.half[0]

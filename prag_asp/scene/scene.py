@@ -46,7 +46,7 @@ class Solid(NamedTuple):
 
 
 class Look(NamedTuple):
-    """What is seen of a body: a solid in its frame, which does not collide.
+    """A visual part of a body: a solid in the frame of the body, without collisions.
 
     A mesh has the colours and textures of its file; files that it names have to be inside a `folder`. Otherwise it has
     the `texture`, a path, and the solid the `color`, or that of the entity if it is empty.
@@ -75,9 +75,9 @@ class BodyModel(NamedTuple):
     inertia in kg m² about `axes`, a unit quaternion (x, y, z, w).
 
     `base` and `crown` are the convex outlines, seen from above and counter-clockwise, of what it stands on and of what
-    stands on it: its lowest and its highest points; if empty, of its box. `settled` is by how many radians it was
-    tilted from how its file has it, because it does not rest like that. `looks` are what is seen of it; if it has none,
-    it is seen as it collides.
+    stands on it: its lowest and its highest points; if empty, of its box. `settled` is the angle in radians by which it
+    was tilted from its orientation in the file, because it does not rest there. `looks` are its visual parts; without
+    them, its collision solids are shown.
     """
 
     solids: tuple[Solid, ...]

@@ -33,7 +33,7 @@ OPERATORS = ("+", "-", "*", "/")
 
 @dataclass(frozen=True)
 class Declared:
-    """What a domain and its problem declare. `types` are the direct supertypes of each type.
+    """The declarations of a domain and its problem. `types` are the direct supertypes of each type.
 
     If predicates are `undeclared`, the domain has no list of them, and each is added where it is used first.
     """

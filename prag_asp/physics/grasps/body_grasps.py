@@ -34,7 +34,7 @@ def body_grasps(shape: Shape, gripper: ParallelGripper, friction: float) -> tupl
 
 
 def pad_contact(shape: Shape, gripper: ParallelGripper, tool: Pose) -> PadContact | None:
-    """Return what the pads touch when they close on a body; None if there is nothing between them.
+    """Return the contact of the pads when they close on a body; None if there is nothing between them.
 
     `tool` is the pose of the tool in the frame of the body.
 
@@ -93,12 +93,12 @@ def _grasp(row: Mapping[str, Any]) -> Grasp:
 
 
 def _problem(shape: Shape, friction: float) -> GraspProblem:
-    """Return what grasps of a body are sampled of."""
+    """Return the geometry of a body from which grasps are sampled."""
     return GraspProblem(part_surfaces(shape), _centre(shape), friction)
 
 
 def lever(shape: Shape, tool: Pose, contact: PadContact) -> float:
-    """Return how far the centre of mass of a body is horizontally from the line between the pads; metres.
+    """Return the horizontal distance in metres from the centre of mass of a body to the line between the pads.
 
     `tool` is the pose of the tool in the frame of the body, which is upright.
     """
@@ -114,5 +114,5 @@ def _centre(shape: Shape) -> tuple[float, float, float]:
 def _contact(
     shape: Shape, gripper: ParallelGripper, tool: Pose, files: tuple[tuple[int, int], ...]
 ) -> PadContact | None:
-    """Return what the pads touch; the states of the body's files are a key of the cache."""
+    """Return the contact of the pads; the states of the body's files are a key of the cache."""
     return gripper.contact(in_frame(surface(shape), tool))

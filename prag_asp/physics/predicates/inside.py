@@ -54,7 +54,7 @@ def rims(situation: Situation, container: str, margin: float = 0.0) -> Iterator[
 
 
 def _half_within(situation: Situation, subject: str, container: str, quaternion: Quaternion) -> Vector:
-    """Return the half-sides of the bounding box of a rotated body in the container's frame, in metres."""
+    """Return the half-extents of the bounding box of a rotated body in the container's frame, in metres."""
     x, y, z, w = situation.pose(container).quaternion
     return extents(situation.shape(subject), multiply((-x, -y, -z, w), quaternion))
 

@@ -54,7 +54,7 @@ class SentenceFunction(Protocol):
 
 
 class Gripper(Enum):
-    """What a predicate states about the gripper of its first argument, and, except `OPEN`, its second argument."""
+    """The relation of the gripper of a predicate's first argument, except for `OPEN` to its second argument."""
 
     HOLDS = "holds"
     AT = "is at"

@@ -29,7 +29,7 @@ class Side(NamedTuple):
 class Ring(NamedTuple):
     """The region between two distances from a point or an axis-aligned rectangle in the x-y plane, in metres.
 
-    The half-sides of the rectangle are both positive; those of a point are 0.
+    The half-extents of the rectangle are both positive; those of a point are 0.
     """
 
     x: float

@@ -33,7 +33,7 @@ TOP_GRIP = 0.01
 """The distance of the highest grasp below the top of an object, in metres."""
 
 HAIR = 1e-5
-"""The least distance of every grasp below the top of an object, in metres, because kinematics are not exact."""
+"""The minimum distance of every grasp below the top of an object, in metres, because kinematics are not exact."""
 
 LONG, FROM_END = 0.08, 0.03
 """With several robots, a box of at least twice `LONG` is grasped at the distance `FROM_END` from its end, in metres."""
@@ -47,14 +47,14 @@ HALF_TURN = (0.0, 0.0, 1.0, 0.0)
 """Half a turn of the tool about its own axis, which gives the same grasp."""
 
 EASE = 0.3
-"""What it is worth in a grasp's score that the arm comes to it from its own side."""
+"""The bonus in a grasp's score if the arm approaches from its own side."""
 
 SECTOR, SIDEWAYS = math.pi / 4, 0.7
 """Grasps are of a kind if their axes are in one sector, in radians, and both or none come from the side: the cosine of
 a tool's slope below which it does."""
 
 STRAIGHT_DOWN = 1e-7
-"""By how much the cosine of a tool's slope may be below 1: half a milliradian."""
+"""The tolerance of the cosine of a tool's slope below 1: about half a milliradian."""
 
 
 class CollisionQuery(NamedTuple):
@@ -76,7 +76,7 @@ def grasps(search: Search, situation: Situation, entity: str) -> list[GraspOptio
     """Return the ways to grasp an object, the easiest first.
 
     Raises:
-        Failure: there are none, or all twist out of the gripper.
+        Failure: there is no grasp, or in all of them the object would twist in the gripper.
     """
     if situation.shape(entity).model is not None:
         return _sampled(search, situation, entity)
@@ -87,7 +87,7 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
     """Return the grasps of a body with a model at its pose, the best first; each is turned to where the arm comes from.
 
     Raises:
-        Failure: there are none, or friction bears the weight and the torque of the body in none.
+        Failure: there is no grasp, or none in which friction bears the weight and the torque of the body.
     """
     found = grasps_in_body(situation, entity, search.simulator.acting)
     if not found:

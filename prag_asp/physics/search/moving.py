@@ -76,7 +76,7 @@ def move_object(search: Search, snapshot: Snapshot, entity: str, pose: Pose) -> 
     """Return all poses after an object and everything that rests on it have moved.
 
     Raises:
-        Failure: one of them collides with something, or an object would fall.
+        Failure: a moved object collides with something, or an object would fall.
     """
     old = snapshot.situation
     poses = with_riders(old, entity, pose, search.objects)

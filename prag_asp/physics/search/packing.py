@@ -44,7 +44,7 @@ BRANCHES = 4
 """The places of an object that are tried before the one before it is moved."""
 
 PLACED = 10
-"""How often each object is placed, on average, until a spacing is given up."""
+"""The average number of placements per object until a spacing is given up."""
 
 LATTICE = 7
 """Lines of the lattice in each direction, for regions whose corners are out of reach."""
@@ -88,7 +88,7 @@ def pack(
     """Return a situation with all objects of an `order` placed, so that the facts `about` each of them hold.
 
     Raises:
-        Failure: there is no room for one of them.
+        Failure: there is no room for an object.
     """
     if not order:
         return still
@@ -182,7 +182,8 @@ def _fill(
     """Return a situation with all objects placed from a corner with a spacing, by backtracking.
 
     Raises:
-        Failure: there is no room for one of them, or too many places were tried; it names the farthest object.
+        Failure: there is no room for an object, or too many places were tried; the error names the object that was
+            reached last.
     """
     situations, options, farthest = [still], list[Iterator[Pose]](), 0
     for _ in range(PLACED * len(order)):

@@ -276,7 +276,7 @@ def _neighbours(
 ) -> list[Neighbour]:
     """Return the others that an object at a height can meet, without containers it is put into.
 
-    `turned` has the shape of the object, its orientation, and the half-sides of its bounding box. Furniture has the
+    `turned` has the shape of the object, its orientation, and the half-extents of its bounding box. Furniture has the
     bounding boxes of its body and of the swept moving part.
     """
     neighbours = []

@@ -147,7 +147,7 @@ class Checks:
         """Return 0 if a rule may derive terms of these values.
 
         Raises:
-            BoundReached: it has derived terms of too many values, derives too deep terms, or never terminates.
+            BoundReached: the rule has derived too many values or too deep terms, or never terminates.
         """
         site = self.sites[number.number]
         if site.certain:

@@ -29,7 +29,7 @@ UPWARD: Mapping[str, tuple[float, float, float]] = {
 """The rotation about x, y and z in degrees that turns an axis of a file upwards."""
 
 RESTS = ("upright", "lying", "any")
-"""How a body rests: as its file has it, on its side, or where its centre of mass is lowest."""
+"""The resting pose of a body: as in its file, on its side, or the one with the lowest centre of mass."""
 
 SIDEWAYS = math.cos(math.radians(45.0))
 """The cosine of the smallest angle between the upward axes of a body that lies and of its file."""

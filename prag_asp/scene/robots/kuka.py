@@ -27,7 +27,7 @@ SHOULDER, UPPER, FOREARM, WRIST = 0.36, 0.42, 0.40, 0.081
 """Metres: the shoulder above the base, the elbow from it, the wrist from that, the flange link from that."""
 
 FACE = 0.045
-"""How far the face of the flange is ahead of the frame of its link, in metres."""
+"""The distance from the frame of the flange link to the face of the flange, in metres."""
 
 PALM = (0.07, 0.14, 0.06)
 TOOL_OFFSET = FACE + PALM[2] + 0.045
@@ -112,7 +112,7 @@ def _direction(y: Floats, x: Floats, otherwise: float) -> Floats:
 
 
 def _frame(along: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return a direction, the most upright one square to it, and the one square to both."""
+    """Return a direction, the most upright one perpendicular to it, and the one perpendicular to both."""
     reference = np.array((0.0, 0.0, 1.0)) if abs(along[2]) < 1.0 - TINY else np.array((1.0, 0.0, 0.0))
     up = reference - (reference @ along) * along
     up /= np.linalg.norm(up)

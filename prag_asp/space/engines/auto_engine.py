@@ -1,6 +1,6 @@
 """The choice of an engine: states are listed if they fit into memory, otherwise represented by diagrams.
 
-A forecast from the number of new states of each step decides. If a step is no function of the state, clingo
+A forecast from the number of new states of each step decides. If a step is not a function of the state, clingo
 enumerates; if that takes long, a model counter runs in parallel, and the first to finish answers.
 """
 
@@ -137,7 +137,7 @@ class AutoEngine:
         return self._answer(length, lambda engine: engine.unrank(length, rank))
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None if it is no word."""
+        """Return the rank of a word among those of its length, or None if it is not a word."""
         return self._answer(len(word), lambda engine: engine.rank(word))
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:

@@ -61,8 +61,8 @@ class Reach:
     """The known words of a level.
 
     `letters` are the texts of the letters and `names` the names of their actions. `merged` walks along words if states
-    were merged. `stop` is why exploration ended early, or None if it is complete up to the automaton's horizon. With
-    `sets`, the automaton's states are sets of states of the domain.
+    were merged. `stop` is the reason why exploration ended early, or None if it is complete up to the automaton's
+    horizon. With `sets`, the automaton's states are sets of states of the domain.
     """
 
     letters: tuple[str, ...]

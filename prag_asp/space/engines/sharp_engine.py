@@ -79,7 +79,7 @@ class SharpEngine:
         return word
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None if it is no word."""
+        """Return the rank of a word among those of its length, or None if it is not a word."""
         length = len(word)
         if not self.contains(word):
             return None

@@ -40,7 +40,7 @@ def tempered(weights: Weights, temperature: Temperature) -> Weights:
     Decimal arithmetic makes the result the same on every machine, and all later computations are exact.
 
     Raises:
-        QueryError: the temperature is no number above 0, or too low.
+        QueryError: the temperature is not a number above 0, or too low.
     """
     exponent = Fraction(0)
     if temperature != INFINITE:

@@ -15,6 +15,7 @@ from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.read import mesh_body
 from prag_asp.scene.read.mesh import file_parts, mesh_parts
+from prag_asp.scene.read.stability import falls, settle
 from prag_asp.scene.scene import Scene, Shape
 from tests.physics.random_tasks import scene_with
 
@@ -185,3 +186,15 @@ def test_a_mesh_that_is_too_costly_to_divide_is_refused_by_its_file(tmp_path, mo
         SceneError, match=r"costly\.stl: dividing the mesh into convex parts is too costly: .*simplify it"
     ):
         mesh_parts(str(tmp_path / "costly.stl"))
+
+
+def test_an_egg_that_is_laid_aslant_rolls_until_it_lies_on_its_belly() -> None:
+    angles, heights = np.linspace(0, 2 * np.pi, 24, endpoint=False), np.linspace(-1, 1, 25)
+    rings = [(h, c * np.cos(a), c * np.sin(a)) for h in heights for c in [math.sqrt(1 - h * h)] for a in angles]
+    tilt = math.radians(12)
+    rows = np.array([[math.cos(tilt), 0, math.sin(tilt)], [0, 1, 0], [-math.sin(tilt), 0, math.cos(tilt)]])
+    aslant = (np.array(rings) * (0.035, 0.02, 0.02)) @ rows.T
+    assert falls(aslant, np.zeros(3))
+    turned = settle(aslant, np.zeros(3))
+    assert turned is not None
+    assert abs((turned @ rows)[2, 0]) < math.sin(math.radians(4)) and not falls(aslant @ turned.T, np.zeros(3))
