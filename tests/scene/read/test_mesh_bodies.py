@@ -107,6 +107,9 @@ def test_without_a_mass_it_is_that_of_the_volume_and_the_material(tmp_path):
     scene = scene_with("tabletop", shapes, folder=tmp_path, materials={"cube": {"density": 1000}})
     model = scene.shapes["cube_1"].model
     assert model.mass == pytest.approx(0.06 * 0.02 * 0.02 * 1000 + 0.04 * 0.02 * 0.02 * 1000)
+    own = scene_with("tabletop", {"cube": {**shapes["cube"], "density": 500}}, folder=tmp_path).shapes["cube_1"].model
+    assert own.mass == pytest.approx(model.mass / 2)
+    assert own.moments == pytest.approx([moment / 2 for moment in model.moments])
     # The foot has its middle at (30, 10), the wall at (10, 40): 3 to 2 by volume; the middle of the box is at 30.
     assert model.centre == pytest.approx((-0.008, 0.0, -0.008))
 
@@ -151,6 +154,8 @@ def test_without_the_extra_a_concave_mesh_is_refused_with_the_remedy(tmp_path, m
         ({"path": "b.stl", "up": "w"}, "cube.up: "),
         ({"path": "b.stl", "rotation": 90}, "cube.rotation: "),
         ({"path": "b.stl", "mass": 0}, "cube.mass: "),
+        ({"path": "b.stl", "density": 0}, "cube.density: "),
+        ({"path": "b.stl", "density": 500, "mass": 1}, "a mass or a density; leave one of them out"),
         ({"path": "b.stl", "rests": "leaning"}, "cube.rests: "),
         ({"path": "b.stl", "colour": "red"}, "cube.colour: "),
         ({"path": "b.fbx"}, "a mesh of unknown format; known are .obj, .stl, .ply"),
