@@ -91,6 +91,10 @@ class BodyModel(NamedTuple):
     cavity: Cavity | None = None
     looks: tuple[Look, ...] = ()
 
+    def __hash__(self) -> int:
+        # Caches look models up all the time, and some have hundreds of numbers; these few distinguish them.
+        return hash((self.mass, self.centre, self.moments, len(self.solids)))
+
     def with_mass(self, mass: float) -> BodyModel:
         """Return the model with another mass in kilograms, distributed alike."""
         x, y, z = (moment * mass / self.mass for moment in self.moments)
@@ -212,6 +216,10 @@ class TableTop:
     color: str = "#c8a27a"
 
 
+BALANCE = 0.01
+"""The default of `Scene.balance`: robots put things down within a few millimetres."""
+
+
 @dataclass(frozen=True)
 class Scene:
     """The scene of a domain.
@@ -226,7 +234,8 @@ class Scene:
     in radians. `frame` is "robot", for which left is +y and in front is -x, or "viewer", who faces the robot.
 
     `own` has the spatial predicates that the domain adds, by name; their Python files are run only if `trusted` is set.
-    `cameras` are named, too; by default there is one, `front`. `vary` has the ranges of domain randomization.
+    `cameras` are named, too; by default there is one, `front`. `vary` has the ranges of domain randomization. `balance`
+    is the margin in metres that the centre of mass of a placed object keeps within what it stands on, if that is large.
     """
 
     shapes: Mapping[str, Shape]
@@ -244,6 +253,7 @@ class Scene:
     robots: Mapping[str, Mount] = field(default_factory=dict)
     cameras: Mapping[str, Camera] = field(default_factory=dict)
     vary: Ranges = USUAL_RANGES
+    balance: float = BALANCE
 
     def __post_init__(self) -> None:
         if not self.robots:

@@ -42,7 +42,7 @@ KINDS: Mapping[str, Kind] = {
     "drawer": Kind(("size", "wall"), hollow=True, furniture=True),
     "cupboard": Kind(("size", "wall"), hollow=True, furniture=True),
     "urdf": Kind(("path",)),
-    "mesh": Kind(("path", "visual", "scale", "rotation", "up", "mass", "rests")),
+    "mesh": Kind(("path", "visual", "scale", "rotation", "up", "mass", "density", "rests")),
     "table": Kind(body=False, surface=True),
     "robot": Kind(body=False),
     "zone": Kind(("size",), body=False, surface=True),

@@ -122,7 +122,7 @@ def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Gra
     rng = np.random.default_rng(0)
     triangles = np.concatenate(problem.parts)
     points, normals = _surface_points(problem.parts, POINTS, rng)
-    # The same points as in `hand_is_free`, so that the check of a witness agrees.
+    # The same points as in `dense_points`, so that the check of a witness agrees.
     dense, facing = _surface_points(problem.parts, DENSE, np.random.default_rng(0))
     candidates: list[tuple[float, int, float, Floats, Floats]] = []
     for point, far, axis in _antipodal_pairs(points, normals, triangles, problem.friction, gripper.opening):
@@ -286,19 +286,25 @@ def _promises(points: Floats, facing: Floats, gripper: ParallelGripper, friction
     return True
 
 
-def open_width(problem: GraspProblem, gripper: ParallelGripper, tool: Pose, width: float) -> float | None:
-    """Return the widest opening in metres at which the hand at a tool is free of the body, None if there is none.
+def dense_points(parts: Sequence[Floats]) -> Floats:
+    """Return points of the surface of a body that must not be inside the hand, shape (n, 3) in its frame, metres."""
+    return _surface_points(parts, DENSE, np.random.default_rng(0))[0]
 
-    `width` is that of the material between the pads.
+
+def open_width(points: Floats, gripper: ParallelGripper, tool: Pose, width: float) -> float | None:
+    """Return the widest opening in metres at which the hand at a tool is free of a body, None if there is none.
+
+    `points` are those of `dense_points`, `width` is that of the material between the pads.
     """
-    dense, _ = _surface_points(problem.parts, DENSE, np.random.default_rng(0))
-    return _widest(in_frame(dense[None], tool)[0], gripper, width)
+    return _widest(in_frame(points[None], tool)[0], gripper, width)
 
 
-def hand_is_free(problem: GraspProblem, gripper: ParallelGripper, tool: Pose, width: float) -> bool:
-    """Return whether the hand at a tool, with the pads `width` metres apart, is in the body by `SOFT` at most."""
-    dense, _ = _surface_points(problem.parts, DENSE, np.random.default_rng(0))
-    return _free(in_frame(dense[None], tool)[0], _soft_boxes(gripper, width))
+def hand_is_free(points: Floats, gripper: ParallelGripper, tool: Pose, width: float) -> bool:
+    """Return whether the hand at a tool, with the pads `width` metres apart, is in a body by `SOFT` at most.
+
+    `points` are those of `dense_points`.
+    """
+    return _free(in_frame(points[None], tool)[0], _soft_boxes(gripper, width))
 
 
 def _soft_boxes(gripper: ParallelGripper, width: float) -> list[Box]:

@@ -40,6 +40,9 @@ from prag_asp.scene.geometry import Pose, Quaternion, extents, multiply, yaw_of,
 SPACINGS = (FINGER_ROOM, FINGER_ROOM / 2, SPACING, 0.005, 0.002, 0.0)
 """Metres between objects, the most first: they touch where nothing else leaves room for all."""
 
+TIGHT = 0.002
+"""The spacing in metres from which on objects also touch the walls of a container."""
+
 BRANCHES = 4
 """The places of an object that are tried before the one before it is moved."""
 
@@ -137,7 +140,7 @@ def packed_poses(situation: Situation, request: PlacementRequest, filling: tuple
     checked = [fact for fact in about if not shapes_volume(fact, entity)]
     for frame in _frames(situation, entity, support, about):
         for quaternion in _orientations(situation, entity, about, frame):
-            volume = placement_volume(situation, request, quaternion)
+            volume = placement_volume(situation, request, quaternion, spacing <= TIGHT)
             floor = volume.floor()
             if floor is None:
                 continue

@@ -151,20 +151,23 @@ class Dynamics:
             set_joints(self.client, loaded.body, loaded.robot, arm.joints, arm.width)
         self._quiet = dict.fromkeys(self._bodies, 0)
 
-    def drive(self, robot: str, command: ArmCommand, speeds: Sequence[float] = STILL) -> None:
+    def drive(
+        self, robot: str, command: ArmCommand, speeds: Sequence[float] = STILL, force: float | None = None
+    ) -> None:
         """Set the targets of the motors of an arm from now on.
 
         `speeds` are the target speeds of the joints in rad/s. An opening less than the width of an object between the
-        fingers squeezes it.
+        fingers squeezes it, with the `force` of each in newtons, by default the grip force of the robot.
         """
         arm = self._arms[robot]
+        squeeze = arm.robot.grip_force if force is None else force
         pybullet.setJointMotorControlArray(
             arm.body,
             arm.driven,
             pybullet.POSITION_CONTROL,
             targetPositions=[*command.joints, command.opening / 2, command.opening / 2],
             targetVelocities=[*speeds, 0.0, 0.0],
-            forces=[*arm.robot.torques, arm.robot.grip_force, arm.robot.grip_force],
+            forces=[*arm.robot.torques, squeeze, squeeze],
             positionGains=[POSITION_GAIN] * len(arm.driven),
             physicsClientId=self.client,
         )
