@@ -22,7 +22,7 @@ KINDS = frozenset("biufU")
 
 
 class BadArchive(Exception):
-    """An archive has other content than expected."""
+    """An archive does not have the expected content."""
 
 
 def read_arrays(file: BinaryIO, names: Collection[str], at_most: int) -> dict[str, NDArray[Any]]:

@@ -73,7 +73,7 @@ def read_witness(record: Record, scene: Scene) -> Witness:
 def errors_with_place(record: Record, domain: Domain | None = None, advice: str = "") -> Iterator[None]:
     """Add the file and the line of a record to the message of an error, and advice to its end.
 
-    If the record names another domain than `domain`, the message includes that.
+    If the record names a domain other than `domain`, the message includes that.
 
     Raises:
         QueryError: the body raises a QueryError.

@@ -1,4 +1,4 @@
-"""The user's cache: files with results that took long to compute, for later runs.
+"""The user's cache: files with results that took a long time to compute, for later runs.
 
 A file ends with a checksum: a truncated or modified file counts as missing. Failures to write are ignored.
 

@@ -141,7 +141,7 @@ class TaskEnv(GoalEnv):
         self.domain = origin.domain(domain if length is None else None)
         self.scene = scene_of(self.domain)
         self._resources = ExitStack()
-        # Releases the simulators also where the environment is not closed.
+        # Releases the simulators even if the environment is not closed.
         weakref.finalize(self, self._resources.close)
         self._viewer = Viewer(self.scene, cameras, size, self._resources)
         self.layout = Layout.of(self.scene, map(atom_of, self.domain.facts.actions), everything=everything)

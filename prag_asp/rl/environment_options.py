@@ -28,7 +28,7 @@ def check_episodes(*, until: object, reward: object, control: object, stage: obj
     """Check the options of episodes.
 
     Raises:
-        QueryError: an option has another value than those allowed.
+        QueryError: an option has a value that is not allowed.
     """
     for value, choices, what in ((until, UNTIL, "end"), (reward, REWARDS, "reward"), (control, CONTROLS, "control")):
         if value not in choices:

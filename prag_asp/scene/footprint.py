@@ -23,7 +23,7 @@ class Footprint(NamedTuple):
 
 
 def corners(footprint: Footprint) -> Outline:
-    """Return the corners of a footprint, counter-clockwise; of a round body those of the square around it."""
+    """Return the corners of a footprint, counter-clockwise; for a round body, those of the square around it."""
     (x, y, yaw), (half_x, half_y, _) = footprint.place, footprint.shape.half
     return rectangle(x, y, half_x, half_y, 0.0 if footprint.shape.traits.round else yaw)
 
@@ -38,7 +38,7 @@ def apart(one: Footprint, two: Footprint, touching: float) -> bool:
 
 
 def _axes(footprint: Footprint, other: Footprint) -> list[Point]:
-    """Return the unit normals of the sides of a body; of a round one the direction from the nearest part of another."""
+    """Return unit normals of the sides of a body; for a round one, the direction from the nearest part of another."""
     x, y, yaw = footprint.place
     if not footprint.shape.traits.round:
         cosine, sine = math.cos(yaw), math.sin(yaw)

@@ -22,8 +22,8 @@ class Primitive(NamedTuple):
     """The extent of a primitive, as functions of the half-extents of its bounding box, in metres.
 
     `reach` is the distance from its centre to its farthest point along a unit vector, in its own frame. `outline` are
-    its corners from above, counter-clockwise, by x, y and yaw of its middle; of a ball where it stands. `volume` is in
-    cubic metres.
+    its corners from above, counter-clockwise, by x, y and yaw of its middle; for a ball, the point where it stands.
+    `volume` is in cubic metres.
     """
 
     reach: Callable[[Vector, Vector], float]

@@ -150,7 +150,7 @@ def to_local(pose: Pose, x: float, y: float) -> Point:
 
 @lru_cache(maxsize=1 << 11)
 def outline(shape: Shape, pose: Pose) -> Outline:
-    """Return the corners of an upright body from above, counter-clockwise; of a ball where it stands."""
+    """Return the corners of an upright body from above, counter-clockwise; for a ball, the point where it stands."""
     x, y, _ = pose.position
     return shape.traits.form.outline(shape.half, x, y, yaw_of(pose.quaternion))
 

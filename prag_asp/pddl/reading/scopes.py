@@ -136,7 +136,7 @@ class Scope:
         return ObjectFunction(predicate, terms, types, part.line)
 
     def check_value(self, function: ObjectFunction, value: Variable | str) -> None:
-        """Refuse a value that may have another type than those of the values of a function."""
+        """Refuse a value whose type may differ from those of the values of a function."""
         for kind in value.types if isinstance(value, Variable) else (self._declared.objects[value],):
             above, waiting = {kind, OBJECT}, [kind]
             while waiting:

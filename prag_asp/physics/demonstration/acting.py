@@ -89,7 +89,7 @@ class Actor:
         self._drive(robot, ways)
 
     def _fingers_move(self, waypoint: Waypoint) -> bool:
-        """Return whether an empty gripper has another opening than at a waypoint."""
+        """Return whether the opening of an empty gripper differs from that of a waypoint."""
         return self._arms[waypoint.robot].held is None and waypoint.width != self._commands[waypoint.robot].opening
 
     def _drive(self, robot: str, ways: list[Angles]) -> None:

@@ -26,7 +26,7 @@ GEOMETRIES: Mapping[str, int] = {
     "sphere": pybullet.GEOM_SPHERE,
     "mesh": pybullet.GEOM_MESH,
 }
-"""PyBullet's types of the solids; of a mesh it uses the convex hull of each part."""
+"""PyBullet's types of the solids; for a mesh, it uses the convex hull of each part."""
 
 NOTHING = -1
 SHADE, BELT, SPOT, STANDING_OUT = 0.45, 0.12, 0.5, 0.02

@@ -27,7 +27,7 @@ UNIT = (1.0, 1.0, 1.0)
 
 
 class VisiblePiece(NamedTuple):
-    """A solid in a colour, red, green, blue and opacity from 0 to 1; of a mesh the name of its file, and all files."""
+    """A solid in a colour, red, green, blue and opacity from 0 to 1; for a mesh, its file name and all files."""
 
     solid: Solid
     rgba: Rgba

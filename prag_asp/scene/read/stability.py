@@ -104,7 +104,7 @@ def settle(points: Floats, centre: Floats) -> Floats | None:
         (px, py), (dx, dy) = _pivot(base, (float(x), float(y)))
         ahead = (turned[:, 0] - px) * dx + (turned[:, 1] - py) * dy
         angles = np.arctan2(turned[:, 2] - lowest, ahead)
-        # What is on the ground ahead of the pivot is on the pivot, but for rounding errors.
+        # What is on the ground ahead of the pivot is on the pivot, except for rounding errors.
         angle = float(angles[~on_ground].min(initial=np.pi))
         rows = _tipping((dx, dy), angle) @ rows
     return None

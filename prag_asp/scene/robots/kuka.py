@@ -172,7 +172,7 @@ KUKA = Robot(
     reach_height=0.35,
     payload=14.0,
     grip_force=12.0,
-    # Links that can meet; of the others the joint limits keep the real ones apart, if not the convex hulls of 4 and 6.
+    # Links that can meet; joint limits keep the other links apart, although not the convex hulls of 4 and 6.
     self_pairs=tuple((low, high) for low in (-1, 0) for high in (4, 5, 6, 7, 8, 9)),
     finger_names=(("left_finger", 1.0), ("right_finger", -1.0)),
     finger_boxes=FINGER_BOXES,

@@ -1,7 +1,7 @@
 """The choice of an engine: states are listed if they fit into memory, otherwise represented by diagrams.
 
 A forecast from the number of new states of each step decides. If a step is not a function of the state, clingo
-enumerates; if that takes long, a model counter runs in parallel, and the first to finish answers.
+enumerates; if that takes a long time, a model counter runs in parallel, and the first to finish answers.
 """
 
 from __future__ import annotations

@@ -252,7 +252,7 @@ class Weighed:
         return self.completions.automaton
 
     def total(self, length: int) -> int:
-        """Return the sum of the weights of all words of a length, in units."""
+        """Return the sum of the weights of all words of a length, as a multiple of `unit`."""
         if self.ranking is not None:
             return self.ranking.total
         return int(self.completions.row(length)[0]) if self.automaton.states else 0
