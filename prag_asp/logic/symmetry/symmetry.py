@@ -28,6 +28,15 @@ from prag_asp.logic.symmetry.unit_symmetry import MissingImage, joint_groups
 from prag_asp.program.entity_names import action_name
 from prag_asp.program.facts import Facts
 
+SignedAtom = tuple[int, int]
+"""An atom by its number, and whether it is negated (1) or not (0)."""
+
+REMEMBERED = 1_000_000
+"""The number of remembered literals and sums of `_Consequences`, some 200 MB."""
+
+WITNESSES = 4
+"""The number of rules that are remembered because swaps do not keep them."""
+
 
 def find_symmetries(facts: Facts, ground: GroundStep, bare: Callable[[], GroundStep] | None = None) -> Symmetries:
     """Return the groups of interchangeable entities, each in clingo's order of terms, and the joint groups.
@@ -140,6 +149,8 @@ class _Rules:
     atoms: Atoms
     others: Callable[[], _Rules] | None = None
     _consequences: dict[bool, _Consequences] = field(default_factory=dict)
+    _witnesses: list[tuple[SpelledRule, int, int]] = field(default_factory=list)
+    """Rules that swaps of two entities do not keep, each with the entities; the last that helped is first."""
 
     @cached_property
     def _others(self) -> _Rules | None:
@@ -148,10 +159,27 @@ class _Rules:
     def kept_by(self, first: int, second: int) -> bool:
         """Return whether the swap of two entities maps the rules onto themselves, up to entailed rules.
 
-        Most pairs differ in one of the first atoms, which makes the test cheap.
+        Most pairs differ in one of the first atoms, or in a rule like one that an earlier pair differs in, which makes
+        the test cheap.
         """
         names = {first: second, second: first}
-        return next(self.lacking(names, names), None) is None and next(self.broken(names), None) is None
+        if self._differ_as_before(first, second) or next(self._terms.lacking(names, names), None) is not None:
+            return False
+        rule = next(self._broken(names), None)
+        if rule is not None:
+            self._witnesses.insert(0, (rule, first, second))
+            del self._witnesses[WITNESSES:]
+            return False
+        return self._others is None or self._others.kept_by(first, second)
+
+    def _differ_as_before(self, first: int, second: int) -> bool:
+        """Return whether the swap of two entities fails on a rule like those on which earlier swaps failed."""
+        for place, (rule, one, other) in enumerate(self._witnesses):
+            like = self.atoms.renamed(rule, {one: first, other: second})
+            if like in self._deriving and not self._says(like, {first: second, second: first}):
+                self._witnesses.insert(0, self._witnesses.pop(place))
+                return True
+        return False
 
     def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[MissingImage]:
         """Yield the atoms of rules that name some entities and whose image is no atom."""
@@ -161,13 +189,18 @@ class _Rules:
 
     def broken(self, names: Mapping[int, int]) -> Iterator[MissingImage]:
         """Yield the rules whose image is neither a rule nor entailed."""
+        for rule in self._broken(names):
+            yield MissingImage(self.atoms.entities(rule), partial(self._says, rule))
+        if self._others:
+            yield from self._others.broken(names)
+
+    def _broken(self, names: Mapping[int, int]) -> Iterator[SpelledRule]:
+        """Yield those of these rules whose image is neither a rule nor entailed."""
         renamed = self.atoms.under(names)
         for table in self._tables:
             for rule, image in table.missing(renamed, names):
                 if image is None or not self._entails(image):
-                    yield MissingImage(self.atoms.entities(rule), partial(self._says, rule))
-        if self._others:
-            yield from self._others.broken(names)
+                    yield rule
 
     def _says(self, rule: SpelledRule, names: Mapping[int, int]) -> bool:
         """Return whether the image of a rule is a rule or entailed."""
@@ -311,6 +344,8 @@ class _Consequences:
         self._rules: list[tuple[tuple[int, ...], int]] = []
         self._having: dict[tuple[int, int], list[tuple[int, int]]] = {}
         self._facts: set[int] = set()
+        self._remembered: dict[SignedAtom, _Closure | None] = {}
+        self._size = 0
         for rule in rules:
             choice, bound, literals = rule.body
             if choice or bound >= START or len(rule.heads) > 1:
@@ -325,27 +360,73 @@ class _Consequences:
         """Return whether the test finds that a rule is a consequence."""
         if not rule.is_plain:
             return False
-        consequences = self._follow((atom, sign) for atom, sign, _ in rule.body[2])
-        if consequences is None:
+        if self._of_facts is None:
             return True
-        return len(rule.heads) == 1 and (*rule.heads, 0) in consequences
+        literals = [(atom, sign) for atom, sign, _ in rule.body[2]]
+        largest = self._of_facts
+        for literal in literals:
+            alone = self._of_literal(literal, self._of_facts)
+            if alone is None:
+                return True
+            largest = max(largest, alone, key=lambda closure: closure.size)
+        closure = self._follow(literals, largest)
+        return closure is None or (len(rule.heads) == 1 and closure.has((*rule.heads, 0)))
 
-    def _follow(self, literals: Iterable[tuple[int, int]]) -> set[tuple[int, int]] | None:
-        """Return the consequences of some literals, or None if they contradict the rules or each other."""
-        consequences = {*literals, *((atom, 0) for atom in self._facts)}
-        waiting = list(consequences)
-        reached: Counter[int] = Counter()
+    @cached_property
+    def _of_facts(self) -> _Closure | None:
+        return self._follow(((atom, 0) for atom in self._facts), None)
+
+    def _of_literal(self, literal: SignedAtom, facts: _Closure) -> _Closure | None:
+        """Return the consequences of one literal and the facts, which many rules share."""
+        if literal not in self._remembered:
+            if self._size > REMEMBERED:
+                self._remembered.clear()
+                self._size = 0
+            closure = self._remembered[literal] = self._follow([literal], facts)
+            self._size += closure.size if closure else 1
+        return self._remembered[literal]
+
+    def _follow(self, literals: Iterable[SignedAtom], below: _Closure | None) -> _Closure | None:
+        """Return the consequences of some literals and those `below`, or None if they contradict the rules."""
+        closure = _Closure({literal for literal in literals if below is None or not below.has(literal)}, {}, below)
+        waiting = list(closure.literals)
         while waiting:
             atom, sign = waiting.pop()
-            if (atom, 1 - sign) in consequences:
+            if closure.has((atom, 1 - sign)):
                 return None
             for number, weight in self._having.get((atom, sign), ()):
                 heads, bound = self._rules[number]
-                if reached[number] < bound <= reached[number] + weight:
+                before = closure.weight(number)
+                if before < bound <= before + weight:
                     if not heads:
                         return None
-                    if (heads[0], 0) not in consequences:
-                        consequences.add((heads[0], 0))
+                    if not closure.has((heads[0], 0)):
+                        closure.literals.add((heads[0], 0))
                         waiting.append((heads[0], 0))
-                reached[number] += weight
-        return consequences
+                closure.weights[number] = before + weight
+        return closure
+
+
+@dataclass(frozen=True)
+class _Closure:
+    """The consequences of some literals, with the sums that they reach in the bodies of rules, by numbers of rules.
+
+    Each has only what differs from the closure `below`.
+    """
+
+    literals: set[SignedAtom]
+    weights: dict[int, int]
+    below: _Closure | None
+
+    @property
+    def size(self) -> int:
+        return len(self.literals) + len(self.weights)
+
+    def has(self, literal: SignedAtom) -> bool:
+        return literal in self.literals or (self.below is not None and self.below.has(literal))
+
+    def weight(self, number: int) -> int:
+        """Return the sum that the literals reach in the body of a rule."""
+        if number in self.weights:
+            return self.weights[number]
+        return 0 if self.below is None else self.below.weight(number)
