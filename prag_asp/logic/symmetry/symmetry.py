@@ -370,7 +370,7 @@ class _Consequences:
                 return True
             largest = max(largest, alone, key=lambda closure: closure.size)
         closure = self._follow(literals, largest)
-        return closure is None or (len(rule.heads) == 1 and closure.has((*rule.heads, 0)))
+        return closure is None or (len(rule.heads) == 1 and closure.has((min(rule.heads), 0)))
 
     @cached_property
     def _of_facts(self) -> _Closure | None:
