@@ -22,10 +22,10 @@ from scipy.spatial.transform import Rotation
 
 Floats = NDArray[np.float64]
 
-PYBULLET = (
-    "lego/lego.urdf", "jenga/jenga.urdf", "domino/domino.urdf", "cube_small.urdf", "objects/mug.urdf",
-    "duck_vhacd.urdf", "teddy_vhacd.urdf",
-)  # fmt: skip
+PYBULLET = ("lego/lego.urdf", "jenga/jenga.urdf", "domino/domino.urdf", "cube_small.urdf")
+COSTLY = ("objects/mug.urdf", "duck_vhacd.urdf", "teddy_vhacd.urdf")
+"""Models of PyBullet; dividing the costly ones into convex parts takes minutes."""
+
 ROBOSUITE = ("bottle", "bread", "can", "cereal", "lemon", "milk")
 NUTS = ("round-nut", "square-nut")
 LIBERO = (
@@ -103,6 +103,7 @@ def foreign_models() -> Iterator[ForeignModel]:
             yield _of_mjcf(libero / "assets" / path / f"{Path(path).name}.xml", up)
     if bullet is not None:
         yield from (_of_urdf(bullet, bullet / f"random_urdfs/{i:03}/{i:03}.urdf") for i in range(BLOBS))
+        yield from (_of_urdf(bullet, bullet / path) for path in COSTLY)
 
 
 def _folder(package: str) -> Path | None:
@@ -118,7 +119,8 @@ def _of_mesh(path: Path) -> ForeignModel:
     hull = trimesh.load(path, force="mesh").convex_hull
     mass = DENSITY * float(hull.volume)
     parts = (np.asarray(hull.vertices, dtype=float),)
-    return ForeignModel(path.stem, parts, mass, None, MESH.format(mass), text=_as_obj(parts))
+    name = f"robosuite_{path.stem}"
+    return ForeignModel(name, parts, mass, None, MESH.format(mass), text=_as_obj(parts))
 
 
 def _of_urdf(root: Path, path: Path) -> ForeignModel:

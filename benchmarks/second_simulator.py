@@ -16,7 +16,7 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 from prag_asp.scene.scene import BodyModel, Scene
-from tests.independent.check import _terms as terms
+from tests.independent.check import terms
 from tests.independent.convex import Part, volume
 from tests.independent.frames import Frame
 from tests.independent.relations import MEANINGS, Seen

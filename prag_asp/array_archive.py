@@ -22,7 +22,7 @@ KINDS = frozenset("biufU")
 
 
 class BadArchive(Exception):
-    """An archive has other content than expected."""
+    """An archive does not have the expected content."""
 
 
 def read_arrays(file: BinaryIO, names: Collection[str], at_most: int) -> dict[str, NDArray[Any]]:
@@ -30,7 +30,8 @@ def read_arrays(file: BinaryIO, names: Collection[str], at_most: int) -> dict[st
 
     Raises:
         OSError: the file cannot be read.
-        BadArchive: it is no archive, it was cut off, or an array is too large, or holds neither numbers nor texts.
+        BadArchive: the file is not an archive or is truncated, or an array is too large, or holds neither numbers nor
+            texts.
     """
     try:
         with ZipFile(file) as archive:
@@ -52,7 +53,7 @@ def _members(archive: ZipFile, names: Collection[str]) -> Mapping[str, ZipInfo]:
     """Return the members of an archive by the names of their arrays.
 
     Raises:
-        BadArchive: there are two of a name.
+        BadArchive: two members have the same name.
     """
     wanted = {f"{name}{SUFFIX}": name for name in names}
     found: dict[str, ZipInfo] = {}
@@ -69,7 +70,7 @@ def _array(archive: ZipFile, name: str, member: ZipInfo) -> NDArray[Any]:
     """Return an array of an archive.
 
     Raises:
-        BadArchive: it is of another kind, or of another size than its header says.
+        BadArchive: the array has another kind or size than its header says.
     """
     import numpy as np  # noqa: PLC0415 - whoever imports this module may never read an archive
     from numpy.lib import format as npy  # noqa: PLC0415

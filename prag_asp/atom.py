@@ -35,7 +35,7 @@ def symbol_of(atom: Atom | str) -> clingo.Symbol:
     """Return an atom that a user gives, or its text, as a term of clingo.
 
     Raises:
-        QueryError: it is not a ground term, or has a number out of range.
+        QueryError: the text is not a ground term, or has a number out of range.
     """
     for _, digits in too_large(STRING.sub(" ", str(atom))):
         raise QueryError(f"{str(atom)!r}: the number {shortened(digits)} is out of range: {TOLD}")
@@ -87,7 +87,7 @@ def split_actions(*texts: str) -> list[str]:
     """Return the actions that texts hold one after another, separated by blanks or by commas.
 
     Raises:
-        QueryError: one is empty or its parentheses do not match.
+        QueryError: an action is empty, or its parentheses do not match.
     """
     return [action for text in texts if text.strip() for term in split_terms(text) for action in _words(term)]
 

@@ -67,10 +67,10 @@ def digits_of(number: int) -> str:
 
 
 def number_of(digits: str) -> int:
-    """Return the number that decimal digits spell, however many there are: Python itself reads some thousands.
+    """Return the number that decimal digits spell, however many there are: Python itself reads a few thousand.
 
     Raises:
-        ValueError: the text has a character that is no decimal digit.
+        ValueError: the text has a character that is not a decimal digit.
     """
     if len(digits) <= PLAIN_DIGITS:
         return int(digits)

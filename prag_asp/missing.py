@@ -28,7 +28,7 @@ def needed(module: str) -> ModuleType:
     """Import a module that physics needs.
 
     Raises:
-        PhysicsMissingError: it is not installed, or cannot be loaded.
+        PhysicsMissingError: the module is not installed, or cannot be loaded.
     """
     try:
         return import_module(module)
@@ -58,7 +58,7 @@ def require_gymnasium() -> ModuleType:
     """Import Gymnasium.
 
     Raises:
-        LearningMissingError: it is not installed, or cannot be loaded.
+        LearningMissingError: Gymnasium is not installed, or cannot be loaded.
     """
     try:
         return import_module("gymnasium")
@@ -72,7 +72,7 @@ def require_packages(form: str, packages: Iterable[str]) -> None:
     """Check that the packages of a dataset format are installed.
 
     Raises:
-        DatasetsMissingError: one is not installed, or cannot be loaded.
+        DatasetsMissingError: a package is not installed, or cannot be loaded.
     """
     for package in packages:
         try:

@@ -1,7 +1,7 @@
 """The one place where files are opened to be read: regular ones, of a bounded size, and within their folder.
 
-A folder from a stranger may hold links, pipes, devices and files without an end in place of files. What is refused is
-an `OSError` whose `strerror` says why, as for any file that cannot be read.
+An untrusted folder may hold links, pipes, devices and endless files in place of files. A refusal is an `OSError` with
+the reason in `strerror`, as for any file that cannot be read.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ from pathlib import Path
 from typing import BinaryIO, TextIO
 
 LARGEST_TEXT = 64_000_000
-"""Bytes of a file that is read at once."""
+"""The maximum number of bytes of a file that is read at once."""
 
 LONGEST_LINE = 16_000_000
-"""Characters of a line of a file that is read line by line."""
+"""The maximum number of characters of a line of a file that is read line by line."""
 
 STANDARD_INPUT = "-"
 """The name that stands for standard input in place of a file."""
 
 OPEN_ALREADY = ("/proc/", "/dev/fd/")
-"""Where what a shell has opened for us lies: ``/dev/stdin``, and ``<(command)``."""
+"""The prefixes of paths that a shell has opened for the process: ``/dev/stdin``, and ``<(command)``."""
 
 
 class Refused(OSError):
-    """A file that is not read, whatever its permissions."""
+    """A file that is refused regardless of its permissions."""
 
 
 def is_inside(path: str | Path, folder: str | Path) -> bool:
@@ -42,10 +42,10 @@ def is_inside(path: str | Path, folder: str | Path) -> bool:
 
 
 def read_bytes(path: str | Path, *, within: str | Path | None = None, at_most: int = LARGEST_TEXT) -> bytes:
-    """Return what a file holds; `within` is the folder that it must lie in, None where the user has named the file.
+    """Return the content of a file; `within` is the folder that it must lie in, None where the user has named the file.
 
     Raises:
-        OSError: it is missing, unreadable, no file, too large, or lies elsewhere.
+        OSError: the file is missing, unreadable, not a regular file, too large, or outside `within`.
     """
     with open_binary(path, within=within, at_most=at_most) as file:
         content = file.read(at_most + 1)
@@ -61,7 +61,7 @@ def open_binary(path: str | Path, *, within: str | Path | None = None, at_most: 
     ``<(command)``, is read where the user has named it.
 
     Raises:
-        OSError: it is missing, unreadable, no file, too large, or lies elsewhere.
+        OSError: the file is missing, unreadable, not a regular file, too large, or outside `within`.
     """
     try:
         found = Path(path).stat()
@@ -87,7 +87,7 @@ def _require_kind(path: str | Path, found: os.stat_result) -> None:
     """Check that something can be read to its end.
 
     Raises:
-        OSError: it is a folder, or a pipe, a device or a socket.
+        OSError: the path is a folder, a pipe, a device or a socket.
     """
     mode = found.st_mode
     if stat.S_ISREG(mode):
@@ -106,10 +106,10 @@ def _too_large(path: str | Path, at_most: int) -> Refused:
 
 @contextmanager
 def open_text(path: str | Path) -> Iterator[TextIO]:
-    """Open a file that the user has named, or standard input, as text; bytes that are no UTF-8 become a sign for it.
+    """Open a file that the user has named, or standard input, as text; invalid UTF-8 is replaced by U+FFFD.
 
     Raises:
-        OSError: it is missing, unreadable, or no file.
+        OSError: the file is missing, unreadable, or not a regular file.
     """
     if str(path) == STANDARD_INPUT:
         if sys.stdin is None:

@@ -9,7 +9,7 @@ from typing import Any, NoReturn, TypeVar
 from prag_asp.atom import Atom
 
 State = Mapping[Atom, bool]
-"""What is known of a state: fluents that it does not hold are unknown (any value will do)."""
+"""The known facts of a state: fluents that are not in it are unknown (they may have any value)."""
 
 
 Key = TypeVar("Key", bound=Hashable)
@@ -55,11 +55,11 @@ class FrozenDict(dict[Key, Value]):
 class Task:
     """A plan together with what is known of every state that it passes.
 
-    `entities` maps each entity that an action or a known fluent names to its class. `states[k]` is what is known
-    after action k+1 and `subgoals[k]` what that action itself makes true or false, so both are as long as `actions`.
-    `goal` is what has to hold at the end. `log_probability` is the natural logarithm of the probability with
-    which the task was drawn, or None where it was not drawn. `constants` are the terms that ``#const``s of the domain
-    were set to, by their names.
+    `entities` maps each entity that an action or a known fluent names to its class. `states[k]` has the facts that are
+    known after action k+1 and `subgoals[k]` those that this action itself makes true or false, so both are as long as
+    `actions`. `goal` has the facts that must hold at the end. `log_probability` is the natural logarithm of the
+    probability with which the task was drawn, or None where it was not drawn. `constants` are the terms that
+    ``#const``s of the domain were set to, by their names.
     """
 
     domain: str

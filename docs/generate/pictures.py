@@ -53,6 +53,9 @@ STRIPS = {
     "tabletop": Strip("tabletop", 5, 11, {"stack": 8, "insert": 8}, columns=3),
     "kitchen": Strip("kitchen", 7, 4, where=("matches open approach grasp move drop withdraw close",), columns=4),
     "two_arms": Strip("two_arms", 7, 1, where=("begins pick", "has give"), columns=4),
+    "household": Strip(
+        "household", 5, 1, where=("has wipe(panda,sponge_1,mug_1)", "has put(panda,mug_1,rack_1)"), columns=3
+    ),
     "dishes": Strip(
         "examples/dishes", 6, 2, where=("matches pick put wash charge pick put", "ends inside(cup_1,rack_1)"), columns=4
     ),

@@ -1,4 +1,4 @@
-"""Analyse task spaces: statistics and pictures.
+"""Plot the numbers of plans, tasks and skeletons of a space by length.
 
 >>> from prag_asp import TaskSpace, load_domain
 >>> from prag_asp.analysis import counts_by_length

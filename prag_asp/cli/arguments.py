@@ -33,7 +33,7 @@ def parse_length(text: str) -> int:
     """Return the number of actions in a text.
 
     Raises:
-        QueryError: the text is no number, or a range.
+        QueryError: the text is not a number, or a range.
     """
     length = parse_range(text, f"--length {text}", remedy="write a whole number, such as 4")
     if isinstance(length, range):

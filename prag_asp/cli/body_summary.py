@@ -1,4 +1,4 @@
-"""What ``prag-asp check`` says of bodies from files: what was read, and how they come to rest."""
+"""The summary of bodies from files in ``prag-asp check``: their dimensions, resting pose, cavity and grasps."""
 
 from __future__ import annotations
 

@@ -208,7 +208,7 @@ ENGINE = (
     ),
     click.option(
         "--cache/--no-cache", "cached", default=True,
-        help="Cache results that took long to compute, for later runs.  [default: cache]",
+        help="Cache results that took a long time to compute, for later runs.  [default: cache]",
     ),
 )  # fmt: skip
 """Conditions on tasks, and the engine that counts them."""

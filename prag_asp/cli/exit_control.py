@@ -189,7 +189,7 @@ def while_(stage: str) -> str:
 def reopen_closed_streams() -> None:
     """Open /dev/null for each standard stream that is closed; writing to stdout then fails, as it should.
 
-    Otherwise the next file that is opened would take the number of the closed stream.
+    Otherwise the next file that is opened would get the file descriptor of the closed stream.
     """
     for number, name, flags in ((0, "stdin", os.O_RDONLY), (1, "stdout", os.O_RDONLY), (2, "stderr", os.O_WRONLY)):
         if getattr(sys, name) is None:

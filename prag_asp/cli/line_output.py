@@ -95,7 +95,7 @@ def recordings_folder(folder: str | None) -> Iterator[Path | None]:
     """Yield a folder for recordings, which is written atomically; without a name, None.
 
     Raises:
-        OutputError: it exists and is not empty, or cannot be written.
+        OutputError: the folder exists and is not empty, or cannot be written.
     """
     if folder is None:
         yield None

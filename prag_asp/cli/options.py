@@ -57,7 +57,7 @@ def _set_limit(context: click.Context, parameter: click.Parameter, text: str | N
     """Set the limit of the option --time or --memory.
 
     Raises:
-        QueryError: the text is no time or size, or no command can run with so little memory.
+        QueryError: the text is not a time or a size, or no command can run with so little memory.
     """
     if not text or context.resilient_parsing:
         return

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 BUDGET, TIER = "10x10", "kinematics"
 
 LONGEST_SIZE = 20
-"""The most characters of WxH: larger numbers are no image sizes, and slow to parse."""
+"""The maximum number of characters of WxH: larger numbers are not image sizes, and are slow to parse."""
 
 OPTIONS = (
     click.option(
@@ -173,7 +173,7 @@ def _parse_names(option: str, text: str | None) -> tuple[str, ...]:
     """Return the names that an option lists.
 
     Raises:
-        QueryError: there are none, or one is empty.
+        QueryError: the list is empty, or a name is empty.
     """
     names = () if text is None else tuple(name.strip() for name in text.split(","))
     if not all(names):
@@ -185,7 +185,7 @@ def parse_pixels(text: str) -> tuple[int, int]:
     """Return the width and height in the value of an option.
 
     Raises:
-        QueryError: it is not of the form WxH.
+        QueryError: the text does not have the form WxH.
     """
     width, _, height = text.partition("x")
     if not (width.isdecimal() and height.isdecimal() and len(text) <= LONGEST_SIZE):

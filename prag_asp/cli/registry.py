@@ -109,7 +109,7 @@ class Commands(click.Group):
 
 
 SHORT_HELP = 88
-"""The most characters of the help of a command in the list of commands."""
+"""The maximum number of characters of the help of a command in the list of commands."""
 
 
 def _print_versions(context: click.Context, parameter: click.Parameter, requested: bool) -> None:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 RANKS = re.compile(r"(?P<first>\d{1,4000})(\.\.(?P<last>\d{1,4000}))?")
 
 MOST_TASKS = 1_000_000
-"""The most tasks in one request, because each is written to its own files."""
+"""The maximum number of tasks in one request, because each is written to its own files."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class TaskSelection:
 
         Raises:
             OSError: the file of tasks cannot be read.
-            QueryError: there are too many, or a line of the file is no task of the domain.
+            QueryError: there are too many tasks, or a line of the file is not a task of the domain.
         """
         if self.plan is not None:
             plan = split_actions(self.plan)
@@ -103,7 +103,7 @@ def _parse_ranks(text: str) -> range:
     """Return the ranks in a text.
 
     Raises:
-        QueryError: it has another form, or has too many.
+        QueryError: the text has another form, or too many ranks.
     """
     match = RANKS.fullmatch(text.strip())
     if match is None:
@@ -132,7 +132,7 @@ def _read_plans(file: str, space: TaskSpace) -> Mapping[str, tuple[str, ...]]:
     """Return the plans of a file by their lines.
 
     Raises:
-        QueryError: a line is no task, or is a task of another domain, or there are too many tasks.
+        QueryError: a line is not a task, or is a task of another domain, or there are too many tasks.
     """
     from prag_asp.dataset.jsonl import read_tasks
     from prag_asp.dataset.task_origin import foreign
@@ -197,7 +197,7 @@ class TaskFormat:
         """Check that options of instructions are given only with the format instructions.
 
         Raises:
-            QueryError: one is given for another format.
+            QueryError: such an option is given with another format.
         """
         for option, value in {"--language": self.language, "--level": self.level}.items():
             if value is not None and self.form != INSTRUCTIONS:

@@ -24,7 +24,7 @@ def write_episode(folder: Path | None, number: int, demonstration: Demonstration
     """Write the demonstration, if there is one, of a task into a folder, if there is one; return the file's name.
 
     Raises:
-        OutputError: it cannot be written.
+        OutputError: the file cannot be written.
     """
     if folder is None or demonstration is None:
         return None

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from prag_asp.dataset.store.manifest import Manifest
 
 SHOWN = 5
-"""The most parts that a message names."""
+"""The maximum number of parts that a message names."""
 
 
 def merge(
@@ -42,7 +42,7 @@ def merge(
     cluster. The same call resumes an interrupted merge. With `trust`, physics may run Python files of the domain.
 
     Raises:
-        QueryError: a folder is no part, parts are of different datasets, a part is missing, or a file is damaged.
+        QueryError: a folder is not a part, parts are of different datasets, a part is missing, or a file is damaged.
         OutputError: the folder contains something else, or a file cannot be written.
         NotFound: `max_draws` draws per part of the split, or the whole space, have too few feasible tasks.
         PragError: as `generate` does, for the draws validated here.

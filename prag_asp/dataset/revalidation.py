@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 BATCH = 128
-"""The most tasks whose states are computed together, and that are read ahead."""
+"""The maximum number of tasks whose states are computed together, and that are read ahead."""
 
 CheckedRecord = tuple[Record, str]
 """A record, and the fault of its task, "" if it is valid."""
@@ -75,7 +75,7 @@ def recheck(
     written into that folder, with the cameras and variations of `staging`. Records are read a little ahead.
 
     Raises:
-        QueryError: a line of the file is no task, or its domain is not found; the message has the line.
+        QueryError: a line of the file is not a task, or its domain is not found; the message has the line.
         SceneError: a domain has no scene.
         OutputError: a recording cannot be written.
     """

@@ -59,7 +59,7 @@ def read_witness(record: Record, scene: Scene) -> Witness:
     """Return the witness of a record that has one.
 
     Raises:
-        QueryError: it is malformed; the message names the field, but not the line of the record.
+        QueryError: the witness is malformed; the message names the field, but not the line of the record.
     """
     from prag_asp.physics import Witness
 
@@ -73,7 +73,7 @@ def read_witness(record: Record, scene: Scene) -> Witness:
 def errors_with_place(record: Record, domain: Domain | None = None, advice: str = "") -> Iterator[None]:
     """Add the file and the line of a record to the message of an error, and advice to its end.
 
-    If the record names another domain than `domain`, the message includes that.
+    If the record names a domain other than `domain`, the message includes that.
 
     Raises:
         QueryError: the body raises a QueryError.

@@ -26,7 +26,8 @@ START = 1 << 32
 """The difference between the indices of consecutive searches for the same task."""
 
 TRIES = 4
-"""The most searches per requested initial state: a search that finds no new one is replaced by the next."""
+"""The maximum number of searches per requested initial state: a search that finds no new one is replaced by the
+next."""
 
 
 class ValidationJob(NamedTuple):

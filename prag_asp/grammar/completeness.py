@@ -28,7 +28,7 @@ BRACES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
 
 
 def check_kinds(words: TableEntry) -> None:
-    """Report unknown words, and words whose value has another type than in English."""
+    """Report unknown words, and words whose value has a different type than in English."""
     english = {**shipped_table("en"), "numbers": [], "contractions": {}}
     words.require_known(english)
     for name, entry in words.entries():

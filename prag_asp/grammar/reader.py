@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import islice
 from typing import Any, NamedTuple
 
 from prag_asp.errors import QueryError
@@ -75,7 +78,7 @@ AGENTS = frozenset(["agent", "arm", "gripper", "hand", "robot"])
 
 
 class _Way(NamedTuple):
-    """A source (``from``) or destination (``to``) of an action, and the place of the argument that is moved."""
+    """A source (``from``) or destination (``to``) of an action, and the place of what is moved, -1 for a robot."""
 
     word: str
     moved: int
@@ -88,7 +91,7 @@ class GrammarReader:
         """Read the settings and the facts of a domain.
 
         Raises:
-            QueryError: this language has no words.
+            QueryError: there is no word table for the language.
         """
         own = settings.grammar.get(code, {})
         self.own: Mapping[str, Any] = own if isinstance(own, Mapping) else {}
@@ -116,7 +119,8 @@ class GrammarReader:
     def plain(self) -> dict[Signature, Template]:
         """Return default sentences of actions from their name and arguments, without constant arguments.
 
-        What an action moves is named even if it is constant: "pick the cup from the table", not "pick the table".
+        The object that an action moves is named even if it is constant: "pick the cup from the table", not "pick the
+        table". If all arguments are constant, the first that is not a robot is named.
         """
         defaults = self.words.table.get("defaults", {})
         if "action" not in defaults:
@@ -125,8 +129,9 @@ class GrammarReader:
         for (name, arity), places in self.states.action_arguments.items():
             varying = {index for index, arguments in enumerate(places) if len(arguments) > 1}
             way_of = ways.get((name, arity), {})
-            moved = {each.moved for index, each in way_of.items() if index in varying}
-            named = sorted(varying | moved)
+            moved = {each.moved for index, each in way_of.items() if index in varying and each.moved >= 0}
+            things = (i for i, arguments in enumerate(places) if self._robots.isdisjoint(map(str, arguments)))
+            named = sorted(varying | moved or {*islice(things, 1)})
             led = {index: each.word for index, each in way_of.items() if index in varying}
             every = _joined([f"{{{index}}}" for index in named if index not in led], defaults["all"])
             text = str(defaults["action"]).format(name=plain(name), all=every).strip()
@@ -138,30 +143,33 @@ class GrammarReader:
         """Return the arguments of actions that are a source (``from``) or a destination (``to``).
 
         Each action of the signature makes a binary fluent false, or true, whose second argument this is and whose first
-        argument is an earlier argument of the action and no robot: no body or class of robots in the scene, no member
-        of a class of `AGENTS`, and not what a predicate says of a robot.
+        argument is an earlier argument of the action. That is not a robot, and the fluent is not what a predicate says
+        of a robot, unless the action makes the fluent false and true of two places: then the robot moves itself.
         """
         from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - counting needs no instructions
 
-        shapes, predicates = _below(self.settings.scene, "shapes"), _below(self.settings.scene, "predicates")
-        kinds = {name for name, shape in shapes.items() if isinstance(shape, Mapping) and shape.get("kind") == "robot"}
-        kinds |= AGENTS
-        robots = kinds | {str(entity) for entity, name in self.states.memberships if str(name) in kinds}
+        predicates = _below(self.settings.scene, "predicates")
         directions: dict[Signature, dict[int, _Way]] = {}
         for action in self.states.declared_actions:
             signature = action.name, len(action.arguments)
             arguments = list(map(str, action.arguments))
             here: dict[int, _Way] = {}
-            for fluent, value in self.states.postconditions.get(action, ()):
-                pair = list(map(str, fluent.arguments))
-                roles = PREDICATE_ROLES.get(str(predicates.get(fluent.name, fluent.name)), ())
-                if roles[:1] == ("robot",):
+            effects = [
+                (fluent.name, list(map(str, fluent.arguments)), value)
+                for fluent, value in self.states.postconditions.get(action, ())
+            ]
+            changes = Counter((name, tuple(pair[:1]), value) for name, pair, value in effects if len(pair) == 2)
+            for name, pair, value in effects:
+                roles = PREDICATE_ROLES.get(str(predicates.get(name, name)), ())
+                if len(pair) != 2 or value == "unknown" or not set(pair) <= set(arguments):
                     continue
-                if len(pair) == 2 and value != "unknown" and pair[0] not in robots and set(pair) <= set(arguments):
-                    where = len(arguments) - 1 - arguments[::-1].index(pair[1])
-                    moved = arguments.index(pair[0])
-                    if moved < where and (value == "true" or where not in here):
-                        here[where] = _Way("to" if value == "true" else "from", moved)
+                itself = roles[:1] == ("robot",) or pair[0] in self._robots
+                if itself and not all(changes[name, (pair[0],), each] == 1 for each in ("true", "false")):
+                    continue
+                where = len(arguments) - 1 - arguments[::-1].index(pair[1])
+                moved = arguments.index(pair[0])
+                if moved < where and (value == "true" or where not in here):
+                    here[where] = _Way("to" if value == "true" else "from", -1 if itself else moved)
             both = directions.setdefault(signature, here)
             directions[signature] = {
                 index: _Way(way.word, max(way.moved, here[index].moved))
@@ -169,6 +177,14 @@ class GrammarReader:
                 if index in here and here[index].word == way.word
             }
         return directions
+
+    @cached_property
+    def _robots(self) -> frozenset[str]:
+        """The bodies and classes of robots in the scene, the classes of `AGENTS`, and the members of all of these."""
+        shapes = _below(self.settings.scene, "shapes")
+        kinds = {name for name, shape in shapes.items() if isinstance(shape, Mapping) and shape.get("kind") == "robot"}
+        kinds |= AGENTS
+        return frozenset(kinds | {str(entity) for entity, name in self.states.memberships if str(name) in kinds})
 
     def facts(self) -> dict[Signature, FactForms]:
         """Return the sentences of each fluent: from the language's table, its spatial predicate, or its name."""

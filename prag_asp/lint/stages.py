@@ -75,7 +75,7 @@ class _WarningCollector:
         """Add the problems of a stage.
 
         Raises:
-            DomainError: some of them are errors.
+            DomainError: some of the problems are errors.
         """
         stage("checking the domain")
         new_problems = list(problems)

@@ -29,8 +29,8 @@ LOOP_FREE = ("conditions", "loop_free.lp")
 class DomainLogic:
     """The logic of a domain.
 
-    If a step is no function of state and action, `step` and `transition` raise EngineError with the reason. Everything
-    else works on the unrolled program.
+    If a step is not a function of state and action, `step` and `transition` raise EngineError with the reason.
+    Everything else works on the unrolled program.
 
     `bare` is the logic of the domain without conditions, for a domain under conditions. Conditions distinguish
     entities, so renamings have to keep the rules of both.
@@ -81,7 +81,7 @@ class DomainLogic:
 
     @property
     def obstacles(self) -> tuple[Obstacle, ...]:
-        """The reasons why a step is no function of the state and the action."""
+        """The reasons why a step is not a function of the state and the action."""
         return self.reads.obstacles or self.ground.obstacles
 
     @cached_property

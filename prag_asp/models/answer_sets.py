@@ -164,7 +164,7 @@ class AnswerSets:
         """Yield `count` answer sets, each with a probability exactly proportional to its weight, reproducibly by seed.
 
         Raises:
-            NotFound: there is none, or all have the weight 0.
+            NotFound: there is no answer set, or all have the weight 0.
         """
         if self._way() == "clingo":
             total = self._compiled.enumeration.total()
@@ -178,7 +178,7 @@ class AnswerSets:
         """Return for each symbol that may be shown the exact probability, by weight, that an answer set has it.
 
         Raises:
-            NotFound: there is none, or all have the weight 0.
+            NotFound: there is no answer set, or all have the weight 0.
         """
         if self._way() == "clingo":
             total = self._compiled.enumeration.total()
@@ -195,7 +195,7 @@ class AnswerSets:
 
         Raises:
             NotFound: there is no answer set.
-            QueryError: they are weighted.
+            QueryError: the answer sets are weighted.
         """
         if self.stated:
             raise QueryError("facets are counted, not weighed; leave out --weighted, or ask for marginals")

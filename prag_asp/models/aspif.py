@@ -85,7 +85,7 @@ class _AspifLine:
         """Check that the line is a supported statement.
 
         Raises:
-            _Malformed: the line is no statement, or one that is not supported.
+            _Malformed: the line is not a statement, or one that is not supported.
         """
         kind = self.number("the kind of a statement")
         if kind == COMMENT:

@@ -82,7 +82,7 @@ def unknown_weights(stated: Iterable[clingo.Symbol], ground: GroundModels, progr
 
 
 def _fraction(term: clingo.Symbol) -> Fraction | None:
-    """Return the weight that a term states, or None if it is no weight."""
+    """Return the weight that a term states, or None if it is not a weight."""
     if term.type == clingo.SymbolType.Number:
         return Fraction(term.number) if term.number >= 0 else None
     if term.type == clingo.SymbolType.String:
@@ -97,7 +97,7 @@ def _fraction(term: clingo.Symbol) -> Fraction | None:
 
 
 def projected_away(atom: clingo.Symbol, ground: GroundModels, program: Program) -> QueryError:
-    """Return the error for a weighted atom that is no projection variable."""
+    """Return the error for a weighted atom that is not a projection variable."""
     weights = (symbol for symbol, _ in ground.names if symbol.match("weight", 2) and symbol.arguments[0] == atom)
     place = place_of(next(weights), program)
     return QueryError(f"{place}--weighted: {atom} has a weight, but is projected away; show it, or leave it out")

@@ -101,7 +101,7 @@ class CompiledProgram:
         """The enumeration by clingo.
 
         Raises:
-            QueryError: an atom has a weight but is no projection variable.
+            QueryError: an atom has a weight but is not a projection variable.
         """
         if self.project and self.stated:
             projection = self.ground.projection_variables

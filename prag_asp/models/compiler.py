@@ -53,7 +53,7 @@ class _Case:
 
 
 _Work = Generator[tuple[_Part, _Case], Node, Node]
-"""Yields components, receives their nodes, and returns the node of the whole."""
+"""Yields components, receives their nodes, and returns the node of the whole formula."""
 
 
 @dataclass(frozen=True)

@@ -46,7 +46,7 @@ class AtomicFile:
         """Lock ``NAME.part`` and empty it, or create it.
 
         Raises:
-            OutputError: it cannot be written, another run writes it, or it is no regular file.
+            OutputError: the file cannot be written, another run is writing it, or it is not a regular file.
         """
         self.target = target
         self.path = target.with_name(target.name + SUFFIX)
@@ -64,7 +64,7 @@ class AtomicFile:
         """Append bytes.
 
         Raises:
-            OutputError: they cannot be written.
+            OutputError: the bytes cannot be written.
         """
         with output_errors(self.target):
             write_at(self._descriptor, content, self._size)
@@ -74,7 +74,7 @@ class AtomicFile:
         """Flush the file and rename it to its target, with the permissions of the target.
 
         Raises:
-            OutputError: it cannot be written.
+            OutputError: the file cannot be written.
         """
         with output_errors(self.target):
             with suppress(OSError):
@@ -100,7 +100,7 @@ def open_atomic(file: str | Path, *, mode: int = EVERYBODY, follow: bool = True)
     With `follow`, a link is followed, otherwise it is replaced. `mode` has the permissions of a new file.
 
     Raises:
-        OutputError: it cannot be written, or another run is writing it.
+        OutputError: the file cannot be written, or another run is writing it.
     """
     path = Path(file)
     part = AtomicFile(path.resolve() if follow and path.is_symlink() else path, mode)
@@ -120,7 +120,7 @@ def replace_file(file: str | Path, content: bytes, *, mode: int = EVERYBODY, fol
     A device or a pipe is written directly. `mode` and `follow` are those of `open_atomic`.
 
     Raises:
-        OutputError: it cannot be written.
+        OutputError: the file cannot be written.
     """
     path = Path(file)
     if is_stream(path):
@@ -136,7 +136,7 @@ def whole_file(file: Path) -> Iterator[Path]:
     """Yield the path of an empty file for a library to write, which replaces `file` when the block ends.
 
     Raises:
-        OutputError: it cannot be written, another run is writing it, or it exists and is no regular file.
+        OutputError: the file cannot be written, another run is writing it, or it exists and is not a regular file.
     """
     if is_stream(file):
         raise OutputError(f"{file}: is no regular file; give a file")
@@ -145,7 +145,7 @@ def whole_file(file: Path) -> Iterator[Path]:
 
 
 def is_stream(path: Path) -> bool:
-    """Return whether a path exists and is no regular file, so cannot be replaced: a device, a pipe, a folder."""
+    """Return whether a path exists and is not a regular file, so cannot be replaced: a device, a pipe, a folder."""
     return path.exists() and not path.is_file()
 
 
@@ -169,8 +169,8 @@ def open_locked(path: Path, mode: int = EVERYBODY) -> int:
     """Return the descriptor of a regular file, locked against other writers; create the file if it is missing.
 
     Raises:
-        OutputError: another run writes it, or it is no regular file.
-        OSError: it cannot be opened.
+        OutputError: another run is writing the file, or the path is not a regular file.
+        OSError: the file cannot be opened.
     """
 
     def open_file() -> int:
@@ -188,7 +188,7 @@ def locked(path: Path, open_path: Callable[[], int]) -> int:
 
     Raises:
         OutputError: another run has it locked for longer than `PATIENCE`.
-        OSError: it cannot be opened.
+        OSError: the path cannot be opened.
     """
     until = monotonic() + PATIENCE
     while True:

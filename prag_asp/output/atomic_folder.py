@@ -62,7 +62,7 @@ def make_folder(folder: str | Path) -> Path:
     """Create a folder and its parents if they are missing, and return the folder.
 
     Raises:
-        OutputError: it cannot be created.
+        OutputError: the folder cannot be created.
     """
     path = Path(folder)
     try:
@@ -76,7 +76,7 @@ def file_in(folder: str | Path, name: str) -> Path:
     """Return the path of a file to write in a folder, which may contain links made by others.
 
     Raises:
-        OutputError: the path exists and is no regular file, or is a link that leads out of the folder.
+        OutputError: the path exists and is not a regular file, or is a link that leads out of the folder.
     """
     path = Path(folder) / name
     if not is_inside(path, folder):

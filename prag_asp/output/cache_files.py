@@ -1,8 +1,8 @@
-"""The user's cache: files with results that took long to compute, for later runs.
+"""The user's cache: files with results that took a long time to compute, for later runs.
 
 A file ends with a checksum: a truncated or modified file counts as missing. Failures to write are ignored.
 
-A checksum is no signature: anyone who can write to a file can forge its content. So folders and files that belong to
+A checksum is not a signature: anyone who can write to a file can forge its content. So folders and files that belong to
 another user, or that others may write to, are neither read nor written.
 """
 

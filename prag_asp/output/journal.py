@@ -29,7 +29,7 @@ class Journal:
         """Open the journal with the lines of an interrupted run of the same name, or create it.
 
         Raises:
-            OutputError: it cannot be written, or another run is writing it.
+            OutputError: the journal cannot be written, or another run is writing it.
         """
         self._file, self._header = file, _checked(run.encode())
         with output_errors(file):
@@ -50,7 +50,7 @@ class Journal:
         """Append a line, given without its line end.
 
         Raises:
-            OutputError: it cannot be written.
+            OutputError: the journal cannot be written.
         """
         content = _checked(line)
         with output_errors(self._file):
@@ -64,7 +64,7 @@ class Journal:
         """Remove all lines.
 
         Raises:
-            OutputError: it cannot be written.
+            OutputError: the journal cannot be written.
         """
         with output_errors(self._file):
             self._begin()

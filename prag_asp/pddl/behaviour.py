@@ -189,7 +189,7 @@ class Behaviour:
                     self._rules.add(part, f"#defined {name}/{len(rule.parameters) + 1}")
 
     def goal(self) -> list[str]:
-        """Return the facts of the goal; other conditions than fluent literals become constraints on the final state."""
+        """Return the facts of the goal; conditions other than fluent literals become constraints on the final state."""
         parts = [(part, self._guarded(part)) for part in conjuncts(self._goal)]
         fixed = self._words.static | self._words.derived
         plain = {part for part, _ in parts if isinstance(part, Literal) and part.predicate not in fixed}

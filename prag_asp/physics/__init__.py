@@ -117,7 +117,7 @@ def require_physics(reason: str = "") -> None:
     """Load PyBullet, before work that needs it starts; `reason` says what needs it, for the message.
 
     Raises:
-        PhysicsMissingError: it is not installed, or cannot be loaded.
+        PhysicsMissingError: PyBullet is not installed, or cannot be loaded.
     """
     from prag_asp.errors import PhysicsMissingError  # noqa: PLC0415 - names are loaded when they are used
 

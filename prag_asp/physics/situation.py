@@ -20,7 +20,7 @@ TABLE_THICKNESS = 0.04
 
 
 class Body(NamedTuple):
-    """An object's pose, and the half-sides, corners and centre of its axis-aligned bounding box; metres."""
+    """An object's pose, and the half-extents, corners and centre of its axis-aligned bounding box; metres."""
 
     pose: Pose
     half: Vector
@@ -141,7 +141,7 @@ class Situation:
         return tuple([(entity, self.body(entity)) for entity in self.poses])
 
     def opening(self, entity: str) -> float:
-        """Return how far furniture is open, in metres or radians."""
+        """Return the opening of furniture, in metres or radians."""
         return self.openings.get(entity, 0.0)
 
     def part(self, entity: str) -> Pose:
@@ -159,11 +159,11 @@ class Situation:
         return raised(pose, shape.wall - self.half(entity)[2])
 
     def half(self, entity: str) -> Vector:
-        """Return the half-sides of the axis-aligned bounding box of an entity in metres."""
+        """Return the half-extents of the axis-aligned bounding box of an entity in metres."""
         return self.body(entity).half
 
     def own_half(self, entity: str) -> Vector:
-        """Return the half-sides of an entity in its own frame in metres."""
+        """Return the half-extents of an entity in its own frame in metres."""
         return self.half(entity) if self.is_table(entity) else self.shape(entity).half
 
     def top(self, entity: str) -> float:
@@ -201,6 +201,6 @@ def fixed_pose(scene: Scene, entity: str) -> Pose:
 
 
 def _box(pose: Pose, half: Vector) -> Body:
-    """Return a body from its pose and half-sides."""
+    """Return a body from its pose and half-extents."""
     low, high = corners_of((pose.position, half))
     return Body(pose, half, low, high, pose.position)

@@ -27,10 +27,10 @@ def temporary_folder(files: Mapping[str, bytes]) -> Iterator[Path]:
     """Write files into a temporary folder and delete it afterwards; calls must not be nested.
 
     A thread uses the same path each time, because PyBullet caches meshes by their paths for the life of the process:
-    give different contents different names. What an interruption left in the folder is deleted first.
+    give different contents different names. Files that an interrupted run left in the folder are deleted first.
 
     Raises:
-        OutputError: it cannot be written.
+        OutputError: the folder cannot be written.
     """
     try:
         folder = Path(gettempdir(), _name(os.getpid(), get_ident()))

@@ -26,7 +26,7 @@ from prag_asp.task import Task
 
 
 class TierOutcome(NamedTuple):
-    """How far a witness passed: its first fault (None if it passes all tiers), and the episode of the last tier.
+    """The result of a witness in the tiers: its first fault, None if it passes all, and the episode of the last tier.
 
     The `witness` has the transit waypoints that the tier of transit added.
     """
@@ -50,9 +50,9 @@ class TierPipeline:
     def run(
         self, physical: PhysicalTask, witness: Witness, budget: Budget, seeds: Sequence[int], staging: Staging
     ) -> TierOutcome:
-        """Return how far a witness passes the tiers of a budget; transit waypoints are added if it has none.
+        """Return the result of a witness in the tiers of a budget; transit waypoints are added if it has none.
 
-        `staging` says how it is demonstrated, `seeds` what varies in that.
+        `staging` states how the witness is demonstrated; `seeds` determine the random variation.
         """
         if budget.includes(Tier.SETTLING):
             if self._settling is None:

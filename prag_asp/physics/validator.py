@@ -26,7 +26,7 @@ from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 
 ACTIVITY = "checking tasks by physics"
-"""What validation is called where progress is shown."""
+"""The name of validation in progress displays."""
 
 LISTED = 8
 """Details of failed attempts that a verdict has at most."""

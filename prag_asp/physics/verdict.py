@@ -36,7 +36,7 @@ TIERS = tuple(Tier)
 
 @dataclass(frozen=True)
 class Budget:
-    """How hard to search for a witness, and what it has to pass.
+    """The effort of the search for a witness, and the checks that the witness has to pass.
 
     `restarts` are the initial states tried for a task, `samples` the attempts at each action. Where objects lack room,
     a few further restarts pack them tightly. `tier` is the most expensive tier of checks, as a `Tier` or its name;
@@ -84,7 +84,7 @@ class Budget:
 
 @dataclass(frozen=True)
 class Detail:
-    """What a number of attempts that failed for the same cause had in common.
+    """The common features of several attempts that failed for the same cause.
 
     `fact` is a spatial predicate with its arguments that should have the `value`, which `text` says in words; if no
     fact is to blame, it is "" and the value None. `entities` are the bodies and robots concerned.
@@ -113,7 +113,7 @@ class Verdict:
     failed attempts by their cause (one of `CAUSES`), and `details` say of which facts and bodies; `restarts` is the
     number of initial states tried, those that were packed tightly included. `seed` and `index` together repeat the
     search. `demonstration` is there if the budget includes one; it is too large for JSON, and has a separate file.
-    `nearest` says in words how far the best attempts at a task came that was not found; it is no part of JSON either.
+    `nearest` says in words how far the best attempts at a task came that was not found; it is not part of JSON either.
     """
 
     status: Status

@@ -83,8 +83,8 @@ class Waypoint:
     """A joint configuration that the arm of a `robot` passes during an action.
 
     `name` is approach (above the object), at, lift, carry, pull, retreat, move (empty) or stay; transit on the path
-    there. `held` is what the gripper holds there; if that is the handle of furniture, `opening` is how far it is open,
-    in metres or radians.
+    there. `held` is the body in the gripper there; if that is the handle of furniture, `opening` is its opening, in
+    metres or radians.
     """
 
     name: str
@@ -108,7 +108,7 @@ class Waypoint:
 
 @dataclass(frozen=True)
 class Witness:
-    """How a task can be done: a moment for every state, and waypoints from each to the next.
+    """An execution of a task: a moment for every state, and the waypoints from each moment to the next.
 
     `sizes` are those of the objects whose size was drawn.
     """

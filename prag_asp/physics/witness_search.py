@@ -2,7 +2,7 @@
 
 1. Sizes with a range, then the openings of furniture and the place of every object in the initial state, large objects
    before small ones and supports before what they bear. Places leave room for what is put beside or between objects
-   later. If there is none for an object, those before it are placed anew.
+   later. If there is none for an object, those before it are placed again.
 2. The actions in their order. The attempts at one are its choices: a grasp of the object, those that differ in
    direction first; or a random place for what is put down, moved or carried. Each attempt is checked as a whole, with
    the arm at the object and 10 cm before it.

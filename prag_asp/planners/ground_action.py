@@ -12,11 +12,11 @@ NOT_TRUE = "known-not"
 """The role of the proposition "known to be false" of a fluent that may be unknown."""
 
 CARRIED = "carried"
-"""The role of a proposition that is no fluent."""
+"""The role of a proposition that is not a fluent."""
 
 
 class Proposition(NamedTuple):
-    """A proposition of a state: a fluent, or with a `role` another state variable of rules over time."""
+    """A proposition about a state: a fluent or, with a `role`, another state variable of user transition rules."""
 
     term: clingo.Symbol
     role: str = ""

@@ -34,7 +34,7 @@ MOST_CASES = 1000
 """Maximum number of copies of one action, one for each case of its conditions."""
 
 REACHED = Proposition(clingo.Function("goal-reached"), CARRIED)
-"""The proposition that the goal holds, for a goal that is no conjunction."""
+"""The proposition that the goal holds, for a goal that is not a conjunction."""
 
 OPPOSITE = {True: "false", False: "true"}
 

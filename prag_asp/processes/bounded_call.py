@@ -34,7 +34,7 @@ def bounded(
     80 % of the machine's.
 
     Raises:
-        LimitReached: it takes longer, or more memory, or its process dies, as by a stack overflow.
+        LimitReached: the call exceeds a limit, or its process dies, for example by a stack overflow.
         QueryError: the function cannot be found by a name.
         Exception: the function raises it.
     """

@@ -44,7 +44,7 @@ def machine_memory() -> int:
 
 
 def memory_of(processes: list[int]) -> int:
-    """Return the resident memory of processes in bytes; a process that is gone counts 0."""
+    """Return the resident memory of processes in bytes; a process that is gone counts as 0."""
     pages = 0
     for process in processes:
         try:

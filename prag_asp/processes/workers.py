@@ -64,7 +64,7 @@ class Worker:
         """Return its next answer.
 
         Raises:
-            TimeoutError: there was none within the seconds.
+            TimeoutError: no answer came within `seconds`.
             WorkerEnded: the worker has ended.
             Exception: the worker's function raised it.
         """

@@ -54,7 +54,7 @@ def set_constants(sources: Sequence[Source], constants: Mapping[str, str], domai
     Every reader of the program, the linter, an engine or the cache, then sees the same value.
 
     Raises:
-        DomainError: no file declares a constant, it may not be set, or a file cannot be parsed.
+        DomainError: no file declares a constant, a constant may not be set, or a file cannot be parsed.
     """
     statements, problems = parse_sources((source, True) for source in sources)
     raise_problems(problems)

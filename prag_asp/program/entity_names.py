@@ -49,7 +49,7 @@ def refuse_ambiguous(name: str, facts: Facts) -> None:
     """Check that a name is not ambiguous.
 
     Raises:
-        QueryError: it is the name of several of a class, an entity and an action.
+        QueryError: the name is shared by two or three of a class, an entity and an action.
     """
     message = ambiguity(name, facts)
     if message:

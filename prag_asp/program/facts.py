@@ -196,7 +196,7 @@ def rows(control: clingo.Control, predicate: str, arity: int) -> list[list[cling
     """Return the arguments of every ground atom of a predicate, sorted.
 
     Raises:
-        DomainError: one of them depends on a choice.
+        DomainError: an atom depends on a choice.
     """
     return sorted(unsorted_rows(control, predicate, arity))
 
@@ -205,7 +205,7 @@ def unsorted_rows(control: clingo.Control, predicate: str, arity: int) -> Iterat
     """Yield the arguments of every ground atom of a predicate, unsorted, because clingo's terms are slow to compare.
 
     Raises:
-        DomainError: one of them depends on a choice.
+        DomainError: an atom depends on a choice.
     """
     for arguments, _, is_fact in ground_atoms(control, predicate, arity):
         if not is_fact:

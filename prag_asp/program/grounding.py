@@ -33,9 +33,10 @@ Part = tuple[str, Sequence[clingo.Symbol]]
 class Grounder:
     """A clingo control for one program, without output.
 
-    `notes` are the messages on undefined operations, which are errors only if `strict`. `remarks` are those on atoms
-    that no rule derives; clingo makes them with the option `REMARKS`. With `text`, this program in aspif is ground
-    without further checks. An `observer` receives all that clingo grounds.
+    `notes` are the messages about undefined operations, which are errors only if `strict`. `remarks` are those about
+    atoms that no rule derives; clingo prints them with the option `REMARKS`. If `text` is given, it is a program in
+    aspif, and is ground instead of `program`, without further checks. An `observer` receives everything that clingo
+    grounds.
 
     Raises:
         DomainError: clingo cannot parse the program, or one of its intervals is too wide.

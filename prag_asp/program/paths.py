@@ -42,7 +42,8 @@ def domain_folder(name_or_path: str | Path) -> Path:
     """Return the folder of a domain, from a shipped name or the path of a folder.
 
     Raises:
-        DomainError: there is neither a shipped domain nor a folder of that name, it is a file, or it has no domain.lp.
+        DomainError: there is neither a shipped domain nor a folder of that name, the path is a file, or the folder has
+            no domain.lp.
     """
     shipped = shipped_domains()
     if str(name_or_path) in shipped:

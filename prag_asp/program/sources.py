@@ -142,7 +142,7 @@ def decoded(content: bytes, path: Path) -> str:
     """Decode the content of a file, with all line ends replaced by line feeds.
 
     Raises:
-        DomainError: it is not UTF-8.
+        DomainError: the content is not UTF-8.
     """
     try:
         text = content.decode("utf-8-sig")
@@ -156,7 +156,7 @@ def text_source(name: str, text: str) -> Source:
     """Return a text as a source with the path ``<name>``.
 
     Raises:
-        DomainError: it cannot be encoded as UTF-8.
+        DomainError: the text cannot be encoded as UTF-8.
     """
     path = Path(f"<{name}>")
     try:
@@ -171,7 +171,7 @@ def standard_input() -> Source:
     """Read standard input to its end, and return it as a source.
 
     Raises:
-        DomainError: there is no standard input, or it is too large, or not UTF-8.
+        DomainError: there is no standard input, or its content is too large or not UTF-8.
     """
     if sys.stdin is None:
         raise DomainError(f"{STANDARD_INPUT}: standard input is closed; write `cat FILE | prag-asp ...`")

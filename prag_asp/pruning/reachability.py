@@ -63,7 +63,7 @@ def find_relaxed_reach(
 
     `grounder` contains the base part and the relaxed steps. Reachability is unknown if rules outside of the `encodings`
     read which actions are pruned, derive occurring actions, derive states outside of a step, or may assign a value to a
-    term that is no fluent; or if the initial state depends on choices.
+    term that is not a fluent; or if the initial state depends on choices.
     """
     others = [each for each in statements if each.own or each.path.parent != encodings]
     if any(map(_exceeds_steps, others)):

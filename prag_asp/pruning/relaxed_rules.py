@@ -172,14 +172,14 @@ class RelaxedRules:
         return predicates
 
     def _grows(self, head: AtomNode, rule: Statement) -> bool:
-        """Return whether a rule without its time may derive ever larger terms from its own heads."""
+        """Return whether a rule, regardless of time, may derive ever larger terms from its own heads."""
         atoms_read = (atom for node, text in rule.literals if (atom := _read_atom(node, text)) and not atom.negated)
         counted = not _variables(head.arguments[:-1]) <= _variables(map(str, atoms_read))
         larger = counted or any("(" in term and variables(term) for term in head.arguments[:-1])
         return larger and head.signature in self._read_by([rule])
 
     def _stray_rules(self, rule: Statement, head: AtomNode) -> Iterator[str]:
-        """Yield rules for `STRAY`: a head sets a term that is no fluent, or a value other than true and false."""
+        """Yield rules for `STRAY`: a head sets a term that is not a fluent, or a value other than true and false."""
         term, value, body = head.arguments[0], head.arguments[1], self._body(rule)
         bound = _variables(body)
         tests = [(f"not fluent({term})", term)]

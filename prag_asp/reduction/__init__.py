@@ -3,7 +3,8 @@
 Theorem: let the author's statements treat m entities alike and read nothing beyond what `applicability` allows. Then
 the tasks and skeletons of length n are the same, up to renaming, for every m from `EntityBound.needed(n)` on. A task
 that names j of the entities stands for m (m - 1) ... (m - j + 1) plans, which gives the number of plans. The premises
-are checked on the statements and on a program with few entities; docs/explanations/needed.md has the proof.
+are checked on the statements and on a program with few entities. The proof is in
+docs/explanations/small_model_reduction.md.
 
     applicability    the first statement to which the theorem does not apply
     alike_entities   the groups of entities that the statements treat alike, and the program without some of them

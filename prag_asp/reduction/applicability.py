@@ -1,9 +1,10 @@
 """Check the syntactic premises of the small-model reduction.
 
 The author's statements have to treat all entities that they do not name alike, and no rule may depend on an entity
-that its atoms do not name. The allowed fragment is narrow, and the proof in docs/explanations/needed.md uses each
-restriction: only rules of the base part, plain and stratified, no predicates of the encodings except those of the
-contract, and no order among terms, except to state only one of two mirror images of an invariant.
+that its atoms do not name. The allowed fragment is narrow, and the proof, in
+docs/explanations/small_model_reduction.md, uses each restriction: only rules of the base part, plain and stratified, no
+predicates of the encodings except those of the contract, and no order among terms, except to state only one of two
+mirror images of an invariant.
 """
 
 from __future__ import annotations

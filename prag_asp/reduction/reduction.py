@@ -68,8 +68,9 @@ class EntityBound:
 class Reduction:
     """The small-model reduction of a program.
 
-    `groups` are the groups with entities that the least program does not ground, each with its entry of `bounds`.
-    `checked` is the checked least program, `settings` the file of settings.
+    The smallest program has only as many entities of each group as its facts and symmetries need. `groups` are the
+    groups with entities that it does not ground, each with its entry of `bounds`. `checked` is the checked smallest
+    program, `settings` the file of settings.
     """
 
     program: Program
@@ -81,12 +82,12 @@ class Reduction:
 
     @property
     def facts(self) -> Facts:
-        """The facts of the least program."""
+        """The facts of the smallest program."""
         return self.checked.facts
 
     @cached_property
     def facts_with_all_entities(self) -> Facts:
-        """The facts of the least program, with all entities of the whole program."""
+        """The facts of the smallest program, extended by all entities of the whole program."""
         return with_entities(self.facts, self._representatives([bound.least for bound in self.bounds]))
 
     def whole_facts(self) -> Facts:
@@ -123,7 +124,7 @@ class Reduction:
         return self._total(chain(pairs, invariants)) + self.total((*facts.fluents, *facts.actions))
 
     def total(self, terms: Iterable[clingo.Symbol]) -> int:
-        """Return the number of terms of the whole program that correspond to some terms of the least program."""
+        """Return the number of terms of the whole program that correspond to some terms of the smallest program."""
         return self._total((term,) for term in terms)
 
     def _total(self, rows: Iterable[tuple[clingo.Symbol, ...]]) -> int:
@@ -150,11 +151,11 @@ class Reduction:
 def find_reduction(program: Program, settings: Source, *, fewest: int = FEWEST) -> Reduction | str | None:
     """Return the reduction of a program, or the reason why it does not apply, or None for a small program.
 
-    The least program has passed every check. The whole program would pass as well, because the checks depend only on
-    facts that name few entities together.
+    The smallest program has passed every check. The whole program would pass as well, because the checks depend only
+    on facts that name few entities together.
 
     Raises:
-        DomainError: something is wrong with the least program.
+        DomainError: something is wrong with the smallest program.
     """
     statements, problems = parse_sources(owned(program))
     encodings = encodings_folder(program)

@@ -22,7 +22,7 @@ SUBSTEPS = 6
 """Steps of the simulation in an action: an agent acts 20 times a second."""
 
 PERIOD = SUBSTEPS * TIME_STEP
-"""How long an action lasts, in seconds."""
+"""The duration of an action, in seconds."""
 
 SHARES = tuple((i + 1) / SUBSTEPS for i in range(SUBSTEPS))
 """The share of the way that the motors are commanded in each step of the simulation."""
@@ -115,7 +115,7 @@ def _after(last: Situation | None, now: Situation) -> Situation:
 
 
 def _driven(command: ArmCommand) -> Joints:
-    """Return what the motors of an arm drive to: the joints in radians, and the opening in metres."""
+    """Return the targets of the motors of an arm: the joints in radians, and the opening in metres."""
     return (*command.joints, command.opening)
 
 

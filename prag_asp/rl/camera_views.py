@@ -26,7 +26,7 @@ class Viewer:
     `TaskEnv.render` alone.
 
     Raises:
-        QueryError: there is no such camera, one is named twice, or the size is none.
+        QueryError: there is no such camera, a camera is named twice, or the size is invalid.
     """
 
     def __init__(self, scene: Scene, names: object, size: object, resources: ExitStack):
@@ -74,7 +74,7 @@ def cameras_of(scene: Scene, names: object, size: object) -> dict[str, Camera]:
     """Return the cameras of a scene of some names; `size` is width and height in pixels.
 
     Raises:
-        QueryError: there is no such camera, one is named twice, or the size is none.
+        QueryError: there is no such camera, a camera is named twice, or the size is invalid.
     """
     if isinstance(names, str) or not isinstance(names, (tuple, list)):
         raise QueryError(f'cameras {names!r}: give their names, such as ("{next(iter(scene.cameras))}",)')

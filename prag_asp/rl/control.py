@@ -22,16 +22,16 @@ Control = Literal["tool", "joints"]
 CONTROLS: tuple[Control, ...] = get_args(Control)
 
 STRIDE, TURN = 0.05, 0.25
-"""How far the tool moves along each axis and turns in a step at most, in metres and radians."""
+"""The maximum displacement along each axis and rotation of the tool in a step, in metres and radians."""
 
 FINGERS = 0.01
-"""How much a gripper opens or closes in a step at most, in metres."""
+"""The maximum change of the opening of a gripper in a step, in metres."""
 
 LEASH = 0.1
-"""How far the target of a motor may be ahead of its joint, in radians: it bounds the force of a blocked arm."""
+"""The maximum lead of the target of a motor over its joint, in radians: it bounds the force of a blocked arm."""
 
 GAP = 0.001
-"""How far above the table the tips of the fingers are kept, in metres."""
+"""The minimum height of the fingertips above the table, in metres."""
 
 SIZES = {"tool": 5, "joints": 8}
 """The size of an action of an arm: x, y, z, yaw, fingers; or seven joints and the fingers. All are between -1 and 1."""

@@ -47,7 +47,7 @@ EPISODE = ("stage", "task", "witness", "_over", "_last", "_left", "_before", "_e
 """The attributes of an episode, beside its start and its actions."""
 
 REBUILT = ("domain", "scene", "layout", "situation", "_resources", "_viewer", "_sampler", "_arena", "_start")
-"""The attributes that a copy of an environment builds anew, from its arguments and its episode."""
+"""The attributes that a copy of an environment rebuilds from its arguments and its episode."""
 
 
 class TaskEnv(GoalEnv):
@@ -141,7 +141,7 @@ class TaskEnv(GoalEnv):
         self.domain = origin.domain(domain if length is None else None)
         self.scene = scene_of(self.domain)
         self._resources = ExitStack()
-        # Releases the simulators also where the environment is not closed.
+        # Releases the simulators even if the environment is not closed.
         weakref.finalize(self, self._resources.close)
         self._viewer = Viewer(self.scene, cameras, size, self._resources)
         self.layout = Layout.of(self.scene, map(atom_of, self.domain.facts.actions), everything=everything)
@@ -239,7 +239,7 @@ class TaskEnv(GoalEnv):
         return self._viewer.image(self.situation)
 
     def save_state(self) -> dict[str, Any]:
-        """Return the state of the episode, which can be pickled; samplers and curricula are no part of it.
+        """Return the state of the episode, which can be pickled; samplers and curricula are not part of it.
 
         Raises:
             QueryError: no episode has begun.
@@ -254,7 +254,7 @@ class TaskEnv(GoalEnv):
         It performs the actions of the episode again, and returns the observation and the information of its last step.
 
         Raises:
-            QueryError: it is no state of an episode.
+            QueryError: the value is not a state of an episode.
         """
         try:
             start, moves, attributes = state["start"], list(state["moves"]), {name: state[name] for name in EPISODE}
@@ -269,7 +269,7 @@ class TaskEnv(GoalEnv):
         """Return a checkpoint of the samplers, the curricula and the annealing, as values of JSON.
 
         An environment with the same arguments that loads it begins the next episodes as this one does. The episode that
-        goes on is no part of it.
+        goes on is not part of it.
 
         Raises:
             QueryError: no task was sampled yet.
@@ -287,7 +287,7 @@ class TaskEnv(GoalEnv):
         """Continue from a checkpoint of an environment with the same arguments; the next reset takes no seed.
 
         Raises:
-            QueryError: it is the state of another environment, or damaged.
+            QueryError: the checkpoint is of another environment, or damaged.
         """
         verify_checksum(state, self._spec)
         try:
@@ -354,7 +354,7 @@ class TaskEnv(GoalEnv):
             self._resume(state["start"])
 
     def _resume(self, start: EpisodeStart) -> None:
-        """Perform an episode again up to its last action; the subgoals of its start are computed anew."""
+        """Perform an episode again up to its last action; the subgoals of its start are computed again."""
         self._start = replace(start, subgoals=subgoals_of(start.assignment.task, self.scene))
         self._perform()
 

@@ -28,7 +28,7 @@ def check_episodes(*, until: object, reward: object, control: object, stage: obj
     """Check the options of episodes.
 
     Raises:
-        QueryError: an option has another value than those allowed.
+        QueryError: an option has a value that is not allowed.
     """
     for value, choices, what in ((until, UNTIL, "end"), (reward, REWARDS, "reward"), (control, CONTROLS, "control")):
         if value not in choices:
@@ -56,7 +56,7 @@ def options_of(options: object) -> Mapping[str, Any]:
     """Return the options of a reset.
 
     Raises:
-        QueryError: they are malformed, unknown or contradictory.
+        QueryError: the options are malformed, unknown or contradictory.
     """
     if options is None:
         return {}
@@ -76,7 +76,7 @@ def moves_of(action: object, size: int) -> NDArray[np.float64]:
     """Return an action of `size` numbers, clipped to -1 and 1.
 
     Raises:
-        QueryError: it has another shape, or is not finite.
+        QueryError: the action has another shape, or is not finite.
     """
     try:
         numbers = np.asarray(action)
@@ -106,7 +106,7 @@ def _check_steps(steps: object) -> None:
     """Check a number of steps.
 
     Raises:
-        QueryError: it is no whole number from 1.
+        QueryError: the number is not a whole number of at least 1.
     """
     if not is_whole(steps) or steps < 1:
         raise QueryError(f"an episode needs at least 1 step; got {steps!r}")

@@ -1,4 +1,4 @@
-"""The goal half of an environment: rewards and ends of steps from goal vectors alone, also in batches."""
+"""The goal half of an environment: rewards and ends of steps from goal vectors alone, single or in batches."""
 
 from __future__ import annotations
 

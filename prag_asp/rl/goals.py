@@ -21,7 +21,7 @@ PLACES = 2 + BROUGHT
 class Subgoal:
     """A subgoal: the facts that its action brings about, and all others that are known to hold after it.
 
-    `names` are their texts, with a minus for those that shall not hold.
+    `names` are their texts, with a minus for those that must not hold.
     """
 
     achieved: tuple[Fact, ...]

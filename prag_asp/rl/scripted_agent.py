@@ -32,7 +32,7 @@ HEIGHT, APART = 0.3, 0.06
 """The height at which the tool travels, and the horizontal distance from which it does, in metres."""
 
 GENTLE = 0.01
-"""The largest motion of furniture in a step, in metres: its content shall not roll."""
+"""The largest motion of furniture in a step, in metres: its content should not roll."""
 
 PATIENCE, SETTLING = 60, 4
 """The step limit of a waypoint, and the steps to wait after the fingers have closed or opened."""
@@ -164,7 +164,7 @@ def _way_round(situation: Situation, robot: str, turn: float) -> float:
 def _action(
     env: TaskEnv, robot: str, move: Vector = (0.0, 0.0, 0.0), turn: float = 0.0, fingers: float = 0.0
 ) -> Action:
-    """Return the action in which one arm alone moves, in metres and radians; `fingers` is what the action has."""
+    """Return the action in which one arm alone moves, in metres and radians; `fingers` is the number in the action."""
     numbers = np.zeros((len(env.layout.robots), SIZES["tool"]), dtype=np.float32)
     farthest = max(1.0, *(abs(part) / STRIDE for part in move))
     own = [*(part / STRIDE / farthest for part in move), turn / TURN, fingers]

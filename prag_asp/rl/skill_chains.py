@@ -47,7 +47,7 @@ class Rate(NamedTuple):
     def share(self) -> Fraction:
         """The share of successes, exactly; 0 of no trials.
 
-        The shares of the stages of tasks of one length multiply to that of the whole.
+        The product of the shares of the stages of tasks of one length is the share of whole tasks.
         """
         return Fraction(self.successes, self.trials) if self.trials else Fraction(0)
 
@@ -133,7 +133,7 @@ class Rollouts:
         return {name: Rate(reached[name], trials[name]) for name in sorted(trials)}
 
     def table(self) -> str:
-        """Return a table as text: each stage, each action, and the whole."""
+        """Return a table as text: each stage, each action, and whole tasks."""
         rows = [(f"stage {number}", rate) for number, rate in enumerate(self.by_stage(), 1)]
         rows += [*self.by_action().items(), ("whole", self.whole())]
         wide = max(len(name) for name, _ in rows)

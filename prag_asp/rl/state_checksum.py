@@ -19,7 +19,7 @@ def verify_checksum(state: object, spec: str) -> None:
     """Check a state of an environment with a `spec`.
 
     Raises:
-        QueryError: it is damaged, or of another environment.
+        QueryError: the state is damaged, or of another environment.
     """
     if not isinstance(state, Mapping) or state.get("spec") != spec:
         of = repr(state["spec"]) if isinstance(state, Mapping) and "spec" in state else "nothing that is known"

@@ -1,6 +1,6 @@
 """Boxes along the axes as plain tuples, which are faster than arrays at this size; all in metres.
 
-A `Box` has its centre and half its sides, `Corners` its lowest and its highest corner.
+A `Box` has its centre and its half-extents, `Corners` its lowest and its highest corner.
 """
 
 from __future__ import annotations
@@ -9,10 +9,10 @@ from collections.abc import Iterable
 
 Vector = tuple[float, float, float]
 Ends = tuple[float, float]
-"""Where something begins and ends along an axis."""
+"""The lower and upper end of an extent along an axis."""
 
 Box = tuple[Vector, Vector]
-"""The centre of a box, and half its sides."""
+"""The centre and the half-extents of a box."""
 
 Corners = tuple[Vector, Vector]
 """The lowest and the highest corner of a box."""

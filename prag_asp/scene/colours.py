@@ -25,8 +25,8 @@ LEVELS = (0x10, 0x38, 0x60, 0x88, 0xB0, 0xD8, 0xF8)
 """The levels of red, green and blue of which the colours of `more_colours` are mixed."""
 
 LIGHTNESS, CHROMA = (28.0, 88.0), (28.0, 90.0)
-"""How dark and how light a colour of an object is, and how far from grey: robots and trays are grey, and no thing is as
-blue as a screen can be."""
+"""The ranges of lightness and chroma of objects' colours: robots and trays are grey, and no object is as blue as a
+screen can be."""
 
 
 def rgb(color: str) -> tuple[int, int, int]:
@@ -52,7 +52,7 @@ def from_lab(lab: NDArray[np.float64]) -> str:
 
 
 def apart(one: str, two: str) -> float:
-    """Return how different two colours look: Delta E."""
+    """Return the perceptual difference of two colours: Delta E."""
     return float(np.linalg.norm(to_lab(one) - to_lab(two)))
 
 

@@ -23,7 +23,7 @@ class Footprint(NamedTuple):
 
 
 def corners(footprint: Footprint) -> Outline:
-    """Return the corners of a footprint, counter-clockwise; of a round body those of the square around it."""
+    """Return the corners of a footprint, counter-clockwise; for a round body, those of the square around it."""
     (x, y, yaw), (half_x, half_y, _) = footprint.place, footprint.shape.half
     return rectangle(x, y, half_x, half_y, 0.0 if footprint.shape.traits.round else yaw)
 
@@ -38,7 +38,7 @@ def apart(one: Footprint, two: Footprint, touching: float) -> bool:
 
 
 def _axes(footprint: Footprint, other: Footprint) -> list[Point]:
-    """Return the unit normals of the sides of a body; of a round one the direction from the nearest part of another."""
+    """Return unit normals of the sides of a body; for a round one, the direction from the nearest part of another."""
     x, y, yaw = footprint.place
     if not footprint.shape.traits.round:
         cosine, sine = math.cos(yaw), math.sin(yaw)
@@ -51,7 +51,7 @@ def _axes(footprint: Footprint, other: Footprint) -> list[Point]:
 
 
 def _shadow(footprint: Footprint, direction: Point) -> tuple[float, float]:
-    """Return where a body begins and ends along a unit vector, in metres."""
+    """Return the interval that a body covers along a unit vector, in metres."""
     if footprint.shape.traits.round:
         middle = direction[0] * footprint.place[0] + direction[1] * footprint.place[1]
         return middle - footprint.shape.half[0], middle + footprint.shape.half[0]

@@ -19,10 +19,11 @@ CIRCLE = tuple(2 * math.pi * i / 16 for i in range(16))
 
 
 class Primitive(NamedTuple):
-    """The extent of a primitive, as functions of half the sides of its bounding box, in metres.
+    """The extent of a primitive, as functions of the half-extents of its bounding box, in metres.
 
-    `reach` is how far it reaches from its middle along a unit vector in its own axes. `outline` are its corners from
-    above, counter-clockwise, by x, y and yaw of its middle; of a ball where it stands. `volume` is in cubic metres.
+    `reach` is the distance from its centre to its farthest point along a unit vector, in its own frame. `outline` are
+    its corners from above, counter-clockwise, by x, y and yaw of its middle; for a ball, the point where it stands.
+    `volume` is in cubic metres.
     """
 
     reach: Callable[[Vector, Vector], float]

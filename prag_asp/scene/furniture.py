@@ -25,10 +25,10 @@ POST, STEM = 0.011, 0.005
 
 POST_HEIGHT = 0.055
 GRIP_DEPTH = 0.02
-"""How far below the top of the post the gripper holds it."""
+"""The distance from the top of the post to the grasp."""
 
 STAND_OFF = 0.025
-"""How far the post is from the panel of a drawer, or from the edge of a door: the fingers fit in between."""
+"""The distance of the post from the panel of a drawer, or from the edge of a door: the fingers fit in between."""
 
 RIM = 2 / 3
 """The height of a tray's walls, as a share of the room in the cabinet: they stop what is in it, and not the hand."""

@@ -120,7 +120,7 @@ def finite(pose: Pose) -> bool:
 
 @lru_cache(maxsize=1 << 11)
 def extents(shape: Shape, quaternion: Quaternion) -> Vector:
-    """Return half the sides of the world's bounding box of a turned shape, in metres."""
+    """Return the half-extents of the axis-aligned bounding box of a rotated shape, in metres."""
     half, reach = shape.half, shape.traits.form.reach
     x, y, z, w = quaternion
     along = [reach(half, rotate((-x, -y, -z, w), axis)) for axis in AXES]
@@ -128,7 +128,7 @@ def extents(shape: Shape, quaternion: Quaternion) -> Vector:
 
 
 def width_along(shape: Shape, quaternion: Quaternion, direction: Vector) -> float:
-    """Return how wide a turned shape is along a unit vector, in metres."""
+    """Return the width of a rotated shape along a unit vector, in metres."""
     x, y, z, w = quaternion
     return 2 * shape.traits.form.reach(shape.half, rotate((-x, -y, -z, w), direction))
 
@@ -150,7 +150,7 @@ def to_local(pose: Pose, x: float, y: float) -> Point:
 
 @lru_cache(maxsize=1 << 11)
 def outline(shape: Shape, pose: Pose) -> Outline:
-    """Return the corners of an upright body from above, counter-clockwise; of a ball where it stands."""
+    """Return the corners of an upright body from above, counter-clockwise; for a ball, the point where it stands."""
     x, y, _ = pose.position
     return shape.traits.form.outline(shape.half, x, y, yaw_of(pose.quaternion))
 
@@ -179,7 +179,7 @@ def centre_of_mass(shape: Shape, pose: Pose) -> Vector:
 
 
 def inside_by(polygon: Outline, point: Point) -> float:
-    """Return how far a point lies within a convex counter-clockwise polygon in metres; negative outside."""
+    """Return the distance in metres of a point from the border of a convex counter-clockwise polygon; < 0 outside."""
     depth = math.inf
     for (ax, ay), (bx, by) in zip(polygon, polygon[1:] + polygon[:1], strict=True):
         length = math.hypot(bx - ax, by - ay)
@@ -192,7 +192,7 @@ def inside_by(polygon: Outline, point: Point) -> float:
 
 @lru_cache(maxsize=1 << 11)
 def intersection(subject: Outline, clip: Outline) -> Outline:
-    """Return what two convex counter-clockwise polygons share, by Sutherland and Hodgman's clipping."""
+    """Return the intersection of two convex counter-clockwise polygons, by Sutherland and Hodgman's clipping."""
     if len(subject) == 1:
         return subject if inside_by(clip, subject[0]) >= 0.0 else ()
     for (ax, ay), (bx, by) in zip(clip, clip[1:] + clip[:1], strict=True):

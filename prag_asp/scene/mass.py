@@ -40,7 +40,7 @@ class MassProperties(NamedTuple):
         """Return whether some distribution of the mass in a box, from its low to its high corner, has this inertia."""
         if not np.all(np.isfinite(self.inertia)):
             return False
-        # The second moments of the mass about its centre: of a distribution they are positive along each direction,
+        # The second moments of the mass about its centre: for any distribution they are positive along each direction,
         # and at most the mass times the square of the longest distance along an axis.
         moments = np.trace(self.inertia) / 2 * np.eye(3) - self.inertia
         room = self.mass * np.maximum(high - self.centre, self.centre - low) ** 2

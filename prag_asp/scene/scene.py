@@ -46,7 +46,7 @@ class Solid(NamedTuple):
 
 
 class Look(NamedTuple):
-    """What is seen of a body: a solid in its frame, which does not collide.
+    """A visual part of a body: a solid in the frame of the body, without collisions.
 
     A mesh has the colours and textures of its file; files that it names have to be inside a `folder`. Otherwise it has
     the `texture`, a path, and the solid the `color`, or that of the entity if it is empty.
@@ -75,9 +75,9 @@ class BodyModel(NamedTuple):
     inertia in kg m² about `axes`, a unit quaternion (x, y, z, w).
 
     `base` and `crown` are the convex outlines, seen from above and counter-clockwise, of what it stands on and of what
-    stands on it: its lowest and its highest points; if empty, of its box. `settled` is by how many radians it was
-    tilted from how its file has it, because it does not rest like that. `looks` are what is seen of it; if it has none,
-    it is seen as it collides.
+    stands on it: its lowest and its highest points; if empty, of its box. `settled` is the angle in radians by which it
+    was tilted from its orientation in the file, because it does not rest there. `looks` are its visual parts; without
+    them, its collision solids are shown.
     """
 
     solids: tuple[Solid, ...]
@@ -90,6 +90,10 @@ class BodyModel(NamedTuple):
     settled: float = 0.0
     cavity: Cavity | None = None
     looks: tuple[Look, ...] = ()
+
+    def __hash__(self) -> int:
+        # Caches look models up all the time, and some have hundreds of numbers; these few distinguish them.
+        return hash((self.mass, self.centre, self.moments, len(self.solids)))
 
     def with_mass(self, mass: float) -> BodyModel:
         """Return the model with another mass in kilograms, distributed alike."""
@@ -212,6 +216,10 @@ class TableTop:
     color: str = "#c8a27a"
 
 
+BALANCE = 0.01
+"""The default of `Scene.balance`: robots put things down within a few millimetres."""
+
+
 @dataclass(frozen=True)
 class Scene:
     """The scene of a domain.
@@ -226,7 +234,8 @@ class Scene:
     in radians. `frame` is "robot", for which left is +y and in front is -x, or "viewer", who faces the robot.
 
     `own` has the spatial predicates that the domain adds, by name; their Python files are run only if `trusted` is set.
-    `cameras` are named, too; by default there is one, `front`. `vary` has the ranges of domain randomization.
+    `cameras` are named, too; by default there is one, `front`. `vary` has the ranges of domain randomization. `balance`
+    is the margin in metres that the centre of mass of a placed object keeps within what it stands on, if that is large.
     """
 
     shapes: Mapping[str, Shape]
@@ -244,6 +253,7 @@ class Scene:
     robots: Mapping[str, Mount] = field(default_factory=dict)
     cameras: Mapping[str, Camera] = field(default_factory=dict)
     vary: Ranges = USUAL_RANGES
+    balance: float = BALANCE
 
     def __post_init__(self) -> None:
         if not self.robots:

@@ -15,7 +15,7 @@ from prag_asp.scene.forms import BALL, BOX, CYLINDER, Primitive
 class Kind(NamedTuple):
     """The properties of all bodies of a kind.
 
-    `keys` are what its table in ``scene.shapes`` gives besides the kind, `form` is what it takes up. A `round` body
+    `keys` are the keys of its table in ``scene.shapes`` besides the kind; `form` is its geometry. A `round` body
     looks the same however it is turned about the vertical. A `flat` one ends in planes: it stands on the one below,
     and bears others on the one above; what is not flat rolls. An `even` one is as broad everywhere, so that it can be
     held at its end as well. Things can be in a `hollow` one. `furniture` stands still and has a part on a joint. A
@@ -42,7 +42,7 @@ KINDS: Mapping[str, Kind] = {
     "drawer": Kind(("size", "wall"), hollow=True, furniture=True),
     "cupboard": Kind(("size", "wall"), hollow=True, furniture=True),
     "urdf": Kind(("path",)),
-    "mesh": Kind(("path", "visual", "scale", "rotation", "up", "mass", "rests")),
+    "mesh": Kind(("path", "visual", "scale", "rotation", "up", "mass", "density", "rests")),
     "table": Kind(body=False, surface=True),
     "robot": Kind(body=False),
     "zone": Kind(("size",), body=False, surface=True),

@@ -11,7 +11,7 @@ from prag_asp.scene.scene import Scene, Shape, Solid
 
 
 def boxes(places: Iterable[tuple[Vector, Vector]]) -> tuple[Solid, ...]:
-    """Return boxes, each given by its centre and half its sides in metres."""
+    """Return boxes, each given by its centre and half-extents in metres."""
     return tuple(Solid("box", (2 * x, 2 * y, 2 * z), at) for at, (x, y, z) in places)
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from functools import lru_cache
 from itertools import pairwise, product
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.scene.boxes import Box, box_between
 from prag_asp.scene.geometry import Pose, Quaternion, extents, hull, matrix, outline
 from prag_asp.scene.read.convex import convex_hull
 from prag_asp.scene.read.mesh import mesh_parts, state_of
@@ -115,45 +115,49 @@ def _primitive(kind: str, size: tuple[float, float, float]) -> Floats:
     return _outward(np.concatenate(triangles))
 
 
-def turned_boxes(shape: Shape, quaternion: Quaternion) -> tuple[Box, ...]:
-    """Return the boxes of a turned body at the origin that keep others apart, along the axes of the world, in metres.
+@lru_cache(maxsize=1 << 10)
+def part_boxes(shape: Shape, quaternion: Quaternion) -> Floats:
+    """Return the boxes around the convex parts of a turned body at the origin, along the axes of the world, in metres.
 
-    One around each convex part of a body with a model, one around any other body.
+    An array of shape (n, 2, 3): centres and half-sides. There is one box around a body without a model.
     """
     if shape.model is None:
-        return (((0.0, 0.0, 0.0), extents(shape, quaternion)),)
-    return _turned_parts(shape, quaternion)
-
-
-@lru_cache(maxsize=1 << 10)
-def _turned_parts(shape: Shape, quaternion: Quaternion) -> tuple[Box, ...]:
-    """Return the box around each convex part of a turned body at the origin."""
+        return np.array([((0.0, 0.0, 0.0), extents(shape, quaternion))])
     rows = matrix(Pose((0.0, 0.0, 0.0), quaternion))[:3, :3]
-    turned = (part.reshape(-1, 3) @ rows.T for part in part_surfaces(shape))
-    ends = (zip(part.min(0).tolist(), part.max(0).tolist(), strict=True) for part in turned)
-    return tuple(box_between(*sides) for sides in ends)
+    turned = [part.reshape(-1, 3) @ rows.T for part in part_surfaces(shape)]
+    lows, highs = (np.array([end(part, 0) for part in turned]) for end in (np.min, np.max))
+    return np.stack([(lows + highs) / 2, (highs - lows) / 2], 1)
+
+
+class PartOutline(NamedTuple):
+    """A convex outline seen from above: its corners (n, 2) in metres, and the unit normals of its edges (2, n)."""
+
+    corners: Floats
+    normals: Floats
+
+    @classmethod
+    def of(cls, corners: Floats) -> PartOutline:
+        """Return the outline of corners, shape (n, 2), counter-clockwise."""
+        edges = np.roll(corners, -1, 0) - corners
+        lengths = np.maximum(np.linalg.norm(edges, axis=1), EDGE)
+        return cls(corners, np.stack([edges[:, 1], -edges[:, 0]]) / lengths)
+
+    def meets(self, other: PartOutline, offset: Floats, spacing: float) -> bool:
+        """Return whether this outline, moved by an offset (2,), may be nearer than a spacing in metres to another.
+
+        It is not if an edge keeps them apart by as much (separating axis theorem).
+        """
+        normals = np.concatenate([self.normals, other.normals], 1)
+        ours, theirs = (self.corners + offset) @ normals, other.corners @ normals
+        gaps = np.maximum(theirs.min(0) - ours.max(0), ours.min(0) - theirs.max(0))
+        return bool(gaps.max() < spacing)
 
 
 @lru_cache(maxsize=1 << 10)
-def turned_outlines(shape: Shape, quaternion: Quaternion) -> tuple[Floats, ...]:
-    """Return the convex outline from above of each part of a turned body at the origin: arrays of shape (n, 2), metres.
-
-    They are in the order of `turned_boxes`.
-    """
+def part_outlines(shape: Shape, quaternion: Quaternion) -> tuple[PartOutline, ...]:
+    """Return the convex outline from above of each part of a turned body at the origin, as `part_boxes` orders them."""
     if shape.model is None:
-        return (np.array(outline(shape, Pose((0.0, 0.0, 0.0), quaternion))),)
+        return (PartOutline.of(np.array(outline(shape, Pose((0.0, 0.0, 0.0), quaternion)))),)
     rows = matrix(Pose((0.0, 0.0, 0.0), quaternion))[:2, :3]
     flat = (part.reshape(-1, 3) @ rows.T for part in part_surfaces(shape))
-    return tuple(np.array(hull([(x, y) for x, y in part.round(7).tolist()])) for part in flat)
-
-
-def outlines_meet(one: Floats, two: Floats, spacing: float) -> bool:
-    """Return whether two convex outlines may be nearer than a spacing in metres: no edge keeps them apart by as much.
-
-    If one does, they are (separating axis theorem).
-    """
-    edges = np.concatenate([np.roll(each, -1, 0) - each for each in (one, two)])
-    normals = np.stack([edges[:, 1], -edges[:, 0]]) / np.maximum(np.linalg.norm(edges, axis=1), EDGE)
-    ours, theirs = one @ normals, two @ normals
-    gaps = np.maximum(theirs.min(0) - ours.max(0), ours.min(0) - theirs.max(0))
-    return bool(gaps.max() < spacing)
+    return tuple(PartOutline.of(np.array(hull([(x, y) for x, y in part.round(7).tolist()]))) for part in flat)

@@ -1,4 +1,4 @@
-"""Why a sequence of actions is no plan of a domain."""
+"""Why a sequence of actions is not a plan of a domain."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
 
 def explain(domain: Domain, actions: Sequence[str | Atom]) -> Explanation | None:
-    """Return why a sequence of actions of any length is no plan of a domain, or None if it is one.
+    """Return why a sequence of actions of any length is not a plan of a domain, or None if it is one.
 
     Raises:
-        QueryError: an item is no action of the domain, or only the name of several.
+        QueryError: an item is not an action of the domain, or only the name of several.
         EngineError: the domain cannot be translated to clauses.
     """
     return reasons_against(DomainLogic(domain).whole, parse_plan(actions, domain.facts))

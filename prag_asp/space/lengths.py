@@ -18,7 +18,7 @@ def parse_lengths(length: int | str | Iterable[int]) -> tuple[int, ...]:
     """Return the lengths that a value states, in its order.
 
     Raises:
-        QueryError: there is none, one is no whole number of at least 0, or one is repeated.
+        QueryError: there is no length, a length is not a whole number of at least 0, or a length is repeated.
     """
     if isinstance(length, str):
         length = parse_range(length, f"length {length!r}")
@@ -63,7 +63,7 @@ def checked_length(length: object) -> int:
     """Return a length.
 
     Raises:
-        QueryError: it is no whole number of at least 0.
+        QueryError: the length is not a whole number of at least 0.
     """
     if not isinstance(length, int) or isinstance(length, bool):
         raise QueryError(f"length {length!r}: give a whole number, such as 4")

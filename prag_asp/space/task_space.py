@@ -246,7 +246,7 @@ class TaskSpace:
         """Return the rank of a task or a plan; the names of interchangeable entities do not matter.
 
         Raises:
-            QueryError: it is no task of this space, or contains something that is no action.
+            QueryError: the task is not in this space, or contains something that is not an action.
         """
         plan = parse_plan(task.actions if isinstance(task, Task) else task, self.domain.facts)
         rank = WordSet(self.engines, "task", self.length).rank(tuple(map(str, plan)))
@@ -353,7 +353,7 @@ class TaskSpace:
         """Return parsed weights at a temperature.
 
         Raises:
-            QueryError: a weight matches nothing in the domain, or is no exact number of at least 0.
+            QueryError: a weight matches nothing in the domain, or is not an exact number of at least 0.
         """
         from prag_asp.space.weights.temperature import tempered
 
@@ -414,7 +414,7 @@ class TaskSpace:
         symmetries of this space, even if more entities are interchangeable within a part.
 
         Raises:
-            QueryError: there is no such thing, or the entity is interchangeable with one that training shows.
+            QueryError: there is nothing of that name, or the entity is interchangeable with one that training shows.
         """
         from prag_asp.space.parts.shares import held_out
 

@@ -52,7 +52,7 @@ class WordSet:
         """Return the rank of a word.
 
         Raises:
-            QueryError: it is no word of the set.
+            QueryError: the set does not have the word.
         """
         rank = self.rank(word)
         if rank is None:

@@ -40,7 +40,7 @@ def decoded(text: str) -> Any:
     """Return the value of a JSON text.
 
     Raises:
-        QueryError: it is not JSON, for the reason in the message; NaN and infinity are no JSON numbers.
+        QueryError: the text is not JSON; the message has the reason; NaN and infinity are not JSON numbers.
     """
     try:
         return msgspec.json.decode(text)
@@ -62,7 +62,7 @@ def read(data: object, kind: type[Kind], name: str) -> Kind:
     """Return a JSON value as a type that msgspec supports; paths begin with its `name`, which may be empty.
 
     Raises:
-        QueryError: it is of another type; the message has the path to the wrong field.
+        QueryError: the value is of another type; the message has the path to the wrong field.
     """
     try:
         return msgspec.convert(data, kind)
@@ -72,7 +72,7 @@ def read(data: object, kind: type[Kind], name: str) -> Kind:
 
 
 def read_entry(entry: TableEntry, kind: type[Kind]) -> Kind | None:
-    """Return the value of an entry as a type that msgspec supports; report another value, and return None."""
+    """Return the value of an entry as a type that msgspec supports; for another type, report it and return None."""
     try:
         return msgspec.convert(entry.value, kind)
     except msgspec.ValidationError as error:

@@ -25,7 +25,7 @@ LARGEST = 1e9
 """The largest number in a table, far above any length in metres, angle in degrees or density."""
 
 LONGEST = 40
-"""The most characters of a wrong value in a message."""
+"""The maximum number of characters of a wrong value in a message."""
 
 CONSTANTS: Mapping[str, bool | None] = {"null": None, "true": True, "false": False}
 """The constants that TOML and JSON spell differently from Python."""
@@ -76,7 +76,7 @@ class TableReport:
         """Raise all problems as one error, each with the line of its key in the file.
 
         Raises:
-            PragError: there are problems; it is of the given type.
+            PragError: there are problems; the error is of the given type.
         """
         if self.problems:
             raise error(*dict.fromkeys(f"{path}:{key_line(text, each.keys)}: {each}" for each in self.problems))
@@ -107,12 +107,12 @@ class TableEntry:
         )
 
     def entries(self) -> Iterator[tuple[str, TableEntry]]:
-        """Yield the name and the entry of each key of a table, nothing if the value is no table."""
+        """Yield the name and the entry of each key of a table, nothing if the value is not a table."""
         for name in self.value if isinstance(self.value, Mapping) else ():
             yield name, self.at(name)
 
     def items(self) -> Iterator[TableEntry]:
-        """Yield the entry of each item of a list, nothing if the value is no list."""
+        """Yield the entry of each item of a list, nothing if the value is not a list."""
         for place in range(len(self.value)) if isinstance(self.value, list) else ():
             yield self.at(place)
 

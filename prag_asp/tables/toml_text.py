@@ -27,7 +27,7 @@ def parse_toml(path: Path, text: str) -> dict[str, Any]:
     """Return the table of a TOML text, with decimal numbers as `Decimal`, unrounded.
 
     Raises:
-        DomainError: it is not TOML.
+        DomainError: the text is not TOML.
     """
     try:
         table: dict[str, Any] = tomllib.loads(text, parse_float=Decimal)

@@ -21,7 +21,7 @@ def problems(task: Mapping[str, Any], witness: Mapping[str, Any], world: World, 
     states = [task["initial"], *task["states"]]
     if len(witness["moments"]) != len(states) or len(witness["motions"]) != len(task["actions"]):
         return ["states or motions are missing"]
-    named = {name for state in states for fluent in state for name in _terms(fluent)[1:] if name in world.parts}
+    named = {name for state in states for fluent in state for name in terms(fluent)[1:] if name in world.parts}
     for data in witness["moments"]:
         wrong = list(broken(data, named, world))
         if wrong:
@@ -44,7 +44,7 @@ def problems(task: Mapping[str, Any], witness: Mapping[str, Any], world: World, 
     return found
 
 
-def _terms(fluent: str) -> list[str]:
+def terms(fluent: str) -> list[str]:
     """Return the name of a fluent and its arguments."""
     name, _, inner = fluent.partition("(")
     return [name, *re.findall(r"[^,()]+(?:\([^()]*\))?", inner[:-1])]
@@ -54,7 +54,7 @@ def _facts(state: Mapping[str, bool], moment: Moment) -> Iterator[str]:
     """Yield the fluents of a state that are otherwise."""
     seen, world = moment.seen(), moment.world
     for fluent, value in state.items():
-        name, *arguments = _terms(fluent)
+        name, *arguments = terms(fluent)
         meaning = world.meaning(name)
         if meaning is not None and not holds(seen, meaning, arguments, value):
             yield f"{fluent} is not {str(value).lower()}"

@@ -12,7 +12,7 @@ from prag_asp.physics import Budget, check_demonstration, check_witness, open_va
 from prag_asp.physics.grasps.body_grasps import body_grasps, is_hand_free
 from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.physics.predicates import PREDICATES
-from prag_asp.physics.predicates.grip_friction import grip_load, held_load, pad_friction
+from prag_asp.physics.predicates.grip_friction import finger_force, grip_load, held_load, pad_friction
 from prag_asp.physics.predicates.grip_geometry import pad_reach
 from prag_asp.physics.proofs.prover import Prover
 from prag_asp.physics.robot.kinematics import tool_pose
@@ -156,6 +156,16 @@ def test_a_heavy_body_with_a_handle_at_its_end_turns_between_the_pads() -> None:
         verdict = validate_task(LIFTED, scene(model((0.3, 0.1, 0.1), mass, *solids)), seed=1, budget=Budget(2, 8))
         assert verdict.status == ("feasible" if feasible else "not_found"), verdict.reason
         assert feasible or verdict.reason == TWISTS
+
+
+def test_fingers_hold_a_paper_bowl_with_little_force_and_do_not_press_into_it() -> None:
+    bowl = model((0.12, 0.12, 0.05), 0.004, *walls(0.12, 0.0035, 0.05))
+    made = scene(bowl)
+    assert finger_force(made, "thing_1", "panda") == pytest.approx(50 * 9.81 * 0.004)
+    assert finger_force(scene(HELD[BASIN]), "thing_1", "panda") == finger_force(made, None, "panda") == PANDA.grip_force
+    verdict = validate_task(MOVED, made, seed=1, budget=Budget(2, 8, Tier.DEMONSTRATION))
+    assert verdict.demonstration is not None, verdict.nearest
+    assert check_demonstration(MOVED, verdict.demonstration, made) == []
 
 
 def test_way_and_volume_of_holding_lead_to_a_grasp(verdicts: dict[str, Verdict]) -> None:

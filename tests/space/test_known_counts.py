@@ -20,8 +20,9 @@ ENUMERABLE, FOUND_ONE_BY_ONE = 2000, 300
 UNROLLED = 8
 """Lengths up to which words are found one by one: each step more repeats what those before it say."""
 
-DIAGRAMS = 3
-"""Lengths up to which diagrams are made of the states: they are for regular worlds, and these are many."""
+DIAGRAMS, OF_MANY = 3, 2
+"""Lengths up to which diagrams are made of the states: they are for regular worlds, and these are many. The household
+with its 26 entities has the most."""
 
 
 Row = tuple[str, str, int, tuple[str, ...], int]
@@ -75,14 +76,16 @@ def test_sat_meets_the_known_count(spaces: Spaces, row: Row) -> None:
     assert counted(spaces, "sat", row) == row[4]
 
 
-@pytest.mark.parametrize("row", [row for row in COUNTS if row[2] <= DIAGRAMS], ids=str)
+@pytest.mark.parametrize(
+    "row", [row for row in COUNTS if row[2] <= (OF_MANY if row[0] == "household" else DIAGRAMS)], ids=str
+)
 def test_diagrams_meet_the_known_count(spaces: Spaces, row: Row) -> None:
     assert counted(spaces, "symbolic", row) == row[4]
 
 
 def test_every_shipped_domain_has_known_counts() -> None:
     assert {row[0] for row in COUNTS} == set(shipped_domains()) >= {"prag", "tabletop", "blocks", "hanoi"}
-    assert {row[0] for row in COUNTS if row[1] == "flat.plan"} == {"kitchen", "two_arms"}
+    assert {row[0] for row in COUNTS if row[1] == "flat.plan"} == {"kitchen", "two_arms", "household"}
 
 
 def test_a_count_of_a_thousand_actions_is_exact() -> None:

@@ -89,7 +89,7 @@ def _check_learned(domain: Domain) -> None:
     """Check that the scene still proves the learned invariants of a domain.
 
     Raises:
-        DomainError: it does not, because the scene has changed or the file was written by hand.
+        DomainError: an invariant is not proved, because the scene has changed or the file was written by hand.
     """
     if not domain.learned or domain.folder is None:
         return

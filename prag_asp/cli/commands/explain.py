@@ -1,4 +1,4 @@
-"""``prag-asp explain``: why a sequence of actions is no plan, or why a space has no tasks."""
+"""``prag-asp explain``: why a sequence of actions is not a plan, or why a space has no tasks."""
 
 from __future__ import annotations
 
@@ -46,14 +46,14 @@ def explain(
     *, request: DomainOptions, words: tuple[str, ...], number: int | None, action: str | None, step: int | None,
     smallest: bool, changes: bool,
 ) -> None:  # fmt: skip
-    """Explain why a sequence of actions is no plan.
+    """Explain why a sequence of actions is not a plan.
 
     With --length, explain why there is no task of that length.
 
-    Actions are separate arguments, or one argument in which blanks or commas separate them. For a sequence that is no
-    plan, prints the first step that cannot occur, the reason, and which steps conflict. For a length without tasks,
-    prints a set of lines of the domain that together exclude every task, while any part of them does not. The exit
-    code is 1 if there is something to explain, otherwise 0.
+    Actions are separate arguments, or one argument in which blanks or commas separate them. For a sequence that is not
+    a plan, prints the first step that cannot occur, the reason, and which steps conflict. For a length without tasks,
+    prints a set of lines of the domain that together exclude every task, while any part of them does not. The exit code
+    is 1 if there is something to explain, otherwise 0.
     """
     if number is None:
         given = {"--where": request.where, "--why-not": action, "--step": step, "--smallest": smallest}
@@ -77,10 +77,10 @@ def explain(
 
 
 def _explain_plan(request: DomainOptions, words: tuple[str, ...]) -> None:
-    """Print why a sequence of actions is no plan.
+    """Print why a sequence of actions is not a plan.
 
     Raises:
-        QueryError: a word is no action.
+        QueryError: a word is not an action.
     """
     from prag_asp.space.explanation import explain as explain_actions
 

@@ -57,7 +57,7 @@ def _weights(imported: Imported, text: str) -> str:
     """Return the costs of all ground actions as the text of a table of weights.
 
     Raises:
-        DomainError: no action has a cost, or one has none in the problem.
+        DomainError: no action has a cost, or the problem lacks the cost of an action.
         QueryError: the factor is invalid, or a weight has no finite decimal expansion.
     """
     from prag_asp.domain.load import load_domain

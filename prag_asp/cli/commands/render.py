@@ -151,7 +151,7 @@ class _Renderer:
         """Draw one task into a file; `tell` receives the share that is done.
 
         Raises:
-            QueryError: it has no witness, and none is found; or the robot fails to execute it.
+            QueryError: the task has no witness and none is found, or the robot fails to execute it.
             OutputError: the file cannot be written.
         """
         from prag_asp.dataset.scenes import scene_of
@@ -229,7 +229,7 @@ def _check_output(output: Path, form: str) -> None:
 
     Raises:
         QueryError: its suffix does not fit the form.
-        OutputError: it, or its folder, cannot be written.
+        OutputError: the output or its folder cannot be written.
     """
     if _is_file(output):
         if output.suffix.lower() not in _suffixes(form):
@@ -249,7 +249,7 @@ def _targets(output: Path, numbers: Sequence[int], form: str) -> dict[int, Path]
     """Return the file for each task.
 
     Raises:
-        QueryError: there is one file for several tasks.
+        QueryError: the output is one file, but there are several tasks.
         OutputError: the folder cannot be made.
     """
     suffix = _suffixes(form)[0]

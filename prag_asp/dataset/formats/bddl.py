@@ -47,7 +47,7 @@ class Bddl:
 
         Raises:
             QueryError: there is no task, or a name is invalid in BDDL.
-            OutputError: it cannot be written.
+            OutputError: the folder cannot be written.
         """
         total = sum(note.rows("tasks") for note in source.data.manifest.parts if note.name in source.data.parts)
         with new_folder(target) as folder:

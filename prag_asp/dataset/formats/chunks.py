@@ -47,7 +47,7 @@ class ChunkedTable:
         """Write rows as one group, and return the numbers of their chunk and file.
 
         Raises:
-            OutputError: they cannot be written.
+            OutputError: the rows cannot be written.
         """
         path = self._path
         if self._writer is not None and path.stat().st_size >= self._limit:
@@ -65,7 +65,7 @@ class ChunkedTable:
         """Add a row of the table of episodes; rows are written in batches, each with its own chunk and file.
 
         Raises:
-            OutputError: it cannot be written.
+            OutputError: a file cannot be written.
         """
         self._rows.append(row)
         if len(self._rows) >= ROWS:
@@ -75,7 +75,7 @@ class ChunkedTable:
         """Write the rest, and close the current file.
 
         Raises:
-            OutputError: it cannot be written.
+            OutputError: the file cannot be written.
         """
         if self._rows:
             self._flush()
@@ -116,7 +116,7 @@ def write_table(path: Path, table: pa.Table) -> None:
     """Write a table as a file.
 
     Raises:
-        OutputError: it cannot be written.
+        OutputError: the file cannot be written.
     """
     with output_errors(path):
         pq.write_table(table, path, compression="snappy")

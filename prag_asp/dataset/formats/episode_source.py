@@ -120,7 +120,7 @@ class EpisodeSource:
 
     @cached_property
     def limits(self) -> tuple[Floats, Floats]:
-        """The least and the largest values of an action, shapes (8R,), by the limits of the robots."""
+        """The minimum and maximum values of an action, shapes (8R,), by the limits of the robots."""
         robots = [robot_of(self.scene, name) for name in self.robots]
         lower = [value for robot in robots for value in (*robot.lower, 0.0)]
         upper = [value for robot in robots for value in (*robot.upper, robot.opening)]
@@ -182,7 +182,7 @@ class EpisodeSource:
         """Yield the episodes, in the order of the tasks and their initial states.
 
         Raises:
-            QueryError: there are none, or a recording is damaged, or has other robots or cameras.
+            QueryError: there are no episodes, or a recording is damaged, or has other robots or cameras.
         """
         empty = True
         for entry, start, demonstration in self.data.demonstrations():

@@ -20,7 +20,7 @@ class ExportFormat(Protocol):
 
         Raises:
             QueryError: the dataset lacks something that this format needs.
-            OutputError: it cannot be written.
+            OutputError: the target cannot be written.
         """
 
 

@@ -16,7 +16,7 @@ LEVELS = 256
 """Levels of a colour channel of 8 bits."""
 
 BOUNDS = dict.fromkeys(("min", "q01", "q10", "q50"), np.minimum)
-"""The statistics of which the least over episodes is kept; of the others it is the largest."""
+"""The statistics whose minimum over episodes is kept; for the others, it is the maximum."""
 
 
 def statistics_of(values: NDArray[Any]) -> Statistics:

@@ -22,7 +22,7 @@ BLOCK, ROWS = 16, 8
 """Pictures and pixel rows in a compressed block: what does not change between pictures then takes little space."""
 
 LONGEST = 60_000
-"""The most bytes of a text attribute: HDF5 has space for 64 kB in the header of a group."""
+"""The maximum number of bytes of a text attribute: HDF5 has space for 64 kB in the header of a group."""
 
 
 class _Disk:
@@ -103,7 +103,7 @@ def written(path: Path, shown: Path) -> Iterator[tuple[h5py.File, Callable[[], N
     Errors name the path `shown`.
 
     Raises:
-        OutputError: it cannot be written.
+        OutputError: the file cannot be written.
     """
     with output_errors(shown):
         disk = _Disk(path)

@@ -65,7 +65,7 @@ class LeRobot:
 
         Raises:
             QueryError: there are no recordings.
-            OutputError: it cannot be written.
+            OutputError: the folder cannot be written.
         """
         with new_folder(target) as folder, closing(_LeRobotWriter(self, source, folder)) as run:
             for episode in source.episodes():

@@ -29,7 +29,7 @@ LAYOUT = "0.5.0"
 
 MAIN = "main_data.hdf5"
 SMALLEST = 32
-"""The least pixels of a side at which Minari treats colours as a picture, and stores it as JPEG."""
+"""The minimum number of pixels of a side at which Minari treats colours as a picture, and stores it as JPEG."""
 
 QUALITY = 95
 """The JPEG quality of pictures, as in Minari."""
@@ -44,7 +44,7 @@ class Minari:
 
         Raises:
             QueryError: there are no recordings.
-            OutputError: it cannot be written.
+            OutputError: the folder cannot be written.
         """
         name = dataset_name(source)
         with new_folder(target) as folder:

@@ -31,7 +31,7 @@ def write_provenance(folder: Path, source: EpisodeSource, form: str) -> None:
     """Write the provenance of an export into its folder.
 
     Raises:
-        OutputError: it cannot be written.
+        OutputError: the file cannot be written.
     """
     text = json.dumps(provenance_of(source, form), indent=1, ensure_ascii=False)
     replace_file(folder / PROVENANCE, f"{text}\n".encode())

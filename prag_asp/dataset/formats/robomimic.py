@@ -38,7 +38,7 @@ class Robomimic:
 
         Raises:
             QueryError: there are no recordings.
-            OutputError: it cannot be written.
+            OutputError: the file cannot be written.
         """
         with whole_file(target) as path, written(path, target) as (file, check):
             data, mask, total = group_in(file, "data"), dict[str, list[str]](), 0

@@ -27,7 +27,7 @@ class Video:
         """Begin a file for pictures of a width and height in pixels, `rate` of them per second.
 
         Raises:
-            OutputError: it cannot be written.
+            OutputError: the file cannot be written.
         """
         os.environ.setdefault("SVT_LOG", QUIET)
         import av
@@ -56,7 +56,7 @@ class Video:
         """Add a picture of shape (H, W, 3).
 
         Raises:
-            OutputError: it cannot be written.
+            OutputError: the file cannot be written.
         """
         import av
 
@@ -67,7 +67,7 @@ class Video:
         """Write the buffered pictures, and close the file.
 
         Raises:
-            OutputError: it cannot be written.
+            OutputError: the file cannot be written.
         """
         self._write(self._stream.encode())
         with output_errors(self.path):

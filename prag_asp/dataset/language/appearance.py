@@ -41,7 +41,7 @@ BASIC: Mapping[str, tuple[str, ...]] = {
 """The basic colour terms of English (Berlin and Kay 1969, with turquoise and beige), with example colours of each."""
 
 DOUBT = 12.0
-"""How much farther than the nearest a colour term may be, in CIELAB, to be in doubt and not excluded."""
+"""The extra distance in CIELAB from the nearest colour term up to which a term is in doubt, not excluded."""
 
 LARGER = 1.25
 """The ratio of mean extents from which a thing is visibly larger."""
@@ -52,7 +52,7 @@ APART = 0.10
 
 @dataclass(frozen=True)
 class Appearance:
-    """The appearance of the entities of a domain, whatever the state.
+    """The appearance of the entities of a domain, independent of the state.
 
     `nouns` are the words that fit an entity, its own first, and `names` its name where nothing visible distinguishes
     it. `colors` hold the terms that fit it, or may; `sizes` its mean extent in metres, `places` where it stands.

@@ -74,12 +74,12 @@ class ContextSet:
 
     @cached_property
     def certain(self) -> frozenset[str]:
-        """The things whose best description is the same whatever the state."""
+        """The things whose best description is the same in every state."""
         return frozenset(entity for entity in self.entities if self.short(entity) is not None)
 
     @property
     def settled(self) -> bool:
-        """Whether that is so of all of them."""
+        """Whether the best description of every entity is the same in all states."""
         return len(self.certain) == len(self.entities)
 
     def fits(self, what: Description, entity: str) -> bool | None:
@@ -103,7 +103,7 @@ class ContextSet:
         return self._best[entity]
 
     def short(self, entity: str) -> Description | None:
-        """Return the best description of an entity if none with a relation can be better, whatever the state."""
+        """Return the best description of an entity if none with a relation can be better in any state."""
         if entity not in self._short:
             best = self.best(entity)
             enough = best is not None and (not self.appearance.pictured or sum(map(bool, best[1:])) <= 1)

@@ -77,7 +77,7 @@ class InstructionReader:
         """Return the meaning of an instruction in a context.
 
         Raises:
-            QueryError: it has no meaning or several; the message names the part of it.
+            QueryError: the instruction has no meaning or several; the message quotes the part at fault.
         """
         if len(text) > LONGEST:
             raise QueryError(f"an instruction has at most {LONGEST:,} characters; this one has {len(text):,}")
@@ -268,7 +268,7 @@ def read_instruction(
     Give a `InstructionReader` in place of the domain where many are read.
 
     Raises:
-        QueryError: it is no instruction of the domain in this language, or could mean several plans.
+        QueryError: the text is not an instruction of the domain in this language, or it could mean several plans.
     """
     reader = domain if isinstance(domain, InstructionReader) else InstructionReader(Lexicon(domain, language))
     return reader.read(context_of(start) if isinstance(start, Task) else start, text)

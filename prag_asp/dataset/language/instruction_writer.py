@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
 
 START_FACTS, CAPTION_FACTS = 4, 2
-"""The most facts in the caption of the initial state, and in those of the others."""
+"""The maximum number of facts in the caption of the initial state, and in those of the others."""
 
 COLOR = re.compile(r"#[0-9a-fA-F]{6}")
 CACHED = 1 << 16
@@ -152,7 +152,7 @@ class InstructionWriter:
         """Return the meaning of an instruction at the start of a task, or in another context.
 
         Raises:
-            QueryError: it is no instruction, or it could mean several plans.
+            QueryError: the text is not an instruction, or it could mean several plans.
         """
         return self.reader.read(context_of(start) if isinstance(start, Task) else start, text)
 

@@ -35,7 +35,8 @@ While the last tasks run, some processors are idle, for at most this time.
 """
 
 LARGEST, GROWTH = 512, 2
-"""The most draws of a Ray task, and the largest factor by which their number grows from one task to the next."""
+"""The maximum number of draws of a Ray task, and the largest factor by which their number grows from one task to the
+next."""
 
 LOST = 20
 """Retries of a Ray task whose node was lost."""

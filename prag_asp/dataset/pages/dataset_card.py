@@ -46,7 +46,7 @@ dataset.task(0), dataset.domain.name
 
 PICTURES = "pictures"
 STRIPS, STATES = 2, 4
-"""The number of film strips, and of states in each: rendering a state takes as long as some dozen verdicts."""
+"""The number of film strips, and of states in each: rendering a state takes as long as a few dozen verdicts."""
 
 STRIP_SIZE = (240, 210)
 """The width and height in pixels of the picture of a state."""

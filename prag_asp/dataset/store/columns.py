@@ -25,7 +25,7 @@ NUMBERS: Mapping[pa.DataType, str] = {pa.int32(): "i4", pa.int64(): "i8", pa.flo
 """The NumPy type of each numeric Arrow type in the tables."""
 
 LARGEST = 2**31 - 1
-"""The most bytes of text, or items of lists, in a column: Arrow's offsets have 32 bits."""
+"""The maximum number of bytes of text, or items of lists, in a column: Arrow's offsets have 32 bits."""
 
 State = Mapping[Atom, bool]
 

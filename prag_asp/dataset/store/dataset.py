@@ -46,7 +46,7 @@ class Dataset:
         """Open a dataset; with `trust`, physics may run the Python files of its domain.
 
         Raises:
-            QueryError: there is no dataset, it is damaged, or its run has not ended.
+            QueryError: the folder has no dataset, the dataset is damaged, or its run has not ended.
             DatasetsMissingError: pyarrow is not installed.
         """
         require_pyarrow()
@@ -68,7 +68,7 @@ class Dataset:
         """The domain of the tasks, from the files in the folder alone.
 
         Raises:
-            DomainError: they differ from the record in dataset.json.
+            DomainError: the files differ from their record in dataset.json.
         """
         return load_snapshot(self.folder, self.manifest.domain, trust=self.trust)
 

@@ -52,7 +52,7 @@ def snapshot_of(domain: Domain) -> tuple[DomainSnapshot, dict[str, bytes]]:
     """Return the snapshot of a domain, and the contents of its files by their paths in a dataset.
 
     Raises:
-        OSError: one of its files can no longer be read.
+        OSError: a file of the domain can no longer be read.
     """
     own = {f"{DOMAIN}/{name}": content for name, content in _own_files(domain)}
     folder = domain.encodings
@@ -115,7 +115,7 @@ def digest_of(path: Path, *, at_most: int | None = None) -> str:
     """Return the SHA-256 of a file.
 
     Raises:
-        OSError: it cannot be read, or has more than `at_most` bytes.
+        OSError: the file cannot be read, or has more than `at_most` bytes.
     """
     result = sha256()
     with open_binary(path, at_most=at_most) as file:

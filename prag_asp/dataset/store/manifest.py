@@ -28,7 +28,7 @@ FOLDERS = {"tasks": "data", "witnesses": "witnesses", "rejected": "rejected", "r
 """The folder of each table inside a dataset, in the order in which a hub offers the tables."""
 
 MOST_DIGITS = 1_000_000
-"""The most digits of a count of tasks: the time to parse a number grows with the square of its digits."""
+"""The maximum number of digits of a count of tasks: the time to parse a number grows with the square of its digits."""
 
 Decimal = Annotated[str, msgspec.Meta(pattern="^[0-9]+$", max_length=MOST_DIGITS)]
 """A whole number that may outgrow 64 bits."""
@@ -253,7 +253,7 @@ def write_manifest(folder: Path, manifest: Manifest) -> None:
     """Write dataset.json atomically, with the figures that follow from its shards.
 
     Raises:
-        OutputError: it cannot be written.
+        OutputError: the file cannot be written.
     """
     derive(manifest)
     DATASET.write(folder, manifest)

@@ -31,7 +31,7 @@ class ManifestFile(Generic[Contents]):
         """Write the file atomically.
 
         Raises:
-            OutputError: it cannot be written.
+            OutputError: the file cannot be written.
         """
         values = {"format": self.format, "version": self.version, **msgspec.to_builtins(contents)}
         text = json.dumps(values, indent=1, ensure_ascii=False)
@@ -41,7 +41,8 @@ class ManifestFile(Generic[Contents]):
         """Return the contents of the file in a folder, None if there is none.
 
         Raises:
-            QueryError: it is damaged, or of another program or version; the message has the path to the wrong value.
+            QueryError: the file is damaged, or of another program or version; the message has the path to the wrong
+                value.
         """
         path = folder / self.name
         try:
@@ -68,7 +69,7 @@ class ManifestFile(Generic[Contents]):
         """Check that a folder is new, empty, or has this file, before anything is written; `others` may be in it.
 
         Raises:
-            OutputError: it contains something else.
+            OutputError: the folder contains something else.
         """
         if folder.exists() and not folder.is_dir():
             raise OutputError(f"{folder}: is no folder; give a new one")

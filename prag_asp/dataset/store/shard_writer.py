@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 LIMITS: Mapping[str, int] = {"tasks": 1, "rejected": 10, "witnesses": 4}
-"""The most rows of each table in a shard, as a multiple of the most tasks of a shard."""
+"""The maximum number of rows of each table in a shard, as a multiple of its maximum number of tasks."""
 
 TOGETHER = "; "
 """Separates the versions of the programs that produced a shard."""
@@ -114,7 +114,7 @@ class PartWriter:
         """Write the shard, and add it to the part; the caller writes dataset.json next.
 
         Raises:
-            OutputError: it cannot be written.
+            OutputError: a file cannot be written.
         """
         stage("writing the dataset")
         number = self.note.shards[-1].number + 1 if self.note.shards else 0

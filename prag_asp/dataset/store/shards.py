@@ -18,7 +18,8 @@ from prag_asp.output import file_in, make_folder, replace_file
 from prag_asp.safe_reading import is_inside, open_binary
 
 LARGEST_GROUP = 1_000_000_000
-"""The most bytes that a row group may claim to have once unpacked: a damaged file must not exhaust the memory."""
+"""The maximum number of bytes that a row group may claim to have once unpacked: a damaged file must not exhaust the
+memory."""
 
 
 def shard_name(table: str, part: str, number: int) -> str:
@@ -30,7 +31,7 @@ def write_shard(folder: Path, table: str, part: str, number: int, rows: pa.Table
     """Write rows as a shard, atomically, and return its record for dataset.json.
 
     Raises:
-        OutputError: it cannot be written.
+        OutputError: the file cannot be written.
     """
     buffer = pa.BufferOutputStream()
     pq.write_table(rows, buffer, compression="zstd", row_group_size=ROW_GROUP[table], version="2.6")
@@ -45,7 +46,7 @@ def open_shard(folder: Path, table: str, shard: ShardFile) -> Iterator[pq.Parque
     """Open a shard without reading its rows.
 
     Raises:
-        QueryError: it is missing, damaged or too large, or differs from its record in dataset.json.
+        QueryError: the file is missing, damaged or too large, or differs from its record in dataset.json.
     """
     file = folder / shard.path
     if not is_inside(file, folder):
@@ -78,7 +79,7 @@ def row_groups(
     """Yield the row groups of a table in a shard; no file stays open between them.
 
     Raises:
-        QueryError: the file is missing or damaged, or, with `digest`, has other bytes than dataset.json says.
+        QueryError: the file is missing or damaged, or, with `digest`, its bytes differ from what dataset.json says.
     """
     for group in range(-(-shard.rows(table) // ROW_GROUP[table])):
         file = shard.files[table]

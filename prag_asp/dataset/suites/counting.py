@@ -39,7 +39,7 @@ class Overlap(msgspec.Struct, frozen=True):
 
 
 class HeldOutCount(msgspec.Struct, frozen=True):
-    """The number of tasks of a part with something that is held out from the part."""
+    """The number of tasks in a part that contain what is held out from this part."""
 
     what: str
     part: str

@@ -45,7 +45,7 @@ STARTS = "starts "
 """The prefix of a condition on the initial state."""
 
 LONGEST_SIZE = 20
-"""The most characters of the size of camera images: Python does not convert arbitrarily many digits."""
+"""The maximum number of characters of the size of camera images: Python does not convert arbitrarily many digits."""
 
 
 def load_suite(name_or_path: str | Path, *, domain: Domain | None = None, trust: bool = False) -> Suite:
@@ -55,7 +55,7 @@ def load_suite(name_or_path: str | Path, *, domain: Domain | None = None, trust:
     may run the Python files of the domain.
 
     Raises:
-        QueryError: there is no such suite, or it has problems; the message has a line for each, with its place.
+        QueryError: there is no such suite, or the file has problems; the message has a line for each, with its place.
         DomainError: the file cannot be read or is not TOML, or something is wrong with the domain.
     """
     path = suite_file(name_or_path)
@@ -67,7 +67,7 @@ def read_suite(source: Source, *, domain: Domain | None = None, trust: bool = Fa
 
     Raises:
         QueryError: the suite has problems.
-        DomainError: it is not TOML, or something is wrong with the domain.
+        DomainError: the text is not TOML, or the domain has problems.
     """
     return _SuiteReader(source, trust).suite(domain)
 

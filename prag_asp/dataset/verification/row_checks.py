@@ -38,7 +38,7 @@ READ_BACK = ("default", "exact")
 """The levels whose instructions determine the plan."""
 
 MISSING, UNREAD = 1_000, 100_000
-"""The most draws of a shard that may lack their rows, and the most draws of a shard whose rows cannot be read: if a
+"""The maximum numbers of draws of a shard that lack their rows, and of those whose rows cannot be read: if a
 damaged file claims more, they are not sampled again."""
 
 VALUES = {

@@ -1,7 +1,7 @@
 """Group the variables of a state into digits, and order these; both determine the size of diagrams.
 
 Mutually exclusive variables (the places of one object) form one digit with few values. Random walks estimate which
-variables exclude each other. A wrong estimate costs time but is no error, because a digit may take any value.
+variables exclude each other. A wrong estimate costs time but is not an error, because a digit may take any value.
 """
 
 from __future__ import annotations

@@ -148,7 +148,7 @@ class Functions:
         """Return an irredundant sum of products of a function (Minato 1993); its number of cubes need not be minimal.
 
         Raises:
-            TooLarge: there are more than `MOST_CUBES`.
+            TooLarge: the function has more than `MOST_CUBES`.
         """
         return tuple(tuple(sorted(cube)) for cube in self._irredundant(function, function)[0])
 

@@ -69,7 +69,7 @@ def estimate_models(
     Raises:
         QueryError: the seed is out of range.
         EngineError: ApproxMC is missing, cannot take the formula, or fails.
-        LimitReached: it has not finished after `seconds`.
+        LimitReached: ApproxMC has not finished after `seconds`.
     """
     if not 0 <= seed <= LARGEST_SEED:
         raise QueryError(f"seed {seed}: {OPTION} takes one from 0 to {LARGEST_SEED}")

@@ -78,7 +78,7 @@ def count_models(
 
     Raises:
         EngineError: the counter is missing, cannot take the formula, or fails.
-        LimitReached: it has not finished after `seconds`.
+        LimitReached: the counter has not finished after `seconds`.
     """
     return int(run_counter(counter, cnf, assumptions, seconds, request))
 
@@ -89,8 +89,8 @@ def run_counter(
     """Return the answer of a counter for a formula with assumed literals; `more` are further arguments.
 
     Raises:
-        EngineError: it is missing, cannot take the formula, or fails.
-        LimitReached: it has not finished after `seconds`.
+        EngineError: the counter is not installed, cannot take the formula, or fails.
+        LimitReached: the counter has not finished after `seconds`.
     """
     require_counter(counter, request)
     message = _checked_formula(cnf, assumptions, counter, request)
@@ -112,7 +112,7 @@ class CountBeside:
     """Counts the models of a formula in a child process while this one does something else; a context manager.
 
     `formula` returns the formula and the assumed literals. It is called when the counter starts: at the first call
-    after `patience` seconds. A failure is no error; the count then stays unknown.
+    after `patience` seconds. A failure is not an error; the count then stays unknown.
     """
 
     def __init__(
@@ -192,7 +192,7 @@ def check_formula(
     """Check that a counter can take a formula.
 
     Raises:
-        EngineError: it has no variables or too many, an empty clause, or a literal of none of its variables.
+        EngineError: the formula has no variables or too many, an empty clause, or a literal of an unknown variable.
     """
     if not 0 < variables <= LARGEST:
         raise EngineError(f"{request}: a formula of {variables:,} variables; {counter.name} takes 1 to {LARGEST:,}")

@@ -1,4 +1,4 @@
-"""Why a sequence of actions is no plan: the first step that cannot occur, the reasons, and the steps in conflict."""
+"""Why a sequence of actions is not a plan: the first step that cannot occur, the reasons, and the steps in conflict."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ TIMES = {"base": "0", "step": "{}", "check": "{}+1"}
 
 @dataclass(frozen=True)
 class Explanation:
-    """The reasons why n actions are no plan.
+    """The reasons why n actions are not a plan.
 
     `step` is the first one, from 1, that cannot follow those before it; 0 if the start is impossible, n + 1 if all
     steps can occur, but the goal or check after them fails. `reasons` are sentences. `conflict` is a smallest set of
@@ -42,7 +42,7 @@ class Explanation:
 
 
 def explain(model: DomainLogic, plan: Sequence[clingo.Symbol]) -> Explanation | None:
-    """Return why a sequence of actions of the domain is no plan, or None if it is one.
+    """Return why a sequence of actions of the domain is not a plan, or None if it is one.
 
     Raises:
         EngineError: the program has no counterpart in clauses.

@@ -60,10 +60,9 @@ class GroundStep:
 
     `names` holds the symbol of every named atom; `before`, `now` and `ending` the atoms of step t-1 and of step t by
     their symbol without its time. `initial` are the timed symbols that hold at the start, without their time;
-    `obstacles` are the reasons why the step is no function of the state and the action. With `after_steps_alone`, the
-    final check is wrong for a plan without actions: clingo has simplified it by atoms that are true after every step,
-    but not initially.
-    `grounding` can ground more rules on top of the step (see `extend_step`).
+    `obstacles` are the reasons why the step is not a function of the state and the action. With `after_steps_alone`,
+    the final check is wrong for a plan without actions: clingo has simplified it by atoms that are true after every
+    step, but not initially. `grounding` can ground more rules on top of the step (see `extend_step`).
     """
 
     rules: Mapping[str, tuple[Rule, ...]]
@@ -316,7 +315,7 @@ class Grounding:
 
 
 def _start(program: Program, reads: StepReads) -> Grounding:
-    """Ground the base part. What is ground next is recorded as a step."""
+    """Ground the base part. Rules that are ground next are recorded as a step."""
     grounder, recorder = Grounder(program), GroundRecorder(base_facts=False)
     grounder.control.register_observer(recorder)
     grounder.ground([("base", [])])

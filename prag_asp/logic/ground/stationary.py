@@ -51,7 +51,7 @@ class StepReads:
 
     `timed` are the predicates with a time, `previous` those read at step t-1, and `last` those that the check after the
     last step reads. `growing` are the timed ones that may take ever new values. `obstacles` are the reasons why the
-    step is no function of the state and the action.
+    step is not a function of the state and the action.
     """
 
     timed: frozenset[Signature]

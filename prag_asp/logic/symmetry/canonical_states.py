@@ -3,7 +3,7 @@
 If permutations of some entities map a step function onto itself, they map the plans from a state onto the plans from
 the renamed state, so that one renaming of each state is explored. To find it, entities are sorted by the bits that name
 them and by colour refinement (Weisfeiler and Leman 1968) for variables that relate several entities. If entities that
-are no twins remain tied, one of them is individualized and the rest is refined again. Two renamings of one state may
+are not twins remain tied, one of them is individualized and the rest is refined again. Two renamings of one state may
 then remain two states, which is exact but larger.
 
 Tasks. `rules/canonical_names.lp` lets a step name the next entity of a group only after the ones before it, so that the
@@ -168,7 +168,7 @@ class Merging:
             twins, ties = self._alike(bits, keys, order)
             unsettled = ties & ~twins
             rows = np.flatnonzero(unsettled.any(axis=1))
-            # One of the first tied entities that are no twins is individualized, together with its twins.
+            # One of the first tied entities that are not twins is individualized, together with its twins.
             one = unsettled[rows].argmax(axis=1)[:, None]
             tied = keys[rows] == np.take_along_axis(keys[rows], one, axis=1)
             row, place = np.nonzero(tied & (self._group == self._group[one]))

@@ -123,7 +123,7 @@ class _Terms:
     has: Callable[[Shaped], bool]
 
     def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[MissingImage]:
-        """Yield the terms that name some entities and whose image is no term."""
+        """Yield the terms that name some entities and whose image is not a term."""
         for entity in entities:
             for shape, inside in self.naming.get(entity, ()):
                 if not self.has((shape, tuple([names.get(each, each) for each in inside]))):
@@ -182,7 +182,7 @@ class _Rules:
         return False
 
     def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[MissingImage]:
-        """Yield the atoms of rules that name some entities and whose image is no atom."""
+        """Yield the atoms of rules that name some entities and whose image is not an atom."""
         yield from self._terms.lacking(names, entities)
         if self._others:
             yield from self._others.lacking(names, entities)
@@ -287,7 +287,7 @@ class _RuleRows:
     def missing(
         self, renamed: NDArray[np.int64], entities: Iterable[int]
     ) -> Iterator[tuple[SpelledRule, SpelledRule | None]]:
-        """Yield the rules whose image is no rule, given renamed entities, with the image.
+        """Yield the rules whose image is not a rule, given renamed entities, with the image.
 
         The image is None if it has an atom that is not in the program.
         """

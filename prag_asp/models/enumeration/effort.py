@@ -1,4 +1,4 @@
-"""How long an engine counts before another one does: a rule measured on eighty programs of all shapes.
+"""The time that an engine counts before another one does: a rule measured on eighty programs of all shapes.
 
 The measurements are in ``benchmarks/model_engines.py``. The rule reads the size of the program, the depth of random
 searches and the width of the clauses, so that it does not depend on the machine.

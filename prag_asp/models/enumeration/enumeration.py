@@ -30,7 +30,7 @@ Printed = tuple[clingo.Symbol, ...]
 
 @dataclass(frozen=True)
 class Enumeration:
-    """The answer sets of a program, enumerated anew for each query; memory does not grow with their number."""
+    """The answer sets of a program, enumerated again for each query; memory does not grow with their number."""
 
     given: GivenProgram
     ground: GroundModels

@@ -168,7 +168,7 @@ class _GivenUp(Exception):
 
 
 def _is_liftable(statement: Statement, data: Container[Signature]) -> bool:
-    """Return whether a statement restricts answer sets, and is no data."""
+    """Return whether a statement restricts answer sets, and is not data."""
     if not statement.is_rule or statement.part != "base":
         return False
     heads = _derived(statement)

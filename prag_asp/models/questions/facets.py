@@ -18,7 +18,7 @@ from prag_asp.models.diagram import Diagram
 
 @dataclass(frozen=True)
 class Narrowing:
-    """What is left if an atom is chosen or excluded: numbers of answer sets and of facets, and how much each shrank.
+    """The numbers of answer sets and of facets that remain if an atom is chosen or excluded, and their shares.
 
     `of_answer_sets` and `of_facets` are shares from 0 to 1 of the numbers before. The latter is the significance of the
     facet.
@@ -34,7 +34,7 @@ class Narrowing:
 class Facet:
     """The share of the answer sets that have a shown atom, and what is left if it is chosen, or excluded.
 
-    An atom of no or of all answer sets is no facet: nothing is left, or nothing changes, and both are None.
+    An atom of no or of all answer sets is not a facet: nothing is left, or nothing changes, and both are None.
     """
 
     share: Fraction

@@ -191,9 +191,9 @@ def check_requirements(source: PddlSource, section: Expression | None) -> None:
 def object_types(
     source: PddlSource, section: Expression, types: dict[str, tuple[str, ...]], objects: dict[str, str]
 ) -> dict[str, int]:
-    """Add the objects of a list, and return the lines of new ones; one may be declared again with the same type.
+    """Add the objects of a list, and return the lines of new ones; redeclaring an object with the same type is allowed.
 
-    An object of several types (``either``) gets a type of its own below these.
+    An object of several types (``either``) gets a new type, a subtype of each of them.
     """
     lines: dict[str, int] = {}
     for name, kinds in source.typed_words(section.rest, types):

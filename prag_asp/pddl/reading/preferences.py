@@ -25,7 +25,7 @@ def without_preferences(source: PddlSource, tree: Expression) -> Expression:
 
 
 def check_constraints(source: PddlSource, section: Expression | None) -> None:
-    """Refuse constraints on whole plans that are no preferences."""
+    """Refuse constraints on whole plans that are not preferences."""
     for each in section.rest if section else ():
         found = without_preferences(source, source.list_of([each], each.line))
         conditions = [found]

@@ -33,7 +33,7 @@ OPERATORS = ("+", "-", "*", "/")
 
 @dataclass(frozen=True)
 class Declared:
-    """What a domain and its problem declare. `types` are the direct supertypes of each type.
+    """The declarations of a domain and its problem. `types` are the direct supertypes of each type.
 
     If predicates are `undeclared`, the domain has no list of them, and each is added where it is used first.
     """
@@ -136,7 +136,7 @@ class Scope:
         return ObjectFunction(predicate, terms, types, part.line)
 
     def check_value(self, function: ObjectFunction, value: Variable | str) -> None:
-        """Refuse a value that may have another type than those of the values of a function."""
+        """Refuse a value whose type may differ from those of the values of a function."""
         for kind in value.types if isinstance(value, Variable) else (self._declared.objects[value],):
             above, waiting = {kind, OBJECT}, [kind]
             while waiting:

@@ -51,7 +51,7 @@ class Expression:
 
     @property
     def rest(self) -> tuple[Expression | Word, ...]:
-        """What comes after the first word or list."""
+        """The words and lists after the first one."""
         return self.parts[1:]
 
     @property

@@ -63,7 +63,7 @@ def _waypoint_collision(
     simulator: Simulator,
     moving: bool,
 ) -> str | None:
-    """Return what collides at a waypoint, None if all is free.
+    """Return the bodies that collide at a waypoint, or None.
 
     Furniture is checked and, if the arm is `moving`, what it carries.
     """

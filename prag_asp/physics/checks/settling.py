@@ -1,6 +1,6 @@
 """Check by a dynamic simulation that the objects of a witness stay in place, and keep their relations.
 
-The simulation has no arms: held objects are fixed. Its world is built anew for every witness, because PyBullet's
+The simulation has no arms: held objects are fixed. Its world is rebuilt for every witness, because PyBullet's
 results depend on the history of a world, down to the order of its bodies.
 """
 

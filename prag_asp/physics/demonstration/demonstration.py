@@ -120,7 +120,7 @@ class Demonstration:
         return {name: Arm(tuple(angles), width) for name, angles, width in rows}
 
     def openings_at(self, frame: int) -> dict[str, float]:
-        """Return how far furniture is open in a frame, in metres or radians."""
+        """Return the opening of furniture in a frame, in metres or radians."""
         return dict(zip(self.furniture, self.openings[frame].tolist(), strict=True))
 
     def touches(self, first: int, last: int) -> Iterator[Touch]:

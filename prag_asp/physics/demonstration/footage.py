@@ -1,4 +1,4 @@
-"""What cameras recorded of an episode: videos, and the motion of the grippers between them."""
+"""The camera recordings of an episode: videos, and the motion of the grippers between them."""
 
 from __future__ import annotations
 
@@ -142,7 +142,7 @@ def read_footage(file: BinaryIO, frames: int, robots: int, at_most: int) -> Foot
     Raises:
         OSError: the file cannot be read.
         BadArchive: the videos have another form.
-        ValueError: they do not match the episode.
+        ValueError: the footage does not match the episode.
     """
     lists = read_arrays(file, LISTS, at_most)
     if not lists:
@@ -177,7 +177,7 @@ def _video(file: BinaryIO, camera: str, count: int, segmented: str, at_most: int
 
     Raises:
         BadArchive: an array of the video is missing or has another form.
-        ValueError: it does not match the others.
+        ValueError: the video does not match the others.
     """
     names = [f"{camera}/{name}" for name in OF_CAMERA]
     content = read_arrays(file, names, at_most)
@@ -200,7 +200,7 @@ def require_arrays(content: Mapping[str, NDArray[Any]], required: Mapping[str, t
 
     Raises:
         BadArchive: an array is missing.
-        ValueError: one has another shape or type.
+        ValueError: an array has another shape or type.
     """
     for name, (shape, kinds) in required.items():
         if name not in content:

@@ -1,4 +1,4 @@
-"""How an episode handles what it moves: whether objects stay in the hand as grasped, and joints within their limits.
+"""Check how an episode handles objects: whether they stay in the hand as grasped, and joints within their limits.
 
 An object is in the hand while both fingers press on it. It should stay where it was when the arm began to move; a
 turn or a slip shows a grasp that friction does not bear.
@@ -24,14 +24,14 @@ from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene
 
 MOST_SLIP, MOST_TURN = 0.005, math.radians(5.0)
-"""How far an object may slip and turn in the hand, in metres and radians."""
+"""The maximum slip and rotation of an object in the hand, in metres and radians."""
 
 STANDSTILL = 1e-6
 """The largest difference between two commands of a joint in radians, or of the fingers in metres, that is none."""
 
 
 class HandlingFault(NamedTuple):
-    """What is wrong with how an episode handles objects: the cause, one of `CAUSES`, and a sentence."""
+    """A fault in the handling of objects in an episode: the cause, one of `CAUSES`, and a sentence."""
 
     cause: str
     text: str

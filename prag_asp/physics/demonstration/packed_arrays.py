@@ -106,7 +106,7 @@ def with_packed(archive: bytes, arrays: Mapping[str, Packed]) -> bytes:
     """Return an archive with more arrays, by their names.
 
     Raises:
-        ValueError: it would exceed the limit of such archives, 4 GB.
+        ValueError: the archive would exceed the limit of such archives, 4 GB.
     """
     signature, disc, first, _, entries, size, begin, _ = END.unpack(archive[-END.size :])
     head, directory = archive[:begin], archive[begin : begin + size]
@@ -129,7 +129,7 @@ def read_packed(file: BinaryIO, names: Mapping[str, tuple[tuple[int, ...], str]]
 
     Raises:
         OSError: the file cannot be read.
-        BadArchive: one is missing, of another shape or type, or was cut off.
+        BadArchive: an array is missing, has another shape or type, or is truncated.
     """
     try:
         with ZipFile(file) as archive:
@@ -170,7 +170,7 @@ def _unpacked(packed: Packed, head: int, length: int) -> Iterator[bytes]:
     """Yield the header of an array's stream, then its rows, each of a length in bytes.
 
     Raises:
-        QueryError: it was cut off or changed.
+        QueryError: the stream is truncated or has changed.
     """
     decompressor, rest, at, rows = zlib.decompressobj(RAW), b"", 0, 0
     try:

@@ -50,7 +50,7 @@ class Action:
 class Leg:
     """A part of an action: a waypoint, the transit path to it in the witness, and the object that the arm goes to.
 
-    `start` are the joint angles of the arm in the witness at its begin.
+    `start` are the joint angles of the arm in the witness when the leg begins.
     """
 
     waypoint: Waypoint

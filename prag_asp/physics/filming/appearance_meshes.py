@@ -119,7 +119,7 @@ def _by_colour(source: Path, default: Colour) -> dict[Colour, list[Mesh]]:
 
 
 def read_parts(text: str) -> dict[str, Mesh]:
-    """Return the triangles of an .obj by material; all share the vertices of the whole.
+    """Return the triangles of an .obj by material; all share the vertices of the file.
 
     Raises:
         ValueError: the text is not in the format of .obj files.

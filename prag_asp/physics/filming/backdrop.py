@@ -26,7 +26,7 @@ AROUND = 0
 """The number of the background."""
 
 LEVEL = np.float32(1e-7)
-"""The least component of a ray, so that nothing is divided by zero."""
+"""The minimum component of a ray, so that nothing is divided by zero."""
 
 Floats = NDArray[np.float32]
 
@@ -43,7 +43,7 @@ class Backdrop(NamedTuple):
 
 
 class LevelPatch(NamedTuple):
-    """A level rectangle: its centre and half-sides in metres, its yaw, colour and number.
+    """A level rectangle: its centre and half-extents in metres, its yaw, colour and number.
 
     `z` is its height above the table in metres.
     """

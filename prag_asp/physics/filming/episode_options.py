@@ -19,7 +19,7 @@ RATES = tuple(rate for rate in range(1, FRAMES_A_SECOND + 1) if FRAMES_A_SECOND 
 
 @dataclass(frozen=True)
 class Staging:
-    """Which cameras of a scene record demonstrations, and what varies: some of `KINDS`.
+    """The cameras of a scene that record demonstrations, and the properties that vary: some of `KINDS`.
 
     `size` is the width and height of images in pixels, by default that of each camera; `rate` is in images a second.
 

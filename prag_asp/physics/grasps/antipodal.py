@@ -41,19 +41,20 @@ UPRIGHT = 1e-3
 """The slope in radians below which a normal is horizontal, and the cosine below which it is vertical."""
 
 SMALLEST_PATCH = 6e-6
-"""The least area of a contact in m²: 2 x 3 mm, a corner of a pad."""
+"""The minimum area of a contact in m²: 2 x 3 mm, a corner of a pad."""
 
 OPPOSITE = 0.004
-"""How far the centres of both contacts may be apart along the pads, in metres, so that they do not turn the body."""
+"""The maximum distance in metres between the centres of both contacts along the pads, so that they do not turn the
+body."""
 
 ROOM = 0.003
 """The distance in metres between open fingers and the body on each side when the hand descends."""
 
 SOFT = 0.002
-"""The depth in metres to which fingers may be in what they hold: their rubber gives way, and grasps are not exact."""
+"""The depth in metres to which fingers may penetrate a held body: their rubber yields, and grasps are not exact."""
 
 BELOW = 0.0005
-"""The least distance of the fingertips from the plane on which the body stands, in metres."""
+"""The minimum distance of the fingertips from the plane on which the body stands, in metres."""
 
 ENOUGH_POINTS, UNSURE = 8, 0.15
 """Points between the pads from which a contact is judged before it is computed, and the error of that cosine."""
@@ -71,13 +72,13 @@ STEEP = -0.3
 """The tool's direction along z above which fingers are not lifted off the ground: they come from the side."""
 
 LONG_LEVER, TILT_COST = 0.05, 0.3
-"""How far the centre of mass is off in metres to cost 1 of a score, and what a radian of tilt costs."""
+"""The lever arm of the centre of mass in metres that lowers a score by 1, and the cost of a radian of tilt."""
 
 ENOUGH_SLACK, WIDE_CONTACT = 0.01, 0.005
-"""The room at a finger, and the radius of a contact, beyond which more does not count; metres."""
+"""The room at a finger, and the radius of a contact, in metres, beyond which more does not raise the score."""
 
 APART, TURNED = (0.008, 0.008, 0.03), (0.25, 0.25, 0.4)
-"""Grasps of each of these kinds differ if their tools are as far apart in metres, or their axes turned in radians.
+"""Grasps of each of these kinds differ if their tools are this far apart in metres, or their axes in radians.
 
 From the side a hand has the least room, so that those in all directions are worth more than many in one.
 """
@@ -86,10 +87,10 @@ From the side a hand has the least room, so that those in all directions are wor
 class Grasp(NamedTuple):
     """A way to hold a body.
 
-    `tool` is the pose of the tool in the frame of the body; `width` the distance of the pads that touch it and
-    `approach` that of the pads when the hand comes, in metres; `tilt` the angle between the tool's direction and
-    straight down in radians; `lever` the horizontal distance in metres of the centre of mass from the line between the
-    pads; `radius` how far from that line friction acts, in metres; `score` is higher for better grasps.
+    `tool` is the pose of the tool in the frame of the body; `width` the distance in metres between the pads in contact
+    and `approach` that between the pads on the approach; `tilt` the angle between the tool's direction and straight
+    down in radians; `lever` the horizontal distance in metres of the centre of mass from the line between the pads;
+    `radius` the lever arm of friction about that line, in metres; `score` is higher for better grasps.
     """
 
     tool: Pose
@@ -102,7 +103,7 @@ class Grasp(NamedTuple):
 
 
 class GraspProblem(NamedTuple):
-    """What grasps are sampled of: a body's convex parts as triangles, its centre of mass, and friction.
+    """The input for sampling grasps: a body's convex parts as triangles, its centre of mass, and friction.
 
     `parts` have the shape (n, 3, 3), in the body's frame in metres; z is up as the body stands. `friction` is the
     coefficient between pad and body.
@@ -114,14 +115,14 @@ class GraspProblem(NamedTuple):
 
 
 def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Grasp, ...]:
-    """Return grasps of a body that differ, those first that promise most; none if no sample is one.
+    """Return distinct grasps of a body, the most promising first; none if no sample is a grasp.
 
     The samples are fixed, so the same body has the same grasps.
     """
     rng = np.random.default_rng(0)
     triangles = np.concatenate(problem.parts)
     points, normals = _surface_points(problem.parts, POINTS, rng)
-    # The same points as in `hand_is_free`, so that the check of a witness agrees.
+    # The same points as in `dense_points`, so that the check of a witness agrees.
     dense, facing = _surface_points(problem.parts, DENSE, np.random.default_rng(0))
     candidates: list[tuple[float, int, float, Floats, Floats]] = []
     for point, far, axis in _antipodal_pairs(points, normals, triangles, problem.friction, gripper.opening):
@@ -267,7 +268,7 @@ def _above_ground(gripper: ParallelGripper, triangles: Floats, middle: Floats, r
 def _promises(points: Floats, facing: Floats, gripper: ParallelGripper, friction: float) -> bool:
     """Return whether a place may be a grasp, judged by points of the surface in its frame, to spare exact contacts.
 
-    `facing` is how far the normals at the points point along the axis of the fingers.
+    `facing` are the components of the normals at the points along the axis of the fingers.
     """
     if not _free(points, (gripper.palm,)):
         return False
@@ -285,19 +286,25 @@ def _promises(points: Floats, facing: Floats, gripper: ParallelGripper, friction
     return True
 
 
-def open_width(problem: GraspProblem, gripper: ParallelGripper, tool: Pose, width: float) -> float | None:
-    """Return the widest opening in metres at which the hand at a tool is free of the body, None if there is none.
+def dense_points(parts: Sequence[Floats]) -> Floats:
+    """Return points of the surface of a body that must not be inside the hand, shape (n, 3) in its frame, metres."""
+    return _surface_points(parts, DENSE, np.random.default_rng(0))[0]
 
-    `width` is that of the material between the pads.
+
+def open_width(points: Floats, gripper: ParallelGripper, tool: Pose, width: float) -> float | None:
+    """Return the widest opening in metres at which the hand at a tool is free of a body, None if there is none.
+
+    `points` are those of `dense_points`, `width` is that of the material between the pads.
     """
-    dense, _ = _surface_points(problem.parts, DENSE, np.random.default_rng(0))
-    return _widest(in_frame(dense[None], tool)[0], gripper, width)
+    return _widest(in_frame(points[None], tool)[0], gripper, width)
 
 
-def hand_is_free(problem: GraspProblem, gripper: ParallelGripper, tool: Pose, width: float) -> bool:
-    """Return whether the hand at a tool, with the pads `width` metres apart, is in the body by `SOFT` at most."""
-    dense, _ = _surface_points(problem.parts, DENSE, np.random.default_rng(0))
-    return _free(in_frame(dense[None], tool)[0], _soft_boxes(gripper, width))
+def hand_is_free(points: Floats, gripper: ParallelGripper, tool: Pose, width: float) -> bool:
+    """Return whether the hand at a tool, with the pads `width` metres apart, is in a body by `SOFT` at most.
+
+    `points` are those of `dense_points`.
+    """
+    return _free(in_frame(points[None], tool)[0], _soft_boxes(gripper, width))
 
 
 def _soft_boxes(gripper: ParallelGripper, width: float) -> list[Box]:
@@ -335,9 +342,9 @@ def _judged(
 
 
 def lever_of(centre: tuple[float, float, float], tool: Pose, contact: PadContact) -> float:
-    """Return how far a centre of mass is horizontally from the line between two pads, across it; metres.
+    """Return the horizontal distance in metres from a centre of mass to the line between two pads.
 
-    The tool is given in the frame of a body that is upright.
+    `tool` is the pose of the tool in the frame of the upright body; the distance is perpendicular to the line.
     """
     x, z = ((a + b) / 2 for a, b in zip(contact.patches[0].centre, contact.patches[1].centre, strict=True))
     offset = np.array(compose(tool, Pose((x, 0.0, z))).position) - centre
@@ -385,7 +392,7 @@ def _quaternion(rotation: Floats) -> tuple[float, float, float, float]:
 def _differ(one: Pose, two: Pose, kind: int) -> bool:
     """Return whether two tools differ in place or direction, as is enough for a kind of grasps.
 
-    Half a turn about the tool's own axis is no difference.
+    Half a turn about the tool's own axis does not count as a difference.
     """
     ax, ay, az, aw = one.quaternion
     bx, by, bz, bw = two.quaternion

@@ -6,12 +6,23 @@ import hashlib
 import json
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from prag_asp.output.cache_files import cache_folder, read_cached, write_cached
-from prag_asp.physics.grasps.antipodal import Grasp, GraspProblem, hand_is_free, lever_of, open_width, sampled_grasps
+from prag_asp.physics.grasps.antipodal import (
+    Grasp,
+    GraspProblem,
+    dense_points,
+    hand_is_free,
+    lever_of,
+    open_width,
+    sampled_grasps,
+)
 from prag_asp.physics.grasps.pads import PadContact, ParallelGripper
-from prag_asp.scene.geometry import Pose
+from prag_asp.scene.geometry import Pose, matrix
 from prag_asp.scene.scene import Shape
 from prag_asp.scene.surfaces import in_frame, mesh_states, part_surfaces, surface
 
@@ -33,8 +44,29 @@ def body_grasps(shape: Shape, gripper: ParallelGripper, friction: float) -> tupl
     return _grasps(shape, gripper, friction, mesh_states(shape))
 
 
+class GraspTable(NamedTuple):
+    """The grasps of a body as arrays: poses of the tool as matrices (n, 4, 4) and quaternions (4, n), and scores (n,).
+
+    `loads` (n,) are the factors by which the lever of each raises its load, as of `grip_load`.
+    """
+
+    frames: NDArray[np.float64]
+    quaternions: NDArray[np.float64]
+    scores: NDArray[np.float64]
+    loads: NDArray[np.float64]
+
+
+def grasp_table(shape: Shape, gripper: ParallelGripper, friction: float) -> GraspTable:
+    """Return the grasps of `body_grasps`, in their order, as arrays.
+
+    Raises:
+        SceneError: a mesh cannot be read.
+    """
+    return _table(shape, gripper, friction, mesh_states(shape))
+
+
 def pad_contact(shape: Shape, gripper: ParallelGripper, tool: Pose) -> PadContact | None:
-    """Return what the pads touch when they close on a body; None if there is nothing between them.
+    """Return the contact of the pads when they close on a body; None if there is nothing between them.
 
     `tool` is the pose of the tool in the frame of the body.
 
@@ -52,7 +84,7 @@ def free_opening(shape: Shape, gripper: ParallelGripper, tool: Pose, width: floa
     Raises:
         SceneError: a mesh cannot be read.
     """
-    return open_width(_problem(shape, 0.0), gripper, tool, width)
+    return open_width(_dense_points(shape, mesh_states(shape)), gripper, tool, width)
 
 
 def is_hand_free(shape: Shape, gripper: ParallelGripper, tool: Pose, width: float) -> bool:
@@ -63,7 +95,7 @@ def is_hand_free(shape: Shape, gripper: ParallelGripper, tool: Pose, width: floa
     Raises:
         SceneError: a mesh cannot be read.
     """
-    return hand_is_free(_problem(shape, 0.0), gripper, tool, width)
+    return hand_is_free(_dense_points(shape, mesh_states(shape)), gripper, tool, width)
 
 
 @lru_cache(maxsize=256)
@@ -86,6 +118,19 @@ def _grasps(
     return grasps
 
 
+@lru_cache(maxsize=256)
+def _table(shape: Shape, gripper: ParallelGripper, friction: float, files: tuple[tuple[int, int], ...]) -> GraspTable:
+    """Return the grasps of a body as arrays; the states of its files are a key of the cache."""
+    grasps = _grasps(shape, gripper, friction, files)
+    levers = [grasp.lever / grasp.radius if grasp.radius > 0.0 else np.inf for grasp in grasps]
+    return GraspTable(
+        np.array([matrix(grasp.tool) for grasp in grasps]).reshape(-1, 4, 4),
+        np.array([grasp.tool.quaternion for grasp in grasps]).reshape(-1, 4).T,
+        np.array([grasp.score for grasp in grasps]),
+        np.hypot(1.0, levers),
+    )
+
+
 def _grasp(row: Mapping[str, Any]) -> Grasp:
     """Return a grasp from its fields in a file."""
     position, quaternion = row["tool"]
@@ -93,12 +138,12 @@ def _grasp(row: Mapping[str, Any]) -> Grasp:
 
 
 def _problem(shape: Shape, friction: float) -> GraspProblem:
-    """Return what grasps of a body are sampled of."""
+    """Return the geometry of a body from which grasps are sampled."""
     return GraspProblem(part_surfaces(shape), _centre(shape), friction)
 
 
 def lever(shape: Shape, tool: Pose, contact: PadContact) -> float:
-    """Return how far the centre of mass of a body is horizontally from the line between the pads; metres.
+    """Return the horizontal distance in metres from the centre of mass of a body to the line between the pads.
 
     `tool` is the pose of the tool in the frame of the body, which is upright.
     """
@@ -110,9 +155,15 @@ def _centre(shape: Shape) -> tuple[float, float, float]:
     return (0.0, 0.0, 0.0) if shape.model is None else shape.model.centre
 
 
+@lru_cache(maxsize=64)
+def _dense_points(shape: Shape, files: tuple[tuple[int, int], ...]) -> NDArray[np.float64]:
+    """Return the points of a body that must not be in the hand; the states of its files are a key of the cache."""
+    return dense_points(part_surfaces(shape))
+
+
 @lru_cache(maxsize=1 << 10)
 def _contact(
     shape: Shape, gripper: ParallelGripper, tool: Pose, files: tuple[tuple[int, int], ...]
 ) -> PadContact | None:
-    """Return what the pads touch; the states of the body's files are a key of the cache."""
+    """Return the contact of the pads; the states of the body's files are a key of the cache."""
     return gripper.contact(in_frame(surface(shape), tool))

@@ -17,18 +17,18 @@ from prag_asp.scene.robots import Robot
 Floats = NDArray[np.float64]
 
 PALM = (0.063, 0.204, 0.066)
-"""The sizes of the hand of a robot that has no palm of its own in its description, in metres: Franka's."""
+"""The dimensions in metres of the palm of a robot without a `hand` in its description: Franka's."""
 
 TOUCH = 0.001
-"""The depth to which the rubber of a pad gives way, in metres: what is as near to the outermost material is touched."""
+"""The depth in metres to which the rubber of a pad yields: material this close to the outermost point is in contact."""
 
 
 TINY = 1e-15
-"""What is added up to less is taken for nothing: areas in m² and lengths of normals."""
+"""Sums below it count as zero: areas in m² and lengths of normals."""
 
 
 class PadContact(NamedTuple):
-    """What pads touch when they close: the interval of the material along y in metres, and a patch on either side."""
+    """The contact of two pads when they close: the interval of the material along y in metres, and both patches."""
 
     low: float
     high: float
@@ -41,12 +41,12 @@ class PadContact(NamedTuple):
 
     @property
     def radius(self) -> float:
-        """The smaller radius of gyration of both patches in metres: how far off their line friction acts."""
+        """The smaller radius of gyration of both patches in metres: the lever arm of friction about their line."""
         return min(patch.gyration for patch in self.patches)
 
 
 class PadPatch(NamedTuple):
-    """What one pad touches: the area in m², the centroid (x, z) in m, the radius of gyration in m, the mean normal.
+    """The patch of one pad: the area in m², the centroid (x, z) in m, the radius of gyration in m, the mean normal.
 
     `slope` is the cosine of the angle between the mean outward normal and the direction in which the pad lies.
     """
@@ -94,7 +94,7 @@ class ParallelGripper(NamedTuple):
         return (*fingers, self.palm)
 
     def contact(self, triangles: Floats) -> PadContact | None:
-        """Return what the pads touch when they close on a body; None if there is nothing between them.
+        """Return the contact of the pads when they close on a body; None if there is nothing between them.
 
         `triangles`, shape (n, 3, 3), are the surface of the body in the frame of the tool, in metres. The interval is
         exact for that surface: its triangles are clipped to the prism that the pads sweep.
@@ -139,7 +139,7 @@ class Polygons(NamedTuple):
         )
 
     def patch(self, end: float, side: float) -> PadPatch:
-        """Return what a pad touches on one side: the surface that faces it and is within `TOUCH` of the outermost."""
+        """Return the patch of a pad on one side: the surface that faces it and is within `TOUCH` of the outermost."""
         corners, normals = self.cut(1, -side, TOUCH - side * end)
         facing = side * normals[:, 1]
         flat, facing = corners[facing > 0.0][:, :, [0, 2]], facing[facing > 0.0]

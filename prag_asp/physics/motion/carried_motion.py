@@ -29,7 +29,7 @@ SHARE = 0.98
 """The share of the acceleration to which a motion is slowed down: corners are rounded otherwise at another speed."""
 
 SLOWDOWNS = 20
-"""How often a motion is slowed down, at most; once or twice is usual."""
+"""The maximum number of times that a motion is slowed down; once or twice is usual."""
 
 
 def bearable_acceleration(scene: Scene, entity: str, robot: str) -> float:

@@ -16,7 +16,7 @@ CLEARANCE = 0.01
 """The distance in metres that an arm and what it carries keep from what the arm does not handle."""
 
 SLACK = 0.0005
-"""By how much a body may come closer to something than at an end of the path, in metres."""
+"""The distance in metres by which a body may come closer to something than at an end of the path."""
 
 ARM, TABLE = "the arm", "the table"
 Gaps = Mapping[tuple[str, str], float]

@@ -40,7 +40,7 @@ STILL = 1e-12
 """Radians below which a piece of a path counts as no motion, because of rounding."""
 
 SLOWDOWNS = 30
-"""How often parts of a path are slowed down before the whole path is."""
+"""The number of times that parts of a path are slowed down before the whole path is."""
 
 TOLERANCE = 1e-6
 """The share by which a joint may exceed its limits, because of rounding."""

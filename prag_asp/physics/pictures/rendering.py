@@ -65,7 +65,7 @@ def film_strip(
 
     Raises:
         PicturesMissingError: Pillow is not installed.
-        QueryError: there are less than two frames or no columns, or what is shown does not belong to the task.
+        QueryError: there are fewer than two frames or no columns, or what is shown does not belong to the task.
     """
     if (frames is not None and frames < 2) or columns < 1:
         raise QueryError(f"a film strip needs at least 2 frames and 1 column; got {frames} and {columns}")

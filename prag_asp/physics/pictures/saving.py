@@ -17,7 +17,7 @@ def save_picture(picture: Image.Image, path: Path, **options: Any) -> None:
     """Write a picture atomically, in the format of the file's suffix; `options` are those of Pillow.
 
     Raises:
-        OutputError: it cannot be written.
+        OutputError: the file cannot be written.
     """
     from PIL import Image  # noqa: PLC0415 - heavy
 

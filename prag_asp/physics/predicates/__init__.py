@@ -38,7 +38,7 @@ def predicate_of(scene: Scene, name: str) -> Predicate:
     In scenes with several robots its sentence names the gripper.
 
     Raises:
-        SceneError: there is none, or its Python file is not trusted or fails.
+        SceneError: there is no such predicate, or its Python file is not trusted or fails.
     """
     shared = NAMED.get(name) if scene.shared else None
     shared = shared or PREDICATES.get(name)

@@ -59,7 +59,7 @@ def _volume(name: str, situation: Situation, arguments: Arguments, quaternion: Q
 
 
 def wedge(situation: Situation, side: Direction, other: str, half: Vector, gap: float) -> Volume:
-    """Return the region on a side of a body for the centre of a box with half-sides `half`, `gap` metres away."""
+    """Return the region on a side of a body for the centre of a box with half-extents `half`, `gap` metres away."""
     axis, sign = side
     at = situation.body(other).centre
     edge = at[axis] + sign * (half[axis] + situation.half(other)[axis] + gap)

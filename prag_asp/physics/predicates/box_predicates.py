@@ -34,7 +34,7 @@ def box_predicate(own: Own) -> Predicate:
 
 
 def _half(own: Own, situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Vector:
-    """Return the half-sides of the subject, or of its centre, in the axes of the boxes, in metres."""
+    """Return the half-extents of the subject, or of its centre, in the axes of the boxes, in metres."""
     if not own.whole:
         return CENTRE
     x, y, z, w = situation.pose(arguments[1]).quaternion
@@ -60,7 +60,7 @@ def _volume(own: Own, situation: Situation, arguments: Arguments, quaternion: Qu
 
 
 def _room(box: BoxBounds, situation: Situation, other: str, half: Vector) -> Volume:
-    """Return the region for the centre of a body with the half-sides `half` that has to be in a box; metres."""
+    """Return the region for the centre of a body with the half-extents `half` that has to be in a box; metres."""
     (ax, bx), (ay, by), (az, bz) = (_ends(*ends) for ends in zip(box.low, box.high, half, strict=True))
     x, y, _ = situation.pose(other).position
     bottom = situation.bottom(other)

@@ -1,4 +1,4 @@
-"""What the friction of two pads bears: the weight of a body, and its torque if it is held beside its centre of mass."""
+"""The friction of two pads: whether it bears the weight of a body, and its torque if held off its centre of mass."""
 
 from __future__ import annotations
 
@@ -20,6 +20,13 @@ FINGER_FRICTION = 1.4
 
 GRAVITY = 9.81
 """In m/s²."""
+
+LIGHTLY = 50.0
+"""The largest force of a finger on a body with a model, as a multiple of its weight.
+
+PyBullet's solver does not keep fingers out of a body that is squeezed with much more: a paper cup of 8 g gives way to
+12 N by all of its wall, and to 4 N not at all. Friction bears the torque of a lever of some 15 cm then.
+"""
 
 SLIPS = 1.05
 """A body slips out of a gripper, or turns in it, if its load exceeds the friction at rest by this factor.
@@ -46,6 +53,17 @@ def bearable(scene: Scene, entity: str, robot: str) -> float:
 def pad_friction(scene: Scene, entity: str) -> float:
     """Return the coefficient of friction between the pads and a body, as PyBullet combines it."""
     return FINGER_FRICTION * scene.material(entity).friction
+
+
+def finger_force(scene: Scene, entity: str | None, robot: str) -> float:
+    """Return what each finger presses with around what a robot holds, in newtons: its grip force.
+
+    A light body with a model gets less, `LIGHTLY` times its weight: friction still bears a hundred times that.
+    """
+    most = robot_of(scene, robot).grip_force
+    if entity is None or scene.shapes[entity].model is None:
+        return most
+    return min(most, LIGHTLY * GRAVITY * weight(scene, entity))
 
 
 def slips(scene: Scene, entity: str, robot: str) -> str | None:

@@ -1,4 +1,4 @@
-"""How a gripper fits around a body: the opening that holds it, and the heights at which it may."""
+"""The fit of a gripper around a body: the opening that holds it, and the heights of such a grasp."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from prag_asp.scene.geometry import compose, invert, rotate, width_along
 from prag_asp.scene.robots import Robot
 
 GRIP_TOLERANCE = 0.002
-"""By how much the opening of a gripper that holds a body may differ from its width there, in metres."""
+"""The tolerance in metres between the opening of a gripper and the width of the body that it holds."""
 
 CLEARANCE = 0.006
 """The smallest difference between the opening of a gripper and the width of an object that it grasps, in metres."""
@@ -24,7 +24,7 @@ FLAT_TIP_ROOM = 0.0005
 """The clearance of the fingertips above the bottom of a flat object, in metres: more than what arms are off."""
 
 PAD_OVERLAP = 0.002
-"""The least height of the part of an object that is between the pads, in metres."""
+"""The minimum height of the part of an object that is between the pads, in metres."""
 
 SLANT = 1e-9
 """The cosine below which a side counts as parallel to the opening direction of the gripper."""
@@ -52,7 +52,7 @@ def grip_width(situation: Situation, entity: str, robot: str) -> float:
 
 
 def contact_at(situation: Situation, entity: str, robot: str) -> PadContact | None:
-    """Return what the pads of a gripper touch when they close on a body, None if there is nothing between them."""
+    """Return the contact of the pads of a gripper when they close on a body, None if there is nothing between them."""
     tool = compose(invert(situation.pose(entity)), situation.tool(robot))
     return pad_contact(situation.shape(entity), ParallelGripper.of(situation.robot(robot)), tool)
 
@@ -71,7 +71,7 @@ def is_flat(robot: Robot, height: float) -> bool:
 
 
 def rise_over_flat(robot: Robot, height: float) -> float:
-    """Return by how much the tool may be above the top of an object that it grasps, in metres; 0 unless it is flat."""
+    """Return the maximum height in metres of the tool above the top of a grasped object; 0 unless that is flat."""
     return max(0.0, min(TIP_ROOM + robot.fingertip - height, robot.fingertip - PAD_OVERLAP))
 
 
@@ -81,7 +81,7 @@ def lowest_body() -> float:
 
 
 def pad_reach(robot: Robot) -> float:
-    """Return how far at most the tool is from the box around a body with a model that it holds, in metres.
+    """Return the maximum distance in metres of the tool from the box around a body with a model that it holds.
 
     Both contacts are in the box and so is the middle between them, which is off the tool by at most the reach of a pad
     across the axis of the fingers, and by `GRIP_TOLERANCE` along it.

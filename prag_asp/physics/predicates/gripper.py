@@ -29,21 +29,21 @@ from prag_asp.scene.scene import Scene
 from prag_asp.scene.solids import weight
 
 CENTRE_TOLERANCE = 0.015
-"""By how much a tool may be beside the centre of a body that it holds, along each axis, in metres."""
+"""The maximum offset of a tool from the centre of a held body along each horizontal axis, in metres."""
 
 BELOW = 0.005
-"""By how much a tool may be below a body that it holds, in metres."""
+"""The maximum depth of a tool below a held body, in metres."""
 
 EDGE = 0.01
-"""The least distance of a tool from the edges of a box that it holds, in metres."""
+"""The minimum distance of a tool from the edges of a box that it holds, in metres."""
 
 OPEN_TOLERANCE = 0.001
-"""By how much an open gripper may be narrower than its opening, in metres."""
+"""The tolerance in metres of the opening of an open gripper."""
 
 MARGIN, OVER_MARGIN = 0.001, 0.003
-"""By how much sampled tools and widths stay within the tolerances, and tools over a body within its sides, in metres.
+"""The margins in metres of sampled tools and widths to the tolerances, and of tools over a body to its sides.
 
-Kinematics are not exact, so that what is sampled on a bound could violate it.
+Kinematics are not exact, so that samples on a bound could violate it.
 """
 
 RISE, ROOM, AJAR = 0.04, 0.03, 2.0
@@ -51,14 +51,14 @@ RISE, ROOM, AJAR = 0.04, 0.03, 2.0
 metres; and the largest ratio of either to the distance by which the tool misses the grasp."""
 
 NOTHING_BETWEEN = 0.02
-"""By how many metres `holding` is missed if there is nothing between the pads, at the box around a body."""
+"""The violation of `holding` in metres if there is nothing between the pads, at the box around a body."""
 
 LEVER = 0.05
-"""What a turn of the tool by one radian counts on the way to a grasp, in metres: what it moves at the fingertips."""
+"""The distance in metres that a rotation of the tool by one radian counts for: that of the fingertips."""
 
 
 def _tool_violations(situation: Situation, arguments: Arguments, even: bool) -> Iterator[float]:
-    """Yield by how many metres the tool misses the height of the object, and its centre.
+    """Yield the distances in metres of the tool from the height of the object, and from its centre.
 
     An `even` body, a box, can be held anywhere except at its edges: a long one, for instance, near its end.
     """
@@ -134,7 +134,7 @@ def _holding_violations(situation: Situation, arguments: Arguments) -> Iterator[
 
 
 def _holding_way(situation: Situation, arguments: Arguments) -> float:
-    """Return how far the tool and the fingers have to move to hold the object, in metres.
+    """Return the distance in metres that the tool and the fingers have to move to hold the object.
 
     The tool has to approach from above, and the fingers have to be wider open than the object. Both requirements grow
     with the distance of the tool from the grasp, so that the length is continuous.
@@ -152,7 +152,7 @@ def _holding_way(situation: Situation, arguments: Arguments) -> float:
 
 
 def _way_to_grasp(situation: Situation, robot: str, entity: str) -> float:
-    """Return how far the tool and the fingers have to move to the nearest grasp of a body with a model, in metres."""
+    """Return the distance in metres of the tool and the fingers from the nearest grasp of a body with a model."""
     tool = compose(invert(situation.pose(entity)), situation.tool(robot))
     ways = [math.inf]
     for grasp in grasps_in_body(situation, entity, robot):

@@ -24,6 +24,8 @@ TOLERANCE = 0.002
 FLOOR_BAND = 0.01
 HOVER = 0.2
 MARGIN = 0.003
+ROUNDING = 1e-6
+"""Metres off the walls at which a body is inside in spite of rounding errors."""
 
 
 def hollow(situation: Situation, container: str) -> tuple[Pose, Vector]:
@@ -54,7 +56,7 @@ def rims(situation: Situation, container: str, margin: float = 0.0) -> Iterator[
 
 
 def _half_within(situation: Situation, subject: str, container: str, quaternion: Quaternion) -> Vector:
-    """Return the half-sides of the bounding box of a rotated body in the container's frame, in metres."""
+    """Return the half-extents of the bounding box of a rotated body in the container's frame, in metres."""
     x, y, z, w = situation.pose(container).quaternion
     return extents(situation.shape(subject), multiply((-x, -y, -z, w), quaternion))
 
@@ -111,12 +113,14 @@ def _hollow_others(situation: Situation, subject: str) -> list[str]:
     return [other for other in situation.poses if other != subject and situation.shape(other).hollow]
 
 
-def _room(situation: Situation, arguments: Arguments, quaternion: Quaternion, height: float) -> Volume:
+def _room(
+    situation: Situation, arguments: Arguments, quaternion: Quaternion, height: float, margin: float = MARGIN
+) -> Volume:
     """Return the region for the centre of a body in a cavity, from where it stands to `height` metres above that."""
     subject, container = arguments
     pose, inner = hollow(situation, container)
     half = _half_within(situation, subject, container, quaternion)
-    dx, dy = _spare(inner[0] / 2 - half[0]), _spare(inner[1] / 2 - half[1])
+    dx, dy = (_spare(inner[axis] / 2 - half[axis], margin) for axis in (0, 1))
     z = floor_height(situation, container) + half[2]
     if min(dx, dy) < 0.0:
         x, y, _ = pose.position
@@ -124,9 +128,9 @@ def _room(situation: Situation, arguments: Arguments, quaternion: Quaternion, he
     return over_rectangle(pose.position, heading(pose.quaternion), (dx, dy), (z, z + height))
 
 
-def _spare(room: float) -> float:
+def _spare(room: float, margin: float) -> float:
     """Return the largest offset of a body from the centre, given the room to either side, off the walls; metres."""
-    return room - MARGIN if room >= MARGIN else room / 2
+    return room - margin if room >= margin else room / 2
 
 
 def _located_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
@@ -183,6 +187,7 @@ INSIDE = Predicate(
     name="inside",
     violations=_inside_violations,
     volume=partial(_room, height=0.0),
+    tight_volume=partial(_room, height=0.0, margin=ROUNDING),
     sentence=states("{0} {is} inside {1}"),
     supports=True,
     places=True,

@@ -54,7 +54,7 @@ class SentenceFunction(Protocol):
 
 
 class Gripper(Enum):
-    """What a predicate states about the gripper of its first argument, and, except `OPEN`, its second argument."""
+    """The relation of the gripper of a predicate's first argument, except for `OPEN` to its second argument."""
 
     HOLDS = "holds"
     AT = "is at"
@@ -103,7 +103,7 @@ class Predicate:
 
     For the search: with `on_the_spot`, a rotation about z suffices to satisfy the predicate anywhere; with
     `seen_close`, people recognise the relation only between near bodies. A sample of the volume `otherwise` violates
-    the predicate.
+    the predicate. The `tight_volume` has no margin to its border: it is for objects that are packed.
 
     For proofs, which have to be valid for all poses of the bodies: the reasons why it is `impossible`, its `demands` on
     positions, the reason why it `excludes` another predicate, and whether it holds `nowhere` over a rectangle.
@@ -132,6 +132,7 @@ class Predicate:
     on_the_spot: bool = False
     seen_close: bool = False
     otherwise: VolumeFunction | None = None
+    tight_volume: VolumeFunction | None = None
     impossible: ImpossibleFunction | None = None
     demands: DemandsFunction | None = None
     excludes: ExcludesFunction | None = None

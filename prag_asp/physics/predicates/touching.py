@@ -45,7 +45,7 @@ class Core(NamedTuple):
 
 
 def _core(shape: Shape, at: Vector, half: Vector, quaternion: Quaternion) -> Core:
-    """Return the core of a body from the centre `at` and the half-sides of its bounding box, in metres."""
+    """Return the core of a body from the centre `at` and the half-extents of its bounding box, in metres."""
     (x, y, z), traits, yaw = at, shape.traits, yaw_of(quaternion)
     if traits.round and not traits.flat:
         return Core(((x, y),), z, z, ball=half[2])
@@ -83,7 +83,7 @@ def _origin_distance(outline: Outline) -> float:
 
 
 def gap(situation: Situation, arguments: Arguments) -> float:
-    """Return how wide the gap between two bodies is in metres, negative if they overlap."""
+    """Return the gap between two bodies in metres, negative if they overlap."""
     one, two = (_placed(situation, entity) for entity in arguments)
     aside = _origin_distance(_difference(one.corners, two.corners)) - one.disc - two.disc
     above = max(one.low - two.high, two.low - one.high)

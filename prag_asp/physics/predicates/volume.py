@@ -29,7 +29,7 @@ class Side(NamedTuple):
 class Ring(NamedTuple):
     """The region between two distances from a point or an axis-aligned rectangle in the x-y plane, in metres.
 
-    The half-sides of the rectangle are both positive; those of a point are 0.
+    The half-extents of the rectangle are both positive; those of a point are 0.
     """
 
     x: float
@@ -106,7 +106,7 @@ class Volume(NamedTuple):
         return tuple(volumes)
 
     def miss_distance(self, point: Vector) -> float:
-        """Return the largest violation of a constraint on the region by a point in metres, 0 within the region."""
+        """Return by how many metres at most a point violates a constraint on the region; 0 within the region."""
         x, y, _ = point
         missed = [low - value for low, value in zip(self.low, point, strict=True)]
         missed += [value - high for high, value in zip(self.high, point, strict=True)]

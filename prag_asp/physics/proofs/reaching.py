@@ -22,7 +22,7 @@ def out_of_reach(domain: Domain, scene: Scene) -> Iterator[Problem]:
     """Yield a warning for each fixed place beyond all reach on or in which actions place objects.
 
     Reach is that of `reachable`, the ring around a robot's base in which its gripper reaches everything from above.
-    What is in a drawer is reached when the drawer is open.
+    For objects in a drawer, the drawer is taken to be open.
     """
     facts = domain.facts
     stated = [

@@ -109,7 +109,7 @@ def nudge_joints(
 ) -> NDArray[np.float64]:
     """Return joint angles that move the tool by approximately a small twist in the world frame; shape (7,).
 
-    `here` is where the tool is with `joints`, in the frame of the base as a homogeneous matrix; `twist` has the shape
+    `here` is the pose of the tool at `joints`, in the frame of the base as a homogeneous matrix; `twist` has the shape
     (6,): metres, then radians about the axes. It is one step of damped least squares (Wampler,
     "Manipulator inverse kinematic solutions based on vector formulations and damped least-squares methods", 1986), so
     the arm does not jump near singularities. The null space is used to move the arm towards the robot's posture.

@@ -75,7 +75,7 @@ class PhysicsFault(NamedTuple):
 class Failure(Exception):
     """An attempt of the search failed, for one of `CAUSES`; the search catches it.
 
-    `missed` is by how many metres it failed, or radians for a fact about a rotation; 0 if that is unknown.
+    `missed` is the amount by which it failed, in metres, or in radians for a fact about a rotation; 0 if unknown.
     """
 
     def __init__(self, cause: str, *entities: str, fact: Fact | None = None, missed: float = 0.0):
@@ -90,11 +90,11 @@ class Exhausted(Exception):
 
 @dataclass(frozen=True)
 class Search:
-    """What a search uses: the simulator, the task's objects and random generator, and the room for later actions.
+    """The inputs of a search: the simulator, the task's objects and random generator, and the room for later actions.
 
-    One that `packs` places objects tightly: it is for what random placement does not find. One that `returns` undoes
-    actions, down to one that may be to blame, where all attempts at an action fail. The best `passed_over` grasps of
-    bodies with a model come last: witnesses with them failed a later check.
+    If it `packs`, it places objects tightly, for tasks that random placement does not solve. If it `returns`, it undoes
+    actions, down to one that may be to blame, when all attempts at an action fail. The best `passed_over` grasps of
+    bodies with a model are tried last: witnesses with them failed a later check.
     """
 
     simulator: Simulator

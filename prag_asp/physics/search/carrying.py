@@ -54,10 +54,10 @@ def release(search: Search, snapshot: Snapshot, effect: ActionEffect) -> Snapsho
 
 
 def _free_width(search: Search, snapshot: Snapshot, entity: str) -> float:
-    """Return how far the fingers open to let go of an object, in metres.
+    """Return the opening of the fingers that releases an object, in metres.
 
     Raises:
-        Failure: they are not free of it at any opening.
+        Failure: the fingers touch the object at every opening.
     """
     shape, arm = snapshot.situation.shape(entity), snapshot.arm
     if shape.model is None or arm.grasp is None:

@@ -1,4 +1,4 @@
-"""The failed attempts of a search: how often each fault was met, and what came nearest to working."""
+"""The failed attempts of a search: how often each fault occurred, and the attempts that came nearest to success."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from prag_asp.wording import plural
 class FailureLog:
     """Counts the faults of attempts, and separately those of the attempts that got through the most actions.
 
-    `grasp_to_blame` is whether an object could not be moved or put down as it was held, and no other grasp was tried.
+    `grasp_to_blame` is true if an object could not be moved or put down with its grasp, and no other grasp was tried.
     """
 
     def __init__(self) -> None:
@@ -25,9 +25,9 @@ class FailureLog:
         self._missed = dict[PhysicsFault, float]()
 
     def add(self, fault: PhysicsFault, done: int, missed: float = 0.0) -> None:
-        """Count a fault that was met after the initial state and `done` actions; -1 is in the initial state.
+        """Count a fault that occurred after the initial state and `done` actions; -1 means in the initial state.
 
-        `missed` is by how much the attempt failed, as of `Failure`.
+        `missed` is the amount by which the attempt failed, as in `Failure`.
         """
         self.faults[fault] += 1
         if done > self._farthest:
@@ -40,7 +40,7 @@ class FailureLog:
                 self._missed[fault] = min(missed, self._missed.get(fault, missed))
 
     def nearest(self, effects: Sequence[ActionEffect]) -> str:
-        """Return, in words, how far the best attempts at a task came, and the fault that most of them met then.
+        """Return, in words, how far the best attempts at a task came, and the fault that ended most of them.
 
         It says by how much the nearest of these failed, if that is known.
         """

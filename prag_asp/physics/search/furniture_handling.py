@@ -150,7 +150,7 @@ def _above(search: Search, situation: Situation, low: Joints, furniture: str) ->
     """Return a collision-free joint configuration straight above one at a handle, with the gripper open.
 
     Raises:
-        Failure: there are none, or the one at the handle collides.
+        Failure: there is no such configuration, or the one at the handle collides.
     """
     query = CollisionQuery(situation, search.robot.opening, furniture)
     require_clear(search, low, query)

@@ -7,8 +7,12 @@ from collections import Counter
 from itertools import chain, islice
 from typing import NamedTuple
 
+import numpy as np
+
+from prag_asp.physics.grasps.body_grasps import grasp_table
+from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.physics.predicates.gaps import ROUNDING
-from prag_asp.physics.predicates.grip_friction import SLIPS, grasps_in_body, grip_load
+from prag_asp.physics.predicates.grip_friction import SLIPS, grasps_in_body, grip_load, pad_friction
 from prag_asp.physics.predicates.grip_geometry import CLEARANCE, is_flat, lowest_body, lowest_grip
 from prag_asp.physics.robot.kinematics import adjust_joints, inverse
 from prag_asp.physics.search.attempt import (
@@ -23,7 +27,7 @@ from prag_asp.physics.search.attempt import (
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.collisions import ArmCollision, arm_collision
 from prag_asp.scene.boxes import Vector
-from prag_asp.scene.geometry import Pose, compose, multiply, raised, rotate, width_along, yaw_of, yaw_quaternion
+from prag_asp.scene.geometry import Pose, compose, matrix, multiply, raised, rotate, width_along, yaw_of, yaw_quaternion
 from prag_asp.scene.robots import Joints
 
 LIFT = 0.10
@@ -33,7 +37,7 @@ TOP_GRIP = 0.01
 """The distance of the highest grasp below the top of an object, in metres."""
 
 HAIR = 1e-5
-"""The least distance of every grasp below the top of an object, in metres, because kinematics are not exact."""
+"""The minimum distance of every grasp below the top of an object, in metres, because kinematics are not exact."""
 
 LONG, FROM_END = 0.08, 0.03
 """With several robots, a box of at least twice `LONG` is grasped at the distance `FROM_END` from its end, in metres."""
@@ -42,19 +46,15 @@ LARGEST_STEP = 1.2
 """The largest turn of a joint between a grasp and `LIFT` above it, in radians: no other branch of the kinematics."""
 
 DOWN = (1.0, 0.0, 0.0, 0.0)
-UP = (0.0, 0.0, 1.0)
-HALF_TURN = (0.0, 0.0, 1.0, 0.0)
-"""Half a turn of the tool about its own axis, which gives the same grasp."""
-
 EASE = 0.3
-"""What it is worth in a grasp's score that the arm comes to it from its own side."""
+"""The bonus in a grasp's score if the arm approaches from its own side."""
 
 SECTOR, SIDEWAYS = math.pi / 4, 0.7
 """Grasps are of a kind if their axes are in one sector, in radians, and both or none come from the side: the cosine of
 a tool's slope below which it does."""
 
 STRAIGHT_DOWN = 1e-7
-"""By how much the cosine of a tool's slope may be below 1: half a milliradian."""
+"""The tolerance of the cosine of a tool's slope below 1: about half a milliradian."""
 
 
 class CollisionQuery(NamedTuple):
@@ -76,7 +76,7 @@ def grasps(search: Search, situation: Situation, entity: str) -> list[GraspOptio
     """Return the ways to grasp an object, the easiest first.
 
     Raises:
-        Failure: there are none, or all twist out of the gripper.
+        Failure: there is no grasp, or in all of them the object would twist in the gripper.
     """
     if situation.shape(entity).model is not None:
         return _sampled(search, situation, entity)
@@ -87,42 +87,43 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
     """Return the grasps of a body with a model at its pose, the best first; each is turned to where the arm comes from.
 
     Raises:
-        Failure: there are none, or friction bears the weight and the torque of the body in none.
+        Failure: there is no grasp, or none in which friction bears the weight and the torque of the body.
     """
     found = grasps_in_body(situation, entity, search.simulator.acting)
     if not found:
         raise Failure(NO_GRASP, entity)
     acting, pose = search.simulator.acting, situation.pose(entity)
-    bearing = [each for each in found if grip_load(search.scene, entity, acting, each.lever, each.radius) <= SLIPS]
-    if not bearing:
-        raise Failure(TWISTS, entity)
-    base_x, base_y, _ = search.robot.base.position
-    ranked = []
-    for grasp in bearing:
-        tool = compose(pose, grasp.tool)
-        heading = math.atan2(tool.position[1] - base_y, tool.position[0] - base_x)
-        outward = (math.cos(heading), math.sin(heading), 0.0)
-        # The palm's x axis points away from the base, and so does a slanted tool: the wrist is then on the arm's side.
-        if _along(tool, (1.0, 0.0, 0.0), outward) < 0.0:
-            tool = Pose(tool.position, multiply(tool.quaternion, HALF_TURN))
-        ease = _along(tool, (1.0, 0.0, 0.0), outward) + 2 * min(0.0, _along(tool, (0.0, 0.0, 1.0), outward))
-        ranked.append((EASE * ease + grasp.score, _kind(tool), GraspOption(tool, grasp.approach)))
-    ranked.sort(key=lambda row: -row[0])
+    gripper, friction = ParallelGripper.of(search.robot), pad_friction(search.scene, entity)
+    table = grasp_table(situation.shape(entity), gripper, friction)
+    frames = matrix(pose) @ table.frames
+    away = frames[:, :2, 3] - search.robot.base.position[:2]
+    outward = away / np.maximum(np.linalg.norm(away, axis=1), HAIR)[:, None]
+    # The palm's x axis points away from the base, and so does a slanted tool: the wrist is then on the arm's side.
+    forward, slope = ((frames[:, :2, axis] * outward).sum(1) for axis in (0, 2))
+    ease = np.abs(forward) + 2 * np.minimum(0.0, slope)
+    order = np.argsort(-(EASE * ease + table.scores), kind="stable")
+    sectors = np.round(np.arctan2(frames[:, 1, 1], frames[:, 0, 1]) / SECTOR) % round(math.pi / SECTOR)
+    kinds = list(zip(sectors.tolist(), (frames[:, 2, 2] > -SIDEWAYS).tolist(), strict=True))
+    bearing = (grip_load(search.scene, entity, acting, 0.0, 1.0) * table.loads <= SLIPS).tolist()
     # The best of each kind come first, then the second ones: what one cannot do, the next may.
-    counts = Counter[tuple[int, bool]]()
-    order = []
-    for _, kind, option in ranked:
-        order.append((counts[kind], option))
-        counts[kind] += 1
-    options = [option for _, option in sorted(order, key=lambda row: row[0])]
+    counts, ranked = Counter[tuple[float, bool]](), list[tuple[int, int]]()
+    for i in order.tolist():
+        if bearing[i]:
+            ranked.append((counts[kinds[i]], i))
+            counts[kinds[i]] += 1
+    if not ranked:
+        raise Failure(TWISTS, entity)
+    x, y, z, w = pose.quaternion
+    # `multiply` by the orientation of the body as a matrix; half a turn about the tool's own axis gives the same grasp.
+    turned = np.array([(w, -z, y, x), (z, w, -x, y), (-y, x, w, z), (-x, -y, -z, w)]) @ table.quaternions
+    turned = np.where(forward >= 0.0, turned, turned[[1, 0, 3, 2]] * [[1.0], [-1.0], [1.0], [-1.0]])
+    places, quaternions = frames[:, :3, 3].tolist(), turned.T.tolist()
+    options = [
+        GraspOption(Pose(tuple(places[i]), tuple(quaternions[i])), found[i].approach)
+        for _, i in sorted(ranked, key=lambda row: row[0])
+    ]
     first = search.passed_over % len(options)
     return options[first:] + options[:first]
-
-
-def _kind(tool: Pose) -> tuple[int, bool]:
-    """Return the sector of the axis along which a tool closes, seen from above, and whether it comes from the side."""
-    x, y, _ = rotate(tool.quaternion, (0.0, 1.0, 0.0))
-    return round(math.atan2(y, x) / SECTOR) % round(math.pi / SECTOR), _along(tool, (0.0, 0.0, 1.0), UP) > -SIDEWAYS
 
 
 def _along(pose: Pose, axis: Vector, direction: Vector) -> float:

@@ -19,7 +19,7 @@ from prag_asp.physics.search.attempt import (
 from prag_asp.physics.search.grasping import LIFT, CollisionQuery, backed, is_downward, near_joints, require_clear
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.collisions import colliding, overlap_depth
-from prag_asp.physics.world.support import STEADY, riders, unsupported
+from prag_asp.physics.world.support import riders, unsupported
 from prag_asp.scene.geometry import Pose, compose, invert, raised
 from prag_asp.scene.robots import Joints
 
@@ -76,7 +76,7 @@ def move_object(search: Search, snapshot: Snapshot, entity: str, pose: Pose) -> 
     """Return all poses after an object and everything that rests on it have moved.
 
     Raises:
-        Failure: one of them collides with something, or an object would fall.
+        Failure: a moved object collides with something, or an object would fall.
     """
     old = snapshot.situation
     poses = with_riders(old, entity, pose, search.objects)
@@ -109,6 +109,6 @@ def verify_objects(search: Search, situation: Situation, changed: Iterable[str])
     pair = colliding(search.simulator, situation, changed, search.objects)
     if pair is not None:
         raise Failure(OBJECTS_COLLIDE, *pair, missed=overlap_depth(search.simulator, situation, *pair))
-    falling = unsupported(situation, search.objects, STEADY)
+    falling = unsupported(situation, search.objects, needs_margin=True)
     if falling is not None:
         raise Failure(UNSUPPORTED, falling)

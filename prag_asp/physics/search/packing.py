@@ -40,11 +40,14 @@ from prag_asp.scene.geometry import Pose, Quaternion, extents, multiply, yaw_of,
 SPACINGS = (FINGER_ROOM, FINGER_ROOM / 2, SPACING, 0.005, 0.002, 0.0)
 """Metres between objects, the most first: they touch where nothing else leaves room for all."""
 
+TIGHT = 0.002
+"""The spacing in metres from which on objects also touch the walls of a container."""
+
 BRANCHES = 4
 """The places of an object that are tried before the one before it is moved."""
 
 PLACED = 10
-"""How often each object is placed, on average, until a spacing is given up."""
+"""The average number of placements per object until a spacing is given up."""
 
 LATTICE = 7
 """Lines of the lattice in each direction, for regions whose corners are out of reach."""
@@ -88,7 +91,7 @@ def pack(
     """Return a situation with all objects of an `order` placed, so that the facts `about` each of them hold.
 
     Raises:
-        Failure: there is no room for one of them.
+        Failure: there is no room for an object.
     """
     if not order:
         return still
@@ -137,7 +140,7 @@ def packed_poses(situation: Situation, request: PlacementRequest, filling: tuple
     checked = [fact for fact in about if not shapes_volume(fact, entity)]
     for frame in _frames(situation, entity, support, about):
         for quaternion in _orientations(situation, entity, about, frame):
-            volume = placement_volume(situation, request, quaternion)
+            volume = placement_volume(situation, request, quaternion, spacing <= TIGHT)
             floor = volume.floor()
             if floor is None:
                 continue
@@ -182,7 +185,8 @@ def _fill(
     """Return a situation with all objects placed from a corner with a spacing, by backtracking.
 
     Raises:
-        Failure: there is no room for one of them, or too many places were tried; it names the farthest object.
+        Failure: there is no room for an object, or too many places were tried; the error names the object that was
+            reached last.
     """
     situations, options, farthest = [still], list[Iterator[Pose]](), 0
     for _ in range(PLACED * len(order)):

@@ -34,7 +34,7 @@ from prag_asp.scene.boxes import Vector, box_of
 from prag_asp.scene.furniture import swept
 from prag_asp.scene.geometry import Pose, Quaternion, extents, yaw_of, yaw_quaternion
 from prag_asp.scene.scene import Shape
-from prag_asp.scene.surfaces import outlines_meet, turned_boxes, turned_outlines
+from prag_asp.scene.surfaces import part_boxes, part_outlines
 
 TRIES = 8  # samples with each spacing
 SPACING = 0.01  # metres between objects on the table, which do not touch then
@@ -224,11 +224,14 @@ def _ahead(search: Search, situation: Situation, request: PlacementRequest) -> t
     return tuple(volumes)
 
 
-def placement_volume(situation: Situation, request: PlacementRequest, quaternion: Quaternion) -> Volume:
+def placement_volume(
+    situation: Situation, request: PlacementRequest, quaternion: Quaternion, tight: bool = False
+) -> Volume:
     """Return the volume of an object with its orientation on or above a support, as the facts require.
 
     An object on the table has to be in the workspace and within reach. It may be anywhere on the table if it is known
-    to be out of reach, and anywhere in the workspace if several robots share the table.
+    to be out of reach, and anywhere in the workspace if several robots share the table. One that is `tight` touches the
+    walls of a container.
     """
     entity, support, about, _, height = request
     out_of_reach = any(fact.predicate.gripper is Gripper.REACHES and not fact.value for fact in about)
@@ -237,7 +240,8 @@ def placement_volume(situation: Situation, request: PlacementRequest, quaternion
         on_it = any(fact.value and fact.predicate is ON_TOP and fact.arguments == (entity, support) for fact in about)
         shape = situation.shape(support)
         rests = INSIDE if shape.traits.hollow or (shape.hollow and not on_it) else ON_TOP
-        volume = rests.volume(situation, (entity, support), quaternion)
+        allowed = rests.tight_volume if tight and rests.tight_volume is not None else rests.volume
+        volume = allowed(situation, (entity, support), quaternion)
     else:
         half_x, half_y, z = extents(situation.shape(entity), quaternion)
         low_x, high_x, low_y, high_y = situation.scene.workspace
@@ -276,7 +280,7 @@ def _neighbours(
 ) -> list[Neighbour]:
     """Return the others that an object at a height can meet, without containers it is put into.
 
-    `turned` has the shape of the object, its orientation, and the half-sides of its bounding box. Furniture has the
+    `turned` has the shape of the object, its orientation, and the half-extents of its bounding box. Furniture has the
     bounding boxes of its body and of the swept moving part.
     """
     neighbours = []
@@ -306,12 +310,14 @@ def parts_meet(
 
     Seen from above they are their convex outlines.
     """
-    ours, theirs = (np.array(turned_boxes(*each)) for each in ((own, quaternion), (other, pose.quaternion)))
+    ours, theirs = part_boxes(own, quaternion), part_boxes(other, pose.quaternion)
     offset = np.array((at[0], at[1], z)) - pose.position
     apart = np.abs(offset + ours[:, None, 0] - theirs[None, :, 0]) - ours[:, None, 1] - theirs[None, :, 1]
-    one, two = turned_outlines(own, quaternion), turned_outlines(other, pose.quaternion)
-    close = np.argwhere((apart < (spacing, spacing, COLLISION)).all(axis=2))
-    return any(outlines_meet(one[i] + offset[:2], two[j], spacing) for i, j in close)
+    close = np.nonzero((apart < (spacing, spacing, COLLISION)).all(axis=2))
+    if not len(close[0]):
+        return False
+    one, two = part_outlines(own, quaternion), part_outlines(other, pose.quaternion)
+    return any(one[i].meets(two[j], offset[:2], spacing) for i, j in zip(*close, strict=True))
 
 
 def _yaws(search: Search, situation: Situation, request: PlacementRequest) -> Iterator[float]:

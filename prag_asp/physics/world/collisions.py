@@ -17,14 +17,17 @@ ARMS_APART = 0.01
 
 
 class ArmCollision(NamedTuple):
-    """What the arm collides with, and whether its hand does, so that no other configuration for the tool pose helps."""
+    """The body that the arm collides with, and whether the hand does.
+
+    If the hand does, no other configuration for the tool pose helps.
+    """
 
     other: str
     by_hand: bool
 
 
 def box(situation: Situation, entity: str) -> Box:
-    """Return the bounding box of a body: its centre and half-sides in metres."""
+    """Return the bounding box of a body: its centre and half-extents in metres."""
     body = situation.body(entity)
     return body.centre, body.half
 
@@ -57,7 +60,7 @@ def colliding(
 
 
 def overlap_depth(simulator: Simulator, situation: Situation, one: str, two: str) -> float:
-    """Return how deep two objects are in each other in metres; the second may be the table."""
+    """Return the penetration depth of two objects in metres; the second may be the table."""
     simulator.place(situation.poses, situation.openings)
     other = simulator.bodies.get(two, simulator.table)
     return -simulator.overlap(simulator.body(one), other)

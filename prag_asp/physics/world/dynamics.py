@@ -56,7 +56,7 @@ class ArmCommand(NamedTuple):
 
 
 class Pressing(NamedTuple):
-    """How two bodies press on each other: the sum of their normal forces in newtons, and the depth in metres."""
+    """The contact of two bodies: the sum of their normal forces in newtons, and the depth in metres."""
 
     force: float
     depth: float
@@ -79,7 +79,7 @@ class LoadedArm:
 
 
 class Dynamics:
-    """One PyBullet client, whose world is built anew for every task, so that results depend on the task alone."""
+    """One PyBullet client, whose world is rebuilt for every task, so that results depend on the task alone."""
 
     def __init__(self, scene: Scene, client: int):
         self.scene = scene
@@ -121,9 +121,9 @@ class Dynamics:
     def restore(self, moment: Moment) -> None:
         """Reset the world to a moment, at rest; only held objects are awake.
 
-        What follows depends on the moment alone, bit for bit: PyBullet caches contacts and their forces, so all bodies
-        are first moved far apart for `FORGETTING` steps. The moment has to have the objects with which the world was
-        built, and all its arms.
+        The simulation from there depends on the moment alone, bit for bit: PyBullet caches contacts and their forces,
+        so all bodies are first moved far apart for `FORGETTING` steps. The moment has to have the objects with which
+        the world was built, and all its arms.
         """
         client = self.client
         apart = [*self._bodies.values(), *(arm.body for arm in self._arms.values())]
@@ -151,20 +151,23 @@ class Dynamics:
             set_joints(self.client, loaded.body, loaded.robot, arm.joints, arm.width)
         self._quiet = dict.fromkeys(self._bodies, 0)
 
-    def drive(self, robot: str, command: ArmCommand, speeds: Sequence[float] = STILL) -> None:
+    def drive(
+        self, robot: str, command: ArmCommand, speeds: Sequence[float] = STILL, force: float | None = None
+    ) -> None:
         """Set the targets of the motors of an arm from now on.
 
         `speeds` are the target speeds of the joints in rad/s. An opening less than the width of an object between the
-        fingers squeezes it.
+        fingers squeezes it, with the `force` of each in newtons, by default the grip force of the robot.
         """
         arm = self._arms[robot]
+        squeeze = arm.robot.grip_force if force is None else force
         pybullet.setJointMotorControlArray(
             arm.body,
             arm.driven,
             pybullet.POSITION_CONTROL,
             targetPositions=[*command.joints, command.opening / 2, command.opening / 2],
             targetVelocities=[*speeds, 0.0, 0.0],
-            forces=[*arm.robot.torques, arm.robot.grip_force, arm.robot.grip_force],
+            forces=[*arm.robot.torques, squeeze, squeeze],
             positionGains=[POSITION_GAIN] * len(arm.driven),
             physicsClientId=self.client,
         )
@@ -187,7 +190,7 @@ class Dynamics:
         return {entity: body_pose(self.client, self.scene, entity, body) for entity, body in self._bodies.items()}
 
     def openings(self) -> dict[str, float]:
-        """Return how far furniture is open, in metres or radians."""
+        """Return the opening of furniture, in metres or radians."""
         return {entity: read_opening(self.client, body) for entity, body in self._furniture.items()}
 
     def at_rest(self) -> bool:
@@ -216,7 +219,7 @@ class Dynamics:
         return (*grippers, "table")
 
     def contacts(self) -> Mapping[tuple[int, int], Pressing]:
-        """Return how each pair of bodies presses on each other, of those that do.
+        """Return the contact of each pair of bodies that press on each other.
 
         Bodies are numbered: `parts` first, then the objects in the order of `begin`.
         """

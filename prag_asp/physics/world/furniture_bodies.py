@@ -69,7 +69,7 @@ def set_opening(client: int, body: int, opening: float) -> None:
 
 
 def read_opening(client: int, body: int) -> float:
-    """Return how far furniture is open, in metres or radians."""
+    """Return the opening of furniture, in metres or radians."""
     return float(pybullet.getJointState(body, JOINT, physicsClientId=client)[0])
 
 

@@ -26,7 +26,7 @@ GEOMETRIES: Mapping[str, int] = {
     "sphere": pybullet.GEOM_SPHERE,
     "mesh": pybullet.GEOM_MESH,
 }
-"""PyBullet's types of the solids; of a mesh it uses the convex hull of each part."""
+"""PyBullet's types of the solids; for a mesh, it uses the convex hull of each part."""
 
 NOTHING = -1
 SHADE, BELT, SPOT, STANDING_OUT = 0.45, 0.12, 0.5, 0.02
@@ -43,8 +43,8 @@ def open_shapes(
 ) -> Iterator[tuple[int, int]]:
     """Give the ids of the collision and visual shapes of several solids; without a colour they are invisible.
 
-    What is seen are the `looks`, if there are any. PyBullet reads the files of visual shapes only when it makes a body,
-    so that this has to be done before they are closed. Calls with meshes must not be nested.
+    The visual shapes are the `looks`, if there are any. PyBullet reads the files of visual shapes only when it makes a
+    body, so that this has to be done before they are closed. Calls with meshes must not be nested.
 
     Raises:
         SceneError: PyBullet refuses one, or a mesh cannot be read.
@@ -78,7 +78,7 @@ def open_shapes(
 
 
 def visible_pieces(solids: Sequence[Solid], looks: Sequence[Look], color: str) -> list[VisiblePiece]:
-    """Return what PyBullet draws of a body in a colour, by which it multiplies those of the looks.
+    """Return the visual shape of a body in PyBullet, in a colour by which those of the looks are multiplied.
 
     Raises:
         SceneError: a mesh cannot be read.

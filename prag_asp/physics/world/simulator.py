@@ -61,7 +61,7 @@ class Simulator:
             move(client, body, Pose(parking_place(i)))
 
     def use(self, scene: Scene) -> None:
-        """Switch to the bodies of a scene with other sizes from the ranges of this one.
+        """Switch to a scene that differs from the current one only in the sizes of its bodies.
 
         Raises:
             SceneError: a size is not in its range.

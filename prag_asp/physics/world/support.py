@@ -16,8 +16,9 @@ from prag_asp.scene.solids import weight
 
 CONTACT = 0.002
 BALANCE = 1e-6
-STEADY = 0.005
-"""The desired margin of the centre of mass of a placed object within its base, in metres."""
+LEAST_MARGIN, TENTH = 0.005, 0.1
+"""The margin of the centre of mass of a placed object within what it stands on that is always worth having, in metres,
+and the share of its base that is enough."""
 TABLE = ""
 
 
@@ -63,10 +64,12 @@ def resting_height(situation: Situation, entity: str, others: Iterable[str]) -> 
     return max(heights, default=0.0)
 
 
-def unsupported(situation: Situation, entities: Iterable[str], margin: float = 0.0) -> str | None:
+def unsupported(situation: Situation, entities: Iterable[str], needs_margin: bool = False) -> str | None:
     """Return a body that would fall or tip over, None if all are stable; held bodies are stable, and bear others.
 
-    The centre of mass has to be within the base by a `margin` in metres; on a small base half of its radius is enough.
+    The centre of mass has to be over what the body touches below. If it `needs_margin`, it has to be as far from the
+    edge as the scene says, or by a tenth of the width of its base, at least `LEAST_MARGIN`, if that is less; on a small
+    contact half of its radius is enough.
     """
     bodies = list(entities)
     still = {*(arm.held for arm in situation.arms.values()), *situation.scene.fixed}
@@ -88,10 +91,19 @@ def unsupported(situation: Situation, entities: Iterable[str], margin: float = 0
     resting.update({body: contacts(situation, body, ()) for body in loose if body in bearing and body not in high})
     for body, touching in resting.items():
         ground = hull([point for contact in touching for point in contact.region])
-        needed = min(margin, max(0.0, inside_by(ground, _middle(ground)) / 2)) if ground else 0.0
+        needed = 0.0
+        if needs_margin and ground:
+            needed = min(_margin(situation, body), max(0.0, inside_by(ground, _middle(ground)) / 2))
         if not ground or inside_by(ground, _load(situation, body, resting)[1]) < needed - BALANCE:
             return body
     return None
+
+
+def _margin(situation: Situation, body: str) -> float:
+    """Return the desired margin of the centre of mass of a body within what it stands on, in metres."""
+    below = base(situation.shape(body), situation.pose(body))
+    width = 2 * inside_by(below, _middle(below))
+    return min(situation.scene.balance, max(LEAST_MARGIN, TENTH * width))
 
 
 def riders(situation: Situation, entity: str, others: Iterable[str]) -> list[str]:

@@ -1,8 +1,8 @@
-"""What PyBullet draws of bodies: solids in a colour, and meshes with textures.
+"""The visual shapes of bodies in PyBullet: solids in a colour, and meshes with textures.
 
 PyBullet draws one texture for each mesh, multiplied by the colour of the shape. It finds the texture in the library of
 materials that the .obj names, and computes flat normals where the file has none. A mesh is therefore divided by
-material, and written anew in metres with all that it names.
+material, and rewritten in metres with all files that it names.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ UNIT = (1.0, 1.0, 1.0)
 
 
 class VisiblePiece(NamedTuple):
-    """A solid in a colour, red, green, blue and opacity from 0 to 1; of a mesh the name of its file, and all files."""
+    """A solid in a colour, red, green, blue and opacity from 0 to 1; for a mesh, its file name and all files."""
 
     solid: Solid
     rgba: Rgba

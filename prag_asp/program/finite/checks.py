@@ -21,7 +21,7 @@ DEEPEST = 1_000
 """The maximum depth of the terms that such a rule derives."""
 
 WIDEST = 1_000_000
-"""The maximum number of values of an interval; each takes some hundred bytes in an atom."""
+"""The maximum number of values of an interval; each takes a few hundred bytes in an atom."""
 
 MOST_KNOWN = 100_000
 """The number of operations on certain inputs that are known to be in range: some ten megabytes."""
@@ -147,7 +147,7 @@ class Checks:
         """Return 0 if a rule may derive terms of these values.
 
         Raises:
-            BoundReached: it has derived terms of too many values, derives too deep terms, or never terminates.
+            BoundReached: the rule has derived too many values or too deep terms, or never terminates.
         """
         site = self.sites[number.number]
         if site.certain:

@@ -123,7 +123,7 @@ class _CheckWriter:
         """Check that the constant intervals of a rule have few combinations, where each makes an instance of the rule.
 
         Raises:
-            BoundReached: they have too many.
+            BoundReached: the intervals have too many combinations.
         """
         parts = (rule.node.head, *rule.node.body)
         if rule.text.count("..") < 2 or any(part.ast_type != ASTType.Literal for part in parts):

@@ -1,1 +1,1 @@
-"""Which task comes next, and which of its subgoals: values that say how, and the courses that keep the score."""
+"""Curricula choose the next task and its subgoal: values that describe them, and courses that record the results."""

@@ -160,7 +160,7 @@ def _arms(pool: TaskPool) -> tuple[str, ...]:
     """Return the names, pairs and classes that occur in tasks of a pool's space.
 
     Raises:
-        QueryError: there are fewer than two.
+        QueryError: there are fewer than two arms.
     """
     arms: set[str] = set()
     for length in reversed(pool.lengths):

@@ -94,7 +94,7 @@ class AdaptiveSampler:
             self._begin(self._lots + 1, self._weights())
 
     def summary(self) -> Mapping[str, int | str]:
-        """Return how often the weights were updated."""
+        """Return the number of updates of the weights."""
         return {"lot": self._lots}
 
     def state_dict(self) -> State:

@@ -65,7 +65,7 @@ class ReverseSampler:
             self._back = min(self._back + 1, self._longest)
 
     def summary(self) -> Mapping[str, int | str]:
-        """Return how many subgoals before the end episodes begin."""
+        """Return the number of subgoals from the start of an episode to the end of the task."""
         return {"back": self._back}
 
     def state_dict(self) -> State:

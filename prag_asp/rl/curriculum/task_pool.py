@@ -80,7 +80,7 @@ class TaskPool:
     """The tasks of a space that have an action; with a `part`, those of them alone that it has.
 
     Raises:
-        QueryError: there are none.
+        QueryError: the pool would be empty.
     """
 
     space: TaskSpace
@@ -135,7 +135,7 @@ class TaskPool:
         """Yield tasks of the space as `proposals` does, in the pool or not; weights are as in `TaskSpace.draw`.
 
         Raises:
-            QueryError: there is no task, or a weight fits nothing.
+            QueryError: there is no task, or a weight matches nothing.
         """
         space = self.space if length is None else self.at(length)
         for draw in self.batched(space.sampling(weights=weights).draws(seed=seed)):
@@ -192,10 +192,10 @@ def sample_index(shares: Sequence[Fraction], seed: int, *numbers: int | str) -> 
 
 
 def parse_share(what: str, number: Number | float, *, positive: bool = False) -> Fraction:
-    """Return a share from 0 to 1 as a fraction, a float by its decimal digits; with `positive` it is above 0.
+    """Return a share from 0 to 1 as a fraction; a float is read by its decimal digits. `positive` excludes 0.
 
     Raises:
-        QueryError: it is not a whole number of at least 1.
+        QueryError: the number is not in this range.
     """
     share = parse_number(what, str(number))
     if not 0 <= share <= 1 or (positive and not share):
@@ -207,7 +207,7 @@ def parse_count(what: str, number: object) -> int:
     """Return a whole number of at least 1.
 
     Raises:
-        QueryError: it is not a whole number of at least 1.
+        QueryError: the number is not a whole number of at least 1.
     """
     if isinstance(number, bool) or not isinstance(number, int) or number < 1:
         raise QueryError(f"{what}: {number!r}; give a whole number of at least 1")

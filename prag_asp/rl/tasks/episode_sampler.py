@@ -152,7 +152,7 @@ class EpisodeSampler:
         """Return a given task with its witness, which is searched for where it is not given.
 
         Raises:
-            QueryError: it is no task of the domain, or has no witness.
+            QueryError: the task is not of the domain, or has no witness.
         """
         if not isinstance(task, Task) or not isinstance(witness, Witness | None):
             raise QueryError(f"a task is a Task, a witness that of a task; got {task!r:.80} and {witness!r:.80}")

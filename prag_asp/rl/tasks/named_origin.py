@@ -51,7 +51,7 @@ class SplitOptions:
         """Check that no option says how a space is divided.
 
         Raises:
-            QueryError: one does; the message has the `reason` why it means nothing.
+            QueryError: an option does; the message has the `reason` why it has no effect.
         """
         if self.shares is not None or self.skeletons or self.hold_out is not None or self.seed != 0:
             raise QueryError(f"shares, skeletons, hold_out and split_seed divide a space: {reason}")
@@ -75,7 +75,7 @@ def named_origin(
 
     Raises:
         QueryError: the values are wrong, missing or contradictory.
-        DomainError: there is no such domain, or it is wrong.
+        DomainError: there is no such domain, or the domain has errors.
     """
     if isinstance(where, str) or not all(isinstance(condition, str) for condition in where):
         raise QueryError(f'where {where!r:.80}: give a list of conditions, such as ["uses cube_1"]')

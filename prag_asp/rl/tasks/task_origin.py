@@ -33,7 +33,7 @@ class Split:
         """Return the part of a space.
 
         Raises:
-            QueryError: there is no such part, or the space has a task of no action.
+            QueryError: there is no such part, or the space has a task without actions.
         """
         if not all(space.lengths):
             raise QueryError("tasks of no action have no subgoal; split a space of lengths from 1")
@@ -45,7 +45,7 @@ class TaskOrigin:
     """The origin of tasks: a space or a part of one, a dataset, or one task; and the curricula.
 
     Raises:
-        QueryError: there is none of them or more than one, or a curriculum is wrong or has nothing to choose from.
+        QueryError: no origin or more than one is given, or a curriculum is invalid or has nothing to choose from.
     """
 
     space: TaskSpace | None
@@ -83,8 +83,8 @@ class TaskOrigin:
         """Return the domain of the tasks; that of a single task may be `requested`.
 
         Raises:
-            QueryError: it is given for others, or is none.
-            DomainError: there is no domain of the name.
+            QueryError: a domain is given with other tasks, or is invalid.
+            DomainError: there is no domain of this name.
         """
         if requested is not None and (self.task is None or not isinstance(requested, Domain | str)):
             raise QueryError(f"domain {requested!r:.80}: give that of a task; a space and a dataset have their own")

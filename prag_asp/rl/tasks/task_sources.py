@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 PATIENCE = 1000
-"""The most tasks in a row that are sampled without a witness."""
+"""The maximum number of tasks in a row that are sampled without a witness."""
 
 
 class Assignment(NamedTuple):
@@ -58,7 +58,7 @@ class TaskSource(Protocol):
         """Return the task of a rank.
 
         Raises:
-            QueryError: there is none, or it has no witness.
+            QueryError: there is no such task, or the task has no witness.
         """
 
     def update(self, result: EpisodeResult) -> None:
@@ -147,7 +147,8 @@ def assign_witness(task: Task, witness: Witness, scene: Scene) -> Assignment:
     """Return a task with a given witness, which is checked.
 
     Raises:
-        QueryError: it is of another task: not all facts of a state hold in it, or it has too few or too many states.
+        QueryError: the witness is of another task: a fact of a state does not hold in it, or it has too few or too many
+            states.
         SceneError: the task refers to something for which the scene has no shape.
     """
     states, moments = physical_task(task, scene).states, witness.moments
@@ -167,7 +168,7 @@ def require_rank(rank: object, count: int) -> int:
     """Return a valid rank below `count`.
 
     Raises:
-        QueryError: the rank is no whole number from 0 to `count` - 1.
+        QueryError: the rank is not a whole number from 0 to `count` - 1.
     """
     if isinstance(rank, bool) or not isinstance(rank, int | np.integer) or not 0 <= rank < count:
         raise QueryError(f"rank {rank!r}: give a whole number from 0 to {count - 1}")
@@ -209,8 +210,8 @@ class SpaceSource:
         """Return the task of a rank, with a witness.
 
         Raises:
-            QueryError: there is none of that rank, it has no witness, it is not of the part, or the space has tasks of
-                several lengths.
+            QueryError: there is no task of that rank, the task has no witness or is not in the part, or the space has
+                tasks of several lengths.
         """
         space = self._pool.space
         if not isinstance(space, TaskSpace):

@@ -23,7 +23,7 @@ def find_asset(name: str, model: Path, folder: Path) -> Path:
     """Return the file that a model in the folder of a domain names.
 
     Raises:
-        SceneError: there is none in the folder.
+        SceneError: the folder has no such file.
     """
     candidates = list(_candidates(name, model, folder))
     for path in candidates:

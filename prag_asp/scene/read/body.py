@@ -28,7 +28,7 @@ def body_shape(
 ) -> Shape:
     """Return the shape of a body of solids; the centre of their bounding box becomes the origin of its frame.
 
-    It has `settled` by an angle in radians; `looks` are what is seen of it.
+    `settled` is the angle in radians by which it tilted to come to rest; `looks` are its visual parts.
 
     Raises:
         SceneError: a mesh cannot be read.

@@ -1,10 +1,10 @@
-"""Find the cavity of a body: where it would hold water if it stood in the rain.
+"""Find the cavity of a body: the space that would fill with water in the rain.
 
 Heights of the surface are measured on a grid from above. Water runs off at the border and through holes, and fills any
 other point up to the lowest rim over which it can run off: the smallest, over all paths to the border, of the largest
 height on the path (Barnes, Lehman and Mulla, "Priority-flood", 2014). Gaps and holes too narrow for things to fall
-through are closed first: a basket is a container. What is over a cavity without closing it, as the handle of a basket
-is, counts for nothing: the body is looked at from several heights too, without what is above.
+through are closed first: a basket is a container. Parts over a cavity that do not close it, such as the handle of a
+basket, are ignored: the surface is also measured from several heights, without the parts above.
 """
 
 from __future__ import annotations

@@ -33,7 +33,7 @@ PARAMETERS = {
 """CoACD's own defaults, stated here because results depend on them; the threshold is a share of the mesh's size."""
 
 LONGEST = 300.0
-"""The most seconds that a decomposition takes. Some 2,000 triangles take 9 s; CoACD has no bound of its own."""
+"""The time limit of a decomposition in seconds. Some 2,000 triangles take 9 s; CoACD has no bound of its own."""
 
 LARGEST = 64_000_000
 """The largest size of a cached decomposition in bytes."""
@@ -52,7 +52,7 @@ def decomposed(triangles: Floats) -> tuple[Floats, ...]:
     """Return the triangles (n, 3, 3) of convex parts that make up a concave mesh, given by its own.
 
     Raises:
-        LimitReached: that takes more than `LONGEST` seconds, or more memory than there is.
+        LimitReached: the decomposition takes more than `LONGEST` seconds, or more memory than available.
     """
     key = sha256(json.dumps([FORMAT, PARAMETERS], sort_keys=True).encode() + np.round(triangles, 9).tobytes())
     folder = cache_folder()

@@ -29,7 +29,7 @@ UPWARD: Mapping[str, tuple[float, float, float]] = {
 """The rotation about x, y and z in degrees that turns an axis of a file upwards."""
 
 RESTS = ("upright", "lying", "any")
-"""How a body rests: as its file has it, on its side, or where its centre of mass is lowest."""
+"""The resting pose of a body: as in its file, on its side, or the one with the lowest centre of mass."""
 
 SIDEWAYS = math.cos(math.radians(45.0))
 """The cosine of the smallest angle between the upward axes of a body that lies and of its file."""
@@ -37,14 +37,14 @@ SIDEWAYS = math.cos(math.radians(45.0))
 SCALES = (1e-6, 1e6)
 """The smallest and the largest scale: from micrometres to parsecs nobody has models."""
 
-MASSES = (1e-4, 100.0)
-"""The smallest and the largest mass of a body in kilograms."""
+MASSES, DENSITIES = (1e-4, 100.0), (1.0, 25000.0)
+"""The smallest and the largest mass of a body in kilograms, and density in kilograms per cubic metre."""
 
 
 def read_mesh_body(entry: TableEntry, folder: Path) -> Shape | None:
     """Return the shape of a table of the kind ``mesh``, and report what is wrong with it.
 
-    Without a `mass` its model has the mass of a density of 1 kg/m³.
+    With neither `mass` nor `density` its model has the mass of a density of 1 kg/m³.
 
     Raises:
         SceneError: the file is missing, outside of the folder, or not a mesh that a body can have.
@@ -61,11 +61,14 @@ def read_mesh_body(entry: TableEntry, folder: Path) -> Shape | None:
     up = entry.at("up", usual).choice(tuple(UPWARD))
     angles = entry.at("rotation", [0.0, 0.0, 0.0]).numbers(3, "degrees about x, y and z")
     mass = entry.at("mass").number(*MASSES, "kilograms") if "mass" in entry.value else None
+    density = entry.at("density").number(*DENSITIES, "kilograms a cubic metre") if "density" in entry.value else 1.0
+    if "mass" in entry.value and "density" in entry.value:
+        entry.at("density").add("a body has a mass or a density; leave one of them out")
     rests = entry.at("rests", RESTS[0]).choice(RESTS)
     visual = folder / str(entry.value.get("visual", entry.value.get("path")))
     if not isinstance(entry.value.get("visual", ""), str):
         entry.at("visual").needs("the path of the mesh that is seen, in the folder of the domain")
-    if not entry.is_sound or sides is None or up is None or angles is None:
+    if not entry.is_sound or sides is None or up is None or angles is None or density is None:
         return None
     for each in (path, visual):
         require_inside(each, folder)
@@ -80,7 +83,7 @@ def read_mesh_body(entry: TableEntry, folder: Path) -> Shape | None:
         np.array(rotation((math.radians(x), math.radians(y), math.radians(z)))) for x, y, z in (UPWARD[up], angles)
     )
     rows = second @ first
-    properties = uniform if mass is None else uniform.scaled(mass)
+    properties = uniform.scaled(uniform.mass * density if mass is None else mass)
     turned = solid._replace(turn=roll_pitch_yaw(rows))
     look = Look(turned._replace(mesh=str(visual)), str(folder))
     mesh_surfaces(look.solid.mesh, look.folder)

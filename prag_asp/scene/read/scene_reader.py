@@ -21,7 +21,7 @@ from prag_asp.scene.read.predicates import read_own
 from prag_asp.scene.read.scene_values import DomainNames, color
 from prag_asp.scene.read.shapes import read_shapes
 from prag_asp.scene.robots import ROBOTS
-from prag_asp.scene.scene import IGNORED, Material, Mount, Own, Ranges, Scene, Shape, TableTop, only_robot
+from prag_asp.scene.scene import BALANCE, IGNORED, Material, Mount, Own, Ranges, Scene, Shape, TableTop, only_robot
 from prag_asp.tables.report import TableEntry, is_number, shown
 from prag_asp.wording import did_you_mean
 
@@ -41,6 +41,7 @@ SCENE_KEYS = (
     "own",
     "cameras",
     "vary",
+    "balance",
 )
 
 FACTORS = (0.05, 20.0)
@@ -58,6 +59,9 @@ FARTHEST_BASE = 2.0
 
 CLOSEST_BASES = 0.4
 """The smallest distance between the bases of two robots, in metres."""
+
+LARGEST_BALANCE = 0.1
+"""The largest margin of balance in metres: more than half of most objects."""
 
 MATERIAL_LIMITS: Mapping[str, tuple[float, float, str]] = {
     "density": (1.0, 25000.0, "kilograms a cubic metre"),
@@ -106,6 +110,7 @@ def read_scene(root: TableEntry, names: DomainNames) -> Scene:
         own=own,
         cameras=read_cameras(root.section("cameras"), {**robots, **arms}),
         vary=_ranges(root.section("vary")),
+        balance=_balance(root.at("balance", BALANCE)),
         ranges={entity: several for entity, several in sizes.items() if len(several) > 1},
     )
     if not report.problems:
@@ -137,14 +142,21 @@ def _check_bodies(root: TableEntry, scene: Scene, names: DomainNames) -> None:
     check_bases(places, replace(scene, fixed=fixed))
 
 
+def _balance(entry: TableEntry) -> float:
+    """Return the margin of balance in metres."""
+    margin = entry.number(0.0, LARGEST_BALANCE, "metres")
+    return BALANCE if margin is None else margin
+
+
 def _weighed(
     section: TableEntry, names: DomainNames, shapes: Mapping[str, Shape], materials: Mapping[str, Material]
 ) -> dict[str, Shape]:
-    """Return the shapes of meshes without a mass, which is their volume times the density of their material."""
+    """Return the shapes of meshes without a mass or a density: with that of their material, by their volume."""
     found = {}
     for entity, shape in shapes.items():
         owner = next(name for name in names.line(entity) if name in section.value)
-        if shape.model is not None and shape.kind == "mesh" and "mass" not in section.value[owner]:
+        own = section.value[owner]
+        if shape.model is not None and shape.kind == "mesh" and "mass" not in own and "density" not in own:
             density = materials.get(entity, Material()).density
             found[entity] = shape._replace(model=shape.model.with_mass(shape.model.mass * density))
     return found

@@ -1,4 +1,4 @@
-"""How a body from a file rests on the ground: whether it stands, and how it comes to rest otherwise.
+"""The stability of a body from a file on the ground: whether it stands, and otherwise how it comes to rest.
 
 Its base is the convex hull of all its points within `CONTACT` of the lowest one. Boxes and meshes are sampled at their
 corners, cylinders and balls all around, balls also just above their lowest point.
@@ -27,6 +27,10 @@ CONTACT = 0.002
 STABLE_DEPTH = 0.0025
 """The smallest distance of the centre of mass from the edge of the base, in metres: a little more than `CONTACT`."""
 
+GRAZING, ROLLS = 0.0002, 0.0003
+"""The height in metres up to which the lowest points of a body bear it, and how far beside them its centre of mass is
+when it rolls, as a lemon does until it lies on its belly: points of files are rounded."""
+
 TOUCHING = 1e-7
 """The height in metres up to which a point is on the ground, apart from rounding errors."""
 
@@ -47,9 +51,9 @@ def surface_points(solids: Sequence[Solid]) -> Floats:
     return np.concatenate([points @ np.array(rotation(solid.turn)).T + solid.at for points, solid in own])
 
 
-def base_of(points: Floats) -> Outline:
-    """Return the convex outline, seen from above, of the lowest of points (n, 3)."""
-    near = points[points[:, 2] <= points[:, 2].min() + CONTACT]
+def base_of(points: Floats, height: float = CONTACT) -> Outline:
+    """Return the convex outline, seen from above, of points (n, 3) up to a height in metres over the lowest one."""
+    near = points[points[:, 2] <= points[:, 2].min() + height]
     return hull([(x, y) for x, y, _ in near.tolist()])
 
 
@@ -61,9 +65,24 @@ def crown_of(points: Floats) -> Outline:
 def falls(points: Floats, centre: Floats) -> bool:
     """Return whether a body, given by points (n, 3) of its surface, falls over as it stands.
 
-    It does if its `centre` of mass (3,) is outside its base or at its edge. A round base counts as if it were flat.
+    It does if its `centre` of mass (3,) is outside its base or at its edge, or if it rolls: that is farther than
+    `ROLLS` outside of its lowest points alone. A round base of a primitive counts as if it were flat.
     """
-    return inside_by(base_of(points), (float(centre[0]), float(centre[1]))) < STABLE_DEPTH
+    at = (float(centre[0]), float(centre[1]))
+    return inside_by(base_of(points), at) < STABLE_DEPTH or _beside(base_of(points, GRAZING), at) > ROLLS
+
+
+def _beside(base: Outline, at: Point) -> float:
+    """Return how far a point is outside of a convex outline in metres, which may be a line or a point; 0 within it."""
+    if len(base) > 2 and inside_by(base, at) >= 0.0:
+        return 0.0
+    distances = []
+    for (ax, ay), (bx, by) in zip(base, base[1:] + base[:1], strict=True):
+        square = (bx - ax) ** 2 + (by - ay) ** 2
+        along = ((at[0] - ax) * (bx - ax) + (at[1] - ay) * (by - ay)) / square if square > 0.0 else 0.0
+        share = min(1.0, max(0.0, along))
+        distances.append(math.dist(at, (ax + share * (bx - ax), ay + share * (by - ay))))
+    return min(distances)
 
 
 def settle(points: Floats, centre: Floats) -> Floats | None:
@@ -85,7 +104,7 @@ def settle(points: Floats, centre: Floats) -> Floats | None:
         (px, py), (dx, dy) = _pivot(base, (float(x), float(y)))
         ahead = (turned[:, 0] - px) * dx + (turned[:, 1] - py) * dy
         angles = np.arctan2(turned[:, 2] - lowest, ahead)
-        # What is on the ground ahead of the pivot is on the pivot, but for rounding errors.
+        # What is on the ground ahead of the pivot is on the pivot, except for rounding errors.
         angle = float(angles[~on_ground].min(initial=np.pi))
         rows = _tipping((dx, dy), angle) @ rows
     return None

@@ -43,7 +43,7 @@ MOST_SOLIDS = 1000
 
 
 PROLOGUE = re.compile(rb"((?:\xef\xbb\xbf|\s|<!--.*?-->)+)(<\?xml\s.*?\?>)", re.DOTALL)
-"""What some files have before the XML declaration, although XML allows nothing there."""
+"""The characters that some files have before the XML declaration, although XML allows nothing there."""
 
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 """The attributes of ``<inertia>``: the upper triangle of the matrix, by rows."""
@@ -95,7 +95,7 @@ def read_urdf(path: Path, folder: Path) -> Shape:
 def _looks(
     root: ElementTree.Element, frames: Mapping[ElementTree.Element, Frame | None], path: Path, folder: Path
 ) -> list[Look]:
-    """Return what is seen of the links; nothing if a part of it cannot be read, because half a body would deceive."""
+    """Return the visual parts of the links; nothing if one cannot be read, because half a body would be misleading."""
     named = {material.get("name", ""): material for material in root.iter("material") if len(material)}
     looks = []
     try:

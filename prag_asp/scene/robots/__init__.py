@@ -21,7 +21,7 @@ def robot_of(scene: Scene, name: str) -> Robot:
     """Return a robot of a scene by the name of its entity.
 
     Raises:
-        SceneError: there is none of that name.
+        SceneError: the scene has no robot of that name.
     """
     mount = scene.robots.get(name)
     if mount is None:

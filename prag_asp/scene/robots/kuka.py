@@ -27,7 +27,7 @@ SHOULDER, UPPER, FOREARM, WRIST = 0.36, 0.42, 0.40, 0.081
 """Metres: the shoulder above the base, the elbow from it, the wrist from that, the flange link from that."""
 
 FACE = 0.045
-"""How far the face of the flange is ahead of the frame of its link, in metres."""
+"""The distance from the frame of the flange link to the face of the flange, in metres."""
 
 PALM = (0.07, 0.14, 0.06)
 TOOL_OFFSET = FACE + PALM[2] + 0.045
@@ -112,7 +112,7 @@ def _direction(y: Floats, x: Floats, otherwise: float) -> Floats:
 
 
 def _frame(along: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return a direction, the most upright one square to it, and the one square to both."""
+    """Return a direction, the most upright one perpendicular to it, and the one perpendicular to both."""
     reference = np.array((0.0, 0.0, 1.0)) if abs(along[2]) < 1.0 - TINY else np.array((1.0, 0.0, 0.0))
     up = reference - (reference @ along) * along
     up /= np.linalg.norm(up)
@@ -172,7 +172,7 @@ KUKA = Robot(
     reach_height=0.35,
     payload=14.0,
     grip_force=12.0,
-    # Links that can meet; of the others the joint limits keep the real ones apart, if not the convex hulls of 4 and 6.
+    # Links that can meet; joint limits keep the other links apart, although not the convex hulls of 4 and 6.
     self_pairs=tuple((low, high) for low in (-1, 0) for high in (4, 5, 6, 7, 8, 9)),
     finger_names=(("left_finger", 1.0), ("right_finger", -1.0)),
     finger_boxes=FINGER_BOXES,

@@ -1,6 +1,6 @@
 """The description of a robot for the rest of physics: an arm of seven joints with a parallel gripper.
 
-The tool is the point between the finger tips, its z axis the direction in which the fingers point, its y axis
+The tool is the point between the fingertips, its z axis the direction in which the fingers point, its y axis
 the one along which they open.
 """
 
@@ -26,7 +26,7 @@ FINGER_BOXES = (
     Solid("box", (0.0176, 0.0142, 0.0176), (0.0, 0.0071, 0.045)),
     Solid("box", (0.0208, 0.0166, 0.036), (0.0, 0.0172, 0.018)),
 )
-"""The left finger of the Panda's hand, in metres: the pad, then the shank, which stands back. The KUKA has the same."""
+"""The left finger of the Panda's hand, in metres: the pad, then the shank, which is set back. The KUKA has the same."""
 
 
 class KinematicsSolver(Protocol):
@@ -57,8 +57,8 @@ class KinematicsSolver(Protocol):
 class Hand(NamedTuple):
     """A custom gripper for arms without one: a box as the palm, and sliding fingers.
 
-    `parent` is the link of the arm that carries it, `at` how far ahead of that link's frame it begins and
-    `turn` how far it is turned about the axis of that, `palm` the sizes of the palm; metres and radians.
+    `parent` is the link of the arm that carries it, `at` the distance in metres from that link's frame to the hand,
+    `turn` the rotation about that link's axis in radians, and `palm` the dimensions of the palm in metres.
     """
 
     parent: str
@@ -71,16 +71,16 @@ class Hand(NamedTuple):
 class Robot:
     """An arm of seven joints with a parallel gripper; metres and radians.
 
-    `footprint` is what the base covers of the table, by pieces that lie wholly within it, in the robot's frame.
-    `torques` are the largest of the joints in newton metres; `speeds` and `accelerations` how fast each joint may turn
-    and gather speed, in radians a second and a second squared. `home` is where the arm waits, `posture` what the
-    inverse kinematics likes best. `tool_offset` is how far the tool is in front of the flange, `tool_turn` how far it
-    is turned about the flange's axis. `finger_depth` is how deep an object reaches between the fingers before it meets
-    the palm, `fingertip` how far the tips extend past the tool. An object is within `reach`, a ring around the base
-    seen from above, where the gripper gets to it and above it from straight above however it is turned, up to
-    `reach_height`. `payload` is what the arm may carry, in kilograms, `grip_force` what each finger presses with, in
-    newtons. `finger_names` are the links of the fingers, each with the side on which it is; `finger_boxes` make up the
-    left one, in its frame. `hand` is set where the gripper is a custom one. `base` is where the robot stands.
+    `footprint` is the area of the table under the base, by pieces that lie wholly within it, in the robot's frame.
+    `torques`, `speeds` and `accelerations` are the limits of the joints, in N m, rad/s and rad/s². `home` is the joint
+    configuration of an idle arm; the inverse kinematics prefers configurations near `posture`. `tool_offset` is the
+    distance from the flange to the tool, `tool_turn` the rotation of the tool about the flange's axis. `finger_depth`
+    is the distance from the palm to the tool, `fingertip` the distance from the tool to the fingertips. `reach` is the
+    inner and outer radius of the ring around the base, seen from above, in which the gripper can be at an object and
+    above it, pointing straight down, at any yaw, up to `reach_height`. `payload` is the maximum mass that the arm may
+    carry, in kilograms, `grip_force` the force of each finger, in newtons. `finger_names` are the links of the fingers,
+    each with its side; `finger_boxes` make up the left one, in its frame. `hand` is set if the gripper is a custom one.
+    `base` is the pose of the robot.
     """
 
     urdf: str

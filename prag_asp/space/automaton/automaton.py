@@ -252,7 +252,7 @@ class Ranking:
         return tuple(word)
 
     def rank(self, word: Sequence[int]) -> int | None:
-        """Return the rank of a word, or None where it is no word of this length."""
+        """Return the rank of a word, or None where it is not a word of this length."""
         rank, state = 0, 0
         if len(word) != self._length or not accepts(self._completions.automaton, word):
             return None

@@ -197,7 +197,7 @@ class LayeredWords:
         return self.walk(owner_of(rank))[0]
 
     def rank(self, word: Sequence[int]) -> int | None:
-        """Return the rank of a word if all weights are 1, or None if it is no word."""
+        """Return the rank of a word if all weights are 1, or None if it is not a word."""
         if not self.total or len(word) != self._length:
             return None
         rank, state = 0, self._layers.start

@@ -202,7 +202,7 @@ class MergedRanking:
         return self.walk(owner_of(rank))[0]
 
     def rank(self, word: Sequence[int]) -> int | None:
-        """Return the rank of a word in an automaton without weights, or None if it is no word."""
+        """Return the rank of a word in an automaton without weights, or None if it is not a word."""
         if len(word) != self._length or not accepts_merged(self._merged, word):
             return None
         rank, place = 0, self._merged.start

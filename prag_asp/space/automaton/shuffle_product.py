@@ -1,6 +1,6 @@
 """Shuffles of the words of several automata: in order, by rank and as samples, without their product automaton.
 
-A state of the whole is a state of each part. Its completions are the shuffles of completions of the parts: for n
+A state of the product is a state of each part. Its completions are the shuffles of completions of the parts: for n
 letters, their number is the sum, over all compositions of n into one length per part, of the multinomial coefficient
 times the product of the parts' numbers (Stanley, Enumerative Combinatorics 2, 5.1). So memory grows with the sum of the
 parts' states, not with their product.
@@ -46,8 +46,8 @@ class PartEdge:
 class ShuffledWords:
     """The shuffles of one length of one word of each part; `total` is the sum of their weights.
 
-    `letters` maps the letters of each part to numbers in the whole; parts share no letters. Without weights, words have
-    the order and the ranks of the automaton of the whole.
+    `letters` maps the letters of each part to their numbers in the product automaton; parts share no letters. Without
+    weights, words have the order and the ranks of the product automaton.
     """
 
     def __init__(self, parts: Sequence[Completions], letters: Sequence[Sequence[int]], length: int) -> None:
@@ -63,7 +63,7 @@ class ShuffledWords:
         self.total = self._completions(self._start, length) if inhabited else 0
 
     def weighing(self, weights: Sequence[int]) -> ShuffledWords:
-        """Return the same words with `weights` of the letters of the whole."""
+        """Return the same words with `weights` of the letters of the product automaton."""
         parts = []
         for part, letters in zip(self._parts, self._letters, strict=True):
             by_letter = np.array([weights[letter] for letter in letters], dtype=object)
@@ -103,7 +103,7 @@ class ShuffledWords:
         return self.walk(owner_of(rank))[0]
 
     def rank(self, word: Sequence[int]) -> int | None:
-        """Return the rank of a word if all weights are 1, or None if it is no word."""
+        """Return the rank of a word if all weights are 1, or None if it is not a word."""
         if not self.total or len(word) != self._length:
             return None
         rank, state = 0, self._start
@@ -167,7 +167,7 @@ class ShuffledWords:
 
 
 def _beside_each(ways: Sequence[Ways], left: int) -> dict[Ways, list[int]]:
-    """Return the factor of each part in the completions of the whole, by the length of the word of this part.
+    """Return the factor of each part in the completions of the product, by the length of the word of this part.
 
     The factor is the weight of the shuffles of one word of each other part, times the number of ways to shuffle them
     with the word of the part to `left` letters. Parts with equal completions have equal factors.

@@ -30,7 +30,7 @@ class Clause(Protocol):
         """Yield the request terms for the encoding; `number` identifies this clause.
 
         Raises:
-            QueryError: it names something that the domain does not have.
+            QueryError: the clause names something that the domain does not have.
         """
         ...
 

@@ -27,7 +27,7 @@ class Condition:
         """Return the condition of some texts, each with one clause per line.
 
         Raises:
-            QueryError: a line is no clause.
+            QueryError: a line is not a clause.
         """
         from prag_asp.space.conditions.keywords import parse_clause
 

@@ -61,8 +61,8 @@ def conditioned(domain: Domain, condition: Condition) -> Domain:
 def _last_state(ends: Sequence[Ends], facts: Facts) -> tuple[Assignment, Sequence[Conjunction] | None]:
     """Return the requirements on the final state: a goal, and conjunctions of which one must hold as well, if any.
 
-    All disjunctive clauses are combined, because one state has to satisfy them all. What all conjunctions share is
-    part of the goal.
+    All disjunctive clauses are combined, because one state has to satisfy them all. Literals that all conjunctions
+    share are part of the goal.
     """
     cases = [(clause, clause.conjunctions(facts)) for clause in ends]
     goal = [value for _, conjunctions in cases if len(conjunctions) == 1 for value in _assigned(conjunctions[0], facts)]

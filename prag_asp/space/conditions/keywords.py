@@ -38,7 +38,7 @@ def parse_clause(text: str) -> Clause:
     """Return the clause of a text such as ``has at least 2 grasp`` or ``ends holding(panda,apple_1)``.
 
     Raises:
-        QueryError: the text is no condition.
+        QueryError: the text is not a condition.
     """
     words = " ".join(text.split())
     keyword, _, rest = words.partition(" ")

@@ -26,7 +26,7 @@ def simplest(clause: Clause, facts: Facts) -> Clause | None:
     """Return the simplest equivalent clause, or None if every plan satisfies it.
 
     Raises:
-        QueryError: it names something that the domain does not have.
+        QueryError: the clause names something that the domain does not have.
     """
     if isinstance(clause, Uses):
         members = len(list(class_members(clause.kind, facts)))

@@ -28,7 +28,7 @@ class Pattern:
         """Return the pattern of a text such as ``grasp`` or ``grasp(_,apple_1)``.
 
         Raises:
-            QueryError: the text is no term.
+            QueryError: the text is not a term.
         """
         atom = parse_atom(text)
         return cls(atom.name, atom.arguments or None)

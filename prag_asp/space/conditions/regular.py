@@ -193,7 +193,7 @@ def parse_expression(text: str, names: Iterable[str]) -> Expression:
     """Parse an expression of names, ``.``, ``|``, ``*``, ``+``, ``?``, ``{m,n}`` and parentheses.
 
     Raises:
-        QueryError: the text is no expression, or has an unknown name.
+        QueryError: the text is not an expression, or has an unknown name.
     """
     return _ExpressionParser(text, frozenset(names)).whole()
 

@@ -22,7 +22,7 @@ def parse_formula(text: str, fluents: Iterable[str]) -> tuple[Conjunction, ...]:
     A comma is an ``and`` that binds weakest. Contradictory conjunctions are dropped.
 
     Raises:
-        QueryError: it is no formula, or has an unknown fluent.
+        QueryError: the text is not a formula, or has an unknown fluent.
     """
     with not_too_deep(text):
         return tuple(dict(literals) for literals in _FormulaParser(text, frozenset(fluents)).whole())
@@ -32,7 +32,7 @@ def parse_conjunction(text: str, fluents: Iterable[str]) -> Conjunction:
     """Return the literals of a formula without ``or``.
 
     Raises:
-        QueryError: it is no such formula, or contradicts itself.
+        QueryError: the text is not such a formula, or is contradictory.
     """
     conjunctions = parse_formula(text, fluents)
     if len(conjunctions) != 1:

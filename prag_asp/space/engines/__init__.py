@@ -16,7 +16,8 @@ CHOICE, OTHERWISE = (
     "prag_asp.space.engines.auto_engine.AutoEngine",
     "prag_asp.space.engines.auto_engine.searching_engine",
 )
-"""The class that ``auto`` tries first, and the function that returns clingo if a step is no function of the state."""
+"""The class that ``auto`` tries first, and the function that returns clingo if a step is not a function of the
+state."""
 
 
 def select(
@@ -25,7 +26,7 @@ def select(
     """Return the engine of a name.
 
     ``auto`` is the automaton, diagrams if it would have too many states, and clingo with a parallel model counter if a
-    step is no function of the state.
+    step is not a function of the state.
 
     Raises:
         QueryError: there is no such engine.

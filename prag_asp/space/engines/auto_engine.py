@@ -1,7 +1,7 @@
 """The choice of an engine: states are listed if they fit into memory, otherwise represented by diagrams.
 
-A forecast from the number of new states of each step decides. If a step is no function of the state, clingo
-enumerates; if that takes long, a model counter runs in parallel, and the first to finish answers.
+A forecast from the number of new states of each step decides. If a step is not a function of the state, clingo
+enumerates; if that takes a long time, a model counter runs in parallel, and the first to finish answers.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from prag_asp.processes.machine import usual_memory
 from prag_asp.processes.progress_events import Note
 from prag_asp.space.automaton.bounded_count import count_within
 from prag_asp.space.automaton.exploration import Extent
+from prag_asp.space.automaton.outlook import forecast_states
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.engines.engine import Engine, Letters, Level, Progress
-from prag_asp.space.engines.outlook import forecast_states
 from prag_asp.space.engines.reachability import Reach, TooManyStates
 from prag_asp.space.limits import UNLIMITED, Limits, limit_error
 from prag_asp.space.weights.weights import Weighed, Weights
@@ -126,7 +126,7 @@ class AutoEngine:
         return self._answer(length, lambda engine: engine.unrank(length, rank))
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None if it is no word."""
+        """Return the rank of a word among those of its length, or None if it is not a word."""
         return self._answer(len(word), lambda engine: engine.rank(word))
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:

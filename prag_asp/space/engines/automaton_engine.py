@@ -159,7 +159,7 @@ class AutomatonEngine:
         return self._spell(self._ranking(length).unrank(rank))
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None if it is no word."""
+        """Return the rank of a word among those of its length, or None if it is not a word."""
         if not all(letter in self._numbers for letter in word):
             return None
         return self._ranking(len(word)).rank([self._numbers[letter] for letter in word])

@@ -109,7 +109,7 @@ class ClingoEngine:
         return next(islice(self.words(length), rank, None))
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None if it is no word."""
+        """Return the rank of a word among those of its length, or None if it is not a word."""
         return next((rank for rank, other in enumerate(self.words(len(word))) if other == word), None)
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:

@@ -55,7 +55,7 @@ class Engine(Protocol):
         ...
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None if it is no word."""
+        """Return the rank of a word among those of its length, or None if it is not a word."""
         ...
 
     @property

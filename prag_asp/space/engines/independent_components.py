@@ -1,9 +1,9 @@
 """Domains that consist of independent parts: each part is explored separately, then their words are shuffled.
 
-A plan of the whole is a shuffle of one plan of each part. So the number of plans of length n is the sum, over all
-compositions of n into one length per part, of the multinomial coefficient times the product of the parts' counts (the
-product formula of exponential generating functions; Stanley, Enumerative Combinatorics 2, 5.1). This requires that the
-state of a part does not change while another part acts, which is tested on every state.
+A plan of the whole domain is a shuffle of one plan of each part. So the number of plans of length n is the sum, over
+all compositions of n into one length per part, of the multinomial coefficient times the product of the parts' counts
+(the product formula of exponential generating functions; Stanley, Enumerative Combinatorics 2, 5.1). This requires
+that the state of a part does not change while another part acts, which is tested on every state.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ FEW_STATES = 4096
 """Number of states up to which a domain with parts is counted as a whole, because the result serves more queries."""
 
 MANY_EDGES = 5_000_000
-"""Number of edges above which words are searched part by part; below it, exploring the whole is fast."""
+"""Number of edges above which words are searched part by part; below it, exploring the whole domain is fast."""
 
 LARGE_PART = 5_000_000
 """Number of edges of a part above which searching part by part gains nothing."""
@@ -46,8 +46,8 @@ class PartCount:
 class IndependentParts:
     """The independent parts of one level of a domain, and queries that they answer.
 
-    `explorer` explores the whole, and `transition` returns its step function. Parts are searched only once the whole
-    is large.
+    `explorer` explores the whole domain, and `transition` returns its step function. Parts are searched only once the
+    whole domain is large.
     """
 
     def __init__(self, explorer: Explorer, transition: Callable[[], Transition], tell: Callable[[str], None]) -> None:
@@ -75,11 +75,11 @@ class IndependentParts:
         return self.counts and not self._large
 
     def falls_apart(self, extent: Extent) -> bool:
-        """Return whether the whole has enough states to count by parts, and has parts."""
+        """Return whether the whole domain has enough states to count by parts, and has parts."""
         return extent.states > FEW_STATES and self.counts
 
     def spreads(self, extent: Extent) -> bool:
-        """Return whether the whole has enough edges to search words by parts, and has parts."""
+        """Return whether the whole domain has enough edges to search words by parts, and has parts."""
         return extent.edges > MANY_EDGES and self.finds
 
     def count(self, length: int, clock: LimitClock) -> PartCount | None:
@@ -104,7 +104,7 @@ class IndependentParts:
         return self._reached is not None and self._reached[0] >= length
 
     def words(self, length: int, numbers: Mapping[str, int], clock: LimitClock) -> ShuffledWords | None:
-        """Return the words of a length as shuffles of those of the parts; `numbers` maps letters to the whole.
+        """Return the words of a length as shuffles of those of the parts; `numbers` has all letters of the domain.
 
         The result is None if the parts turn out not to be independent, or one of them is large itself.
 

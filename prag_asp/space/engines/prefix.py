@@ -81,7 +81,7 @@ def parse_plan(items: Sequence[str | Atom], facts: Facts) -> tuple[clingo.Symbol
     """Return the actions of a plan; an item without arguments is the action that is spelled so.
 
     Raises:
-        QueryError: an item is no action of the domain, or only the name of several.
+        QueryError: an item is not an action of the domain, or only the name of several.
     """
     actions = {str(action): action for action in facts.actions}
     names = set(map(action_name, facts.actions))

@@ -20,8 +20,8 @@ from prag_asp.processes.progress_events import stage
 from prag_asp.program.entity_names import action_name, mentioned_entities
 from prag_asp.space.automaton.automaton import Automaton, Completions, Word, accepts, count_words, words
 from prag_asp.space.automaton.exploration import Exploration, Extent, Watch, explore
+from prag_asp.space.automaton.outlook import Outlook
 from prag_asp.space.automaton.skeletons import skeleton_automaton
-from prag_asp.space.engines.outlook import Outlook
 from prag_asp.space.limits import LimitClock
 from prag_asp.space.weights.weights import Weights, weigh, weighing_facts
 from prag_asp.stop_reason import StopKind, StopReason
@@ -62,8 +62,8 @@ class Reach:
     """The known words of a level.
 
     `letters` are the texts of the letters and `names` the names of their actions. `merged` walks along words if states
-    were merged. `stop` is why exploration ended early, or None if it is complete up to the automaton's horizon. With
-    `sets`, the automaton's states are sets of states of the domain.
+    were merged. `stop` is the reason why exploration ended early, or None if it is complete up to the automaton's
+    horizon. With `sets`, the automaton's states are sets of states of the domain.
     """
 
     letters: tuple[str, ...]

@@ -76,7 +76,7 @@ class SatEngine:
         return next(islice(self.words(length), rank, None))
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None if it is no word."""
+        """Return the rank of a word among those of its length, or None if it is not a word."""
         if not self.contains(word):
             return None
         return next(rank for rank, other in enumerate(self.words(len(word))) if other == word)

@@ -64,7 +64,7 @@ class SharpEngine:
         return self._sat.contains(word)
 
     def unrank(self, length: int, rank: int) -> Letters:
-        """Return the word of a rank from 0 to count - 1, by one count for each possible letter of each step."""
+        """Return the word of a rank from 0 to count - 1, with one model count per step and possible letter."""
         word: Letters = ()
         while len(word) < length:
             for letter in self._sat.formula(length).letters:
@@ -79,7 +79,7 @@ class SharpEngine:
         return word
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None if it is no word."""
+        """Return the rank of a word among those of its length, or None if it is not a word."""
         length = len(word)
         if not self.contains(word):
             return None

@@ -156,7 +156,7 @@ class RankedTasks:
         """Return the place of a task.
 
         Raises:
-            QueryError: it is not one of these tasks.
+            QueryError: the task is not one of these.
         """
         place = self.ranks.place(self.space.index(task))
         if place is None:

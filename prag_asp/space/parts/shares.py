@@ -18,7 +18,7 @@ def parse_shares(shares: Mapping[str, Number | float]) -> dict[str, Fraction]:
     """Return shares as fractions; a float is read by its decimal digits, so 0.8 is 4/5.
 
     Raises:
-        QueryError: they are not numbers above 0 that add up to 1.
+        QueryError: the shares are not numbers above 0 that add up to 1.
     """
     fractions = {name: parse_number(f"share of {name!r}", str(share)) for name, share in shares.items()}
     if any(share <= 0 for share in fractions.values()) or sum(fractions.values()) != 1:
@@ -36,7 +36,7 @@ def held_out(what: str, facts: Facts, groups: Sequence[Sequence[clingo.Symbol]])
     """Return the conditions for tasks without and with `what`: an entity, a class, an action, a name or a pair.
 
     Raises:
-        QueryError: it is an entity that is interchangeable with one in the tasks without it, or it is ambiguous.
+        QueryError: `what` is ambiguous, or an entity that is interchangeable with one in the tasks without it.
     """
     refuse_ambiguous(what.strip(), facts)
     actions = {str(action): action for action in facts.actions}

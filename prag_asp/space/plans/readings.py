@@ -78,8 +78,8 @@ def hierarchy_of(facts: Facts) -> Hierarchy:
 class Readings:
     """The readings of one plan, enumerated lazily, and their exact number.
 
-    They are in lexicographic order of their units; units with the same start are ordered by their number of actions,
-    then the free action before the composites, and these in clingo's order of terms.
+    They are in lexicographic order of their units. Units that begin at the same action are ordered by their number of
+    actions; among those of equal length, a free action precedes the composites, which are in clingo's order of terms.
     """
 
     actions: tuple[Atom, ...]

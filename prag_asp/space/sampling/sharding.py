@@ -16,7 +16,7 @@ class Deal:
     """Shard `number` (from 1) `of` a number of shards; its draws are renumbered from 0.
 
     Raises:
-        QueryError: there is no such number.
+        QueryError: there is no shard of that number.
     """
 
     number: int = 1

@@ -1,1 +1,1 @@
-"""What makes a task more probable than others."""
+"""The weights of tasks for sampling."""

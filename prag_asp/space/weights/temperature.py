@@ -32,7 +32,7 @@ Temperature = Number
 
 
 def tempered(weights: Weights, temperature: Temperature) -> Weights:
-    """Return the weights at a temperature T: each weight w, of an entity with its classes, becomes about w^(1/T).
+    """Return the weights at a temperature T: each weight w (an entity's with its classes) becomes about w^(1/T).
 
     T = 1 keeps the weights, T below 1 sharpens them, and T = ``inf`` makes all positive weights equal; 0 stays 0.
     Powers with whole exponents are exact if they have at most about 12,000 digits. Other powers above 1 are rounded to
@@ -40,7 +40,7 @@ def tempered(weights: Weights, temperature: Temperature) -> Weights:
     Decimal arithmetic makes the result the same on every machine, and all later computations are exact.
 
     Raises:
-        QueryError: the temperature is no number above 0, or too low.
+        QueryError: the temperature is not a number above 0, or too low.
     """
     exponent = Fraction(0)
     if temperature != INFINITE:

@@ -127,7 +127,7 @@ def parse_weight(key: str, number: Number) -> Fraction:
     """Return a weight as a fraction, read from decimal digits or from p/q.
 
     Raises:
-        QueryError: it is not a number of at least 0.
+        QueryError: the number is not a number of at least 0.
     """
     weight = parse_number(f"weight of {key!r}", number)
     if weight < 0:
@@ -139,7 +139,7 @@ def parse_number(what: str, number: Number) -> Fraction:
     """Return an exact number as a fraction, read from decimal digits or from p/q; `what` names it in errors.
 
     Raises:
-        QueryError: it is no exact number.
+        QueryError: the value is not an exact number.
     """
     try:
         if isinstance(number, (float, bool)):
@@ -252,7 +252,7 @@ class Weighed:
         return self.completions.automaton
 
     def total(self, length: int) -> int:
-        """Return the sum of the weights of all words of a length, in units."""
+        """Return the sum of the weights of all words of a length, as a multiple of `unit`."""
         if self.ranking is not None:
             return self.ranking.total
         return int(self.completions.row(length)[0]) if self.automaton.states else 0

@@ -15,7 +15,7 @@ from prag_asp.grammar.reader import GrammarReader
 from tests.chance import Chance
 from tests.dataset.language.twins import shipped, space_of, task_of, twins, writer
 
-SPOKEN = [*((name, "en") for name in shipped_domains()), ("prag", "de"), ("tabletop", "de")]
+SPOKEN = [*((name, "en") for name in shipped_domains()), *((name, "de") for name in ("prag", "tabletop", "household"))]
 
 
 def tasks_of(name: str, number: int, seed: int) -> list[Task]:
@@ -125,7 +125,7 @@ def test_any_domain_has_english_sentences_by_the_names_that_it_has() -> None:
     space = TaskSpace(domain, 3)
     task = space[space.index(["switch_on(attic)", "wire(attic,hall)", "wait"])]
     words = writer.instructions(task)
-    assert words.subgoals == ("Switch on lamp attic.", "Wire.", "Wait.")
+    assert words.subgoals == ("Switch on lamp attic.", "Wire lamp attic.", "Wait.")
     assert "that wired holds of lamp attic and lamp hall" in words.vague and words.named == ("attic", "hall")
 
 
@@ -154,6 +154,24 @@ def test_what_is_moved_is_named_even_if_it_is_the_only_one_of_its_kind() -> None
     plain = GrammarReader(domain.settings, domain.facts, "en").plain()
     said = {name: each.fill([f"<{slot.argument}>" for slot in each.slots]) for (name, _), each in plain.items()}
     assert said == {"pick": "pick <1> from <2>", "put": "put <1> to <2>"}
+    writer = instruction_writer_of(domain)
+    for task in TaskSpace(domain, 2):
+        assert_read_back(writer, task, writer.instructions(task))
+
+
+def test_a_robot_that_moves_itself_goes_from_a_place_to_another() -> None:
+    text = """
+    class((room; robot)). entity((hall; kitchen), room). entity(rob, robot). entity(lamp, room).
+    fluent((at(R,X); lit(X))) :- is_a(R,robot), is_a(X,room).
+    action(go(R,X,Y)) :- fluent(at(R,X)), fluent(at(R,Y)), X != Y.
+    precondition(go(R,X,Y), at(R,X), true) :- action(go(R,X,Y)).
+    postcondition(go(R,X,Y), at(R,X), false; go(R,X,Y), at(R,Y), true) :- action(go(R,X,Y)).
+    action(light(rob,lamp)). postcondition(light(rob,lamp), lit(lamp), true).
+    """
+    domain = load_domain(text=text)
+    plain = GrammarReader(domain.settings, domain.facts, "en").plain()
+    said = {name: each.fill([f"<{slot.argument}>" for slot in each.slots]) for (name, _), each in plain.items()}
+    assert said == {"go": "go from <1> to <2>", "light": "light <1>"}
     writer = instruction_writer_of(domain)
     for task in TaskSpace(domain, 2):
         assert_read_back(writer, task, writer.instructions(task))

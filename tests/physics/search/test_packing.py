@@ -156,3 +156,16 @@ def test_a_corner_orders_places_row_by_row(x: int, y: int, along_x: bool) -> Non
     points = np.array([(a, b) for a in (0.0, 0.1, 0.2) for b in (0.0, 0.1 + 1e-9, 0.1)])
     ordered = Corner(x, y, along_x).order(points).round(6).tolist()
     assert ordered == sorted(ordered, key=lambda at: (y * at[1], x * at[0]) if along_x else (x * at[0], y * at[1]))
+
+
+@pytest.mark.parametrize("yaw", [0, 10])
+def test_four_bricks_fill_a_crate_up_to_a_millimetre(chance: Chance, yaw: int) -> None:
+    names = [f"c{i}" for i in range(4)]
+    brick = {"kind": "box", "size": [0.1, 0.05, 0.04]}
+    crate = {"kind": "container", "size": [0.213, 0.113, 0.05], "wall": 0.006}
+    scene = scene_of({**dict.fromkeys(names, brick), "crate": crate}, fixed={"crate": [0.5, 0.1, yaw]})
+    begun(looking(scene, *(f"inside({name},crate)" for name in names)), scene, chance.seed(8))
+    small = {**crate, "size": [0.2105, 0.113, 0.05]}
+    scene = scene_of({**dict.fromkeys(names, brick), "crate": small}, fixed={"crate": [0.5, 0.1, yaw]})
+    request = looking(scene, *(f"inside({name},crate)" for name in names))
+    assert validate_task(request, scene, seed=chance.seed(9), budget=BUDGET).status == "not_found"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -9,6 +10,7 @@ import pytest
 
 from prag_asp.physics import Budget, check_witness, open_validator
 from prag_asp.physics.search.attempt import ARM_COLLIDES, OBJECTS_COLLIDE, PhysicsFault
+from prag_asp.physics.search.failures import FailureLog
 from prag_asp.physics.symbolic_facts import physical_task
 from prag_asp.physics.verdict import Verdict
 from prag_asp.physics.witness_search import actions_to_blame
@@ -18,6 +20,7 @@ from prag_asp.task import Task
 from tests.physics.scenarios import state, task
 
 SLOT = {"kind": "container", "size": [0.066, 0.178, 0.05], "wall": 0.004}
+CUBE = {"kind": "box", "size": [0.05, 0.05, 0.05]}
 TROUGH = {"kind": "container", "size": [0.072, 0.152, 0.03], "wall": 0.006}
 
 
@@ -81,8 +84,7 @@ def test_the_place_of_one_thing_is_given_up_where_it_leaves_no_room_for_the_next
 
 
 def test_to_blame_are_the_grasp_of_what_is_put_and_what_put_a_body_that_is_in_the_way() -> None:
-    cube = {"kind": "box", "size": [0.05, 0.05, 0.05]}
-    scene = scene_of({"one": cube, "two": cube, "six": cube, "trough": TROUGH})
+    scene = scene_of({"one": CUBE, "two": CUBE, "six": CUBE, "trough": TROUGH})
     steps = [step for name in ("one", "two", "six") for step in (picked(name), put(name, "trough"))]
     physical = physical_task(task(state(*(f"on_top({name},table)" for name in ("one", "two", "six"))), *steps), scene)
     assert actions_to_blame(physical, 5, [PhysicsFault(ARM_COLLIDES, ("itself",))]) == {4}
@@ -90,3 +92,27 @@ def test_to_blame_are_the_grasp_of_what_is_put_and_what_put_a_body_that_is_in_th
     assert actions_to_blame(physical, 5, [PhysicsFault(OBJECTS_COLLIDE, ("six",))]) == {1, 3, 4}, "no room"
     assert actions_to_blame(physical, 2, [PhysicsFault(ARM_COLLIDES, ("one",))]) == {1}
     assert actions_to_blame(physical, 0, [PhysicsFault(ARM_COLLIDES, ("two",))]) == set()
+
+
+def test_what_came_nearest_to_working_says_by_how_much_it_was_missed() -> None:
+    # The gripper opens 80 mm and needs 6 mm to spare.
+    scene = scene_of({"brick": {"kind": "box", "size": [0.078, 0.078, 0.05]}})
+    verdict = verdict_on(task(state("on_top(brick,table)"), picked("brick")), scene, 1, Budget(1, 2))
+    expected = "at action 1 of 1, pick(panda,brick), no grasp fits the object (brick; missed by 4 mm)"
+    assert verdict.nearest == expected
+
+
+def test_of_attempts_that_came_as_far_the_one_that_missed_least_counts() -> None:
+    scene = scene_of({"one": CUBE, "two": CUBE})
+    facts = physical_task(task(state("left_of(one,two)", "rotated(one,straight)")), scene).initial
+    log = FailureLog()
+    for fact, missed in ((facts[0], 0.2), (facts[0], 0.012), (facts[0], 0.05)):
+        log.add(PhysicsFault("a relation of the state does not hold", (), fact), -1, missed)
+    assert log.nearest([]).endswith("(one is to the left of two; missed by 12 mm)")
+    log.add(PhysicsFault(OBJECTS_COLLIDE, ("one", "two")), 0)
+    log.add(PhysicsFault(OBJECTS_COLLIDE, ("one", "two")), 0, 0.0034)
+    log.add(PhysicsFault(OBJECTS_COLLIDE, ("one", "two")), -1, 0.0001)
+    assert log.nearest([]) == "after all 0 actions objects collide (one, two; missed by 3.4 mm)"
+    turned = FailureLog()
+    turned.add(PhysicsFault("a relation of the state does not hold", (), facts[1]), -1, math.radians(7.0))
+    assert turned.nearest([]).endswith("; missed by 7 degrees)")

@@ -126,3 +126,23 @@ def test_a_body_stands_on_its_foot_and_bears_others_on_its_crown():
         assert unsupported(Situation(scene, poses), list(poses)) == falls
     poses = {"lamp": Pose((0.5, 0.0, 0.1)), "edge": Pose((0.53, 0.0, 0.025))}  # its foot is beside the block
     assert unsupported(Situation(scene, poses), list(poses)) == "lamp"
+
+
+@pytest.mark.parametrize("of_file", [False, True])
+@pytest.mark.parametrize(
+    ("width", "balance", "margin"),
+    # A tenth of 60 and 80 mm, 10 mm of 160, 5 mm of 40 that are more than a tenth, and what the scene wants instead.
+    [(0.06, 0.01, 0.006), (0.08, 0.01, 0.008), (0.16, 0.01, 0.01), (0.04, 0.01, 0.005), (0.16, 0.02, 0.016),
+     (0.16, 0.002, 0.002), (0.16, 0.0, 0.0)],
+)  # fmt: skip
+def test_what_is_placed_keeps_a_margin_to_the_edge_of_its_support(of_file, width, balance, margin):
+    size = (width, width, 0.03)
+    outline = rectangle(0.0, 0.0, width / 2, width / 2, 0.0)
+    centre = (0.01, 0.0, 0.0) if of_file else (0.0, 0.0, 0.0)
+    model = BodyModel((Solid("box", size),), 0.3, centre, base=outline, crown=outline) if of_file else None
+    shapes = {"plate": Shape("urdf" if of_file else "box", size, model=model), "post": Shape("box", (0.2, 0.2, 0.08))}
+    scene = Scene(shapes=shapes, fixed={"post": (0.5, 0.0, 0.0)}, balance=balance)
+    for inside, falls in ((margin + 1e-4, None), (margin - 1e-4, "plate")):
+        poses = {"plate": Pose((0.6 - inside - centre[0], 0.0, 0.095)), "post": Pose((0.5, 0.0, 0.04))}
+        assert unsupported(Situation(scene, poses), list(poses), needs_margin=True) == falls
+        assert inside < 0.0 or unsupported(Situation(scene, poses), list(poses)) is None

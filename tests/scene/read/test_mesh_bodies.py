@@ -15,6 +15,7 @@ from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.read import mesh_body
 from prag_asp.scene.read.mesh import file_parts, mesh_parts
+from prag_asp.scene.read.stability import falls, settle
 from prag_asp.scene.scene import Scene, Shape
 from tests.physics.random_tasks import scene_with
 
@@ -106,6 +107,9 @@ def test_without_a_mass_it_is_that_of_the_volume_and_the_material(tmp_path):
     scene = scene_with("tabletop", shapes, folder=tmp_path, materials={"cube": {"density": 1000}})
     model = scene.shapes["cube_1"].model
     assert model.mass == pytest.approx(0.06 * 0.02 * 0.02 * 1000 + 0.04 * 0.02 * 0.02 * 1000)
+    own = scene_with("tabletop", {"cube": {**shapes["cube"], "density": 500}}, folder=tmp_path).shapes["cube_1"].model
+    assert own.mass == pytest.approx(model.mass / 2)
+    assert own.moments == pytest.approx([moment / 2 for moment in model.moments])
     # The foot has its middle at (30, 10), the wall at (10, 40): 3 to 2 by volume; the middle of the box is at 30.
     assert model.centre == pytest.approx((-0.008, 0.0, -0.008))
 
@@ -150,6 +154,8 @@ def test_without_the_extra_a_concave_mesh_is_refused_with_the_remedy(tmp_path, m
         ({"path": "b.stl", "up": "w"}, "cube.up: "),
         ({"path": "b.stl", "rotation": 90}, "cube.rotation: "),
         ({"path": "b.stl", "mass": 0}, "cube.mass: "),
+        ({"path": "b.stl", "density": 0}, "cube.density: "),
+        ({"path": "b.stl", "density": 500, "mass": 1}, "a mass or a density; leave one of them out"),
         ({"path": "b.stl", "rests": "leaning"}, "cube.rests: "),
         ({"path": "b.stl", "colour": "red"}, "cube.colour: "),
         ({"path": "b.fbx"}, "a mesh of unknown format; known are .obj, .stl, .ply"),
@@ -185,3 +191,15 @@ def test_a_mesh_that_is_too_costly_to_divide_is_refused_by_its_file(tmp_path, mo
         SceneError, match=r"costly\.stl: dividing the mesh into convex parts is too costly: .*simplify it"
     ):
         mesh_parts(str(tmp_path / "costly.stl"))
+
+
+def test_an_egg_that_is_laid_aslant_rolls_until_it_lies_on_its_belly() -> None:
+    angles, heights = np.linspace(0, 2 * np.pi, 24, endpoint=False), np.linspace(-1, 1, 25)
+    rings = [(h, c * np.cos(a), c * np.sin(a)) for h in heights for c in [math.sqrt(1 - h * h)] for a in angles]
+    tilt = math.radians(12)
+    rows = np.array([[math.cos(tilt), 0, math.sin(tilt)], [0, 1, 0], [-math.sin(tilt), 0, math.cos(tilt)]])
+    aslant = (np.array(rings) * (0.035, 0.02, 0.02)) @ rows.T
+    assert falls(aslant, np.zeros(3))
+    turned = settle(aslant, np.zeros(3))
+    assert turned is not None
+    assert abs((turned @ rows)[2, 0]) < math.sin(math.radians(4)) and not falls(aslant @ turned.T, np.zeros(3))

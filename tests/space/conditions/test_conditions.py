@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from dataclasses import replace
 
 import pytest
@@ -102,6 +103,14 @@ def test_where_no_step_is_left_the_plan_without_one_satisfies_all_conditions(eng
     space = TaskSpace(domain_of("class(c). entity(x,c). fluent(p). action(a)."), 0, engine=engine)
     assert space.where("not matches .* a").count() == 1
     assert space.where("not matches .* a", "matches a .*").count() == 0
+
+
+@pytest.mark.parametrize("words", ["a?", "a? b", "a{2}", "a{1,2} b", "a+ b?", "(a | b)? a{1,}", "(a b?)* b"])
+def test_repetitions_of_names_are_those_of_regular_expressions(words: str) -> None:
+    expression = re.compile(words.replace(" ", ""))
+    space = TaskSpace(domain_of("fluent(f). action(a; b)."), "0..4").where(f"matches {words}")
+    sequences = (sequence for length in range(5) for sequence in itertools.product("ab", repeat=length))
+    assert list(space.enumerate("skeleton")) == [each for each in sequences if expression.fullmatch("".join(each))]
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -1,1 +1,1 @@
-"""How bodies from files look: their visible surfaces with materials and textures."""
+"""The appearance of bodies from files: their visible surfaces with materials and textures."""

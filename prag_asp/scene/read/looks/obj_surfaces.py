@@ -37,7 +37,7 @@ def read_obj(content: bytes, path: Path, folder: Path) -> tuple[Surface, ...]:
     """Return the surfaces of an .obj, one for each material; libraries and textures have to be inside a folder.
 
     Raises:
-        ValueError: it is malformed.
+        ValueError: the file is malformed.
     """
     values: dict[str, list[list[float]]] = {"v": [], "vt": [], "vn": []}
     faces: dict[str, list[tuple[Corner, Corner, Corner]]] = {}

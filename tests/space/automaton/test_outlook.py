@@ -7,9 +7,9 @@ from itertools import combinations
 import pytest
 
 from prag_asp.processes.progress_events import Note
+from prag_asp.space.automaton import outlook
 from prag_asp.space.automaton.exploration import Extent
-from prag_asp.space.engines import outlook
-from prag_asp.space.engines.outlook import Outlook, forecast_states
+from prag_asp.space.automaton.outlook import Outlook, forecast_states
 from prag_asp.space.task_space import TaskSpace
 from tests.domains import domain_of
 
