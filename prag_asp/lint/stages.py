@@ -142,7 +142,7 @@ def _note_size(facts: Facts, statements: Sequence[Statement]) -> None:
         declaring = [each for each in statements if any(atom.signature == (predicate, 1) for atom in each.heads)]
         if len(terms) > MANY and declaring:
             rule = max(declaring, key=lambda each: each.own)
-            more = f"has {len(terms):,} {predicate}s; the preparation of {MANY:,} actions takes about a minute and 1.3 GB"
+            more = f"has {len(terms):,} {predicate}s; the preparation of {MANY:,} actions takes a minute and 1.3 GB"
             note(f"note: {rule.path}:{rule.line}: the domain {more}: declare fewer, or set --time and --memory")
 
 
