@@ -16,11 +16,11 @@ from prag_asp.scene.scene import BodyModel, Scene, Shape
 from prag_asp.wording import plural
 
 FAR = math.radians(30.0)
-"""A body that tips by more to come to rest was probably meant to stand otherwise: scans lean by a few degrees."""
+"""The tilt in radians from which a body probably rests in an unintended pose: scans lean by a few degrees."""
 
 
 def body_lines(scene: Scene) -> Iterator[str]:
-    """Yield what was read of each body from a file: size, mass, parts, how it rests, its cavity, and its grasps."""
+    """Yield a summary of each body from a file: size, mass, parts, resting pose, cavity and grasps."""
     for shape, entities in _models(scene).items():
         model = shape.model
         assert model is not None
@@ -50,7 +50,7 @@ def grasps_text(scene: Scene, entity: str) -> str:
 
 
 def solid_containers(domain: Domain, scene: Scene) -> Iterator[Problem]:
-    """Yield a warning for each shape from a file that things may be in by the logic, but that has no cavity."""
+    """Yield a warning for each shape from a file that has no cavity although the logic may put things in it."""
     from prag_asp.physics.predicates import PREDICATES
 
     filled = dict[Shape, list[str]]()

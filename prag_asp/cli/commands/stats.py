@@ -109,7 +109,7 @@ def _text(found: Statistics) -> Iterator[str]:
 
 
 def _decimal(share: Fraction) -> str:
-    """Return a fraction with its decimals, the last one rounded half to even."""
+    """Return a fraction as a decimal number, its last digit rounded half to even."""
     whole = round(share * 10**DIGITS)
     return f"{whole // 10**DIGITS}.{whole % 10**DIGITS:0{DIGITS}d}"
 
