@@ -72,7 +72,7 @@ def _array(archive: ZipFile, name: str, member: ZipInfo) -> NDArray[Any]:
     Raises:
         BadArchive: the array holds neither numbers nor valid texts, or its size differs from its header.
     """
-    import numpy as np  # noqa: PLC0415 - whoever imports this module may never read an archive
+    import numpy as np  # noqa: PLC0415 - not every program reads an archive
     from numpy.lib import format as npy  # noqa: PLC0415
 
     with archive.open(member) as file:

@@ -39,7 +39,7 @@ def symbol_of(atom: Atom | str) -> clingo.Symbol:
     """
     for _, digits in too_large(STRING.sub(" ", str(atom))):
         raise QueryError(f"{str(atom)!r}: the number {shortened(digits)} is out of range: {TOLD}")
-    import clingo  # noqa: PLC0415 - an atom is a plain value: whoever has only atoms needs no solver
+    import clingo  # noqa: PLC0415 - atoms are plain values, which need no solver
 
     try:
         return clingo.parse_term(str(atom), logger=lambda *_: None)

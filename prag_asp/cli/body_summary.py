@@ -37,7 +37,7 @@ def body_lines(scene: Scene) -> Iterator[str]:
 
 
 def grasps_text(scene: Scene, entity: str) -> str:
-    """Return in words how many grasps of a body with a model were found, by the direction of the hand."""
+    """Return as text the numbers of grasps found for a body with a model, by the direction of the hand."""
     from prag_asp.physics.grasps.antipodal import SIDEWAYS, SLANTED
     from prag_asp.physics.grasps.body_grasps import body_grasps
     from prag_asp.physics.grasps.pads import ParallelGripper

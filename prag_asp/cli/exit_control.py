@@ -139,7 +139,7 @@ def report_end(error: BaseException) -> int:
     After a signal, any error counts as an interruption, because native code may turn one into the other.
 
     Raises:
-        BaseException: the error itself, if it is a bug of ours.
+        BaseException: the error itself, if it is a bug of this package.
     """
     _ignore_signals()
     lines: tuple[str, ...] = ()

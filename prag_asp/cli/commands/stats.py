@@ -22,7 +22,7 @@ DIGITS = 6
 """Decimal places of shares and expected numbers in text."""
 
 WIDEST = 40
-"""Characters up to which a whole number is printed in full in text."""
+"""The maximum number of characters of a whole number that is printed in full as text."""
 
 
 @click.command()

@@ -131,7 +131,7 @@ class EpisodeSource:
         """The cameras of the recordings, each with width and height in pixels.
 
         Raises:
-            QueryError: the scene has no camera of this name, or a size or a rate is invalid.
+            QueryError: the scene has no camera of a requested name, or a size or a rate is invalid.
         """
         staging = self.data.manifest.spec.staging
         return {} if staging is None else {name: each.size for name, each in staging.cameras_of(self.scene).items()}

@@ -122,7 +122,7 @@ class RowReference(NamedTuple):
 
 
 class TableBuilder:
-    """Collects the rows of a table before it is written, after the rows of an earlier run, if any."""
+    """Collects the rows of a table until it is written; the rows of an earlier run, if any, come first."""
 
     def __init__(self, table: str, before: pa.Table | None = None) -> None:
         self._schema = SCHEMAS[table]

@@ -1,4 +1,4 @@
-"""dataset.json: the domain and the request of a dataset, its share of the task space, and its files."""
+"""dataset.json: the domain and the request for a dataset, its share of the task space, and its files."""
 
 from __future__ import annotations
 
