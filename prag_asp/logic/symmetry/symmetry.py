@@ -22,17 +22,21 @@ from numpy.typing import NDArray
 
 from prag_asp.logic.ground.ground_step import GroundStep
 from prag_asp.logic.symmetry.atom_numbering import START, Atoms, SpelledRule
+from prag_asp.logic.symmetry.consequences import Consequences
 from prag_asp.logic.symmetry.renaming import Shaped, Shapes, by_entity
 from prag_asp.logic.symmetry.symmetries import Symmetries
 from prag_asp.logic.symmetry.unit_symmetry import MissingImage, joint_groups
 from prag_asp.program.entity_names import action_name
 from prag_asp.program.facts import Facts
 
+WITNESSES = 4
+"""The number of rules that are remembered because swaps do not keep them."""
+
 
 def find_symmetries(facts: Facts, ground: GroundStep, bare: Callable[[], GroundStep] | None = None) -> Symmetries:
     """Return the groups of interchangeable entities, each in clingo's order of terms, and the joint groups.
 
-    With `bare`, renamings also have to keep the step that it returns; it is called only if entities are alike in
+    With `bare`, renamings must also preserve the step that it returns; it is called only if entities are alike in
     `ground`.
     """
     entities, class_of = sorted(facts.entities), _stated(facts)
@@ -66,7 +70,7 @@ def find_symmetries(facts: Facts, ground: GroundStep, bare: Callable[[], GroundS
 
 
 def may_interchange(facts: Facts) -> bool:
-    """Return whether some renaming maps the actions onto themselves, as those of `find_symmetries` do.
+    """Return whether some renaming maps the actions onto themselves, as the renamings of `find_symmetries` do.
 
     A step has an atom for each action: without such a renaming, the ground program needs no search.
     """
@@ -76,7 +80,7 @@ def may_interchange(facts: Facts) -> bool:
     actions = _Terms(shaped, by_entity(shaped), shaped.__contains__)
 
     def spoken(entity: int) -> object:
-        """Return an invariant of swaps: the patterns of the actions that name an entity, without its class mates."""
+        """Return an invariant of swaps: the patterns of the actions that name an entity, omitting its class mates."""
         own = names_of_classes[entity]
         patterns = Counter(
             (shape, tuple(-1 if each == entity else -2 if names_of_classes[each] == own else each for each in inside))
@@ -99,7 +103,7 @@ def may_interchange(facts: Facts) -> bool:
 def _stated(facts: Facts) -> dict[clingo.Symbol, Hashable]:
     """Return the class of each entity, and its name if the entity is itself an action.
 
-    Skeletons consist of names of actions, so that renamings have to keep them.
+    Skeletons consist of action names, so renamings must preserve them.
     """
     actions = frozenset(facts.actions)
     return {each: (kind, action_name(each) if each in actions else "") for each, kind in facts.entities.items()}
@@ -107,7 +111,7 @@ def _stated(facts: Facts) -> dict[clingo.Symbol, Hashable]:
 
 @dataclass(frozen=True)
 class _Terms:
-    """Terms that renamings have to map onto themselves, and the test for them; `naming` has them by entity."""
+    """Terms that renamings have to map onto themselves, and the test for them; `naming` has the terms by entity."""
 
     exact: Collection[Shaped]
     naming: Mapping[int, Sequence[Shaped]]
@@ -135,11 +139,13 @@ class _Terms:
 
 @dataclass(frozen=True)
 class _Rules:
-    """The rules of a ground step with its initial values, and other rules that renamings also have to keep, if any."""
+    """The rules of a ground step with its initial values, and any other rules that renamings must also preserve."""
 
     atoms: Atoms
     others: Callable[[], _Rules] | None = None
-    _consequences: dict[bool, _Consequences] = field(default_factory=dict)
+    _consequences: dict[bool, Consequences] = field(default_factory=dict)
+    _witnesses: list[tuple[SpelledRule, int, int]] = field(default_factory=list)
+    """Rules that swaps of two entities do not keep, each with the entities; the last that helped is first."""
 
     @cached_property
     def _others(self) -> _Rules | None:
@@ -148,10 +154,27 @@ class _Rules:
     def kept_by(self, first: int, second: int) -> bool:
         """Return whether the swap of two entities maps the rules onto themselves, up to entailed rules.
 
-        Most pairs differ in one of the first atoms, which makes the test cheap.
+        Most pairs differ in one of the first atoms, or in a rule like one that an earlier pair differs in, which makes
+        the test cheap.
         """
         names = {first: second, second: first}
-        return next(self.lacking(names, names), None) is None and next(self.broken(names), None) is None
+        if self._differ_as_before(first, second) or next(self._terms.lacking(names, names), None) is not None:
+            return False
+        rule = next(self._broken(names), None)
+        if rule is not None:
+            self._witnesses.insert(0, (rule, first, second))
+            del self._witnesses[WITNESSES:]
+            return False
+        return self._others is None or self._others.kept_by(first, second)
+
+    def _differ_as_before(self, first: int, second: int) -> bool:
+        """Return whether the swap of two entities fails on a rule like those on which earlier swaps failed."""
+        for place, (rule, one, other) in enumerate(self._witnesses):
+            like = self.atoms.renamed(rule, {one: first, other: second})
+            if like in self._deriving and not self._says(like, {first: second, second: first}):
+                self._witnesses.insert(0, self._witnesses.pop(place))
+                return True
+        return False
 
     def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[MissingImage]:
         """Yield the atoms of rules that name some entities and whose image is not an atom."""
@@ -161,13 +184,18 @@ class _Rules:
 
     def broken(self, names: Mapping[int, int]) -> Iterator[MissingImage]:
         """Yield the rules whose image is neither a rule nor entailed."""
+        for rule in self._broken(names):
+            yield MissingImage(self.atoms.entities(rule), partial(self._says, rule))
+        if self._others:
+            yield from self._others.broken(names)
+
+    def _broken(self, names: Mapping[int, int]) -> Iterator[SpelledRule]:
+        """Yield those of these rules whose image is neither a rule nor entailed."""
         renamed = self.atoms.under(names)
         for table in self._tables:
             for rule, image in table.missing(renamed, names):
                 if image is None or not self._entails(image):
-                    yield MissingImage(self.atoms.entities(rule), partial(self._says, rule))
-        if self._others:
-            yield from self._others.broken(names)
+                    yield rule
 
     def _says(self, rule: SpelledRule, names: Mapping[int, int]) -> bool:
         """Return whether the image of a rule is a rule or entailed."""
@@ -175,10 +203,10 @@ class _Rules:
         return image is not None and (image in self._deriving or self._entails(image))
 
     def _entails(self, rule: SpelledRule) -> bool:
-        """Return whether the rules of every step, or all rules for a rule of the last step, entail a rule."""
+        """Return whether a rule is entailed by the rules of every step, or, if it is of the last step, by all rules."""
         if rule.last not in self._consequences:
             rules = (each for each in self.atoms.rules if rule.last or not each.last)
-            self._consequences[rule.last] = _Consequences([*rules, *self.atoms.definitions])
+            self._consequences[rule.last] = Consequences([*rules, *self.atoms.definitions])
         return self._consequences[rule.last].has(rule)
 
     def size(self, entities: Iterable[int]) -> int:
@@ -193,7 +221,7 @@ class _Rules:
     def exact(self) -> list[Shaped]:
         """The atoms, each with a mark, that every symmetry maps onto themselves.
 
-        They are stated at the start or chosen; no rule that does so is entailed by others.
+        They are stated initially or chosen; other rules never entail such rules.
         """
         stated: dict[int, int] = {}
         for heads, (choice, bound, _), _ in self.atoms.rules:
@@ -204,7 +232,7 @@ class _Rules:
 
     @cached_property
     def _deriving(self) -> dict[SpelledRule, None]:
-        """The distinct rules, without those that derive nothing because they read their own head."""
+        """The distinct rules, except those that derive nothing because they read their own head."""
         return {
             rule: None
             for rule in self.atoms.rules
@@ -239,8 +267,8 @@ class _RuleRows:
 
     A literal is twice the number of its atom, plus 1 if it is negated.
 
-    `heads` and `literals` are the places in a row where they end; `choice`, `bound` and `last` are those of all rules.
-    `having` are the rows that mention an entity.
+    `heads` and `literals` are the indices in a row where they end; all rules have the same `choice`, `bound` and
+    `last`. `having` are the rows that mention an entity.
     """
 
     rows: NDArray[np.int64]
@@ -296,56 +324,3 @@ class _RuleRows:
 def _sorted(rows: NDArray[np.int64]) -> NDArray[np.int64]:
     ordered: NDArray[np.int64] = rows[np.lexsort(rows.T[::-1])]
     return ordered
-
-
-class _Consequences:
-    """An incomplete test of whether rules entail another rule.
-
-    The body of the rule is assumed, with negated literals as separate atoms, and the rules are applied. If its head or
-    a contradiction follows, the rule is a consequence of the others in the logic of here-and-there: adding it changes
-    no answer sets of any larger program (strong equivalence; Lifschitz, Pearce and Valverde 2001). The test finds
-    consequences of chains of rules, such as those of redundant invariants.
-    """
-
-    def __init__(self, rules: Iterable[SpelledRule]) -> None:
-        self._rules: list[tuple[tuple[int, ...], int]] = []
-        self._having: dict[tuple[int, int], list[tuple[int, int]]] = {}
-        self._facts: set[int] = set()
-        for rule in rules:
-            choice, bound, literals = rule.body
-            if choice or bound >= START or len(rule.heads) > 1:
-                continue
-            if bound <= 0:
-                self._facts |= rule.heads
-            for atom, sign, weight in literals:
-                self._having.setdefault((atom, sign), []).append((len(self._rules), weight))
-            self._rules.append((tuple(rule.heads), bound))
-
-    def has(self, rule: SpelledRule) -> bool:
-        """Return whether the test finds that a rule is a consequence."""
-        if not rule.is_plain:
-            return False
-        consequences = self._follow((atom, sign) for atom, sign, _ in rule.body[2])
-        if consequences is None:
-            return True
-        return len(rule.heads) == 1 and (*rule.heads, 0) in consequences
-
-    def _follow(self, literals: Iterable[tuple[int, int]]) -> set[tuple[int, int]] | None:
-        """Return the consequences of some literals, or None if they contradict the rules or each other."""
-        consequences = {*literals, *((atom, 0) for atom in self._facts)}
-        waiting = list(consequences)
-        reached: Counter[int] = Counter()
-        while waiting:
-            atom, sign = waiting.pop()
-            if (atom, 1 - sign) in consequences:
-                return None
-            for number, weight in self._having.get((atom, sign), ()):
-                heads, bound = self._rules[number]
-                if reached[number] < bound <= reached[number] + weight:
-                    if not heads:
-                        return None
-                    if (heads[0], 0) not in consequences:
-                        consequences.add((heads[0], 0))
-                        waiting.append((heads[0], 0))
-                reached[number] += weight
-        return consequences

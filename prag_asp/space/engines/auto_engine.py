@@ -16,6 +16,7 @@ from prag_asp.processes.machine import usual_memory
 from prag_asp.processes.progress_events import Note
 from prag_asp.space.automaton.bounded_count import count_within
 from prag_asp.space.automaton.exploration import Extent
+from prag_asp.space.automaton.outlook import forecast_states
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.engines.engine import Engine, Letters, Level, Progress
 from prag_asp.space.engines.reachability import Reach, TooManyStates
@@ -32,10 +33,7 @@ PATIENCE = 2.0
 """Seconds for which clingo enumerates alone, at about 100,000 words per second."""
 
 EARLY, SURE = 64, 4
-"""A forecast is used once states take 1/`EARLY` of the memory, if it exceeds the memory `SURE` times."""
-
-FAR = 1e18
-"""Number of states at which a forecast stops."""
+"""A forecast counts once states take 1/`EARLY` of the memory limit, if it exceeds `SURE` times this limit."""
 
 
 Answer = TypeVar("Answer")
@@ -51,8 +49,7 @@ class Growth:
     def hopeless(self, extent: Extent, length: int) -> bool:
         """Return whether exploration is forecast to exceed the memory within `length` steps.
 
-        The forecast assumes that the ratio of the new states of successive steps keeps falling at the same rate,
-        because growth slows down as a space fills up, and that memory is proportional to the number of states.
+        The forecast assumes that memory is proportional to the number of states, see `forecast_states`.
         """
         if self.states and extent.depth < max(self.states):
             self.states.clear()
@@ -68,20 +65,12 @@ class Growth:
         layers = [later - sooner for sooner, later in zip([0, *sizes], sizes, strict=False)]
         if len(layers) < 3 or not (layers[-2] and layers[-3]):
             return extent.nbytes
-        ratio, before = layers[-1] / layers[-2], layers[-2] / layers[-3]
-        falling = min(ratio / before, 1.0)
-        states, layer = float(sizes[-1]), float(layers[-1])
-        for _ in range(length - depths[-1]):
-            ratio *= falling
-            layer *= ratio
-            states += layer
-            if layer < 1 or states > FAR:
-                break
+        states = forecast_states(sizes, length - depths[-1])
         return int(extent.nbytes * max(states / extent.states, 1.0))
 
 
 class AutoEngine:
-    """The automaton engine, or diagrams from the length on at which it would have too many states.
+    """The automaton engine, or diagrams for lengths at which the automaton would have too many states.
 
     Raises:
         EngineError: the step is not a function of the state and the action.
@@ -102,7 +91,7 @@ class AutoEngine:
         return self._listing.letters
 
     def count(self, length: int, prefix: Letters = ()) -> int:
-        """Return the number of words of a length.
+        """Return the number of words of a given length.
 
         Raises:
             LimitReached: a limit ended the count; the error has the number of words counted so far.
@@ -119,7 +108,7 @@ class AutoEngine:
             raise limit_error(reached.reason, counted, level, length) from None
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
-        """Yield the words of a length in order, lazily."""
+        """Yield the words of a given length in order, lazily."""
 
         def explored(engine: Engine) -> Engine:
             if engine is self._listing:
@@ -133,15 +122,15 @@ class AutoEngine:
         return self._answer(len(word), lambda engine: engine.contains(word))
 
     def unrank(self, length: int, rank: int) -> Letters:
-        """Return the word of a rank from 0 to count - 1."""
+        """Return the word with a given rank, from 0 to count - 1."""
         return self._answer(length, lambda engine: engine.unrank(length, rank))
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None if it is not a word."""
+        """Return the rank of a word among the words of its length, or None if it is not a word."""
         return self._answer(len(word), lambda engine: engine.rank(word))
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
-        """Return the weighted words of a length."""
+        """Return the weighted words of a given length."""
         return self._answer(length, lambda engine: engine.weighed(length, weights, goals=goals, plain=plain))
 
     def _answer(self, length: int, ask: Callable[[Engine], Answer]) -> Answer:

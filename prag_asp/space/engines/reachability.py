@@ -20,6 +20,7 @@ from prag_asp.processes.progress_events import stage
 from prag_asp.program.entity_names import action_name, mentioned_entities
 from prag_asp.space.automaton.automaton import Automaton, Completions, Word, accepts, count_words, words
 from prag_asp.space.automaton.exploration import Exploration, Extent, Watch, explore
+from prag_asp.space.automaton.outlook import Outlook
 from prag_asp.space.automaton.skeletons import skeleton_automaton
 from prag_asp.space.limits import LimitClock
 from prag_asp.space.weights.weights import Weights, weigh, weighing_facts
@@ -32,8 +33,8 @@ if TYPE_CHECKING:
     from prag_asp.space.engines.engine import Level
 
 PATIENCE, WORDS, LARGE = 250_000, 4, 100
-"""Number of edges above which states are merged, the 64-bit words per state to which it refers, and the minimum number
-of renamings."""
+"""Number of edges above which states are merged, the number of 64-bit words per state that it assumes, and the minimum
+number of renamings."""
 
 FEW_STATES, FEW_EDGES = 4096, 50_000
 """Maximum numbers of states and edges of explorations that levels share."""
@@ -51,7 +52,7 @@ Forecast = Callable[[Extent, int], bool]
 """Return whether an exploration of some extent is forecast to exceed the memory within a length."""
 
 Allow = Callable[[Rows], NDArray[np.bool_]]
-"""Return for each state whether it is allowed; a state that is not halts the exploration."""
+"""Return for each state whether it is allowed; a disallowed state halts the exploration."""
 
 Groups = Sequence[Sequence[Unit]]
 
@@ -85,12 +86,12 @@ class Reach:
         return 0 if self.sets else self.completions.automaton.states
 
     def covers(self, length: int) -> bool:
-        """Return whether all words of a length are known."""
+        """Return whether all words of a given length are known."""
         horizon = self.completions.automaton.horizon
         return not self.stop and (horizon is None or horizon >= length)
 
     def count(self, length: int, prefix: Sequence[frozenset[int]]) -> int:
-        """Return the weight of the words of a length whose first letters are among those of `prefix`."""
+        """Return the weight of the words of a given length whose first letters are among those of `prefix`."""
         if not self.merged:
             return count_words(self.completions, length, [allowed.__contains__ for allowed in prefix])
         from prag_asp.space.automaton.merged_states import count_merged
@@ -98,7 +99,7 @@ class Reach:
         return count_merged(self.merged, self.completions, length, prefix)
 
     def words(self, length: int, prefix: Sequence[frozenset[int]]) -> Iterator[Word]:
-        """Yield the words of a length whose first letters are among those of `prefix`, in order, lazily."""
+        """Yield the words of a given length whose first letters are among those of `prefix`, in order, lazily."""
         if not self.merged:
             return words(self.completions, length, [allowed.__contains__ for allowed in prefix])
         from prag_asp.space.automaton.merged_states import merged_words
@@ -114,7 +115,7 @@ class Reach:
         return accepts_merged(self.merged, word)
 
     def merged_ranking(self, length: int) -> MergedRanking | None:
-        """Return the ranking of the words of a length if states were merged."""
+        """Return the ranking of the words of a given length if states were merged."""
         if not self.merged:
             return None
         from prag_asp.space.automaton.merged_states import MergedRanking
@@ -132,7 +133,7 @@ class TooManyStates(Exception):
 
 @dataclass(frozen=True)
 class Explorer:
-    """The exploration of one level of a domain; `merge` None lets the number of states decide whether they are merged.
+    """The exploration of one level of a domain; if `merge` is None, the number of states decides whether to merge them.
 
     Once that is decided, exploration stops if `hopeless` forecasts too many states.
     """
@@ -204,24 +205,30 @@ class Explorer:
     ) -> tuple[Exploration, Merging | None]:
         if self.merge:
             merging = self._merging(transition, weights)
-            return explore(transition, length, self._watch(length, clock), merging=merging), merging
+            return explore(transition, length, self._watch(transition, length, clock), merging=merging), merging
         object_to = (lambda rows: None if allow(rows).all() else HALT) if allow else None
         shared = None if allow else self._shared_exploration(transition, length, clock, halt)
         if shared is not None:
             return shared, None
         width = transition.initial.shape[1]
         patience = None if self.merge is False else PATIENCE // max(width // WORDS, 1)
-        explored = explore(transition, length, self._watch(length, clock, patience, halt), object_to=object_to)
+        explored = explore(
+            transition, length, self._watch(transition, length, clock, patience, halt), object_to=object_to
+        )
         if explored.stop == SIZE:
             merging = self._merging(transition, weights)
             if merging is not None and prod(factorial(len(group)) for group in merging.groups) < LARGE:
                 explored = explore(
-                    transition, length, self._watch(length, clock, MORE_PATIENCE, halt), object_to=object_to
+                    transition, length, self._watch(transition, length, clock, MORE_PATIENCE, halt), object_to=object_to
                 )
                 if explored.stop != SIZE:
                     return explored, None
             return explore(
-                transition, length, self._watch(length, clock, halt=halt), merging=merging, object_to=object_to
+                transition,
+                length,
+                self._watch(transition, length, clock, halt=halt),
+                merging=merging,
+                object_to=object_to,
             ), merging
         if not explored.stop and explored.automaton.states <= FEW_STATES and len(explored.labels) <= FEW_EDGES:
             _small[transition] = explored
@@ -230,7 +237,7 @@ class Explorer:
     def _shared_exploration(
         self, transition: Transition, length: int, clock: LimitClock, halt: Halt | None
     ) -> Exploration | None:
-        """Return the identical exploration of another level's engine, if there is a small one.
+        """Return the identical exploration of another level's engine, if it exists and is small.
 
         With limits or progress reports, the exploration is repeated.
         """
@@ -248,13 +255,24 @@ class Explorer:
         groups = _present(equal_groups(symmetries.innermost, weights), transition)
         return find_merging(transition, groups, symmetries if self.level == "task" else None)
 
-    def _watch(self, length: int, clock: LimitClock, patience: int | None = None, halt: Halt | None = None) -> Watch:
+    def _watch(
+        self,
+        transition: Transition,
+        length: int,
+        clock: LimitClock,
+        patience: int | None = None,
+        halt: Halt | None = None,
+    ) -> Watch:
         """Return the callback that reports progress and stops at the clock, at `patience` edges, or at `halt`."""
+        names = [action_name(action) for action in transition.actions] if self.tell else []
+        outlook = Outlook(self.tell, names, length, transition.initial.shape[1]) if self.tell else None
 
         def watch(extent: Extent) -> StopReason | None:
             if self.tell:
                 memory = f"{extent.nbytes / 10**6:,.0f} MB"
                 self.tell(f"depth {extent.depth}: {extent.states:,} states, {extent.edges:,} edges, {memory}")
+            if outlook:
+                outlook.watch(extent)
             if halt and halt(extent):
                 return HALT
             if patience is None and self.hopeless and self.hopeless(extent, length):
@@ -266,7 +284,7 @@ class Explorer:
 
 
 _small: WeakKeyDictionary[Transition, Exploration] = WeakKeyDictionary()
-"""The last small exploration of each step function, as long as the function exists."""
+"""The last small exploration of each step function that still exists."""
 
 
 def _known(transition: Transition, explored: Exploration, merging: Merging | None, automaton: Automaton) -> Reach:
@@ -282,7 +300,7 @@ def _known(transition: Transition, explored: Exploration, merging: Merging | Non
 
 
 def _present(groups: Groups, transition: Transition) -> list[Sequence[Unit]]:
-    """Return the groups whose units all occur in a step function in the same way; that of a part may lack some."""
+    """Return the groups whose units all occur in the same way in a step function; that of a part may lack units."""
     entities = {entity for group in groups for unit in group for entity in unit}
     present = {entity for symbol in (*transition.actions, *transition.variables)
                for entity in mentioned_entities(symbol, entities)}  # fmt: skip
