@@ -30,10 +30,11 @@ class Fact(NamedTuple):
         return self.predicate.holds(situation, self.arguments) == self.value
 
     def distance(self, situation: Situation) -> float:
-        """Return the signed distance of a situation from satisfying the fact, in metres or radians; at most 0 if it holds.
+        """Return the signed distance of a situation from satisfying the fact, in metres or radians.
 
-        If the fact is satisfied, the absolute value is the margin. For a predicate that must not hold, it is the depth
-        of the situation within the predicate: at least the motion needed, and more than 0 on the border.
+        It is at most 0 if the fact is satisfied, and its absolute value is then the margin. For a predicate that must
+        not hold, it is the depth of the situation within the predicate: at least the motion needed, and more than 0 on
+        the border.
         """
         signed = self.predicate.signed_distance(situation, self.arguments)
         return signed if self.value else (-signed or BORDER)
@@ -200,7 +201,7 @@ def _effect(
     states: Sequence[tuple[Fact, ...]],
     all_held: Mapping[str, str],
 ) -> ActionEffect:
-    """Return the effect of the action that leads to state `number`, which is 1 or more, from its subgoal and the states."""
+    """Return the effect of the action that leads to state `number` (from 1), from its subgoal and the states."""
     before, after = set(states[number - 1]), states[number]
     robot = _acting(scene, all_of_subgoal)
     held = None if robot is None else all_held.get(robot)

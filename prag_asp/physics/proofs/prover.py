@@ -187,8 +187,8 @@ def _lift(effect: ActionEffect, before: tuple[Fact, ...]) -> tuple[Fact, Fact, F
     A gripper may close around anything that it spans, but only lifting loads it. A witness lifts each object that it
     moves: the arm retreats straight up after a grasp, and comes straight down before a release.
 
-    The place itself is only certain not to move in actions that move nothing but the object, and open nothing. An
-    object in a handover may stay where it is.
+    Only in actions that move nothing but the object, and open nothing, does the place itself not move. An object in a
+    handover may stay where it is.
     """
     entity = effect.grasps or effect.holds or effect.releases
     if effect.robot is None or entity is None or effect.giver or effect.turns or {*effect.moved} - {entity}:

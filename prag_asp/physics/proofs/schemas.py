@@ -67,7 +67,7 @@ class _InstanceTable(NamedTuple):
 
 
 def rules(proofs: Proofs, stated: Facts) -> list[ExclusionRule]:
-    """Return rules that cover all proofs and nothing else, in the order of the first proof that each one covers."""
+    """Return rules that cover all proofs and nothing else, each proof once, in the order of their first proofs."""
     folding = _Folding(proofs, stated)
     result: list[ExclusionRule] = []
     covered = set[Fluents]()
