@@ -35,7 +35,7 @@ from prag_asp.lint.other_encodings import edited_encodings, encoding_problems
 from prag_asp.lint.rule_origin import Origins
 from prag_asp.lint.settings_checks import name_problems, table_problems
 from prag_asp.lint.unsatisfiable_atoms import demand_problems
-from prag_asp.processes.progress_events import stage
+from prag_asp.processes.progress_events import note, stage
 from prag_asp.program.entity_names import mention_facts, name_fact
 from prag_asp.program.facts import Facts, read_facts, rows
 from prag_asp.program.grounding import Grounder
@@ -50,6 +50,9 @@ from prag_asp.pruning.reachability import relaxed_sources
 from prag_asp.tables.toml_text import parse_toml
 
 STEP_PART = re.compile(r"(#program\s+)(step|check)\b")
+
+MANY = 250_000
+"""The number of fluents or actions of which the user is told; preparing so many takes about a minute and 2 GB."""
 
 
 @dataclass(frozen=True)
@@ -108,6 +111,7 @@ def check(
     warnings.add(demand_problems(grounder.control, statements))
     origins = Origins([each for each in statements if each.own or each.path.name != HIERARCHY])
     facts = _facts(grounder, statements, origins)
+    _note_size(facts, statements)
     _check_facts(warnings, grounder, facts, statements, origins)
     edited = edited_encodings(program, statements)
     warnings.add(encoding_problems(edited))
@@ -130,6 +134,16 @@ def check(
     path = settings_source.path
     ordered = sorted(warnings.warnings, key=lambda each: (each.path != path, str(each.path), each.line))
     return Checked(pruning.facts, settings, tuple(ordered))
+
+
+def _note_size(facts: Facts, statements: Sequence[Statement]) -> None:
+    """Tell the user of so many fluents or actions that preparing them takes long."""
+    for predicate, terms in (("fluent", facts.fluents), ("action", facts.actions)):
+        declaring = [each for each in statements if any(atom.signature == (predicate, 1) for atom in each.heads)]
+        if len(terms) > MANY and declaring:
+            rule = max(declaring, key=lambda each: each.own)
+            more = f"has {len(terms):,} {predicate}s, and the preparation of {MANY:,} takes a minute and 2 GB"
+            note(f"note: {rule.path}:{rule.line}: the domain {more}; declare fewer, or set --time and --memory")
 
 
 def _check_facts(

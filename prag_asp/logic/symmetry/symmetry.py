@@ -22,11 +22,15 @@ from numpy.typing import NDArray
 
 from prag_asp.logic.ground.ground_step import GroundStep
 from prag_asp.logic.symmetry.atom_numbering import START, Atoms, SpelledRule
+from prag_asp.logic.symmetry.consequences import Consequences
 from prag_asp.logic.symmetry.renaming import Shaped, Shapes, by_entity
 from prag_asp.logic.symmetry.symmetries import Symmetries
 from prag_asp.logic.symmetry.unit_symmetry import MissingImage, joint_groups
 from prag_asp.program.entity_names import action_name
 from prag_asp.program.facts import Facts
+
+WITNESSES = 4
+"""The number of rules that are remembered because swaps do not keep them."""
 
 
 def find_symmetries(facts: Facts, ground: GroundStep, bare: Callable[[], GroundStep] | None = None) -> Symmetries:
@@ -139,7 +143,9 @@ class _Rules:
 
     atoms: Atoms
     others: Callable[[], _Rules] | None = None
-    _consequences: dict[bool, _Consequences] = field(default_factory=dict)
+    _consequences: dict[bool, Consequences] = field(default_factory=dict)
+    _witnesses: list[tuple[SpelledRule, int, int]] = field(default_factory=list)
+    """Rules that swaps of two entities do not keep, each with the entities; the last that helped is first."""
 
     @cached_property
     def _others(self) -> _Rules | None:
@@ -148,10 +154,27 @@ class _Rules:
     def kept_by(self, first: int, second: int) -> bool:
         """Return whether the swap of two entities maps the rules onto themselves, up to entailed rules.
 
-        Most pairs differ in one of the first atoms, which makes the test cheap.
+        Most pairs differ in one of the first atoms, or in a rule like one that an earlier pair differs in, which makes
+        the test cheap.
         """
         names = {first: second, second: first}
-        return next(self.lacking(names, names), None) is None and next(self.broken(names), None) is None
+        if self._differ_as_before(first, second) or next(self._terms.lacking(names, names), None) is not None:
+            return False
+        rule = next(self._broken(names), None)
+        if rule is not None:
+            self._witnesses.insert(0, (rule, first, second))
+            del self._witnesses[WITNESSES:]
+            return False
+        return self._others is None or self._others.kept_by(first, second)
+
+    def _differ_as_before(self, first: int, second: int) -> bool:
+        """Return whether the swap of two entities fails on a rule like those on which earlier swaps failed."""
+        for place, (rule, one, other) in enumerate(self._witnesses):
+            like = self.atoms.renamed(rule, {one: first, other: second})
+            if like in self._deriving and not self._says(like, {first: second, second: first}):
+                self._witnesses.insert(0, self._witnesses.pop(place))
+                return True
+        return False
 
     def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[MissingImage]:
         """Yield the atoms of rules that name some entities and whose image is not an atom."""
@@ -161,13 +184,18 @@ class _Rules:
 
     def broken(self, names: Mapping[int, int]) -> Iterator[MissingImage]:
         """Yield the rules whose image is neither a rule nor entailed."""
+        for rule in self._broken(names):
+            yield MissingImage(self.atoms.entities(rule), partial(self._says, rule))
+        if self._others:
+            yield from self._others.broken(names)
+
+    def _broken(self, names: Mapping[int, int]) -> Iterator[SpelledRule]:
+        """Yield those of these rules whose image is neither a rule nor entailed."""
         renamed = self.atoms.under(names)
         for table in self._tables:
             for rule, image in table.missing(renamed, names):
                 if image is None or not self._entails(image):
-                    yield MissingImage(self.atoms.entities(rule), partial(self._says, rule))
-        if self._others:
-            yield from self._others.broken(names)
+                    yield rule
 
     def _says(self, rule: SpelledRule, names: Mapping[int, int]) -> bool:
         """Return whether the image of a rule is a rule or entailed."""
@@ -178,7 +206,7 @@ class _Rules:
         """Return whether the rules of every step, or all rules for a rule of the last step, entail a rule."""
         if rule.last not in self._consequences:
             rules = (each for each in self.atoms.rules if rule.last or not each.last)
-            self._consequences[rule.last] = _Consequences([*rules, *self.atoms.definitions])
+            self._consequences[rule.last] = Consequences([*rules, *self.atoms.definitions])
         return self._consequences[rule.last].has(rule)
 
     def size(self, entities: Iterable[int]) -> int:
@@ -296,56 +324,3 @@ class _RuleRows:
 def _sorted(rows: NDArray[np.int64]) -> NDArray[np.int64]:
     ordered: NDArray[np.int64] = rows[np.lexsort(rows.T[::-1])]
     return ordered
-
-
-class _Consequences:
-    """An incomplete test of whether rules entail another rule.
-
-    The body of the rule is assumed, with negated literals as separate atoms, and the rules are applied. If its head or
-    a contradiction follows, the rule is a consequence of the others in the logic of here-and-there: adding it changes
-    no answer sets of any larger program (strong equivalence; Lifschitz, Pearce and Valverde 2001). The test finds
-    consequences of chains of rules, such as those of redundant invariants.
-    """
-
-    def __init__(self, rules: Iterable[SpelledRule]) -> None:
-        self._rules: list[tuple[tuple[int, ...], int]] = []
-        self._having: dict[tuple[int, int], list[tuple[int, int]]] = {}
-        self._facts: set[int] = set()
-        for rule in rules:
-            choice, bound, literals = rule.body
-            if choice or bound >= START or len(rule.heads) > 1:
-                continue
-            if bound <= 0:
-                self._facts |= rule.heads
-            for atom, sign, weight in literals:
-                self._having.setdefault((atom, sign), []).append((len(self._rules), weight))
-            self._rules.append((tuple(rule.heads), bound))
-
-    def has(self, rule: SpelledRule) -> bool:
-        """Return whether the test finds that a rule is a consequence."""
-        if not rule.is_plain:
-            return False
-        consequences = self._follow((atom, sign) for atom, sign, _ in rule.body[2])
-        if consequences is None:
-            return True
-        return len(rule.heads) == 1 and (*rule.heads, 0) in consequences
-
-    def _follow(self, literals: Iterable[tuple[int, int]]) -> set[tuple[int, int]] | None:
-        """Return the consequences of some literals, or None if they contradict the rules or each other."""
-        consequences = {*literals, *((atom, 0) for atom in self._facts)}
-        waiting = list(consequences)
-        reached: Counter[int] = Counter()
-        while waiting:
-            atom, sign = waiting.pop()
-            if (atom, 1 - sign) in consequences:
-                return None
-            for number, weight in self._having.get((atom, sign), ()):
-                heads, bound = self._rules[number]
-                if reached[number] < bound <= reached[number] + weight:
-                    if not heads:
-                        return None
-                    if (heads[0], 0) not in consequences:
-                        consequences.add((heads[0], 0))
-                        waiting.append((heads[0], 0))
-                reached[number] += weight
-        return consequences

@@ -6,7 +6,7 @@ that numbers depend only on the step function.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -40,12 +40,17 @@ ROOM = 2**26
 
 @dataclass(frozen=True)
 class Extent:
-    """The extent of an exploration; `nbytes` is its memory, including that for concatenating the edges."""
+    """The extent of an exploration; `nbytes` is its memory, including that for concatenating the edges.
+
+    `expanded` is the number of states whose edges are known, `by_letter` the number of edges of each letter.
+    """
 
     depth: int
     states: int
     edges: int
     nbytes: int
+    expanded: int = 0
+    by_letter: Sequence[int] | NDArray[np.int64] = ()
 
 
 Watch = Callable[[Extent], "StopReason | None"]
@@ -108,7 +113,8 @@ def explore(
             if object_to:
                 stop = object_to(rows) or stop
             if watch and not stop:
-                stop = watch(Extent(depth + 1, len(search.states), search.edges, search.nbytes))
+                sizes = (len(search.states), search.edges, search.nbytes)
+                stop = watch(Extent(depth + 1, *sizes, first, search.by_letter))
         if depth == length:
             return search.result(length, stop)
         depth += 1
@@ -129,6 +135,7 @@ class _BreadthFirst:
         self._degrees: list[NDArray[np.int64]] = []
         self._edges: list[_Edges] = []
         self.edges = 0
+        self.by_letter = np.zeros(len(transition.actions), dtype=np.int64)
         self._twins: list[NDArray[np.bool_]] = []
         self._bytes = 0
         self.cut = False
@@ -171,6 +178,7 @@ class _BreadthFirst:
             self._edges.append(edges)
             self._bytes += edges.nbytes
             self.edges += len(edges.letters)
+            self.by_letter += np.bincount(edges.letters, minlength=len(self.by_letter))
         taken = len(order) * rows.shape[1] * 8 // len(rows) + (len(self._transition.actions) if twins else 0)
         room = ROOM // max(taken, 1)
         self.together = max(FEWEST, min(MOST, 4 * self.together, room))

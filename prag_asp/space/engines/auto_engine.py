@@ -16,6 +16,7 @@ from prag_asp.processes.machine import usual_memory
 from prag_asp.processes.progress_events import Note
 from prag_asp.space.automaton.bounded_count import count_within
 from prag_asp.space.automaton.exploration import Extent
+from prag_asp.space.automaton.outlook import forecast_states
 from prag_asp.space.engines.automaton_engine import AutomatonEngine
 from prag_asp.space.engines.engine import Engine, Letters, Level, Progress
 from prag_asp.space.engines.reachability import Reach, TooManyStates
@@ -34,9 +35,6 @@ PATIENCE = 2.0
 EARLY, SURE = 64, 4
 """A forecast is used once states take 1/`EARLY` of the memory, if it exceeds the memory `SURE` times."""
 
-FAR = 1e18
-"""Number of states at which a forecast stops."""
-
 
 Answer = TypeVar("Answer")
 
@@ -51,8 +49,7 @@ class Growth:
     def hopeless(self, extent: Extent, length: int) -> bool:
         """Return whether exploration is forecast to exceed the memory within `length` steps.
 
-        The forecast assumes that the ratio of the new states of successive steps keeps falling at the same rate,
-        because growth slows down as a space fills up, and that memory is proportional to the number of states.
+        The forecast assumes that memory is proportional to the number of states, see `forecast_states`.
         """
         if self.states and extent.depth < max(self.states):
             self.states.clear()
@@ -68,15 +65,7 @@ class Growth:
         layers = [later - sooner for sooner, later in zip([0, *sizes], sizes, strict=False)]
         if len(layers) < 3 or not (layers[-2] and layers[-3]):
             return extent.nbytes
-        ratio, before = layers[-1] / layers[-2], layers[-2] / layers[-3]
-        falling = min(ratio / before, 1.0)
-        states, layer = float(sizes[-1]), float(layers[-1])
-        for _ in range(length - depths[-1]):
-            ratio *= falling
-            layer *= ratio
-            states += layer
-            if layer < 1 or states > FAR:
-                break
+        states = forecast_states(sizes, length - depths[-1])
         return int(extent.nbytes * max(states / extent.states, 1.0))
 
 

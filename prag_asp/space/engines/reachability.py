@@ -20,6 +20,7 @@ from prag_asp.processes.progress_events import stage
 from prag_asp.program.entity_names import action_name, mentioned_entities
 from prag_asp.space.automaton.automaton import Automaton, Completions, Word, accepts, count_words, words
 from prag_asp.space.automaton.exploration import Exploration, Extent, Watch, explore
+from prag_asp.space.automaton.outlook import Outlook
 from prag_asp.space.automaton.skeletons import skeleton_automaton
 from prag_asp.space.limits import LimitClock
 from prag_asp.space.weights.weights import Weights, weigh, weighing_facts
@@ -204,24 +205,30 @@ class Explorer:
     ) -> tuple[Exploration, Merging | None]:
         if self.merge:
             merging = self._merging(transition, weights)
-            return explore(transition, length, self._watch(length, clock), merging=merging), merging
+            return explore(transition, length, self._watch(transition, length, clock), merging=merging), merging
         object_to = (lambda rows: None if allow(rows).all() else HALT) if allow else None
         shared = None if allow else self._shared_exploration(transition, length, clock, halt)
         if shared is not None:
             return shared, None
         width = transition.initial.shape[1]
         patience = None if self.merge is False else PATIENCE // max(width // WORDS, 1)
-        explored = explore(transition, length, self._watch(length, clock, patience, halt), object_to=object_to)
+        explored = explore(
+            transition, length, self._watch(transition, length, clock, patience, halt), object_to=object_to
+        )
         if explored.stop == SIZE:
             merging = self._merging(transition, weights)
             if merging is not None and prod(factorial(len(group)) for group in merging.groups) < LARGE:
                 explored = explore(
-                    transition, length, self._watch(length, clock, MORE_PATIENCE, halt), object_to=object_to
+                    transition, length, self._watch(transition, length, clock, MORE_PATIENCE, halt), object_to=object_to
                 )
                 if explored.stop != SIZE:
                     return explored, None
             return explore(
-                transition, length, self._watch(length, clock, halt=halt), merging=merging, object_to=object_to
+                transition,
+                length,
+                self._watch(transition, length, clock, halt=halt),
+                merging=merging,
+                object_to=object_to,
             ), merging
         if not explored.stop and explored.automaton.states <= FEW_STATES and len(explored.labels) <= FEW_EDGES:
             _small[transition] = explored
@@ -248,13 +255,24 @@ class Explorer:
         groups = _present(equal_groups(symmetries.innermost, weights), transition)
         return find_merging(transition, groups, symmetries if self.level == "task" else None)
 
-    def _watch(self, length: int, clock: LimitClock, patience: int | None = None, halt: Halt | None = None) -> Watch:
+    def _watch(
+        self,
+        transition: Transition,
+        length: int,
+        clock: LimitClock,
+        patience: int | None = None,
+        halt: Halt | None = None,
+    ) -> Watch:
         """Return the callback that reports progress and stops at the clock, at `patience` edges, or at `halt`."""
+        names = [action_name(action) for action in transition.actions] if self.tell else []
+        outlook = Outlook(self.tell, names, length, transition.initial.shape[1]) if self.tell else None
 
         def watch(extent: Extent) -> StopReason | None:
             if self.tell:
                 memory = f"{extent.nbytes / 10**6:,.0f} MB"
                 self.tell(f"depth {extent.depth}: {extent.states:,} states, {extent.edges:,} edges, {memory}")
+            if outlook:
+                outlook.watch(extent)
             if halt and halt(extent):
                 return HALT
             if patience is None and self.hopeless and self.hopeless(extent, length):
