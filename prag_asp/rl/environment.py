@@ -309,8 +309,7 @@ class TaskEnv(GoalEnv):
 
     @property
     def commanded_openings(self) -> Mapping[str, float]:
-        """The commanded opening of each gripper in metres; without an episode, this and the next one raise
-        QueryError."""
+        """The commanded opening of each gripper in metres; this and the next raise QueryError without an episode."""
         return self._begun_arena.commanded_openings
 
     @property
