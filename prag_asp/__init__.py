@@ -8,7 +8,7 @@
     >>> TaskSpace(load_domain("prag"), length=15).count(by="skeleton", prefix=["approach"])
     191264896
 
-The names below are loaded when they are first used, so that the command starts at once.
+The names below are loaded on first use, so that the command starts fast.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Read archives of arrays, as `numpy.savez` writes them: only those that are expected, and never more than is stated.
+"""Read archives written by `numpy.savez`: only the expected arrays, and no more bytes than their headers state.
 
-An archive of a few kilobytes can hold many gigabytes, and an array can be a pickle, which runs code. So what the
-directory of the archive says is checked before anything is unpacked, each array by its header before it is read, and
-no more is unpacked than was said.
+An archive of a few kilobytes can hold many gigabytes, and an array can be a pickle, which runs code. So the sizes in
+the directory of the archive are checked before anything is unpacked, the header of each array before it is read, and
+no more bytes are unpacked than stated.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 SUFFIX = ".npy"
 LONGEST_HEADER = 10_000
 KINDS = frozenset("biufU")
-"""The kinds of NumPy's numbers and texts: no objects, which are pickles, and no structured types."""
+"""NumPy's kinds of numbers and texts; objects, which are pickles, and structured types are excluded."""
 
 
 class BadArchive(Exception):
@@ -26,12 +26,12 @@ class BadArchive(Exception):
 
 
 def read_arrays(file: BinaryIO, names: Collection[str], at_most: int) -> dict[str, NDArray[Any]]:
-    """Return the arrays of some names that an archive has; `at_most` bounds their bytes together, unpacked.
+    """Return those of the named arrays that an archive has; `at_most` bounds their total size in bytes, unpacked.
 
     Raises:
         OSError: the file cannot be read.
-        BadArchive: the file is not an archive or is truncated, or an array is too large, or holds neither numbers nor
-            texts.
+        BadArchive: the file is not an archive or is truncated, the arrays are too large, or an array holds neither
+            numbers nor texts.
     """
     try:
         with ZipFile(file) as archive:
@@ -45,7 +45,7 @@ def read_arrays(file: BinaryIO, names: Collection[str], at_most: int) -> dict[st
         if error.errno is not None:
             raise
         raise BadArchive("it is another file than a .npz, or was cut off") from None
-    except Exception as error:  # zipfile and NumPy raise errors of many kinds for what is broken
+    except Exception as error:  # zipfile and NumPy raise errors of many kinds for damaged files
         raise BadArchive("it is another file than a .npz, or was cut off") from error
 
 
@@ -70,9 +70,9 @@ def _array(archive: ZipFile, name: str, member: ZipInfo) -> NDArray[Any]:
     """Return an array of an archive.
 
     Raises:
-        BadArchive: the array has another kind or size than its header says.
+        BadArchive: the array holds neither numbers nor valid texts, or its size differs from its header.
     """
-    import numpy as np  # noqa: PLC0415 - whoever imports this module may never read an archive
+    import numpy as np  # noqa: PLC0415 - not every program reads an archive
     from numpy.lib import format as npy  # noqa: PLC0415
 
     with archive.open(member) as file:
@@ -93,6 +93,6 @@ def _array(archive: ZipFile, name: str, member: ZipInfo) -> NDArray[Any]:
     if kind.kind == "U" and kind.itemsize:
         codes = array.view(np.dtype(np.uint32).newbyteorder(kind.byteorder))
         halves = (codes >= 0xD800) & (codes < 0xE000)
-        if (halves | (codes > maxunicode)).any():  # NumPy makes texts of them that crash
+        if (halves | (codes > maxunicode)).any():  # NumPy turns them into texts that crash
             raise BadArchive(f"{name} has characters that there are not")
     return array.reshape(shape, order="F" if by_columns else "C")

@@ -27,19 +27,19 @@ class Atom(NamedTuple):
 
 
 def atom_of(term: clingo.Symbol) -> Atom:
-    """Return a term of clingo as an atom: terms are symbols inside, and atoms where users see them."""
+    """Return a clingo term as an atom: terms are symbols internally, and atoms wherever users see them."""
     return Atom(term.name, tuple(map(str, term.arguments)))
 
 
 def symbol_of(atom: Atom | str) -> clingo.Symbol:
-    """Return an atom that a user gives, or its text, as a term of clingo.
+    """Return an atom given by a user, or its text, as a clingo term.
 
     Raises:
         QueryError: the text is not a ground term, or has a number out of range.
     """
     for _, digits in too_large(STRING.sub(" ", str(atom))):
         raise QueryError(f"{str(atom)!r}: the number {shortened(digits)} is out of range: {TOLD}")
-    import clingo  # noqa: PLC0415 - an atom is a plain value: whoever has only atoms needs no solver
+    import clingo  # noqa: PLC0415 - atoms are plain values, which need no solver
 
     try:
         return clingo.parse_term(str(atom), logger=lambda *_: None)
@@ -84,7 +84,7 @@ def split_terms(text: str) -> list[str]:
 
 
 def split_actions(*texts: str) -> list[str]:
-    """Return the actions that texts hold one after another, separated by blanks or by commas.
+    """Return the actions in some texts, in order; blanks or commas separate them.
 
     Raises:
         QueryError: an action is empty, or its parentheses do not match.
@@ -93,7 +93,7 @@ def split_actions(*texts: str) -> list[str]:
 
 
 def _words(text: str) -> Iterator[str]:
-    """Yield what stands between blanks; those within parentheses, and before one, do not separate."""
+    """Yield the words between blanks; blanks within parentheses or before an opening one do not separate."""
     depth, start = 0, 0
     for position, character in enumerate(text):
         depth += (character == "(") - (character == ")")

@@ -1,4 +1,4 @@
-"""Batches that double in size: the first item comes at once, later ones share the cost of a batch."""
+"""Batches that double in size: the first item comes at once, later items share the cost of a batch."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ Item = TypeVar("Item")
 
 
 def growing_ranges(most: int) -> Iterator[tuple[int, int]]:
-    """Yield the first number and the size of batches of 1, 2, 4, ... numbers, of at most `most` each, without end."""
+    """Yield endlessly the first number and the size of batches of 1, 2, 4, ... numbers, at most `most` each."""
     first, size = 0, 1
     while True:
         yield first, size
@@ -20,9 +20,9 @@ def growing_ranges(most: int) -> Iterator[tuple[int, int]]:
 def growing_batches(
     items: Iterable[Item], most: int | Callable[[Item], int], *, first: int = 1
 ) -> Iterator[list[Item]]:
-    """Yield items in batches of `first`, then twice as many, and so on, of at most `most` each.
+    """Yield items in batches of `first` items, then twice as many, and so on, at most `most` each.
 
-    `most` may depend on the first item of the batch before.
+    `most` may depend on the first item of the previous batch.
     """
     iterator, size = iter(items), first
     while batch := list(islice(iterator, size)):

@@ -4,7 +4,7 @@ PragError
 ├── DomainError        the files of a domain are wrong: every message is ``file:line: what is wrong; what to do``
 ├── QueryError         a request does not fit the domain: unknown action, negative length, invalid weight
 ├── EngineError        an engine cannot handle a domain; the message says why
-│   └── LimitReached   a limit on memory or time was reached; holds what was found until then
+│   └── LimitReached   a limit on memory or time was reached; holds the count reached by then
 ├── SceneError         a scene or a body cannot be built
 ├── MissingError       a required package is not installed; the message says how to install it
 │   ├── PhysicsMissingError
@@ -32,7 +32,7 @@ HEAD = 300
 def plain(text: str) -> str:
     """Return a text as one line without control characters.
 
-    Characters that are not printable, including line ends and marks of text direction, are escaped as in Python.
+    Unprintable characters, including line ends and text direction marks, are escaped as in Python.
     """
     if text.isprintable():
         return text
@@ -69,7 +69,7 @@ class QueryError(PragError):
 
 
 class EngineError(PragError):
-    """An engine cannot express the domain: `what` is wrong, at a `place` (``file:line``) where it is known."""
+    """An engine cannot express the domain: `what` is wrong, at a `place` (``file:line``) if it is known."""
 
     def __init__(self, what: str, *, place: str = "", remedy: str = "") -> None:
         super().__init__(f"{f'{place}: ' if place else ''}{what}{f'; {remedy}' if remedy else ''}")
@@ -79,7 +79,7 @@ class EngineError(PragError):
 
 
 class LimitReached(EngineError):
-    """A limit was reached for a `reason`; there are at least `at_least` of what was counted."""
+    """A limit was reached, given by `reason`; the exact count is at least `at_least`."""
 
     def __init__(self, message: str, at_least: int, reason: StopReason) -> None:
         super().__init__(message)

@@ -1,4 +1,4 @@
-"""The integers of a logic program: those of clingo have 32 bits, and overflow silently."""
+"""The integers of logic programs: clingo's have 32 bits, and overflow silently."""
 
 from __future__ import annotations
 
@@ -6,19 +6,19 @@ import re
 from collections.abc import Iterator
 
 LARGEST = 2**31 - 1
-"""Numbers go from ``-LARGEST`` to this. The one number below has no positive counterpart: dividing it by -1 ends the
-process."""
+"""The largest number; the smallest is ``-LARGEST``. The only smaller 32-bit number has no positive counterpart:
+dividing it by -1 ends the process."""
 
 SPELLED = re.compile(r"(?<![\w'@#])(?:0x[\da-fA-F]+|0o[0-7]+|0b[01]+|\d+)(?![\w'])")
 PLAIN_BITS = 10_000
-"""Bits of a number up to which Python writes it as fast as anything does."""
+"""The number of bits up to which `str` is as fast as any other method."""
 
 PLAIN_DIGITS = 3_000
-"""Digits of a number up to which Python reads and writes it at once, whatever it is told to refuse."""
+"""The number of digits up to which Python converts a number fast, and below its default limit of 4300 digits."""
 
 GROUP = 3
 LONGEST = 40
-"""Digits, in any base, beyond which a number is not even read."""
+"""The maximum number of digits, in any base: a longer number counts as too large without being converted."""
 
 TOLD = f"write numbers from -{LARGEST} to {LARGEST}"
 
@@ -29,7 +29,7 @@ def fits(number: int) -> bool:
 
 
 def too_large(text: str) -> Iterator[tuple[int, str]]:
-    """Yield the numbers in a text without comments and strings that no logic program can hold, with their positions."""
+    """Yield the position and text of each number too large for a program, in a text without comments and strings."""
     for match in SPELLED.finditer(text):
         digits = match[0]
         if len(digits) > LONGEST or not fits(int(digits, 0 if digits[1:2].isalpha() else 10)):
@@ -42,9 +42,9 @@ def shortened(digits: str) -> str:
 
 
 def digits_of(number: int) -> str:
-    """Return the decimal digits of a number, however long: Python's own way takes time quadratic in their number.
+    """Return the decimal digits of a number of any size, for which Python's `str` takes quadratic time.
 
-    The number is cut in halves of bits, which are put together again as decimals, whose products are fast.
+    The bits are split into halves, which are recombined as `decimal` numbers, because these multiply fast.
     """
     if number.bit_length() <= PLAIN_BITS:
         return str(number)
@@ -67,7 +67,7 @@ def digits_of(number: int) -> str:
 
 
 def number_of(digits: str) -> int:
-    """Return the number that decimal digits spell, however many there are: Python itself reads a few thousand.
+    """Return the number that decimal digits spell, however many; Python's `int` accepts only a few thousand.
 
     Raises:
         ValueError: the text has a character that is not a decimal digit.
@@ -84,7 +84,7 @@ def number_of(digits: str) -> int:
 
 
 def grouped(number: int) -> str:
-    """Return the decimal digits of a number, however long, with commas between thousands."""
+    """Return the decimal digits of a number of any size, with commas between thousands."""
     digits = digits_of(number)
     if len(digits) <= PLAIN_DIGITS:
         return f"{number:,}"

@@ -1,9 +1,9 @@
-"""Random bits by their place: the same for a seed on every machine, in requests of any size.
+"""Random bits by position: the same for a seed on every machine, in requests of any size.
 
 The generator is Philox4x64-10 (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011): a published
-function from a key and a counter to four 64-bit words. Draw i owns its own counters, so it needs no draw before it. Raw
-words are taken alone, because NumPy promises the raw stream of a bit generator, but not what its distributions make
-of it (NEP 19); the key is a SHA-256 digest of the seed, so no seeding procedure of NumPy takes part either.
+function from a key and a counter to four 64-bit words. Draw i has its own counters, so it does not need earlier draws.
+Only raw words are used, because NumPy guarantees the raw stream of a bit generator, but not the results of its
+distributions (NEP 19); the key is a SHA-256 digest of the seed, so no seeding procedure of NumPy is involved either.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Words = NDArray[np.uint64]
 
 WORD = 64
 BLOCK = 4
-"""Words that Philox makes of one counter."""
+"""The number of words that Philox generates from one counter."""
 
 
 class Bits(Protocol):
@@ -39,7 +39,7 @@ class Bits(Protocol):
 
 @dataclass(frozen=True)
 class SeededBits:
-    """The random words of a seed; those of another `purpose` are independent of them."""
+    """The random words of a seed; words for different purposes are independent."""
 
     seed: int
     purpose: str = ""
@@ -56,11 +56,11 @@ class SeededBits:
         return drawn[:, :each]
 
     def further(self, draw: int, step: int) -> Iterator[int]:
-        """Yield more words for a step of a draw: those of counters that `words` never reaches."""
+        """Yield more words for a step of a draw, from counters that `words` never reaches."""
         return self._stream(1, draw, step)
 
     def randrange(self, below: int) -> int:
-        """Return a number from 0 to `below` - 1, each with the same probability, exactly."""
+        """Return a number from 0 to `below` - 1, each with exactly the same probability."""
         return uniform_below(below, self._numbers)
 
     @cached_property
@@ -74,7 +74,7 @@ class SeededBits:
 
 
 def uniform_below(below: int, words: Iterator[int]) -> int:
-    """Return a number from 0 to `below` - 1, each with the same probability, exactly (by rejection)."""
+    """Return a number from 0 to `below` - 1, each with exactly the same probability, by rejection."""
     size = below.bit_length()
     while True:
         number = 0

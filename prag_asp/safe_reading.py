@@ -1,4 +1,4 @@
-"""The one place where files are opened to be read: regular ones, of a bounded size, and within their folder.
+"""The only place where files are opened for reading: regular files of a bounded size, within their folder.
 
 An untrusted folder may hold links, pipes, devices and endless files in place of files. A refusal is an `OSError` with
 the reason in `strerror`, as for any file that cannot be read.
@@ -36,13 +36,13 @@ class Refused(OSError):
 def is_inside(path: str | Path, folder: str | Path) -> bool:
     """Return whether a path leads into a folder, or to it, once all links are followed.
 
-    One with a null character leads nowhere.
+    A path with a null character leads nowhere.
     """
     return "\0" not in str(path) and Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder))
 
 
 def read_bytes(path: str | Path, *, within: str | Path | None = None, at_most: int = LARGEST_TEXT) -> bytes:
-    """Return the content of a file; `within` is the folder that it must lie in, None where the user has named the file.
+    """Return the content of a file; `within` is the folder that it must be in, or None if the user named the file.
 
     Raises:
         OSError: the file is missing, unreadable, not a regular file, too large, or outside `within`.
@@ -55,10 +55,10 @@ def read_bytes(path: str | Path, *, within: str | Path | None = None, at_most: i
 
 
 def open_binary(path: str | Path, *, within: str | Path | None = None, at_most: int | None = None) -> BinaryIO:
-    """Open a file to read it; `within` is as in `read_bytes`, and None no limit of its size.
+    """Open a file for reading; `within` is as in `read_bytes`, and its size has no limit if `at_most` is None.
 
-    A pipe without a writer does not keep us waiting, and no device is opened. A pipe that was open before, such as
-    ``<(command)``, is read where the user has named it.
+    A pipe without a writer does not block, and no device is opened. A pipe that was open before, such as
+    ``<(command)``, is read if the user named it.
 
     Raises:
         OSError: the file is missing, unreadable, not a regular file, too large, or outside `within`.
@@ -84,7 +84,7 @@ def open_binary(path: str | Path, *, within: str | Path | None = None, at_most: 
 
 
 def _require_kind(path: str | Path, found: os.stat_result) -> None:
-    """Check that something can be read to its end.
+    """Check that a file can be read to its end.
 
     Raises:
         OSError: the path is a folder, a pipe, a device or a socket.
@@ -121,7 +121,7 @@ def open_text(path: str | Path) -> Iterator[TextIO]:
 
 
 def lines_of(stream: TextIO) -> Iterator[str]:
-    """Yield the lines of a stream; of one that is longer than `LONGEST_LINE`, one character more than that, at once."""
+    """Yield the lines of a stream; end after the first `LONGEST_LINE` + 1 characters of a longer line."""
     while line := stream.readline(LONGEST_LINE + 1):
         yield line
         if len(line) > LONGEST_LINE:

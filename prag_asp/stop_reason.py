@@ -1,4 +1,4 @@
-"""Why work stopped early, as a value. Code compares the values; prose is made where a message is printed."""
+"""The reason why work stopped early, as a value: code compares it, and turns it into prose only to print it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from enum import Enum
 
 
 class StopKind(Enum):
-    """The kinds of reasons: the first three end a question, an engine answers the others with another method."""
+    """The kinds of reasons: the first three end a request; after the others, an engine tries another method."""
 
     TIME = "the time limit"
     MEMORY = "the memory limit"
@@ -34,4 +34,4 @@ class StopReason:
 
 
 LimitCheck = Callable[[], "StopReason | None"]
-"""Returns which limit is reached, or None."""
+"""Returns the limit that is reached, or None."""

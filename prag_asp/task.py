@@ -17,9 +17,9 @@ Value = TypeVar("Value", bound=Hashable)
 
 
 class FrozenDict(dict[Key, Value]):
-    """A dictionary that refuses every change, equals any dictionary with its items, and has a hash.
+    """An immutable, hashable dictionary, which equals any dictionary with the same items.
 
-    It is a `dict` because reading it is then as fast as can be, and a copy of it (``dict(frozen)``) a plain one.
+    It is a subclass of `dict`, so it is read as fast, and a copy of it (``dict(frozen)``) is a plain dictionary.
     """
 
     __slots__ = ("_hash",)
@@ -53,13 +53,13 @@ class FrozenDict(dict[Key, Value]):
 
 @dataclass(frozen=True)
 class Task:
-    """A plan together with what is known of every state that it passes.
+    """A plan with the known facts of every state that it passes through.
 
     `entities` maps each entity that an action or a known fluent names to its class. `states[k]` has the facts that are
-    known after action k+1 and `subgoals[k]` those that this action itself makes true or false, so both are as long as
-    `actions`. `goal` has the facts that must hold at the end. `log_probability` is the natural logarithm of the
-    probability with which the task was drawn, or None where it was not drawn. `constants` are the terms that
-    ``#const``s of the domain were set to, by their names.
+    known after action k+1, and `subgoals[k]` the facts that this action itself makes true or false, so both are as long
+    as `actions`. `goal` has the facts that must hold at the end. `log_probability` is the natural logarithm of the
+    probability with which the task was sampled, or None if it was not sampled. `constants` maps the names of the
+    domain's ``#const``s that were set to their terms.
     """
 
     domain: str

@@ -19,7 +19,7 @@ LISTED = 8
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name that is most similar to another, None if no name is similar."""
+    """Return the known name that is most similar to another, or None if no name is similar."""
     import difflib  # noqa: PLC0415 - slow to import, and most names are right
 
     near = difflib.get_close_matches(name, sorted({*known} - {name}), n=1, cutoff=SIMILAR)
@@ -27,7 +27,7 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
 
 
 def is_misspelt(name: str, known: Iterable[str]) -> bool:
-    """Return whether a name is a misspelling of a known name: similar, and not only by further words or by a number."""
+    """Return whether a name misspells a known name: similar, with equal numbers, and not just more or fewer words."""
     near = nearest(name, known)
     if near is None:
         return False

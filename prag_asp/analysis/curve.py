@@ -1,4 +1,4 @@
-"""Plot the numbers of plans, tasks and skeletons by length, with that of all sequences of names, as in the paper.
+"""Plot the numbers of plans, tasks, skeletons, and all sequences of names, by length, as in the paper.
 
 Counts exceed the range of floats, so their decimal logarithms are plotted, exact to far more digits than a pixel.
 """
@@ -33,7 +33,7 @@ COLORS = ("#0072b2", "#d55e00", "#009e73", "#777777")
 """Colours for colour-blind readers (Okabe and Ito 2008)."""
 
 MARKED = 60
-"""Maximum number of lengths with a marker at each."""
+"""The number of lengths up to which each has a marker."""
 
 STYLE = (
     "body{font:16px sans-serif;max-width:60em;margin:auto;padding:1em}svg{max-width:100%;height:auto}"

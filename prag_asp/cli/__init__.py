@@ -15,13 +15,13 @@ if TYPE_CHECKING:
 __all__ = ["cli", "main"]
 
 GARBAGE = (100_000, 50, 100)
-"""Thresholds of Python's garbage collector, for few runs: a ground program is many small values without cycles."""
+"""Thresholds of Python's garbage collector, for few runs: ground programs are many small values without cycles."""
 
 
 def main() -> None:
     """Run the command, and exit with its code."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # our matrices are small, and each thread takes memory
-    gc.set_threshold(*GARBAGE)  # before the imports, which are a third of a short command
+    gc.set_threshold(*GARBAGE)  # before the imports, which take a third of the time of a short command
     code = 1
     try:
         from prag_asp.cli.exit_control import reopen_closed_streams

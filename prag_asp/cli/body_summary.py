@@ -16,11 +16,11 @@ from prag_asp.scene.scene import BodyModel, Scene, Shape
 from prag_asp.wording import plural
 
 FAR = math.radians(30.0)
-"""A body that tips by more to come to rest was probably meant to stand otherwise: scans lean by a few degrees."""
+"""The tilt in radians from which a body probably rests in an unintended pose: scans lean by a few degrees."""
 
 
 def body_lines(scene: Scene) -> Iterator[str]:
-    """Yield what was read of each body from a file: size, mass, parts, how it rests, its cavity, and its grasps."""
+    """Yield a summary of each body from a file: size, mass, parts, resting pose, cavity and grasps."""
     for shape, entities in _models(scene).items():
         model = shape.model
         assert model is not None
@@ -37,7 +37,7 @@ def body_lines(scene: Scene) -> Iterator[str]:
 
 
 def grasps_text(scene: Scene, entity: str) -> str:
-    """Return in words how many grasps of a body with a model were found, by the direction of the hand."""
+    """Return as text the numbers of grasps found for a body with a model, by the direction of the hand."""
     from prag_asp.physics.grasps.antipodal import SIDEWAYS, SLANTED
     from prag_asp.physics.grasps.body_grasps import body_grasps
     from prag_asp.physics.grasps.pads import ParallelGripper
@@ -50,7 +50,7 @@ def grasps_text(scene: Scene, entity: str) -> str:
 
 
 def solid_containers(domain: Domain, scene: Scene) -> Iterator[Problem]:
-    """Yield a warning for each shape from a file that things may be in by the logic, but that has no cavity."""
+    """Yield a warning for each shape from a file that has no cavity although the logic may put things in it."""
     from prag_asp.physics.predicates import PREDICATES
 
     filled = dict[Shape, list[str]]()

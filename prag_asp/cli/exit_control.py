@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from prag_asp.space.limits import Limits
 
 LONGEST_REPORT = 1000
-"""Bytes of a report: fewer than the 4096 that a pipe takes at once."""
+"""The maximum number of bytes of a report: fewer than the 4096 that a pipe takes atomically."""
 
 STAGE, LIMITS, SIGNALLED, DONE = "stage", "limits", "signalled", "done"
 """The kinds of reports to the supervisor."""
@@ -50,7 +50,7 @@ SIGNALS: dict[int, type[BaseException]] = {
 """The exception that each signal raises in a command. Only the supervisor sends SIGALRM."""
 
 ENDS = {signal.SIGINT: ("interrupted", Exit.INTERRUPTED), signal.SIGTERM: ("terminated", Exit.TERMINATED)}
-"""The line and the exit code of a command that is ended by a signal of the user."""
+"""The line and the exit code of a command that is ended by a signal from the user."""
 
 ERRORS = (Exception, KeyboardInterrupt, LimitStruck)
 """The types of errors that `report_end` accepts."""
@@ -120,7 +120,7 @@ def interrupted() -> bool:
 
 
 def set_limits(seconds: float | None = None, memory: int | None = None) -> None:
-    """Limit the command to seconds since it began, and to bytes of memory of all its processes."""
+    """Limit the seconds since the command began, and the bytes of memory of all its processes together."""
     _state.seconds, _state.memory = seconds or _state.seconds, memory or _state.memory
     _report(LIMITS, f"{_state.seconds or 0} {_state.memory or 0}")
 
@@ -139,7 +139,7 @@ def report_end(error: BaseException) -> int:
     After a signal, any error counts as an interruption, because native code may turn one into the other.
 
     Raises:
-        BaseException: the error itself, if it is a bug of ours.
+        BaseException: the error itself, if it is a bug of this package.
     """
     _ignore_signals()
     lines: tuple[str, ...] = ()
@@ -182,7 +182,7 @@ def finish(code: int) -> None:
 
 
 def while_(stage: str) -> str:
-    """Return `` while STAGE`` for a message, nothing without a stage."""
+    """Return `` while STAGE`` for a message, or nothing without a stage."""
     return f" while {stage}" if stage else ""
 
 

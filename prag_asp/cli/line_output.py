@@ -92,7 +92,7 @@ def _stream(output: str | None) -> Iterator[_StreamWriter]:
 
 @contextmanager
 def recordings_folder(folder: str | None) -> Iterator[Path | None]:
-    """Yield a folder for recordings, which is written atomically; without a name, None.
+    """Yield a folder for recordings, which is written atomically, or None without a name.
 
     Raises:
         OutputError: the folder exists and is not empty, or cannot be written.

@@ -160,7 +160,7 @@ class WeightOptions:
     temperature: str = "1"
 
     def arguments(self, domain: Domain) -> dict[str, Any]:
-        """Return them as arguments for the methods of a task space.
+        """Return the options as arguments for the methods of a task space.
 
         Raises:
             QueryError: an option is not of the form KEY=W.

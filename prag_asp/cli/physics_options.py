@@ -82,7 +82,7 @@ class PhysicsOptions:
             raise QueryError(f"--{error}") from None
 
     def arguments(self) -> dict[str, Any]:
-        """Return them as arguments for functions that validate tasks."""
+        """Return the options as arguments for functions that validate tasks."""
         return {"workers": self.workers, "budget": self.parse_budget(), "demonstrate": self.demonstrate}
 
 
@@ -132,7 +132,7 @@ class CameraOptions:
                 raise QueryError(f"{option} {value} is for demonstrations; add --demonstrate")
 
     def staging(self, *scenes: Scene) -> Staging | None:
-        """Return the staging of demonstrations in some scenes, None if nothing is recorded or randomized.
+        """Return the staging of demonstrations in some scenes, or None if nothing is recorded or randomized.
 
         Raises:
             QueryError: there is no such camera, size, rate, or property to randomize.

@@ -77,7 +77,7 @@ def actions(context: click.Context, parameter: click.Parameter, typed: str) -> I
 
 
 def shares(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
-    """Complete a domain; the names of parts after it are the user's."""
+    """Complete a domain; the user chooses the names of the parts after it."""
     domain, _ = domain_and_others(context.params.get(parameter.name or "") or ())
     return [] if domain and not is_file_name(typed) else domains(context, parameter, typed)
 
@@ -165,7 +165,7 @@ def conditions(context: click.Context, typed: str) -> Iterator[str]:
 
 
 def _domain(context: click.Context) -> Domain:
-    """Load the domain of the command line typed so far; an option without a value leaves it unparsed."""
+    """Load the domain of the command line typed so far, which is unparsed if an option still lacks its value."""
     from prag_asp.domain.load import load_domain
 
     sources, _ = domain_and_others(context.params.get("names") or context.params.get("words") or context.args)

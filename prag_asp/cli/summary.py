@@ -27,9 +27,9 @@ def tally_line(tally: Tally, what: tuple[str, str], limits: str) -> str:
 
 @contextmanager
 def tallied(tally: Tally, line: Callable[[], str]) -> Iterator[None]:
-    """Print a line on stderr at the end, and if anything failed the table of causes.
+    """Print a line on stderr at the end, and, if anything failed, the table of causes.
 
-    This happens also after an interruption, but not after an error of the input.
+    This also happens after an interruption, but not after an error of the input.
     An error after a signal counts as an interruption, because native code may have turned one into the other.
     """
     failed = False

@@ -112,7 +112,7 @@ class _Supervisor:
             # The result is ignored, because it is arbitrary if a stop (Ctrl-Z) interrupts the wait.
             signal.sigtimedwait({signal.SIGCHLD}, POLL)
             sent = signal.sigtimedwait(self._watched, 0)
-            if sent is not None:  # first: the command may have ended because of it already
+            if sent is not None:  # first: the command may already have ended because of it
                 self._pass_on(sent.si_signo)
             ended, status = os.waitpid(self._command, os.WNOHANG)
             self._read_reports()

@@ -39,7 +39,7 @@ class TaskSelection:
 
     @property
     def any(self) -> bool:
-        """Whether tasks are selected; otherwise the whole domain is meant."""
+        """Whether tasks are selected; otherwise the request is for the whole domain."""
         return (self.plan, self.index, self.tasks) != (None, None, None)
 
     def check(self, where: Sequence[str] = ()) -> None:

@@ -27,7 +27,7 @@ def say(text: object) -> None:
 
 def tell_line(text: str) -> None:
     """Print one line on stderr, shortened, with control characters escaped."""
-    import click  # not above: the supervisor imports this module, and a fork copies what is loaded
+    import click  # not above: the supervisor imports this module, and a fork copies all loaded modules
 
     click.echo(one_line(text), err=True)
 

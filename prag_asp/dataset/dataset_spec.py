@@ -1,4 +1,4 @@
-"""The request of a dataset as one value: everything besides the task space that determines its bytes."""
+"""The request for a dataset as one value: everything besides the task space that determines its bytes."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ SHARD = 1000
 """The default number of tasks in a full shard."""
 
 LARGEST_SHARD, MOST_STARTS = 20_000, 1000
-"""Limits on the tasks of a shard and the witnesses of a task: each are in memory at once, some GB at these numbers."""
+"""The maximum number of tasks of a shard and of witnesses of a task: they are in memory together, some GB at most."""
 
 DRAWS_FOR_EACH = 1000
-"""Draws per requested task after which sampling for a part stops, by default."""
+"""The default number of draws per requested task after which sampling for a part stops."""
 
 LARGEST_SEED = 2**63 - 1
 """The largest seed that a column of 64-bit integers holds."""
 
 
 class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
-    """The request of a dataset, as `generate` takes it and dataset.json stores it.
+    """The request for a dataset, as `generate` takes it and dataset.json stores it.
 
     `split` has the exact share of each part. `weights` and `temperature` are exact numbers as text. Without a `budget`,
     physics is not run. `part`, such as ``3/64``, selects every 64th draw from the third on; other machines generate
@@ -88,12 +88,12 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         part: str | None = None,
         **fields: Any,
     ) -> DatasetSpec:
-        """Return the request of a dataset of `tasks` different feasible tasks of a domain, given its `fields`.
+        """Return the request for a dataset of `tasks` different feasible tasks of a domain, given its `fields`.
 
         Tasks are sampled without replacement, by `weights` or those of the domain; lengths occur by their exact shares,
-        or take turns with `evenly`. With `split`, each part gets its share of the tasks, and no two parts have a task
+        or in turn with `evenly`. With `split`, each part gets its share of the tasks, and no two parts have a task
         (with `skeletons`: a skeleton) in common; with `hold_out`, only ``test`` has the tasks held out. A witness is
-        searched from `starts` initial states of each task. With `demonstrate`, the robot performs each task; `staging`
+        sought from `starts` initial states of each task. With `demonstrate`, the robot performs each task; `staging`
         has the cameras that record it and the properties that vary. Without `physics`, the default if the domain has no
         scene, all sampled tasks are accepted. Instructions are in a `language` of the domain, and use some of its
         `phrasings`, such as ``1 of 2``. A shard has at most `shard` tasks. With ``part="3/64"``, only every 64th draw
@@ -159,9 +159,9 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         return ALL if self.part is None else Deal.parse(self.part)
 
     def tasks_of(self, share: Fraction) -> int:
-        """Return the number of tasks of a part with a share, rounded up: a larger request never has fewer.
+        """Return the number of tasks of a part with a share, rounded up: a larger request never yields fewer.
 
-        Each of several machines generates the same number.
+        Each of several machines generates the same number of tasks.
         """
         return ceil(Fraction(ceil(self.tasks * share), self.deal.of))
 

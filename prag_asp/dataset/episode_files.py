@@ -16,12 +16,12 @@ NAME = re.compile(r"(\d{6,})\.npz")
 
 
 def name_of(number: int) -> str:
-    """Return the name of the file for the task of a line, counted from 1."""
+    """Return the name of the file for the task on a line, counted from 1."""
     return f"{number:06d}.npz"
 
 
 def write_episode(folder: Path | None, number: int, demonstration: Demonstration | None) -> str | None:
-    """Write the demonstration, if there is one, of a task into a folder, if there is one; return the file's name.
+    """Write the demonstration of a task into a folder, and return the file's name; if either is None, do nothing.
 
     Raises:
         OutputError: the file cannot be written.

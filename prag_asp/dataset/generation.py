@@ -41,7 +41,7 @@ def generate(
         QueryError: the space is empty, or the request is wrong.
         SceneError: the domain has no scene, or the scene lacks the shape of an entity of a task.
         OutputError: the folder contains something else, or a file cannot be written.
-        NotFound: `max_draws` draws per part, or the whole space, have too few feasible tasks; these are written.
+        NotFound: `max_draws` draws per part, or the whole space, contain too few feasible tasks; these are written.
         WorkerError: workers died repeatedly.
         DatasetsMissingError: pyarrow is not installed.
         RayMissingError: Ray is requested, but not installed.

@@ -20,7 +20,7 @@ from prag_asp.task import FrozenDict, Task
 
 @dataclass(frozen=True)
 class Record:
-    """A task with its verdict and witness as plain values, None without physics.
+    """A task with its verdict and witness as plain values, or None without physics.
 
     `place` is the ``file:line`` of its source.
     """
@@ -72,7 +72,7 @@ def read_tasks(file: str | Path) -> Iterator[Record]:
 
     Raises:
         OSError: the file cannot be read.
-        QueryError: a line is not a record, or not UTF-8; the message names it.
+        QueryError: a line is not a record, or not UTF-8; the message names the line.
     """
     with open_text(file) as stream:
         yield from read_lines(lines_of(stream), str(file))
@@ -98,7 +98,7 @@ def read_lines(lines: Iterable[str], name: str) -> Iterator[Record]:
     """Yield the records of lines of JSON; `name` is the name of the file in errors.
 
     Raises:
-        QueryError: a line is not a record; the message names it.
+        QueryError: a line is not a record; the message names the line.
     """
     for number, line in enumerate(lines, 1):
         if len(line) > LONGEST_LINE:

@@ -35,7 +35,7 @@ class Learned:
 def learn(
     domain: Domain, *, path: Path = Path(LEARNED), progress: Callable[[str], None] = lambda words: None
 ) -> Learned:
-    """Return rules for the facts that physics proves impossible and that the domain does not exclude itself.
+    """Return rules for the facts that physics proves impossible and that the domain does not itself exclude.
 
     An existing learned.lp of the domain is ignored. Messages about the rules name the file `path`.
 

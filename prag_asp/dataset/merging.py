@@ -42,9 +42,9 @@ def merge(
     cluster. The same call resumes an interrupted merge. With `trust`, physics may run Python files of the domain.
 
     Raises:
-        QueryError: a folder is not a part, parts are of different datasets, a part is missing, or a file is damaged.
+        QueryError: a folder is not a part, parts belong to different datasets, a part is missing, or a file is damaged.
         OutputError: the folder contains something else, or a file cannot be written.
-        NotFound: `max_draws` draws per part of the split, or the whole space, have too few feasible tasks.
+        NotFound: `max_draws` draws per part of the split, or the whole space, contain too few feasible tasks.
         PragError: as `generate` does, for the draws validated here.
     """
     require_pyarrow()
@@ -97,7 +97,7 @@ def _in_order(parts: Sequence[Dataset]) -> list[Dataset]:
 
 
 def _difference(part: Manifest, first: Manifest) -> str:
-    """Return what distinguishes the dataset of a part from that of the first one, "" without any difference."""
+    """Return what distinguishes the dataset of a part from that of the first one, or "" without any difference."""
     if part.spec.deal.of != first.spec.deal.of:
         return f"of {part.spec.deal.of} parts, not of {first.spec.deal.of}"
     difference = part.difference(first, ignored="part")

@@ -13,10 +13,10 @@ if TYPE_CHECKING:
 
 @dataclass
 class Tally:
-    """The number of validated tasks, of feasible ones, and of failures by reason.
+    """The numbers of validated tasks, of feasible tasks, and of failures by reason.
 
-    `reasons` counts the tasks that failed by status and reason, `causes` the failed attempts of all tasks. `nearest`
-    says in words how far the best attempts at the first task came that was not found.
+    `reasons` counts the failed tasks by status and reason, `causes` the failed attempts of all tasks. `nearest`
+    describes how far the best attempts got at the first task with the status not_found.
     """
 
     seen: int = 0

@@ -36,10 +36,10 @@ def feasible(
     progress: Callable[[], None] = lambda: None,
     **drawing: Any,
 ) -> Generator[Record, None, None]:
-    """Yield feasible tasks sampled from a space, each with its verdict and its witness, without end.
+    """Yield feasible tasks sampled from a space, each with its verdict and its witness, endlessly.
 
     `scene` is by default the scene of the domain, and `drawing` has options of `TaskSpace.stream`; with
-    ``distinct=True`` (and weights alone), no task is sampled twice, and the iterator ends with the last task. It also
+    ``distinct=True`` (without `over`), no task is sampled twice, and the iterator ends with the last task. It also
     ends after a number of `draws`, feasible or not; `tally` counts all of them, and `progress` is called after each.
     With `demonstrate`, the robot performs each task, and recordings are written into that folder, which is created if
     it is missing; `staging` has the cameras that record the tasks and the properties that vary. The results depend on

@@ -33,7 +33,7 @@ BATCH = 128
 """The maximum number of tasks whose states are computed together, and that are read ahead."""
 
 CheckedRecord = tuple[Record, str]
-"""A record, and the fault of its task, "" if it is valid."""
+"""A record, and the fault of its task, or "" if it is valid."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ def recheck(
 
     Physics searches new witnesses, with an outcome that does not depend on the position of the task; with
     `witness_only` it checks the witnesses in the file. Without a `domain`, each record names its own: a shipped one, or
-    a folder, in the current folder or next to the file (for records, in `folder`); `load` loads it if that needs more.
+    a folder, in the current folder or next to the file (for records, in `folder`); `load` replaces the default loader.
     Tasks have to satisfy the conditions `where`. With `demonstrate`, the robot performs each task, and recordings are
     written into that folder, with the cameras and variations of `staging`. Records are read a little ahead.
 
@@ -115,7 +115,7 @@ def _with_faults(records: Iterable[Record], space: TaskSpace) -> Iterator[Checke
 
 
 def _fault(task: Task, expected: Task) -> str:
-    """Return the fault of a task, "" if it equals the expected one."""
+    """Return the fault of a task, or "" if it equals the expected one."""
     parts = ("entities", "initial", "states", "subgoals", "goal")
     wrong = [
         part.replace("initial", "initial state") for part in parts if getattr(task, part) != getattr(expected, part)
@@ -127,7 +127,7 @@ def _fault(task: Task, expected: Task) -> str:
 def _outcomes(
     records: Iterator[CheckedRecord], scene: Scene, witness_only: bool, options: Mapping[str, Any]
 ) -> Iterator[Outcome]:
-    """Yield the outcome of each task, in order: by a new search for a witness, or by a check of the witness it has."""
+    """Yield the outcome of each task, in order: by a new search for a witness, or by a check of its witness."""
     waiting: deque[tuple[Record, Outcome | None]] = deque()
 
     def jobs() -> Iterator[tuple[int, Any]]:

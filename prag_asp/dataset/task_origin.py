@@ -48,7 +48,7 @@ def named_domain(record: Record, folder: Path) -> str:
 
 
 def foreign(record: Record, domain: Domain) -> str:
-    """Return a message if a record names another domain, "" if it names this one."""
+    """Return a message if a record names another domain, or "" if it names this one."""
     own = record.task.domain
     return (
         "" if own == domain.name else f"the file says that it is of {own!r}, but it is read as one of {domain.name!r}"

@@ -33,7 +33,7 @@ class DomainLogic:
     Everything else works on the unrolled program.
 
     `bare` is the logic of the domain without conditions, for a domain under conditions. Conditions distinguish
-    entities, so renamings have to keep the rules of both.
+    entities, so renamings must preserve the rules of both.
 
     `part_of` is another logic with a superset of the plans; the selection is invariant under the renamings of its
     tasks. Plans are counted up to the renamings of `part_of`, so that the tasks of all parts together are its tasks.
@@ -61,17 +61,17 @@ class DomainLogic:
 
     @cached_property
     def reads(self) -> StepReads:
-        """The predicates that a step reads of the step before."""
+        """The predicates of the previous step that a step reads."""
         from prag_asp.logic.ground.stationary import read_step  # noqa: PLC0415 - counts from a cached automaton need none
 
         return read_step(self.domain.program)
 
     @cached_property
     def ground(self) -> GroundStep:
-        """One step, ground.
+        """One ground step.
 
         Raises:
-            EngineError: a step reads more than the step before it.
+            EngineError: a step reads more than the previous step.
         """
         if self.reads.obstacles:
             raise self.reads.obstacles[0].error()
@@ -94,7 +94,7 @@ class DomainLogic:
         return stratified_step(ground)
 
     def symmetries(self, length: int) -> Symmetries:
-        """Return which entities are interchangeable in plans of a length; in most domains, the length does not matter.
+        """Return which entities are interchangeable in plans of a given length, which is irrelevant in most domains.
 
         Pruned actions count as well: two entities are interchangeable only if the whole program treats them alike.
         """
@@ -111,7 +111,7 @@ class DomainLogic:
         return self._find_symmetries(lambda model: ground_plan(model.program, length, model.reads))
 
     def groups(self, length: int) -> tuple[tuple[clingo.Symbol, ...], ...]:
-        """Return the groups of entities whose members are pairwise interchangeable in plans of a length."""
+        """Return the groups of entities whose members are pairwise interchangeable in plans of a given length."""
         return self.symmetries(length).groups
 
     @cached_property
@@ -138,7 +138,7 @@ class DomainLogic:
         return symmetries if closed is None else alike(closed)
 
     def _closed(self, groups: Collection[Sequence[clingo.Symbol]] = ()) -> DomainLogic | None:
-        """Return the logic with all entailed invariants if more entities than those of `groups` may be alike in it."""
+        """Return the logic with all entailed invariants if entities beyond those of `groups` may be alike in it."""
         from prag_asp.logic.ground.program import closed_program  # noqa: PLC0415 - plans and skeletons need none
         from prag_asp.logic.symmetry.asymmetric_invariants import states_unevenly  # noqa: PLC0415
 
@@ -148,9 +148,9 @@ class DomainLogic:
 
     @cached_property
     def _without_loops(self) -> DomainLogic:
-        """The logic without the rules that forbid loops, which reach back over all steps and treat all entities alike.
+        """The logic without the rules that forbid loops, which read all previous steps and treat all entities alike.
 
-        The unrolled program of a length is no replacement: clingo simplifies it by the initial state.
+        The unrolled program of a given length is not a replacement: clingo simplifies it for the initial state.
         """
         sources, shipped = self.domain.program.sources, data_folder("encodings").joinpath(*LOOP_FREE)
         remaining = tuple(
@@ -188,13 +188,13 @@ class DomainLogic:
         return stratified_step(ground_step(program, self.domain.facts, self._reads(program)))
 
     def _reads(self, program: Program) -> StepReads:
-        """Return the reads of a step of a program, without the facts that the library adds."""
+        """Return what a step of a program reads, ignoring the facts that the library adds."""
         from prag_asp.logic.ground.stationary import read_step  # noqa: PLC0415 - as above
 
         return read_step(Program(tuple(source for source in program.sources if source.path != ADDED)))
 
     def task_program(self, length: int) -> Program:
-        """Return the program whose answer sets are tasks of a length: plans with their entities named in order."""
+        """Return the program whose answer sets are tasks of a given length: plans that name their entities in order."""
         symmetries = self.symmetries(length)
         if not symmetries:
             return self.program
@@ -206,7 +206,7 @@ class DomainLogic:
 
     @cached_property
     def _canonical(self) -> dict[Symmetries, Program]:
-        """The programs of tasks by symmetries."""
+        """The programs of tasks, by symmetries."""
         return {}
 
     def transition(
@@ -214,7 +214,7 @@ class DomainLogic:
     ) -> Transition:
         """Return the step function of plans, or of tasks.
 
-        `weighed` are facts to add together with ``rules/weights.lp``. The edges carry the atoms `labels`.
+        `weighed` are facts to add, together with ``rules/weights.lp``. The edges carry the atoms `labels`.
 
         Raises:
             EngineError: the step is not a function of the state and the action.

@@ -30,7 +30,7 @@ POLL = 0.02
 """Seconds between two attempts to lock a file."""
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-"""The errors of a full disk, an exceeded quota, or a file of the maximal size."""
+"""The errors of a full disk, an exceeded quota, or a file of the maximum size."""
 
 NO_LOCKS = (errno.ENOLCK, errno.ENOTSUP, errno.ENOSYS)
 """The errors of a file system without locks."""
@@ -184,10 +184,10 @@ def open_locked(path: Path, mode: int = EVERYBODY) -> int:
 
 
 def locked(path: Path, open_path: Callable[[], int]) -> int:
-    """Open a path by `open_path` and lock it, once no other run has it locked; return the descriptor.
+    """Open a path by `open_path` and lock it, once no other run holds the lock; return the descriptor.
 
     Raises:
-        OutputError: another run has it locked for longer than `PATIENCE`.
+        OutputError: another run holds the lock for longer than `PATIENCE`.
         OSError: the path cannot be opened.
     """
     until = monotonic() + PATIENCE

@@ -21,7 +21,7 @@ def new_folder(folder: Path) -> Iterator[Path]:
     removed first.
 
     Raises:
-        OutputError: there is such a folder already, another run is writing it, or something cannot be written.
+        OutputError: the folder exists already, another run is writing it, or a file or folder cannot be written.
     """
     if folder.name in ("", ".."):
         raise OutputError(f"{folder}: name a new folder")

@@ -31,7 +31,7 @@ OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
 
 def cache_folder() -> Path | None:
-    """Return the folder of the cache: ``PRAG_ASP_CACHE``, or one in the user's; None if that variable is empty."""
+    """Return the cache folder: ``PRAG_ASP_CACHE``, or one in the user's cache; None if that variable is empty."""
     folder = os.environ.get("PRAG_ASP_CACHE")
     if folder is not None:
         return Path(folder) if folder else None
@@ -42,7 +42,7 @@ def cache_folder() -> Path | None:
 
 
 def read_cached(path: Path, at_most: int) -> bytes | None:
-    """Return the content of a cache file, None if it is missing, damaged, or longer than `at_most` bytes."""
+    """Return the content of a cache file, or None if it is missing, damaged, or longer than `at_most` bytes."""
     try:
         if not _is_ours(path.parent.stat()):
             return None

@@ -16,10 +16,10 @@ from time import monotonic
 from prag_asp.output.atomic_file import open_locked, output_errors, write_at
 
 INTERVAL = 1.0
-"""Seconds between flushes of some milliseconds each: a loss of power loses at most the lines of this time."""
+"""Seconds between flushes, which take some milliseconds each: a loss of power loses at most the lines of this time."""
 
 CHECKSUM = 8
-"""Hexadecimal digits before each line."""
+"""The number of hexadecimal digits of the checksum before each line."""
 
 
 class Journal:

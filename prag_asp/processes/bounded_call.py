@@ -1,6 +1,6 @@
 """Call one function in a separate process with limits on time and memory, for domains from untrusted sources.
 
-The command line has its supervisor for that; this is for Python.
+The command line has its supervisor for that; this module is for Python programs.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ def bounded(
 ) -> Returned:
     """Return the value of a function called in a separate process, which is killed at a limit or when this one ends.
 
-    The function is pickled by its module and name, so it has to stand in a module, not in a script or a notebook; the
-    arguments and the value are pickled, too. The memory is that of the process and all its descendants; None stands for
-    80 % of the machine's.
+    The function is pickled by its module and name, so it must be defined in a module, not in a script or a notebook;
+    the arguments and the value are pickled, too. `memory_bytes` limits the process and all its descendants together;
+    None stands for 80 % of the machine's memory.
 
     Raises:
         LimitReached: the call exceeds a limit, or its process dies, for example by a stack overflow.
-        QueryError: the function cannot be found by a name.
+        QueryError: the function cannot be found by its name.
         Exception: the function raises it.
     """
     if function.__module__ == "__main__" or "<" in function.__qualname__:

@@ -1,6 +1,6 @@
 """A pipe by which the kernel kills a process as soon as the process that holds the other end is gone.
 
-Foreign code may hold the interpreter for hours, so that no Python thread runs; it cannot hold off a signal of the
+Native code may hold the interpreter lock for hours, so that no Python thread runs; it cannot delay a signal from the
 kernel. Systems other than Linux have no such signal: there, the process ends when it next reads from its parent.
 """
 
@@ -11,7 +11,7 @@ import sys
 from signal import SIGKILL
 
 OWN_SIGNAL = 10
-"""Linux's F_SETSIG, which Python names from 3.11 on."""
+"""Linux's F_SETSIG, which Python defines since 3.11."""
 
 
 def held_line() -> tuple[int, int]:
@@ -36,7 +36,7 @@ def hang_on(descriptor: int) -> None:
 
 
 def above_the_standard_ones(descriptor: int) -> int:
-    """Return a descriptor moved above 2: if a standard stream is closed, a new descriptor takes its number."""
+    """Return a descriptor moved above 2: if a standard stream is closed, a new descriptor gets its number."""
     if descriptor > 2:
         return descriptor
     import fcntl  # noqa: PLC0415

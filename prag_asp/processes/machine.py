@@ -8,10 +8,10 @@ import sys
 from math import inf
 
 SHARE = 80
-"""Per cent of the machine's memory that a command may use by default."""
+"""The percentage of the machine's memory that a command may use by default."""
 
 FALLBACK = 4 * 10**9
-"""Bytes that a machine is assumed to have if the system does not report them."""
+"""Bytes of memory that a machine is assumed to have if the system does not report them."""
 
 
 def usual_memory() -> int:
@@ -67,7 +67,7 @@ def memory_in_use() -> int:
 
 
 def processor_time_of(process: int) -> float:
-    """Return the processor seconds of a process with its threads; infinity if it is gone or not reported."""
+    """Return the processor time in seconds of all threads of a process; infinity if it is gone or not reported."""
     try:
         with open(f"/proc/{process}/stat", "rb") as file:  # noqa: PTH123  read twenty times a second
             fields = file.read().rpartition(b")")[2].split()  # after the name, which may have blanks

@@ -8,7 +8,7 @@ Listener = Callable[[str], None]
 
 
 class Note(str):
-    """A message to the user that is shown even where progress is not, such as without a terminal."""
+    """A message to the user that is shown even if progress is not, for example without a terminal."""
 
     __slots__ = ()
 
@@ -25,7 +25,7 @@ def stage(words: str) -> None:
 
 
 def so_far(words: str) -> None:
-    """Report how far the current stage is."""
+    """Report the progress of the current stage."""
     _publish(f"{_now} ({words})" if _now else words)
 
 

@@ -1,7 +1,7 @@
 """Apply a function to numbered items in several worker processes, and yield the results in the order of the items.
 
-This is a pool of our own because `concurrent.futures.ProcessPoolExecutor` cannot replace a worker: one that is killed
-breaks the whole executor, without telling which item it was at. Its processes also hear Ctrl-C, print tracebacks and
+`concurrent.futures.ProcessPoolExecutor` does not suffice, because it cannot replace a worker: a killed worker breaks
+the whole executor, which does not report the item at fault. Its processes also receive Ctrl-C, print tracebacks and
 warnings of the resource tracker when the parent is killed, and cannot be ended in the middle of a task. See `workers`.
 """
 
@@ -19,22 +19,22 @@ from prag_asp.processes.progress_events import stage
 from prag_asp.processes.workers import Worker, WorkerEnded, WorkerGroup, ready_workers
 
 CHUNK = 4
-"""Items that are sent in one message, so that the cost of messages is small beside that of the items."""
+"""Items that are sent in one message, so that messages cost little compared with the work on the items."""
 
 CHUNKS_AHEAD = 3
-"""Chunks that are read from the items for each worker: the items may be endless, or expensive to make."""
+"""Chunks that are read ahead for each worker: the items may be endless, or expensive to generate."""
 
 SENT_AHEAD = 2
-"""Chunks that a worker has at most: the one it works on, and the next, so that it need not wait for it."""
+"""The maximum number of chunks of a worker: the one that it works on, and the next, so that it need not wait."""
 
 REPLACEMENTS = 5
-"""Deaths of workers over the same chunk after which the pool gives up: a task may need more memory than there is."""
+"""Deaths of workers on the same chunk after which the pool gives up: an item may need more memory than there is."""
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 Opener = Callable[[], AbstractContextManager[Callable[[int, Item], Result]]]
-"""Opens what a worker needs (such as a simulator), and gives the function of an index and an item that it runs."""
+"""Opens the resources of a worker (such as a simulator), and yields the function of index and item that it runs."""
 
 
 def map_ordered(
@@ -42,13 +42,13 @@ def map_ordered(
 ) -> Generator[Result, None, None]:
     """Yield the result for each item with its index, in the order of the items, which may be endless.
 
-    One worker runs in this process, more run in processes of their own; then the `opener` and the items are pickled.
-    A killed worker is replaced, and its items are done again. Closing the iterator ends the workers at once. `activity`
-    names what is done, for progress.
+    A single worker runs in this process; several run in separate processes, for which the `opener` and the items are
+    pickled. A killed worker is replaced, and its items are processed again. Closing the iterator ends the workers at
+    once. `activity` describes the work in progress events.
 
     Raises:
-        WorkerError: workers died more than `REPLACEMENTS` times over the same items, or cannot be started.
-        Exception: the opener or the function raised it; the results of the items before come first.
+        WorkerError: workers died more than `REPLACEMENTS` times on the same items, or cannot be started.
+        Exception: the opener or the function raised it; the results of earlier items come first.
     """
     if workers == 1:
         with opener() as function:
@@ -104,7 +104,7 @@ class _Pool(Generic[Item, Result]):
         """Send chunks and receive results; wait for some if the first chunk is still being worked on.
 
         Raises:
-            WorkerError: workers died more than `REPLACEMENTS` times over the same chunk, or cannot be started.
+            WorkerError: workers died more than `REPLACEMENTS` times on the same chunk, or cannot be started.
         """
         for chunk in waiting:
             if not chunk.sent and (worker := self._free_worker()) is not None:
@@ -122,7 +122,7 @@ class _Pool(Generic[Item, Result]):
                 self._sent[worker].popleft()
             except WorkerEnded as ended:
                 self._replace(worker, ended)
-            except Exception as error:  # it ended the worker, and belongs to the chunk that it worked on
+            except Exception as error:  # it ended the worker, and belongs to the worker's first chunk
                 self._sent[worker].popleft().error = error
                 self._release(worker)
 
@@ -136,15 +136,15 @@ class _Pool(Generic[Item, Result]):
         except WorkerEnded as ended:
             raise WorkerError(f"a worker ended {ended}; is there enough memory? Try fewer workers") from None
         self._sent[worker] = deque()
-        with suppress(WorkerEnded):  # sending the first chunk fails with it, too
+        with suppress(WorkerEnded):  # sending the first chunk then fails, too
             worker.send(self._opener)
         return worker
 
     def _replace(self, worker: Worker, ended: WorkerEnded) -> None:
-        """Let other workers do the chunks of one that died.
+        """Return the chunks of a dead worker to the queue.
 
         Raises:
-            WorkerError: too many have died of the same chunk.
+            WorkerError: too many workers have died on the same chunk.
         """
         left = self._release(worker)
         if left:

@@ -1,12 +1,12 @@
 """Worker processes that print nothing, and that end with the process that started them, however that ends.
 
-`multiprocessing` cannot promise that: where its parent is killed, a process that is just being spawned prints a
-traceback about arguments that never came, and the resource tracker beside it warns of semaphores. A worker of this
-module depends on nothing of its parent before it listens. It ignores Ctrl-C, which its parent handles. It ends when its
-connection is closed, and the kernel kills it when its parent is gone, even while foreign code runs in it.
+`multiprocessing` cannot guarantee that: if its parent is killed, a process that is being spawned prints a traceback
+about arguments that never arrived, and its resource tracker warns about semaphores. A worker of this module does not
+depend on its parent before it listens. It ignores Ctrl-C, which its parent handles. It ends when its connection is
+closed, and the kernel kills it when its parent is gone, even while native code runs in it.
 
-A worker runs ``answers(messages)`` of a module: an iterator over the messages that are sent to it becomes one over its
-answers.
+A worker runs ``answers(messages)`` of a module: it takes an iterator over the messages sent to the worker, and returns
+an iterator over the worker's answers.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ class Worker:
         return answer
 
     def _exit(self) -> str:
-        """Return how a worker ended that has closed its connection."""
+        """Return how the worker ended, given that its connection is closed."""
         try:
             code = self.process.wait(timeout=10)
         except subprocess.TimeoutExpired:
@@ -91,10 +91,10 @@ class Worker:
 
 
 class WorkerGroup:
-    """Workers that run a module, as a context: they end with the block, however that ends."""
+    """Workers that run a module, as a context manager: they end with the block, however that ends."""
 
     def __init__(self, module: str, stderr: int | None = None):
-        """Start none yet; `stderr` is the file descriptor of their standard error, by default that of this process."""
+        """Start no worker yet; `stderr` is the file descriptor of their stderr, by default that of this process."""
         self._module, self._stderr = module, stderr
         self._workers: list[Worker] = []
 

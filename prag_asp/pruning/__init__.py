@@ -2,8 +2,8 @@
 
     rejected actions -> rejected composites -> (relaxed rules) -> relaxed reachability, static fluents
 
-An action is *pruned* if every state rejects it: its preconditions and effects are dropped. It is *unreachable* if its
-preconditions are relaxed-unreachable: no step tries it.
+An action is *pruned* if every state rejects it; its preconditions and effects are dropped. It is *unreachable* if its
+preconditions are relaxed-unreachable; no step tries it.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Pruning:
 
     @classmethod
     def none(cls, facts: Facts) -> Pruning:
-        """Return the pruning that leaves all facts, for encodings whose meaning is unknown."""
+        """Return the pruning that keeps all facts, for encodings whose meaning is unknown."""
         return cls(facts, RejectedActions({}, {}), None, None, Unreachable(), is_applied=False)
 
 
@@ -67,7 +67,7 @@ def find_pruning(
     if reach:
         goal = tuple(each for each in remaining.goal if each not in reach.standing)
         never = tuple(action for action in remaining.actions if action not in reach.actions)
-        # If no action is reachable, one of them stands for all.
+        # If no action is reachable, one of them represents all.
         unreachable = Unreachable(never, goal)
         if not reach.actions:
             unreachable = Unreachable((), goal, next(iter(remaining.tried), None))

@@ -26,7 +26,7 @@ ValuedFluent = tuple[clingo.Symbol, str]
 """A fluent with one of its values."""
 
 CONFLICTS = "10000"
-"""The limit of conflicts that clingo spends on the rest of the base part; the relaxed steps need none."""
+"""The limit of conflicts that clingo spends on the rest of the base part; the relaxed steps need no conflicts."""
 
 
 def relaxed_sources(encodings: Path) -> tuple[Source, ...]:
@@ -106,9 +106,9 @@ def find_relaxed_reach(
 
 
 def _exceeds_steps(statement: Statement) -> bool:
-    """Return whether a statement reads which actions are pruned, derives occurring actions, or a state outside a step.
+    """Return whether a statement reads pruned actions, derives occurring actions, or derives a state outside a step.
 
-    A fact of the initial state is no such state.
+    A fact of the initial state does not count.
     """
     if any(atom.signature == PRUNED for atom in statement.body):
         return True

@@ -23,18 +23,18 @@ from prag_asp.program.sources import Program
 from prag_asp.program.syntax import Signature, Statement
 
 STEP = 1_000_000_000
-"""The number of the step that is ground; no domain mentions it."""
+"""The number of the ground step; no domain mentions it."""
 
 STATE_PREDICATES: frozenset[Signature] = frozenset([HOLDS, KNOWN, CHANGED])
 """The predicates of states."""
 
 
 class Rejection(NamedTuple):
-    """The reason of a rejected action: two fluent values that contradict each other, or one that contradicts itself.
+    """The reason for a rejected action: two fluent values that contradict each other, or one that contradicts itself.
 
-    `predicate` and `stated` are the precondition or postcondition to blame. If `needs`, the preconditions contradict
-    each other, otherwise the state after the action. If `static`, `first` is a static value. `makes` is true if the
-    action sets both values, `may_change` if an action that can never occur would change the static value.
+    `predicate` and `stated` are the precondition or postcondition to blame. If `needs`, the preconditions are
+    contradictory, otherwise the state after the action is. If `static`, `first` is a static value. `makes` is true if
+    the action sets both values, `may_change` if an action that can never occur would change the static value.
     """
 
     predicate: str
@@ -57,7 +57,7 @@ class RejectedActions(NamedTuple):
 def find_rejected_actions(
     program: Program, control: clingo.Control, facts: Facts, statements: Sequence[Statement]
 ) -> RejectedActions:
-    """Return the actions that every state rejects; `program` is that of a step without user rules.
+    """Return the actions that every state rejects; `program` is the program of a step without user rules.
 
     User rules of a step may change any fluent: with them, no initial value counts as static.
     """
@@ -90,7 +90,7 @@ class _RejectionSearch:
 
     Actions that are `able` to occur are skipped. Without `frames`, a fluent may change even if no effect sets it.
 
-    A fluent value is a number here, twice the rank of its fluent, plus 1 if it is true: to hash clingo's terms is slow.
+    A fluent value is a number here: twice the rank of its fluent, plus 1 if it is true. Hashing clingo's terms is slow.
     """
 
     def __init__(
@@ -170,7 +170,7 @@ class _RejectionSearch:
         waiting.append(action)
 
     def _conflict(self, codes: Mapping[int, int], others: Mapping[int, int]) -> tuple[FluentValue, FluentValue] | None:
-        """Return two values with contradicting consequences, the first from `others`; None if there are none."""
+        """Return two values with contradictory consequences, the first from `others`; None if there are none."""
         code = next((code for code in codes if code ^ 1 in others), None) if others else None
         return None if code is None else (self._value(others[code ^ 1]), self._value(codes[code]))
 
@@ -178,7 +178,7 @@ class _RejectionSearch:
         return {self._code(fluent, False) // 2 for fluent, _ in self._facts.postconditions.get(action, ())}
 
     def _around(self, action: clingo.Symbol) -> tuple[Mapping[int, int], Mapping[int, int]]:
-        """Return the values before an action and those after it, both with their consequences."""
+        """Return the values before an action and the values after it, both with their consequences."""
         before = starmap(self._code, fluent_values(self._facts.preconditions.get(action, ())))
         effects = [*starmap(self._code, fluent_values(self._facts.postconditions.get(action, ())))]
         changed = self._changed(action)
@@ -222,7 +222,7 @@ def holding(values: Iterable[FluentValue], time: int) -> Iterator[clingo.Symbol]
 
 
 def fluent_values(values: Assignment | list[tuple[clingo.Symbol, str]]) -> list[FluentValue]:
-    """Return the fluents that are true or false, without unknown ones."""
+    """Return the values of fluents, without unknown ones."""
     return [(fluent, value == "true") for fluent, value in values if value in ("true", "false")]
 
 

@@ -25,14 +25,14 @@ KnownValues = frozenset[FluentValue]
 
 
 class StageFailure(NamedTuple):
-    """The reason of a rejected sequence of actions: the index of the action to blame, and the reason as text."""
+    """The reason for a rejected sequence of actions: the index of the action to blame, and the reason as text."""
 
     place: int
     reason: str
 
 
 class RejectedComposites(NamedTuple):
-    """The composites that can never occur, and the reasons of those whose single actions all may occur.
+    """The composites that can never occur, and the reasons for those whose actions can all occur singly.
 
     `none_can_begin` is true if no composite and no free action can begin in the initial state.
     """

@@ -1,4 +1,4 @@
-"""Relax the user rules of a step: rules of the part `reachable` that derive whatever those may ever derive.
+"""Relax the user rules of a step: rules of the part `reachable` that derive all that user rules may derive.
 
 Each rule loses its time and its negated literals. It reads reachable actions and reachable values of fluents (see
 ``encodings/reachable.lp``). By induction over the steps, a user rule sets no fluent to an unreachable value, because
@@ -36,10 +36,10 @@ from prag_asp.pruning.rejected_actions import STATE_PREDICATES
 BOOLEAN = ("true", "false")
 BOTH = "(true;false)"
 COMPUTED = re.compile(r'[-+*/\\&?^~|."]')
-"""The characters of terms that bind no variable."""
+"""The characters that mark terms that bind no variable."""
 
 RELAXED, STRAY = "_may_own_", "_may_stray"
-"""The prefix of relaxed user predicates, and the atom that holds if a rule may assign a value to no fluent."""
+"""The prefix of relaxed user predicates, and the atom that holds if a rule may assign a value to a non-fluent."""
 
 ADDED_LATER: frozenset[Signature] = frozenset(
     [NAME, MENTIONS, SUCCESSOR, JOINT_UNIT, NEXT_UNIT, PRUNED, REQUEST, MEMORY, FINDING, IMPOSSIBLE]
@@ -48,7 +48,7 @@ ADDED_LATER: frozenset[Signature] = frozenset(
 
 
 class FluentSetter(NamedTuple):
-    """A user rule of a step, and a head of it that sets the value of a fluent or leaves it open."""
+    """A user rule of a step, and one of its heads, which sets the value of a fluent or leaves it open."""
 
     rule: Statement
     head: AtomNode
@@ -57,8 +57,8 @@ class FluentSetter(NamedTuple):
 def fluent_setters(steps: Sequence[Statement]) -> list[FluentSetter]:
     """Return the rules of a step that set fluents, without rules for `changed` if other rules set the fluent.
 
-    They do so whenever a rule for `changed` fires if one rule makes the fluent false and has no further literals,
-    except the negation of the only literal of another rule that makes it true.
+    Other rules set the fluent whenever a rule for `changed` fires if one rule makes the fluent false and has no further
+    literals, except the negation of the only literal of another rule that makes it true.
     """
     setting: dict[str, list[tuple[Statement, str, frozenset[str]]]] = {value: [] for value in BOOLEAN}
     for each in steps:
@@ -84,7 +84,7 @@ def fluent_setters(steps: Sequence[Statement]) -> list[FluentSetter]:
 
 
 def _derived(rule: Statement) -> Iterator[AtomNode]:
-    """Yield the atoms that a rule derives; a head with ``not`` derives none."""
+    """Yield the atoms that a rule derives; a head with ``not`` derives no atom."""
     return (atom for atom in rule.heads if not atom.negated)
 
 
@@ -101,8 +101,8 @@ def renamed_literals(term: str, rule: Statement) -> tuple[str, frozenset[str]]:
 class RelaxedRules:
     """Translates the user rules of a step into rules of the part `reachable`, with the predicates that they read.
 
-    Bodies omit a user predicate of a step that cannot be relaxed, and a predicate of the base part that depends on
-    choices: the rules then derive more.
+    Bodies omit user predicates of a step that cannot be relaxed, and predicates of the base part that depend on
+    choices, so that the rules derive more.
     """
 
     def __init__(self, control: clingo.Control, statements: Sequence[Statement], steps: Sequence[Statement]) -> None:
@@ -143,7 +143,7 @@ class RelaxedRules:
         for atom, rule in self._heads:
             if atom.signature in predicates:
                 yield f"{_applied(atom.name, atom.arguments[:-1])} :- {', '.join(self._body(rule)) or '#true'}."
-        if self._infers:  # a fluent that is said to change may take a value that the invariants infer
+        if self._infers:  # a fluent declared to change may take a value that the invariants infer
             yield "_may_hold(G,W) :- _may_hold(F,V), _propagates(F,V,G,W)."
         for number, (rule, head) in enumerate(setters):
             # The declared fluents that the head may set, with their possible values.
@@ -241,7 +241,7 @@ class RelaxedRules:
 
 
 def _following(predicates: Iterable[Signature], rules: Sequence[Statement]) -> frozenset[Signature]:
-    """Return predicates and all others that rules derive from them, directly or indirectly."""
+    """Return predicates and all other predicates that rules derive from them, directly or indirectly."""
     closure = set(predicates)
     while True:
         reading = (each for each in rules if not closure.isdisjoint(atom.signature for atom in each.body))
@@ -257,7 +257,7 @@ def _is_plain(texts: Collection[str], rule: Statement) -> bool:
 
 
 def _read_atom(literal: AST, text: str) -> AtomNode | None:
-    """Return the atom of a literal; one that is not negated may have pools in its arguments."""
+    """Return the atom of a literal; a positive literal may have pools in its arguments."""
     plain = plain_atom(literal, text)
     if plain or literal.ast_type != ASTType.Literal or literal.sign or literal.atom.ast_type != ASTType.SymbolicAtom:
         return plain

@@ -14,7 +14,7 @@ from prag_asp.program.syntax import Statement, below, children_of, with_replaced
 from prag_asp.reduction.applicability import is_stated
 
 STATED = "_stated"
-"""The predicate that wraps facts, with the number of their statement, to ground them; authors cannot use the name."""
+"""The predicate that wraps facts, with the number of their statement, for grounding; authors cannot use the name."""
 
 HOLE = "_"
 
@@ -45,7 +45,7 @@ class AlikeEntities:
 
 
 def find_alike(program: Program, statements: Sequence[Statement]) -> AlikeEntities:
-    """Return the entities that the author's statements treat alike, provided that there is no `objection`.
+    """Return the entities that the author's statements treat alike, given that there is no `objection`.
 
     Raises:
         DomainError: clingo cannot ground one of the facts.

@@ -1,10 +1,9 @@
 """Check the syntactic premises of the small-model reduction.
 
-The author's statements have to treat all entities that they do not name alike, and no rule may depend on an entity
-that its atoms do not name. The allowed fragment is narrow, and the proof, in
-docs/explanations/small_model_reduction.md, uses each restriction: only rules of the base part, plain and stratified, no
-predicates of the encodings except those of the contract, and no order among terms, except to state only one of two
-mirror images of an invariant.
+The author's statements must treat alike all entities that they do not name, and no rule may depend on an entity that
+its atoms do not name. The allowed fragment is narrow, and the proof, in docs/explanations/small_model_reduction.md,
+uses each restriction: only rules of the base part, plain and stratified, no predicates of the encodings except those of
+the contract, and no order among terms, except to state only one of two mirror images of an invariant.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ READ = frozenset([
 ])  # fmt: skip
 """The predicates of the contract that an author's rules may read.
 
-Invariants are not among them, because only one of two mirror images may be stated.
+Invariants are excluded, because only one of two mirror images may be stated.
 """
 
 MIRRORED = frozenset([("exclusive", 2), ("impossible", 2)])
@@ -102,7 +101,7 @@ def _in_base(statement: Statement) -> bool:
 
 
 def _objection_to_form(statement: Statement) -> str | None:
-    """Return a reason unless a rule derives a plain atom from plain literals."""
+    """Return an objection to a rule unless it derives a plain atom from plain literals."""
     head = statement.node.head
     if head.ast_type != ASTType.Literal or head.atom.ast_type not in PLAIN or head.sign != Sign.NoSign:
         return "a choice or an aggregate in a head may see every entity"
@@ -112,7 +111,7 @@ def _objection_to_form(statement: Statement) -> str | None:
             return "an aggregate or a condition may see every entity"
     if statement.scripts:
         return "a function of a script may see every entity"
-    # The minus of a strongly negated atom makes no other name.
+    # The minus of a strongly negated atom does not make another name.
     computed = (
         node
         for literal in (head, *(literal for literal, _ in statement.literals))
@@ -131,7 +130,7 @@ def _turns_around(term: AST) -> bool:
 
 
 def _objection_to_atoms(statement: Statement, reserved: AbstractSet[Signature]) -> str | None:
-    """Return a reason if a rule has a predicate that is not allowed, or distinguishes entities by their order."""
+    """Return an objection if a rule has a forbidden predicate, or distinguishes entities by their order."""
     for atom in statement.heads:
         if atom.name.startswith("-") or atom.signature in reserved:
             return f"{spelled(atom.signature)} is not stated by plain facts"
@@ -182,7 +181,7 @@ def _is_mirrored(statement: Statement, compared: AST) -> bool:
 
 
 def _involutions(names: Sequence[str], fixed: Mapping[str, str]) -> Iterator[dict[str, str]]:
-    """Yield all involutions of some names, each joined with the pairs of `fixed`."""
+    """Yield all involutions of some names, each combined with the pairs of `fixed`."""
     if not names:
         yield dict(fixed)
         return

@@ -1,4 +1,4 @@
-"""The small-model reduction of a domain: the number of entities that plans need, and the program with only these."""
+"""The small-model reduction of a domain: how many entities plans need, and the program with only these entities."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ Representatives = Mapping[clingo.Symbol, clingo.Symbol]
 class EntityBound:
     """The largest numbers of entities of a group that are named together.
 
-    By one action, by one invariant or fluent, by one fluent, and by all facts that one rule reads.
+    They are named by one action, by one invariant or fluent, by one fluent, or by all facts that one rule reads.
     """
 
     action: int
@@ -55,12 +55,12 @@ class EntityBound:
     rule: int
 
     def needed(self, length: int) -> int:
-        """Return the number of entities with which a program has all plans of a length up to renaming."""
+        """Return the number of entities that a program needs to have all plans of a given length up to renaming."""
         return max(length * self.action + self.invariant, self.least)
 
     @property
     def least(self) -> int:
-        """The number of entities with which facts and symmetries are those of the whole program up to renaming."""
+        """The number of entities that a program needs to have the facts and symmetries of the whole up to renaming."""
         return max(self.rule, 2 * self.fluent + self.invariant, self.action + self.invariant)
 
 
@@ -70,7 +70,7 @@ class Reduction:
 
     The smallest program has only as many entities of each group as its facts and symmetries need. `groups` are the
     groups with entities that it does not ground, each with its entry of `bounds`. `checked` is the checked smallest
-    program, `settings` the file of settings.
+    program, `settings` the settings file.
     """
 
     program: Program
@@ -102,12 +102,12 @@ class Reduction:
         return ground_later(ground)
 
     def sizes(self, length: int) -> tuple[int, ...]:
-        """Return the numbers of entities of each group that plans of a length need."""
+        """Return the numbers of entities of each group that plans of a given length need."""
         pairs = zip(self.groups, self.bounds, strict=True)
         return tuple(min(len(group), bound.needed(length)) for group, bound in pairs)
 
     def reduced(self, length: int) -> tuple[Program, Facts] | None:
-        """Return the reduced program for plans of a length and its facts, or None if they need all entities."""
+        """Return the reduced program for plans of a given length, and its facts; None if plans need all entities."""
         representatives = self._representatives(self.sizes(length))
         if not representatives:
             return None
@@ -155,11 +155,11 @@ def find_reduction(program: Program, settings: Source, *, fewest: int = FEWEST) 
     on facts that name few entities together.
 
     Raises:
-        DomainError: something is wrong with the smallest program.
+        DomainError: the smallest program is invalid.
     """
     statements, problems = parse_sources(owned(program))
     encodings = encodings_folder(program)
-    # The number of entities, as far as it is known without grounding: an interval may have any number.
+    # The number of entities, if it is known without grounding: an interval may have any number.
     stated = 0
     for each in statements:
         if each.own and each.is_rule and any(atom.name == "entity" for atom in each.heads):
@@ -188,7 +188,7 @@ def find_reduction(program: Program, settings: Source, *, fewest: int = FEWEST) 
 
 
 def is_large(facts: Facts) -> bool:
-    """Return whether a program is so large that the user gets the reason why it is not reduced."""
+    """Return whether a program is so large that the user is told why it is not reduced."""
     tables = (facts.preconditions, facts.postconditions)
     return sum(len(values) for table in tables for values in table.values()) >= MANY
 
@@ -234,7 +234,7 @@ def _bounds(
         bounds: dict[Group, EntityBound] = {}
         for group in sizes:
             members = set(group)
-            most: dict[Signature, int] = {}  # the largest number of them that one atom names, by predicate
+            most: dict[Signature, int] = {}  # the largest number of entities that one atom names, by predicate
             for each in predicates:
                 atoms = grounder.control.symbolic_atoms.by_signature(*each)
                 most[each] = max((len(named_in(atom.symbol, members)) for atom in atoms), default=0)

@@ -50,7 +50,7 @@ class TaskOrder(Protocol):
         ...
 
     def pick(self, numbers: Iterable[int]) -> Iterator[RankedDraw]:
-        """Yield the tasks of ascending numbers, until there are no more."""
+        """Yield the tasks with the given ascending numbers, until there are no more."""
         ...
 
 
@@ -72,7 +72,7 @@ class UniformOrder:
         return self.order.size
 
     def pick(self, numbers: Iterable[int]) -> Iterator[RankedDraw]:
-        """Yield the tasks of ascending numbers, until there are no more."""
+        """Yield the tasks with the given ascending numbers, until there are no more."""
         size = self.size
         for number in numbers:
             if number >= size:
@@ -111,7 +111,7 @@ class WeightedOrder:
         self.sampling.batches(seed=self.seed)
 
     def pick(self, numbers: Iterable[int]) -> Iterator[RankedDraw]:
-        """Yield the tasks of ascending numbers; all tasks before the last one are sampled on the way."""
+        """Yield the tasks with the given ascending numbers; all tasks before the last one are sampled on the way."""
         requested = iter(numbers)
         following = next(requested, None)
         if following is None:

@@ -1,4 +1,4 @@
-"""The engines of a domain, created lazily, and what its task spaces share: counts, samplers, task builder."""
+"""The engines of a domain, created lazily, and the counts, samplers and task builder that its task spaces share."""
 
 from __future__ import annotations
 

@@ -40,8 +40,8 @@ def why_empty(
 ) -> Reasons | None:
     """Return why a space has no task, or None if it has one.
 
-    With `action`, an action or a name of actions, only tasks that contain it count; with `step`, from 1, only those
-    that have it at that step. A postcondition that is not among the reasons may change its fluent to any value. With
+    With `action`, an action or an action name, only tasks that contain it count; with `step`, from 1, only those that
+    have it at that step. A postcondition that is not among the reasons may change its fluent to any value. With
     `smallest`, the number of lines is minimal.
 
     Raises:
@@ -63,10 +63,10 @@ def why_empty(
 def fewest_changes(
     space: TaskSpace, *, action: str | Atom | None = None, step: int | None = None
 ) -> tuple[tuple[RestrictingLine, ...], ...]:
-    """Return the single lines of the domain whose removal gives an empty space a task; all its conditions stay.
+    """Return the single lines of the domain whose removal makes an empty space nonempty; all its conditions stay.
 
     If no single line suffices, the result is one smallest set of lines; if all lines together do not, it is empty. For
-    a space with a task, it is the empty set of lines alone. For `action` and `step`, see `why_empty`.
+    a nonempty space, its only element is the empty set of lines. For `action` and `step`, see `why_empty`.
 
     Raises:
         QueryError: there is no such action or step.

@@ -19,7 +19,7 @@ def explain(domain: Domain, actions: Sequence[str | Atom]) -> Explanation | None
     """Return why a sequence of actions of any length is not a plan of a domain, or None if it is one.
 
     Raises:
-        QueryError: an item is not an action of the domain, or only the name of several.
+        QueryError: an item is not an action of the domain, or is only the name of several actions.
         EngineError: the domain cannot be translated to clauses.
     """
     return reasons_against(DomainLogic(domain).whole, parse_plan(actions, domain.facts))

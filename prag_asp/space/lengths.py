@@ -15,7 +15,7 @@ MOST_LENGTHS = 1_000_000
 
 
 def parse_lengths(length: int | str | Iterable[int]) -> tuple[int, ...]:
-    """Return the lengths that a value states, in its order.
+    """Return the lengths that a value specifies, in its order.
 
     Raises:
         QueryError: there is no length, a length is not a whole number of at least 0, or a length is repeated.
@@ -42,7 +42,7 @@ def parse_range(
     Errors begin with `what`; `remedy` says how to write lengths.
 
     Raises:
-        QueryError: the text is neither, or a length is above `longest`.
+        QueryError: the text is neither a length nor a range, or a length is above `longest`.
     """
     match = RANGE.fullmatch(text.strip())
     if match is None:
@@ -60,7 +60,7 @@ def parse_range(
 
 
 def checked_length(length: object) -> int:
-    """Return a length.
+    """Return a valid length.
 
     Raises:
         QueryError: the length is not a whole number of at least 0.
@@ -73,7 +73,7 @@ def checked_length(length: object) -> int:
 
 
 def spelled_lengths(lengths: tuple[int, ...]) -> str:
-    """Return lengths as a text, ``2..4`` where they are consecutive."""
+    """Return lengths as a text, such as ``2..4`` if they are consecutive."""
     if len(lengths) > 1 and lengths == tuple(range(lengths[0], lengths[0] + len(lengths))):
         return f"{lengths[0]}..{lengths[-1]}"
     return ", ".join(map(str, lengths))

@@ -27,8 +27,8 @@ class Limits:
     """The limits of a query: memory of the whole process in bytes, and seconds; None means unlimited.
 
     They are checked between steps in Python; clingo's grounder, for example, does not check them. With `cached`,
-    expensive results are cached for the next run. `since` is the common start of all queries on the monotonic clock;
-    with None, each query has its own start.
+    expensive results are cached for the next run. `since` is the common start of all queries on the monotonic clock; if
+    it is None, each query has its own start.
     """
 
     memory_bytes: int | None = None
@@ -46,7 +46,7 @@ UNLIMITED = Limits()
 
 @dataclass(frozen=True)
 class LimitClock:
-    """The limits of a query, and when it began on the monotonic clock; `closing` seconds are added for its end."""
+    """The limits of a query, and its start on the monotonic clock; `closing` seconds are added for its end."""
 
     limits: Limits
     begun: float
@@ -116,7 +116,7 @@ def parse_memory(text: str) -> int:
     """Return a number of bytes given as 500MB, 4GB, 2GiB or a plain number.
 
     Raises:
-        QueryError: the text is no such quantity.
+        QueryError: the text is not such a quantity.
     """
     number, unit = _quantity(text)
     factor = {**UNITS, **BINARY}.get(unit.removesuffix("b"))
@@ -129,7 +129,7 @@ def parse_time(text: str) -> float:
     """Return a number of seconds given as 60, 60s, 1.5m or 2h.
 
     Raises:
-        QueryError: the text is no such quantity.
+        QueryError: the text is not such a quantity.
     """
     number, unit = _quantity(text)
     factor = DURATIONS.get(unit)

@@ -46,7 +46,7 @@ class ReducedCounter:
     _models: dict[tuple[int, ...], ReducedModel] = field(default_factory=dict)
 
     def count(self, by: Level, length: int, prefix: Letters = ()) -> int | None:
-        """Return the number of words of a length, or None if the reduction does not apply.
+        """Return the number of words of a given length, or None if the reduction does not apply.
 
         Raises:
             LimitReached: a limit ended the count; the error has the number of words counted so far.
@@ -75,7 +75,7 @@ class ReducedCounter:
 
 @dataclass
 class ReducedModel:
-    """The logic of the reduced program, and the `groups` of entities of the whole one; `name` names the engine."""
+    """The logic of the reduced program, and the `groups` of entities of the whole program; `name` names the engine."""
 
     model: DomainLogic
     groups: Sequence[Group]
@@ -107,8 +107,8 @@ class ReducedModel:
     def whole_sizes(self) -> tuple[int, ...] | None:
         """The size of each group of interchangeable entities in the whole program; None without a valid reduction.
 
-        There is none if entities of a group are not all interchangeable, or if units are interchangeable in only
-        one of the reduced and the whole program.
+        The reduction is invalid if entities of a group are not all interchangeable, or if units are interchangeable in
+        only one of the reduced and the whole program.
         """
         sizes = list(map(len, self.alike))
         for group in self.groups:
@@ -135,7 +135,7 @@ class ReducedModel:
         )
 
     def explored_plans(self, length: int, prefix: Letters) -> int:
-        """Return the number of plans of a length from the sum of their weights."""
+        """Return the number of plans of a given length from the sum of their weights."""
         facts = self.model.domain.facts
         ground = [[entity for entity in group if entity in facts.entities] for group in self.groups]
         bits = (len(facts.tried) ** length + 1).bit_length()
@@ -161,7 +161,7 @@ class ReducedModel:
         return _renamed(weight, [*zip(pairs, places, strict=False)])
 
     def listed_plans(self, length: int, prefix: Letters) -> int:
-        """Return the number of plans of a length: enumerate the tasks and count the renamings of each."""
+        """Return the number of plans of a given length: enumerate the tasks and count the renamings of each."""
         actions = {str(action): action for action in self.model.domain.facts.actions}
         members, plans = self.model.symmetries(0).entities, 0
         try:
@@ -182,7 +182,7 @@ class ReducedModel:
 def _renamed(weight: int, groups: Sequence[tuple[tuple[int, int], int]]) -> int:
     """Return the number of plans of the whole program, given the weighted count of the reduced one.
 
-    Each group has its size in the whole and in the reduced program, and the number of bits of a digit.
+    Each group is given by its size in the whole and in the reduced program, and its number of bits per digit.
     """
     if not groups:
         return weight

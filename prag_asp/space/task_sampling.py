@@ -56,7 +56,7 @@ class TaskSampling:
         """Return draws as texts with their exact probability, endlessly.
 
         Raises:
-            QueryError: as `batches` does.
+            QueryError: there is nothing to sample, or goals are to be sampled first over several lengths.
         """
         return chain.from_iterable(self.batches(seed=seed))
 
@@ -73,7 +73,7 @@ class TaskSampling:
         return self.sampler().sample(SeededBits(seed), first, count, with_probabilities=False).letters
 
     def sampler(self, length: int | None = None) -> Sampler:
-        """Return the sampler of a length, by default the only one; the latest sampler is cached.
+        """Return the sampler of a given length, by default the only one; the latest sampler is cached.
 
         Raises:
             QueryError: there is nothing to sample.

@@ -45,12 +45,12 @@ GivenWeights = Mapping[str, Number] | Weights | None
 class TaskSpace:
     """All tasks of a domain with a given number of actions: counted, enumerated, tested and sampled exactly.
 
-    `length` is that number, several numbers (``range(3, 7)``), or a text (``"3..6"``). `engine` is ``automaton``,
+    `length` is this number, several numbers (``range(3, 7)``), or a text (``"3..6"``). `engine` is ``automaton``,
     ``clingo``, ``sat``, ``sharp``, ``symbolic`` or ``auto``; `limits` bound the time and memory of each query. Ranks,
     statistics, splits and estimates need a single length. There is no ``len()`` because counts exceed its range.
 
     Raises:
-        QueryError: a length is negative or not a whole number, there is no length, or no such engine.
+        QueryError: a length is negative or not a whole number, there is no length, or there is no such engine.
         EngineError: the engine cannot express the domain; the first query raises it.
     """
 
@@ -71,7 +71,7 @@ class TaskSpace:
         self.condition = Condition()
         self._part_of: TaskSpace | None = None
         self._longest: int | None = None
-        """The largest length of the engines, None if they answer for all lengths."""
+        """The largest length of the engines, or None if they answer for all lengths."""
 
     def __copy__(self) -> TaskSpace:
         space = object.__new__(type(self))
@@ -79,7 +79,7 @@ class TaskSpace:
         return space
 
     def __getstate__(self) -> tuple[Any, ...]:
-        """Return what to pickle; the copy recomputes its results and reports no progress."""
+        """Return the state to pickle; the copy recomputes its results and reports no progress."""
         engines = self.engines
         return self.domain, self.lengths, engines.name, engines.limits, self.condition, self._part_of
 
@@ -117,7 +117,7 @@ class TaskSpace:
         return f"TaskSpace({self.domain.label!r}, length={length!r}){where}"
 
     def at(self, length: int) -> TaskSpace:
-        """Return the space of a single length, in this space or not, with the same conditions and engines."""
+        """Return the space of a single length, which this space need not have, with the same conditions and engines."""
         space = copy(self)
         space.lengths = (checked_length(length),)
         if self._longest is not None and length > self._longest:
@@ -173,12 +173,12 @@ class TaskSpace:
 
         Raises:
             QueryError: there is no such level, or the prefix names no action of the domain.
-            LimitReached: a limit ended the count of a length; the error has the number counted for that length.
+            LimitReached: a limit ended the count of a given length; the error has the number counted for that length.
         """
         return sum(self.engines.count(by, length, first) for length, first in self._prefixes(by, prefix))
 
     def _prefixes(self, by: Level, prefix: Prefix) -> list[tuple[int, Letters]]:
-        """Return each length with a prefix as its engine takes it."""
+        """Return each length with a prefix in the form that its engine expects."""
         checked_level(by)
         model = self.engines.model
         return [(length, engine_prefix(prefix, by, length, self.domain, model)) for length in self.lengths]
@@ -228,7 +228,7 @@ class TaskSpace:
     @overload
     def __getitem__(self, rank: slice) -> RankedTasks: ...
     def __getitem__(self, rank: int | slice) -> Task | RankedTasks:
-        """Return the task of a rank, or a lazy range; tasks are in lexicographic order, actions in clingo's order.
+        """Return the task with a rank, or a lazy range; tasks are in lexicographic order, actions in clingo's order.
 
         Raises:
             IndexError: the rank is out of range; negative ranks count from the end.
@@ -239,7 +239,7 @@ class TaskSpace:
         return RankedTasks(RankRange(range(self.count())), self)[rank]
 
     def plan_at(self, rank: int) -> tuple[str, ...]:
-        """Return the plan of the task of a rank from 0 to ``count() - 1`` as the texts of its actions."""
+        """Return the plan of the task with a given rank, from 0 to ``count() - 1``, as the texts of its actions."""
         return WordSet(self.engines, "task", self.length).word(rank)
 
     def index(self, task: Task | Sequence[str | Atom]) -> int:
@@ -288,13 +288,13 @@ class TaskSpace:
     ) -> list[Task]:
         """Return random tasks with probabilities exactly proportional to their weights.
 
-        `weights` maps action names, pairs (``grasp>move``), entities and classes to exact numbers; None takes those
-        of the domain, and an empty mapping samples uniformly. A task's weight is a product over its actions, so among
-        several lengths weights above 1 favour long tasks. At `temperature` T each weight w becomes about w^(1/T);
-        ``"inf"`` makes all weights equal. With ``over="skeletons"`` (or ``"goals"``, at one length), a skeleton (or
-        the known part of a final state) is sampled uniformly, and then one of its tasks by weight. With
-        ``by="plan"``, plans are sampled instead of tasks. Samples are independent; with `distinct`, they are drawn
-        without replacement.
+        `weights` maps action names, pairs (``grasp>move``), entities and classes to exact numbers; None takes the
+        weights of the domain, and an empty mapping samples uniformly. A task's weight is a product over its actions, so
+        among several lengths weights above 1 favour long tasks. At `temperature` T each weight w becomes about w^(1/T);
+        ``"inf"`` makes all weights equal. With ``over="skeletons"`` (or ``"goals"``, at one length), a skeleton (or the
+        known part of a final state) is sampled uniformly, and then one of its tasks by weight. With ``by="plan"``,
+        plans are sampled instead of tasks. Samples are independent; with `distinct`, they are drawn without
+        replacement.
 
         Raises:
             QueryError: there is nothing to sample, fewer distinct tasks than `count`, or a weight matches nothing.
@@ -387,7 +387,7 @@ class TaskSpace:
     def split_skeletons(self, shares: Mapping[str, Number | float], *, seed: int = 0) -> dict[str, TaskSpace]:
         """Return disjoint random parts that share no skeleton, each a task space of this length.
 
-        Their shares of the tasks are within two percentage points of the requested ones. Where whole skeletons do not
+        Their shares of the tasks are within two percentage points of the requested ones. If whole skeletons do not
         allow that, the parts have the nearest shares that the search finds, with a `SharesWarning`.
 
         Raises:
@@ -414,7 +414,7 @@ class TaskSpace:
         symmetries of this space, even if more entities are interchangeable within a part.
 
         Raises:
-            QueryError: there is nothing of that name, or the entity is interchangeable with one that training shows.
+            QueryError: there is nothing with that name, or the entity is interchangeable with one that training shows.
         """
         from prag_asp.space.parts.shares import held_out
 

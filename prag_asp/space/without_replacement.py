@@ -44,7 +44,7 @@ class DealtOrder:
         return self.deal.share(self.order.size)
 
     def pick(self, numbers: Iterable[int]) -> Iterator[RankedDraw]:
-        """Yield the tasks of ascending numbers, until there are no more."""
+        """Yield the tasks with the given ascending numbers, until there are no more."""
         return self.order.pick(map(self.deal.whole, numbers))
 
 
@@ -60,7 +60,7 @@ class Division:
     def parse(
         cls, shares: Mapping[str, Number | float] | None, *, skeletons: bool = False, hold_out: str | None = None
     ) -> Division:
-        """Return the division with some shares: one part by default, or with `hold_out` 4/5 for training.
+        """Return the division with some shares: by default one part, or 4/5 for training with `hold_out`.
 
         Raises:
             QueryError: the shares do not add up to 1, or do not fit the other options.
@@ -103,7 +103,7 @@ class SpacePart:
         return False
 
     def word(self, number: int) -> tuple[str, ...]:
-        """Return the task of a number from 0 to size - 1 as the texts of its actions."""
+        """Return the task with a given number, from 0 to size - 1, as the texts of its actions."""
         place, rank = self.order[number]
         return self.sets[place].word(rank)
 
@@ -135,7 +135,7 @@ def ordered_parts(
     several workers.
 
     Raises:
-        QueryError: a part is empty, there is nothing to sample, or weights are given `evenly`.
+        QueryError: a part is empty, there is nothing to sample, or weights are combined with `evenly`.
     """
     sampling = space.sampling(weights=weights)
     whole = nonempty_sets(sampling)

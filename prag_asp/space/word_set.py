@@ -30,7 +30,7 @@ class WordSet:
         return self.engines.count(self.by, self.length)
 
     def word(self, rank: int) -> Letters:
-        """Return the word of a rank from 0 to ``count() - 1``."""
+        """Return the word with a given rank, from 0 to ``count() - 1``."""
         return self.engine.unrank(self.length, rank)
 
     def rank(self, word: Letters) -> int | None:

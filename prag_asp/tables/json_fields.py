@@ -22,7 +22,7 @@ Number = Annotated[float, msgspec.Meta(ge=-sys.float_info.max, le=sys.float_info
 """A finite number."""
 
 Whole = Annotated[int, msgspec.Meta(ge=0)]
-"""A whole number from 0."""
+"""A whole number of at least 0."""
 
 WORDS: Mapping[str, str] = {
     "array": "a list",
@@ -59,7 +59,7 @@ def decoded(text: str) -> Any:
 
 
 def read(data: object, kind: type[Kind], name: str) -> Kind:
-    """Return a JSON value as a type that msgspec supports; paths begin with its `name`, which may be empty.
+    """Return a JSON value converted to a type that msgspec supports; paths begin with its `name`, which may be empty.
 
     Raises:
         QueryError: the value is of another type; the message has the path to the wrong field.
@@ -72,7 +72,7 @@ def read(data: object, kind: type[Kind], name: str) -> Kind:
 
 
 def read_entry(entry: TableEntry, kind: type[Kind]) -> Kind | None:
-    """Return the value of an entry as a type that msgspec supports; for another type, report it and return None."""
+    """Return an entry's value converted to a type that msgspec supports; report any other value, and return None."""
     try:
         return msgspec.convert(entry.value, kind)
     except msgspec.ValidationError as error:
@@ -82,7 +82,7 @@ def read_entry(entry: TableEntry, kind: type[Kind]) -> Kind | None:
 
 
 def _problem(data: object, kind: type[object], message: str) -> TableProblem:
-    """Return the error of msgspec about a value as a problem, whose keys begin at the value."""
+    """Return msgspec's error about a value as a problem, whose keys begin at the value."""
     what, _, place = message.partition(" - at ")
     keys = _keys(data, kind, message, re.findall(r"\.(\w+)|\[(\d+|\.\.\.)\]", place))
     missing = re.fullmatch(r"Object missing required field `(\w+)`", what)
@@ -134,7 +134,7 @@ def _needed(what: str) -> str:
 def _keys(data: Any, kind: type[object], message: str, steps: Sequence[tuple[str, str]]) -> Keys:
     """Return the keys that lead from a value to the wrong value in it.
 
-    msgspec writes ``[...]`` for the key of a mapping: it is the key that alone leads to the same message.
+    msgspec writes ``[...]`` for the key of a mapping; a mapping with the wrong entry alone leads to the same message.
     """
     keys: Keys = ()
     for name, number in steps:
@@ -148,7 +148,7 @@ def _keys(data: Any, kind: type[object], message: str, steps: Sequence[tuple[str
 
 
 def _message(data: object, kind: type[object]) -> str:
-    """Return the message of msgspec about a value, "" if it is of the type."""
+    """Return msgspec's message about a value, or "" if it has the type."""
     try:
         msgspec.convert(data, kind)
     except msgspec.ValidationError as error:

@@ -107,12 +107,12 @@ class TableEntry:
         )
 
     def entries(self) -> Iterator[tuple[str, TableEntry]]:
-        """Yield the name and the entry of each key of a table, nothing if the value is not a table."""
+        """Yield the name and the entry of each key of a table, or nothing if the value is not a table."""
         for name in self.value if isinstance(self.value, Mapping) else ():
             yield name, self.at(name)
 
     def items(self) -> Iterator[TableEntry]:
-        """Yield the entry of each item of a list, nothing if the value is not a list."""
+        """Yield the entry of each item of a list, or nothing if the value is not a list."""
         for place in range(len(self.value)) if isinstance(self.value, list) else ():
             yield self.at(place)
 
@@ -126,7 +126,7 @@ class TableEntry:
         self.report.add(self.keys, text, warning)
 
     def needs(self, what: str) -> None:
-        """Report that the value is missing, or is not `what` it has to be."""
+        """Report that the value is missing or wrong; `what` describes a correct one."""
         self.add(f"missing; write {what}" if self.missing else f"needs {what}; got {shown(self.value)}")
 
     def is_table(self, example: str, known: Collection[str] | None = None) -> bool:
@@ -139,7 +139,7 @@ class TableEntry:
         return True
 
     def section(self, key: str) -> TableEntry:
-        """Return the table of a key, an empty one if it is missing or no table."""
+        """Return the table of a key, or an empty one if it is missing or not a table."""
         entry = self.at(key, {})
         return entry if entry.is_table("") else TableEntry(self.report, entry.keys, {})
 
@@ -167,7 +167,7 @@ class TableEntry:
         return None
 
     def numbers(self, count: int, what: str, low: float = -LARGEST, high: float = LARGEST) -> tuple[float, ...] | None:
-        """Return `count` numbers within limits; report any other value, as not being `what`, and return None."""
+        """Return `count` numbers within limits; report any other value as not `what`, and return None."""
         value = self.value
         listed = isinstance(value, list) and len(value) == count
         if listed and all(is_number(each) and low <= each <= high for each in value):

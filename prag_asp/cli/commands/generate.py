@@ -174,7 +174,7 @@ def warnings_as_lines() -> Iterator[None]:
 
 
 def print_existing(output: str) -> None:
-    """Print how many tasks an existing dataset has, and whether it is complete."""
+    """Print the number of tasks of an existing dataset, and whether it is complete."""
     from prag_asp.dataset.store.manifest import DATASET
 
     manifest = DATASET.read(Path(output))

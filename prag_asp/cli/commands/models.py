@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ProgramOptions:
-    """The program that a command line gives, and how its answer sets are counted."""
+    """The program given on a command line, and the options for counting its answer sets."""
 
     files: tuple[str, ...]
     constants: tuple[str, ...]
@@ -244,7 +244,7 @@ def _say_all(found: AnswerSets, listed: Iterator[AnswerSet], form: str) -> None:
 
 
 def _document(found: AnswerSets, fields: Mapping[str, str]) -> str:
-    """Return a JSON object of an optimum and some fields, whose values are JSON already: numbers may be of any size."""
+    """Return a JSON object of the optimum and some fields, given as JSON because numbers may have any size."""
     if found.optimum is not None:
         values = [{"priority": priority, "value": value} for priority, value in found.optimum.values]
         fields = {"optimum": json.dumps(values), **fields}
@@ -253,7 +253,7 @@ def _document(found: AnswerSets, fields: Mapping[str, str]) -> str:
 
 
 def _facet_object(facet: Facet) -> str:
-    """Return the share of an atom, and what choosing and excluding it leaves, as JSON."""
+    """Return the share of an atom, and the numbers left after choosing or excluding it, as JSON."""
     objects = [
         f'{{"answer_sets": {digits_of(each.answer_sets)}, "facets": {each.facets}, '
         f'"of_answer_sets": "{_spelled(each.of_answer_sets)}", "of_facets": "{_spelled(each.of_facets)}"}}'
@@ -266,13 +266,13 @@ def _facet_object(facet: Facet) -> str:
 
 
 def _cells(facet: Facet) -> list[str]:
-    """Return the cells of an atom in the table of facets after its share."""
+    """Return the cells after the share in an atom's row of the table of facets."""
     both = (facet.chosen, facet.excluded)
     shrunk = [each and (each.of_answer_sets, each.of_facets) for each in both]
     return [_spelled(each[place]) if each else "-" for place in (0, 1) for each in shrunk]
 
 
 def _spelled(number: Fraction) -> str:
-    """Return a fraction in digits, of any number."""
+    """Return a fraction in decimal digits, however many."""
     over = digits_of(number.numerator)
     return over if number.denominator == 1 else f"{over}/{digits_of(number.denominator)}"

@@ -194,7 +194,7 @@ class _Renderer:
         save_picture(image, path, optimize=True)
 
     def _shown(self, record: Record, number: int, scene: Scene) -> Witness | Demonstration:
-        """Return the episode of a task if there is a folder of them, otherwise its witness."""
+        """Return the episode of a task if there is a folder of episodes, otherwise its witness."""
         from prag_asp.physics import Demonstration, check_demonstration, check_witness, validate_task
 
         if self.recordings is not None:

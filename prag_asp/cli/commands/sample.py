@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from prag_asp.space.task_space import TaskSpace
 
 DRAWS_PER_TASK = 1000
-"""Sampled tasks after which `sample` gives up, for each feasible task to find."""
+"""The number of sampled tasks per requested feasible task after which `sample` gives up."""
 
 
 @click.command()
@@ -116,7 +116,7 @@ def _write_feasible(
     space: TaskSpace, drawing: Mapping[str, Any], requested_count: int, validation: PhysicsOptions, output: str | None,
     line: Callable[[Record], str], tell: Tell,
 ) -> None:  # fmt: skip
-    """Write the feasible ones of sampled tasks; `drawing` are arguments of `feasible`.
+    """Write the feasible tasks among the sampled ones; `drawing` has arguments of `feasible`.
 
     Raises:
         NotFound: physics finds fewer feasible tasks than were requested.
@@ -145,9 +145,9 @@ def _write_feasible(
 
 
 def _remedy(tally: Tally) -> str:
-    """Return what to do where a number of draws has too few feasible tasks.
+    """Return the remedy if a number of draws has too few feasible tasks.
 
-    More draws help where some tasks are feasible, and a larger budget where none was found; neither helps against
+    More draws help if some tasks are feasible, and a larger budget may help if none was found; neither helps against
     proofs.
     """
     if tally.passed:

@@ -22,7 +22,7 @@ DIGITS = 6
 """Decimal places of shares and expected numbers in text."""
 
 WIDEST = 40
-"""Characters up to which a whole number is printed in full in text."""
+"""The maximum number of characters of a whole number that is printed in full as text."""
 
 
 @click.command()
@@ -109,7 +109,7 @@ def _text(found: Statistics) -> Iterator[str]:
 
 
 def _decimal(share: Fraction) -> str:
-    """Return a fraction with its decimals, the last one rounded half to even."""
+    """Return a fraction as a decimal number, its last digit rounded half to even."""
     whole = round(share * 10**DIGITS)
     return f"{whole // 10**DIGITS}.{whole % 10**DIGITS:0{DIGITS}d}"
 

@@ -88,7 +88,7 @@ def _described(found: Task, space: TaskSpace) -> list[str]:
 
 
 def _state(state: State, fluents: int) -> str:
-    """Return what is known of a state in words; of one that is known whole, what is true."""
+    """Return the known facts of a state as text; if all facts are known, only the true ones."""
     return _facts_text({fluent: value for fluent, value in state.items() if value or len(state) < fluents})
 
 

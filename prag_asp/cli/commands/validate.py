@@ -65,7 +65,7 @@ def validate(
         return tally_line(tally, ("task", "tasks"), limits)
 
     with open_text(file) as stream, progress() as tell:
-        total = None  # unknown where the file can be read only once
+        total = None  # unknown if the file can be read only once
         if stream.seekable():
             total = sum(1 for line in lines_of(stream) if line.strip())
             stream.seek(0)

@@ -35,7 +35,7 @@ INSTRUCTION_CHARACTERS = str.maketrans("();", "[],")
 
 WORD = re.compile(r"[^\s();A-Z]+")
 Region = tuple[str, tuple[float, float, float, float], float]
-"""A region of the table: its name, its least x and y and largest x and y in metres, and a yaw in radians."""
+"""A region of the table: its name, its minimum x and y and maximum x and y in metres, and a yaw in radians."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Bddl:
 
 
 def _tasks(source: EpisodeSource) -> Iterator[tuple[DatasetEntry, Witness | None]]:
-    """Yield each task with the witness from its first initial state, None without one."""
+    """Yield each task with the witness from its first initial state, or None without one."""
     witnesses = ((entry, witness) for entry, start, witness in source.data.witnesses() if start == 0)
     following = next(witnesses, None)
     for entry in source.data.entries():

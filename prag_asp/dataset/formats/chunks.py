@@ -14,7 +14,7 @@ from prag_asp.output import make_folder
 from prag_asp.output.atomic_file import output_errors
 
 CHUNK = 1000
-"""Files in a chunk, as LeRobot has it."""
+"""The number of files in a chunk, as in LeRobot."""
 
 MEGABYTE = 1 << 20
 
@@ -72,7 +72,7 @@ class ChunkedTable:
             self._flush()
 
     def close(self) -> None:
-        """Write the rest, and close the current file.
+        """Write the remaining rows, and close the current file.
 
         Raises:
             OutputError: the file cannot be written.
@@ -101,7 +101,7 @@ class ChunkedTable:
 
 
 def texts_table(name: str, texts: Mapping[str, int]) -> pa.Table:
-    """Return a table of texts with their numbers in the column ``NAME_index``; pandas reads the texts as the index."""
+    """Return a table of texts, numbered in the column ``NAME_index``; pandas reads the texts as the index."""
     number = f"{name}_index"
     columns = [
         {"name": number, "field_name": number, "pandas_type": "int64", "numpy_type": "int64", "metadata": None},

@@ -131,7 +131,7 @@ class EpisodeSource:
         """The cameras of the recordings, each with width and height in pixels.
 
         Raises:
-            QueryError: the scene has no camera of this name, or a size or a rate is invalid.
+            QueryError: the scene has no camera of a requested name, or a size or a rate is invalid.
         """
         staging = self.data.manifest.spec.staging
         return {} if staging is None else {name: each.size for name, each in staging.cameras_of(self.scene).items()}
@@ -208,7 +208,7 @@ class EpisodeSource:
         return entry.instruction.get(self.level, entry.instruction.get(PLAIN, ""))
 
     def objects_of(self, episode: ExportEpisode) -> Floats:
-        """Return the poses of objects, shape (N, objects, 8): 1 and the pose of an object of the task, zeros if not."""
+        """Return the poses of objects, shape (N, objects, 8): 1 and the pose, or zeros for objects not in the task."""
         demonstration = episode.demonstration
         poses = np.zeros((episode.length, len(self.objects), 1 + len(POSE)), dtype=np.float32)
         for number, entity in enumerate(demonstration.objects):

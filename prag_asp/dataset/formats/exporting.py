@@ -29,7 +29,7 @@ def export(
     the instructions: ``vague``, ``default`` or ``exact``.
 
     Raises:
-        QueryError: there is no such format, or the dataset has no recordings, or no such task.
+        QueryError: there is no such format, or the dataset has no recordings, or has no task.
         DomainError: the domain of the dataset differs from the record in dataset.json.
         OutputError: the export cannot be written, or the target exists.
         DatasetsMissingError: a package that the format needs is not installed.

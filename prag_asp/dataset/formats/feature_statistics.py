@@ -16,7 +16,7 @@ LEVELS = 256
 """Levels of a colour channel of 8 bits."""
 
 BOUNDS = dict.fromkeys(("min", "q01", "q10", "q50"), np.minimum)
-"""The statistics whose minimum over episodes is kept; for the others, it is the maximum."""
+"""The statistics whose minimum over episodes is kept; for other bounds, the maximum is kept."""
 
 
 def statistics_of(values: NDArray[Any]) -> Statistics:
@@ -28,14 +28,14 @@ def statistics_of(values: NDArray[Any]) -> Statistics:
 
 
 class Colours:
-    """A histogram of the colours of pictures of shape (H, W, 3), which are added one by one."""
+    """A histogram of the colours of images of shape (H, W, 3), which are added one by one."""
 
     def __init__(self) -> None:
         self._counts = np.zeros((3, LEVELS), dtype=np.int64)
         self._pictures = 0
 
     def add(self, picture: NDArray[np.uint8]) -> None:
-        """Count the pixels of a picture."""
+        """Count the pixels of an image."""
         for channel in range(3):
             self._counts[channel] += np.bincount(picture[..., channel].ravel(), minlength=LEVELS)
         self._pictures += 1
@@ -58,8 +58,8 @@ class Colours:
 class Aggregate:
     """The statistics of one feature over episodes, which are added one by one.
 
-    Mean and deviation are exact. The quantile of all values does not follow from those of episodes; as in LeRobot, the
-    result is a bound: the least of the episodes' quantiles up to the median, and the largest of those above it.
+    Mean and deviation are exact. Quantiles of all values do not follow from those of episodes; as in LeRobot, the
+    result is a bound: the minimum over episodes for quantiles up to the median, and the maximum for those above it.
     """
 
     def __init__(self) -> None:
@@ -96,7 +96,7 @@ def as_lists(statistics: Statistics) -> dict[str, Any]:
 
 
 def flattened(features: Mapping[str, Statistics], names: Sequence[str] = NAMES) -> Iterable[tuple[str, Any]]:
-    """Yield the columns of statistics of an episode: ``stats/FEATURE/NAME`` with its value."""
+    """Yield the columns of statistics of an episode: each is ``stats/FEATURE/NAME`` with its value."""
     for feature, statistics in features.items():
         values = as_lists(statistics)
         yield from ((f"stats/{feature}/{name}", values[name]) for name in names)

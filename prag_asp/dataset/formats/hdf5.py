@@ -19,10 +19,10 @@ from prag_asp.processes.workers import uninterrupted
 
 PACKED, STRENGTH = "gzip", 6
 BLOCK, ROWS = 16, 8
-"""Pictures and pixel rows in a compressed block: what does not change between pictures then takes little space."""
+"""Images and pixel rows in a compressed block: pixels that do not change between images then take little space."""
 
 LONGEST = 60_000
-"""The maximum number of bytes of a text attribute: HDF5 has space for 64 kB in the header of a group."""
+"""The maximum number of bytes of a text attribute: the header of a group in HDF5 holds 64 kB."""
 
 
 class _Disk:
@@ -124,7 +124,7 @@ def written(path: Path, shown: Path) -> Iterator[tuple[h5py.File, Callable[[], N
 
 
 def put(group: h5py.Group, name: str, values: NDArray[Any]) -> None:
-    """Write an array to a group; pictures are compressed without loss."""
+    """Write an array to a group; images are compressed without loss."""
     options: dict[str, Any] = {}
     if values.ndim > 2 and min(values.shape):
         chunks = (min(BLOCK, len(values)), min(ROWS, values.shape[1]), *values.shape[2:])
@@ -134,7 +134,7 @@ def put(group: h5py.Group, name: str, values: NDArray[Any]) -> None:
 
 
 def group_in(group: h5py.Group, name: str) -> h5py.Group:
-    """Create a group in another one."""
+    """Create a group in another group."""
     with uninterrupted():
         return group.create_group(name)
 
@@ -149,7 +149,7 @@ def numbers_of(source: EpisodeSource, episode: ExportEpisode) -> dict[str, NDArr
 
 
 def pictures_of(source: EpisodeSource, episode: ExportEpisode) -> Iterator[tuple[str, str, NDArray[Any]]]:
-    """Yield each video: its camera, its kind (``rgb``, ``depth`` or ``segmentation``), and its pictures."""
+    """Yield each video: its camera, its kind (``rgb``, ``depth`` or ``segmentation``), and its images."""
     for camera, video in episode.videos.items():
         yield camera, "rgb", video.rgb
         yield camera, "depth", video.depth

@@ -55,7 +55,7 @@ A LeRobotDataset {version}: {episodes} of `{name}`, written by prag_asp. `subtas
 
 @dataclass(frozen=True)
 class LeRobot:
-    """Writes LeRobotDatasets; a file of data or videos that reaches its size in megabytes gets no more episodes."""
+    """Writes LeRobotDatasets; a data or video file that reaches its size limit in megabytes gets no more episodes."""
 
     data_megabytes: int = 100
     video_megabytes: int = 200

@@ -29,10 +29,10 @@ LAYOUT = "0.5.0"
 
 MAIN = "main_data.hdf5"
 SMALLEST = 32
-"""The minimum number of pixels of a side at which Minari treats colours as a picture, and stores it as JPEG."""
+"""The minimum side length in pixels from which Minari treats colours as an image, and stores it as JPEG."""
 
 QUALITY = 95
-"""The JPEG quality of pictures, as in Minari."""
+"""The JPEG quality of images, as in Minari."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ def _write(group: h5py.Group, source: EpisodeSource, episode: ExportEpisode, num
 
 
 def _as_jpeg(pictures: Iterable[NDArray[np.uint8]]) -> NDArray[np.uint8]:
-    """Return pictures as JPEG, shape (N, bytes), padded with zeros, which JPEG readers ignore."""
+    """Return images as JPEG, shape (N, bytes), padded with zeros, which JPEG readers ignore."""
     from PIL import Image
 
     images = []

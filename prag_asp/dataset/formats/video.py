@@ -1,4 +1,4 @@
-"""Write AV1 videos in MP4: one file for many episodes, with the same bytes for the same pictures."""
+"""Write AV1 videos in MP4: one file for many episodes, with the same bytes for the same images."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from prag_asp.output.atomic_file import output_errors
 
 CODEC, PIXELS = "av1", "yuv420p"
 OPTIONS = {"g": "10", "crf": "30", "preset": "8", "svtav1-params": "lp=1"}
-"""A key frame every ten pictures, so that readers seek quickly; a single thread, for the same bytes."""
+"""A key frame every ten images, so that readers seek quickly; a single thread, for the same bytes."""
 
 QUIET = "0"
 """Silences the encoder, which writes to stderr; failures are raised as errors."""
 
 
 class Video:
-    """Writes a video file picture by picture."""
+    """Writes a video file image by image."""
 
     def __init__(self, path: Path, size: tuple[int, int], rate: int) -> None:
-        """Begin a file for pictures of a width and height in pixels, `rate` of them per second.
+        """Begin a file for images of a width and height in pixels, `rate` of them per second.
 
         Raises:
             OutputError: the file cannot be written.
@@ -49,11 +49,11 @@ class Video:
 
     @property
     def size(self) -> int:
-        """The bytes written so far: the encoder buffers some pictures."""
+        """The number of bytes written so far, without images that the encoder buffers."""
         return self.path.stat().st_size if self.path.exists() else 0
 
     def add(self, picture: NDArray[np.uint8]) -> None:
-        """Add a picture of shape (H, W, 3).
+        """Add an image of shape (H, W, 3).
 
         Raises:
             OutputError: the file cannot be written.
@@ -64,7 +64,7 @@ class Video:
         self._pictures += 1
 
     def close(self) -> None:
-        """Write the buffered pictures, and close the file.
+        """Write the buffered images, and close the file.
 
         Raises:
             OutputError: the file cannot be written.

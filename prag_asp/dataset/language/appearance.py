@@ -1,7 +1,7 @@
 """The visible properties of the things of a scene: kind, colour, size, and the place of fixed things.
 
-Each property is known to fit a thing, known not to fit it, or in doubt: for an orange that could pass for a red both
-words are in doubt, so that neither distinguishes it from a thing of the other colour.
+Each property is known to fit a thing, known not to fit it, or in doubt: for an orange that could pass for red, both
+words are in doubt, so neither distinguishes it from a thing of the other colour.
 """
 
 from __future__ import annotations
@@ -38,10 +38,10 @@ BASIC: Mapping[str, tuple[str, ...]] = {
     "grey": ("#808080", "#b0b0b0", "#505050", "#cccccc"),
     "black": ("#000000", "#202020"),
 }
-"""The basic colour terms of English (Berlin and Kay 1969, with turquoise and beige), with example colours of each."""
+"""The basic colour terms of English (Berlin and Kay 1969, plus turquoise and beige), with example colours of each."""
 
 DOUBT = 12.0
-"""The extra distance in CIELAB from the nearest colour term up to which a term is in doubt, not excluded."""
+"""The extra distance in CIELAB from the nearest colour term up to which a term is in doubt, rather than excluded."""
 
 LARGER = 1.25
 """The ratio of mean extents from which a thing is visibly larger."""
@@ -54,10 +54,11 @@ APART = 0.10
 class Appearance:
     """The appearance of the entities of a domain, independent of the state.
 
-    `nouns` are the words that fit an entity, its own first, and `names` its name where nothing visible distinguishes
-    it. `colors` hold the terms that fit it, or may; `sizes` its mean extent in metres, `places` where it stands.
-    `seen` are the entities that every picture shows, `pictured` is set where there are pictures. The language has
-    adjectives for the colours, sizes and places that are `sayable`; `robots` are those that act.
+    `nouns` has the words that fit an entity, the most specific one first, `names` its name for use if nothing visible
+    distinguishes it, `colors` the colour terms that fit it (true) or may fit (false), `sizes` its mean extent in
+    metres, and `places` its position if it is fixed. `seen` has the entities that every picture shows; `pictured` is
+    true if the domain has a scene to show. `sayable` has the colours, sizes and places for which the language has
+    adjectives, and `robots` the robots of the scene.
     """
 
     nouns: Mapping[str, tuple[str, ...]]
@@ -125,7 +126,7 @@ def appearance_of(domain: Domain, grammar: Grammar, colors: Mapping[str, str] | 
 
 
 def _has_colour(scene: Scene, entity: str) -> bool:
-    """Return whether an entity is of one colour, and not as the file of its body has it."""
+    """Return whether an entity has a single colour, rather than the colours in the file of its body."""
     model = scene.shapes[entity].model
     return entity in scene.colors and (model is None or not model.looks or scene.colors[entity] != WHITE)
 
@@ -140,7 +141,7 @@ def _line(entity: str, kind: str, parents: Mapping[str, tuple[str, ...]]) -> lis
 
 @lru_cache(maxsize=4096)
 def color_terms(color: str) -> Mapping[str, bool]:
-    """Return the basic terms for a colour: the nearest one is true, those that are nearly as near are in doubt."""
+    """Return the basic terms for a colour: the nearest one is true, those nearly as near are false (in doubt)."""
     here = lab(color)
     distances = {term: min(dist(here, lab(each)) for each in colors) for term, colors in BASIC.items()}
     nearest = min(distances, key=distances.__getitem__)

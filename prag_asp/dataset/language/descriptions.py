@@ -1,7 +1,7 @@
 """Referring expressions: the shortest description that fits a thing in a state and nothing else.
 
-Unknown facts may hold: a description distinguishes a thing from another only where it is known not to fit the other. So
-no picture of a state that a task allows shows two things that it fits.
+Unknown facts may hold: a description distinguishes a thing from another only if it is known not to fit the other. So no
+picture of a state that a task allows shows two things that the description fits.
 """
 
 from __future__ import annotations
@@ -16,40 +16,40 @@ from prag_asp.dataset.language.appearance import APART, LARGER, Appearance
 from prag_asp.task import FrozenDict, State
 
 NEARLY = 1.05
-"""The ratio up to which extents count as equal: it is below what is visible."""
+"""The ratio up to which extents count as equal: such a difference is not visible."""
 
 
 Signature = tuple[str, int]
-"""The name of a fluent, and how many arguments it has."""
+"""The name of a fluent, and the number of its arguments."""
 
 
 class InstructionContext(NamedTuple):
-    """The context in which an instruction is given: the entities there are, and the known facts of the state."""
+    """The context in which an instruction is given: the entities present, and the known facts of the state."""
 
     entities: frozenset[str]
     state: State
 
     def at(self, state: State) -> InstructionContext:
-        """Return the context of another state of the same things."""
+        """Return the context of another state with the same things."""
         return self._replace(state=state if isinstance(state, FrozenDict) else FrozenDict(state))
 
 
 class Relation(NamedTuple):
-    """A property of a thing by a fluent: its name, the place of the thing among its arguments, and the others."""
+    """A property of a thing: the name of a fluent, the thing's position in its arguments, and the other arguments."""
 
     name: str
     subject: int
     others: tuple[str, ...]
 
     def about(self, entity: str) -> Atom:
-        """Return the fluent that says it of an entity."""
+        """Return the fluent that states this property of an entity."""
         return Atom(self.name, (*self.others[: self.subject], entity, *self.others[self.subject :]))
 
 
 class Description(NamedTuple):
     """The content of a noun phrase: the noun and the properties that distinguish a thing from others of its kind.
 
-    `name` is the entity itself where no property distinguishes it.
+    `name` is the entity itself if no property distinguishes it.
     """
 
     noun: str
@@ -83,7 +83,7 @@ class ContextSet:
         return len(self.certain) == len(self.entities)
 
     def fits(self, what: Description, entity: str) -> bool | None:
-        """Return whether a description without its relation fits an entity, None where it is in doubt."""
+        """Return whether a description without its relation fits an entity, or None if that is in doubt."""
         if what.name:
             return what.name == entity
         if what.noun not in self.appearance.nouns.get(entity, ()):
@@ -96,7 +96,7 @@ class ContextSet:
         return False if False in verdicts else None if None in verdicts else True
 
     def best(self, entity: str) -> Description | None:
-        """Return the shortest description of an entity without relations, None where others fit each of them."""
+        """Return the shortest description without relations that fits only this entity, or None if there is none."""
         if entity not in self._best:
             found = (each for each in self.properties(entity) if self.meant(each) == entity)
             self._best[entity] = next(found, None)
@@ -113,8 +113,8 @@ class ContextSet:
     def properties(self, entity: str) -> Iterator[Description]:
         """Yield the descriptions of an entity by properties, the shortest first (full brevity, Dale 1989).
 
-        Among those of one length, colour comes before size, and size before place, as people choose (the preference
-        order of the incremental algorithm, Dale and Reiter 1995).
+        Among descriptions of the same length, colour comes before size, and size before place, as people choose (the
+        preference order of the incremental algorithm, Dale and Reiter 1995).
         """
         nouns = self.appearance.nouns.get(entity, ())
         if not nouns:
@@ -132,7 +132,7 @@ class ContextSet:
                     yield Description(nouns[0], words.get("color", ""), words.get("size", ""), words.get("place", ""))
 
     def meant(self, what: Description) -> str | None:
-        """Return the only entity that a description without a relation fits, None where it is none or several."""
+        """Return the entity that a description without a relation surely fits if it can fit no other, or None."""
         if what not in self._meant:
             fitting = [entity for entity in self.entities if self.fits(what, entity) is not False]
             sure = len(fitting) == 1 and self.fits(what, fitting[0])
@@ -181,7 +181,7 @@ PLACES: Mapping[str, tuple[int, int]] = {"left": (0, 1), "right": (0, -1), "fron
 
 
 SIZES = ("large", "small")
-"""The words for the extent of a thing among those of its kind."""
+"""The words for the extent of a thing, compared with others of its kind."""
 
 
 class View:
@@ -199,19 +199,19 @@ class View:
         self._described: dict[str, Description] = {}
 
     def describe(self, entity: str) -> Description:
-        """Return the shortest description that fits an entity and nothing else, its name where there is none."""
+        """Return the shortest description that fits an entity and nothing else, or its name if there is none."""
         if entity not in self._described:
             self._described[entity] = self.context.short(entity) or self._search(entity)
         return self._described[entity]
 
     def related(self, things: tuple[str, ...]) -> tuple[Description | None, ...]:
-        """Return the descriptions with relations among those of things: all others are the same in every state."""
+        """Return the descriptions of things that have relations: all others (None) are the same in every state."""
         if self.context.certain.issuperset(things):
             return ()
         return tuple(each if each.relation is not None else None for each in map(self.describe, things))
 
     def _search(self, entity: str) -> Description:
-        """Return the best description: a relation costs as much as a property, and comes after them."""
+        """Return the best description: a relation counts as much as a property, and comes after all properties."""
         best = self.context.best(entity)
         named = Description(next(iter(self.context.appearance.nouns.get(entity, ())), ""), name=entity)
         if not self.context.appearance.pictured:
@@ -227,7 +227,7 @@ class View:
         return best or named
 
     def meant(self, what: Description) -> str | None:
-        """Return the only entity that a description fits, None where it is none, or it may be several."""
+        """Return the entity that a description surely fits if it can fit no other, or None."""
         relation = what.relation
         if relation is None:
             return self.context.meant(what)

@@ -1,7 +1,7 @@
 """Parse instructions: an instruction means a plan, or facts that have to hold at the end.
 
-Parsing uses the text and its context alone: the things there are, and the known facts of the initial state. A phrase
-that fits no thing, or may fit two, is refused, and so is a sentence that could mean two actions.
+Parsing uses only the text and its context: the things present, and the known facts of the initial state. A phrase that
+fits no thing, or may fit two, is refused, and so is a sentence that could mean two actions.
 """
 
 from __future__ import annotations
@@ -23,20 +23,20 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
 
 LONGEST = 100_000
-"""Characters of the longest instruction that is parsed."""
+"""The maximum number of characters of an instruction."""
 
 LONGEST_SENTENCE = 1_000
-"""Characters of its longest sentence."""
+"""The maximum number of characters of a sentence in an instruction."""
 
 MOST = 64
-"""Readings of a text that are collected: two are enough to be ambiguous, more make the message better."""
+"""The number of readings of a text after which no more are collected: two already make it ambiguous."""
 
 
 @dataclass(frozen=True)
 class Reading:
     """The meaning of an instruction: a plan, or a goal of facts that have to hold in the final state.
 
-    Where it gives the purpose of each action, these facts are in `aims`, one mapping an action.
+    If it gives the purpose of each action, `aims` has these facts, in one mapping per action.
     """
 
     actions: tuple[Atom, ...] = ()
@@ -69,7 +69,7 @@ class InstructionReader:
         for kind in ("sentences", "facts"):
             joints = sorted(lexicon.words.joints(kind), key=len, reverse=True)
             self._joints[kind] = joint = re.compile("|".join(map(re.escape, joints)))
-            # How many joints are tried as the end of a sentence: more than two where sentences contain them.
+            # The number of joints tried as the end of a sentence: more than two if sentences contain joints.
             self._reach[kind] = 6 if any(joint.search(f" {text} ") for text in texts) else 2
         self._parsed: dict[tuple[object, str, str | None, bool], frozenset[ParsedSentence]] = {}
 
@@ -146,9 +146,9 @@ class InstructionReader:
                         yield parsed.atom, FrozenDict({each.atom: each.value for each in facts})
 
     def _list(self, view: View, text: str, kind: str, topic: str | None) -> Iterator[tuple[ParsedSentence, ...]]:
-        """Yield the lists of sentences that a text can be; "it" in one refers to the topic of the sentence before.
+        """Yield the lists of sentences that a text can mean; "it" refers to the topic of the sentence before.
 
-        In a list of facts "it" has the same meaning in each of them.
+        In a list of facts, "it" has the same meaning in every sentence.
         """
         begun: dict[int, list[_Path]] = {0: [_Path(None, topic, None)]}
         breaks = [
@@ -215,7 +215,7 @@ class InstructionReader:
         return next((each for each in arguments if each in appearance.nouns and each not in appearance.seen), None)
 
     def _why(self, view: View, text: str) -> str:
-        """Return why a text has no meaning: a thing that it names, or a sentence."""
+        """Return why a text has no meaning, as a message about a phrase or a sentence."""
         known = f"of {self.lexicon.domain.name} in {self.lexicon.words.name}"
         frames = sorted((*self._vague, *self._default), key=lambda frame: -sum(map(len, frame.texts)))
         first = self.lexicon.words.number(1)
@@ -232,7 +232,7 @@ class InstructionReader:
         return f"{shortened(text)!r} is no instruction {known}; write one as sample does"
 
     def _unclear(self, view: View, part: str) -> str | None:
-        """Return which thing of a sentence is unknown or ambiguous, None where all are clear."""
+        """Return which phrase of a sentence fits nothing or is ambiguous, or None if all are clear."""
         for clause in (*self._actions, *self._facts):
             for words in clause.template.find(part[:1].lower() + part[1:]):
                 for word in words:
@@ -252,7 +252,7 @@ class _Path(NamedTuple):
     before: _Path | None
 
     def sentences(self) -> tuple[ParsedSentence, ...]:
-        """Return the sentences from the first one to this."""
+        """Return the sentences from the first one to this one."""
         found, path = list[ParsedSentence](), self
         while path.parsed is not None and path.before is not None:
             found.append(path.parsed)
@@ -263,9 +263,9 @@ class _Path(NamedTuple):
 def read_instruction(
     domain: Domain | InstructionReader, start: InstructionContext | Task, text: str, language: str = "en"
 ) -> Reading:
-    """Return what an instruction asks for that is given at the start of a task, or in any other state.
+    """Return the meaning of an instruction given at the start of a task, or in any other context.
 
-    Give a `InstructionReader` in place of the domain where many are read.
+    To read many instructions, pass an `InstructionReader` instead of the domain.
 
     Raises:
         QueryError: the text is not an instruction of the domain in this language, or it could mean several plans.
@@ -275,17 +275,17 @@ def read_instruction(
 
 
 def context_of(task: Task, number: int = 0) -> InstructionContext:
-    """Return the context before an action of a task, by its number from 0."""
+    """Return the context before an action of a task, given the action's number from 0."""
     return InstructionContext(frozenset(task.entities), {}).at(task.states[number - 1] if number else task.initial)
 
 
 def capital(text: str) -> str:
-    """Return a text that begins with a capital letter."""
+    """Return a text with its first letter capitalized."""
     return text[:1].upper() + text[1:]
 
 
 def shortened(text: str, most: int = 60) -> str:
-    """Return a text in a length that fits into a message."""
+    """Return a text shortened to fit into a message."""
     return text if len(text) <= most else f"{text[:most]}..."
 
 

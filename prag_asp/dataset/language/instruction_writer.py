@@ -1,6 +1,6 @@
 """Write instructions of tasks at three levels, a sentence for each subgoal, and captions.
 
-A `SentenceWriter` writes the sentences; here they are chosen, ordered and joined.
+A `SentenceWriter` writes the sentences; this module chooses, orders and joins them.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
 
 START_FACTS, CAPTION_FACTS = 4, 2
-"""The maximum number of facts in the caption of the initial state, and in those of the others."""
+"""The maximum number of facts in the caption of the initial state, and in captions of other states."""
 
 COLOR = re.compile(r"#[0-9a-fA-F]{6}")
 CACHED = 1 << 16
-"""Aims of actions that are cached: tasks of one space share most of them."""
+"""The maximum number of cached aims of actions: tasks of one space share most of them."""
 
 
 @dataclass(frozen=True)
@@ -54,9 +54,9 @@ class InstructionWriter:
     def __init__(
         self, domain: Domain, language: str = "en", colors: Mapping[str, str] | None = None, phrasings: str = ""
     ) -> None:
-        """Read the language's tables of a domain; `colors` override those of the scene.
+        """Read a domain's tables of a language; `colors` override those of the scene.
 
-        Only some `phrasings` are written; all are parsed.
+        Only the chosen `phrasings` are written; all are parsed.
 
         Raises:
             QueryError: the domain does not have the language or such phrasings.
@@ -79,10 +79,10 @@ class InstructionWriter:
         return other
 
     def instructions(self, task: Task, seed: int = 0) -> Instructions:
-        """Return the instructions of a task; the seed chooses among phrasings, the same ones for the same seed.
+        """Return the instructions of a task; the seed chooses among phrasings, reproducibly.
 
         Raises:
-            QueryError: the task is not one of this domain, or an action has no sentence that means nothing else.
+            QueryError: the task is not one of this domain, or an action has no unambiguous sentence.
         """
         plan, initial = str(task), context_of(task)
         vague, default, exact, each = (
@@ -121,8 +121,8 @@ class InstructionWriter:
     def captions(self, task: Task) -> list[tuple[str, str]]:
         """Return a heading and a caption for a picture of each state, the initial one included.
 
-        The heading is the action that leads to the state, the caption its effects; that of the initial state has the
-        known facts about the things that the actions name. The first of several sentences is used.
+        The heading is the action that leads to the state, the caption its effects; the caption of the initial state has
+        the known facts about the things that the actions name. Of several sentences, the first is used.
         """
         handled = {argument for action in task.actions for argument in action.arguments} - self.lexicon.appearance.seen
         known = {fluent: True for fluent, value in task.initial.items() if value}
@@ -140,7 +140,7 @@ class InstructionWriter:
             before = self.lexicon.view(context_of(task, number - 1))
             try:
                 heading, topic = self._sentences.write(before, action, None, None)
-            except QueryError:  # all sentences are ambiguous: the plain one has the names of things
+            except QueryError:  # all sentences are ambiguous: the plain one names the things
                 heading, topic = sentence(action, self.lexicon.domain.settings.language), None
             made = dict(list(notable_facts(subgoal, self.lexicon).items())[:CAPTION_FACTS])
             moved = topic is not None and before.describe(topic).relation is not None
@@ -157,9 +157,9 @@ class InstructionWriter:
         return self.reader.read(context_of(start) if isinstance(start, Task) else start, text)
 
     def goal(self, task: Task) -> Mapping[Atom, bool]:
-        """Return the goal in the vague instruction of a task: the notable facts that it changes lastingly.
+        """Return the goal in the vague instruction of a task: the notable facts that it changes permanently.
 
-        For a task that changes nothing lastingly, it is the aim of the last action.
+        For a task that changes nothing permanently, it is the aim of the last action.
         """
         made: dict[Atom, bool] = {}
         for subgoal in task.subgoals:
@@ -181,7 +181,7 @@ class InstructionWriter:
                         named[argument] = None
 
     def _framed(self, level: str, kind: str, clauses: Sequence[str], rng: PhraseRng) -> str:
-        """Return sentences joined in a frame of a level, an empty text if there are none."""
+        """Return sentences joined in a frame of a level, or an empty text if there are none."""
         if not clauses:
             return ""
         frame = rng.pick(self.phrasings.of(self.lexicon.words.frames[level]))
@@ -216,8 +216,8 @@ def instruction_writer_of(
 ) -> InstructionWriter:
     """Return the instruction writer of a domain in a language.
 
-    `colors` of entities (``#rrggbb``) override those of the scene. With `phrasings`, such as ``1 of 2``, only some of
-    the sentences are written: every second one from the first on. The sentences of ``1 of 2`` and ``2 of 2`` are
+    `colors` of entities (``#rrggbb``) override those of the scene. With `phrasings`, only some of the sentences are
+    written: with ``1 of 2``, every second one from the first on. The sentences of ``1 of 2`` and ``2 of 2`` are
     disjoint.
 
     Raises:
@@ -231,7 +231,7 @@ def instruction_writer_of(
 
 
 def notable_facts(facts: State, lexicon: Lexicon) -> Mapping[Atom, bool]:
-    """Return the notable facts: the true ones that are not silent, or the false ones where there are no others."""
+    """Return the notable facts, which are not silent: the true ones, or the false ones if there are no true ones."""
     forms = lexicon.grammar.facts
     known = {fluent: forms.get((fluent.name, len(fluent.arguments))) for fluent in facts}
     loud = {fluent: value for fluent, value in facts.items() if (form := known[fluent]) is not None and not form.silent}

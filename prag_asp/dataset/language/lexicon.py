@@ -21,14 +21,14 @@ if TYPE_CHECKING:
     from prag_asp.task import State
 
 CACHED = 256
-"""Contexts and states that are cached: tasks of one space share most of them."""
+"""The maximum number of cached contexts and states: tasks of one space share most of them."""
 
 
 class Lexicon:
     """The sentences and noun phrases of a domain in one language."""
 
     def __init__(self, domain: Domain, language: str, colors: Mapping[str, str] | None = None) -> None:
-        """Read the language's tables of a domain; `colors` override those of the scene.
+        """Read a domain's tables of a language; `colors` override those of the scene.
 
         Raises:
             QueryError: the domain does not have the language, or lacks words in it.
@@ -64,7 +64,7 @@ class Lexicon:
     def view(self, known: InstructionContext) -> View:
         """Return the view of a state.
 
-        It is cached only where descriptions depend on it: a look-up by state takes longer than making a view.
+        It is cached only if descriptions depend on the state: a look-up by state takes longer than creating a view.
 
         Raises:
             QueryError: the domain has no such entity.
@@ -84,7 +84,7 @@ class Lexicon:
 
 
 def _reader(domain: Domain, language: str) -> GrammarReader:
-    """Return the reader of the language's tables of a domain."""
+    """Return the reader of a domain's tables of a language."""
     known = languages(domain.settings)
     if language not in known:
         if language not in shipped_languages():

@@ -13,7 +13,7 @@ from prag_asp.grammar.reader import Grammar, Noun, plain
 from prag_asp.grammar.template import Template, agrees, parse_template
 
 CACHED = 1 << 14
-"""Phrases whose meaning in a context is cached: tasks of one space share most of them."""
+"""The maximum number of phrases whose meaning in a context is cached: tasks of one space share most of them."""
 
 
 class NounPhrases:
@@ -57,7 +57,7 @@ class NounPhrases:
             words.append(self.plain(best, slot.case or self.words.cases[0]) if best else self.value(other))
         where = modifier.template.fill(words)
         forms = [each for each in self._modified if not each.genders or gender in each.genders]
-        if modifier.template.genders:  # it is a sentence with a verb
+        if modifier.template.genders:  # the modifier has a verb
             variant = 0
         return forms[min(variant, len(forms) - 1)].fill([self.plain(what._replace(relation=None), case), where])
 
@@ -87,7 +87,7 @@ class NounPhrases:
         return self._written[what, case]
 
     def _modifiers(self, relation: Relation, gender: str = "") -> Iterator[Modifier]:
-        """Yield the modifiers that mean a relation alone, for subjects of a gender."""
+        """Yield the modifiers that mean only this relation, for subjects of a gender."""
         for modifier in self.sentences.modifiers.get((relation.name, len(relation.others) + 1), ()):
             genders = modifier.template.genders
             if gender and genders and gender not in genders:
@@ -96,7 +96,7 @@ class NounPhrases:
                 yield modifier
 
     def can_say(self, relation: Relation) -> bool:
-        """Return whether the language has a modifier that means a relation alone."""
+        """Return whether the language has a modifier that means only this relation."""
         return any(self._modifiers(relation))
 
     @cached_property
@@ -178,7 +178,7 @@ class NounPhrases:
         return [*self._known, *self._values, *where]
 
     def fitting(self, view: View, text: str) -> list[str] | None:
-        """Return the entities that a phrase without a relation may mean, None where the text is no such phrase."""
+        """Return the entities that a phrase without a relation may mean, or None if the text is no such phrase."""
         if text not in self._known:
             return None
         context = view.context

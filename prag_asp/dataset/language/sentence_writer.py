@@ -20,7 +20,7 @@ VARIANTS = (0, 1)
 """Wordings of a relation, the shorter one first."""
 
 CACHED = 1 << 16
-"""Sentences that are cached: tasks of one space share most of them."""
+"""The maximum number of cached sentences: tasks of one space share most of them."""
 
 ClearSentence = tuple[str, str | None]
 """An unambiguous sentence and its topic."""
@@ -37,7 +37,7 @@ class PhraseRng:
         self._value, self._left = 0, 1
 
     def number(self, options: int) -> int:
-        """Return a number from 0 below the number of options."""
+        """Return a random number from 0 to `options` - 1."""
         if self._left < options << 32:
             self._seed = blake2b(self._seed).digest()
             self._value, self._left = int.from_bytes(self._seed, "big"), 1 << 512
@@ -46,15 +46,15 @@ class PhraseRng:
         return found
 
     def pick(self, options: Sequence[Option]) -> Option:
-        """Return a random one of some options."""
+        """Return a random option."""
         return options[self.number(len(options))]
 
 
 @dataclass(frozen=True)
 class _Paraphrases:
-    """The sentences for an action or a fluent: those `given`, and `spare` ones for where all of them are ambiguous.
+    """The sentences for an action or a fluent: those `given`, and `spare` ones in case all of these are ambiguous.
 
-    `things` are the entities in it, `known` is set where the domain has it at all, and `clear` caches the unambiguous
+    `things` are the entities in it, `known` is true if the domain has it at all, and `clear` caches the unambiguous
     sentence for each way in which the things are described.
     """
 
@@ -133,7 +133,7 @@ class SentenceWriter:
     ) -> tuple[ClearSentence | None, bool]:
         """Return the first of some sentences that is unambiguous, and whether that depends on the state.
 
-        It does not where it depends on the descriptions of the things alone.
+        It does not if it depends only on the descriptions of the things.
         """
         (atom, value, fact), of_state, phrases = meaning, False, self._lexicon.phrases
         for variant in VARIANTS:
@@ -155,7 +155,7 @@ class SentenceWriter:
         return None, of_state
 
     def _find_paraphrases(self, atom: Atom, value: bool, fact: bool) -> _Paraphrases:
-        """Collect the sentences; where only some phrasings are written, an action has no other ones."""
+        """Return the sentences; if only some phrasings are written, an action has no other sentences."""
         lexicon = self._lexicon
         table = lexicon.sentences.facts if fact else lexicon.sentences.actions
         known = [each for each in table.get((atom.name, len(atom.arguments)), ()) if each.value == value]
@@ -166,7 +166,7 @@ class SentenceWriter:
             if not template.genders or first in template.genders:
                 usable.append(each)
         given = [each for each in usable if not each.spare and each.identifies(atom, lexicon.appearance.robots)]
-        if fact:  # with one robot it needs no mention
+        if fact:  # a single robot need not be named
             fewest = min((len(each.template.slots) for each in given), default=0)
             given = [each for each in given if len(each.template.slots) == fewest]
         chosen = [each for each in given if self._phrasings.has(each.template.phrasing)]

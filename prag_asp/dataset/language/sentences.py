@@ -15,7 +15,7 @@ Words = tuple[str, ...]
 
 
 class Sentence:
-    """A sentence of all actions, or of all fluents, of a name; `value` is false where it says that one is not so."""
+    """A sentence for all actions, or all fluents, of a name; `value` is false if it states that a fluent is false."""
 
     def __init__(self, template: Template, atoms: tuple[Atom, ...], value: bool = True, *, spare: bool = False) -> None:
         self.template, self.atoms, self.value, self.spare = template, atoms, value, spare
@@ -36,9 +36,9 @@ class Sentence:
         return self._meant.get(arguments, ())
 
     def identifies(self, atom: Atom, robots: frozenset[str]) -> bool:
-        """Return whether the sentence means one action or fluent alone.
+        """Return whether the sentence means only this action or fluent.
 
-        A sentence that leaves the robot open is only for scenes with one robot.
+        A sentence that does not name the robot is only for scenes with one robot.
         """
         named = self.template.arguments
         unnamed = (argument for index, argument in enumerate(atom.arguments) if index not in named)
@@ -64,11 +64,11 @@ class Modifier:
         return {arguments: frozenset(relations) for arguments, relations in found.items()}
 
     def meant(self, arguments: Words) -> frozenset[Relation]:
-        """Return the relations that it means with these arguments in its slots."""
+        """Return the relations that the modifier means with these arguments in its slots."""
         return self._meant.get(arguments, frozenset())
 
     def arguments(self, relation: Relation) -> Words:
-        """Return the arguments of a relation that it names, in the order of its slots."""
+        """Return the arguments of a relation that the modifier names, in the order of its slots."""
         whole = relation.about("").arguments
         return tuple(whole[index] for index in self.template.arguments)
 
@@ -95,7 +95,7 @@ class SentenceTable:
 
 
 def _of_fluents(forms: FactForms, atoms: tuple[Atom, ...], given: Set[Template] | None = None) -> Iterator[Sentence]:
-    """Yield the sentences of a fluent; with those that are `given`, spare ones that are others."""
+    """Yield the sentences of a fluent; with `given` templates, only the others, as spare sentences."""
     for value, templates in ((True, forms.true), (False, forms.false)):
         for template in templates:
             if given is None or template not in given:

@@ -32,7 +32,7 @@ class DrawPlan:
         return self.deal.whole(draw)
 
     def holder(self, draw: int) -> Holder | None:
-        """Return the machine part that has validated a draw, None if this run validates it."""
+        """Return the machine part that has validated a draw, or None if this run validates it."""
         if not self.validated:
             return None
         deal = Deal.holding(draw, len(self.validated))

@@ -42,7 +42,7 @@ LOST = 20
 """Retries of a Ray task whose node was lost."""
 
 PARTING = 10.0
-"""Seconds that Ray has to end its processes."""
+"""Seconds within which Ray has to end its processes."""
 
 POLL = 0.5
 """Seconds between two queries for the processors of a cluster."""
@@ -56,7 +56,7 @@ QUIET = {"RAY_USAGE_STATS_ENABLED": "0", "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "
 
 @dataclass(frozen=True)
 class RayExecutor:
-    """The cluster that ``RAY_ADDRESS`` names, or this machine as one."""
+    """The cluster that ``RAY_ADDRESS`` names, or this machine as a cluster."""
 
     captions: bool = True
 

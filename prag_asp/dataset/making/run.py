@@ -63,7 +63,7 @@ Progress = Callable[[str, int, int], None]
 class DrawRecord:
     """A draw to write: its result, with a `job_result` unless it comes from the journal.
 
-    It has its `task` with its texts, or their row in the job result.
+    It has a `task` with its texts, unless their row is in the job result.
     """
 
     placed: RankedDraw
@@ -221,7 +221,7 @@ class DatasetRun:
     def _records(
         self, writer: PartWriter, part: TaskOrder, plan: DrawPlan, journaled: list[DrawResult], limit: int
     ) -> Generator[DrawRecord, None, None]:
-        """Yield the draws of a part that this run validates; the results of the first may be `journaled`."""
+        """Yield the draws of a part that this run validates; the results of the first ones may be `journaled`."""
         numbers, again = tee(plan.missing(writer.next, limit))
         drawn = zip(numbers, part.pick(again), strict=False)
         first = list(islice(drawn, len(journaled)))

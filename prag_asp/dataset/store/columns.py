@@ -1,6 +1,6 @@
 """Builders of Arrow columns from rows; a task has hundreds of facts, so rows are kept as flat arrays.
 
-Arrays are built from Python values by way of buffers: `pyarrow.array` imports pandas where it is installed.
+Arrays are built from Python values through buffers, because `pyarrow.array` imports pandas if it is installed.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ State = Mapping[Atom, bool]
 
 
 class Fluents(dict[Atom, int]):
-    """Numbers of the fluents of some rows, assigned at first use: rows share most of them."""
+    """Numbers for the fluents of some rows, assigned at first use: rows share most fluents."""
 
     def __missing__(self, fluent: Atom) -> int:
         self[fluent] = number = len(self)
@@ -122,11 +122,11 @@ class RowReference(NamedTuple):
 
 
 class TableBuilder:
-    """Collects the rows of a table before it is written, after the rows of an earlier run, if any."""
+    """Collects the rows of a table until it is written; the rows of an earlier run, if any, come first."""
 
     def __init__(self, table: str, before: pa.Table | None = None) -> None:
         self._schema = SCHEMAS[table]
-        # Tables that are read have another name for the items of lists, which would change the bytes.
+        # Tables that are read name the items of lists differently, which would change the bytes.
         self._whole = [] if before is None else [before.cast(self._schema)]
         self._columns, self._waiting = self._new(), 0
         self._taken, self._numbers = list[tuple[pa.Table, int, int]](), dict[str, list[int]]()

@@ -139,7 +139,7 @@ def _own_sources(domain: Domain) -> list[Source]:
 
 
 def _own_files(domain: Domain) -> Iterator[tuple[str, bytes]]:
-    """Yield the files of a folder that defines the same domain; if the domain is a folder, they are its own."""
+    """Yield the files of a folder that defines the same domain; if the domain is a folder, these are its files."""
     from prag_asp.domain.load import LEARNED, scene_files
 
     sources = _own_sources(domain)

@@ -1,4 +1,4 @@
-"""dataset.json: the domain and the request of a dataset, its share of the task space, and its files."""
+"""dataset.json: the domain and the request for a dataset, its share of the task space, and its files."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ FOLDERS = {"tasks": "data", "witnesses": "witnesses", "rejected": "rejected", "r
 """The folder of each table inside a dataset, in the order in which a hub offers the tables."""
 
 MOST_DIGITS = 1_000_000
-"""The maximum number of digits of a count of tasks: the time to parse a number grows with the square of its digits."""
+"""The maximum number of digits of a count of tasks: the time to parse a number grows with the square of its length."""
 
 Decimal = Annotated[str, msgspec.Meta(pattern="^[0-9]+$", max_length=MOST_DIGITS)]
-"""A whole number that may outgrow 64 bits."""
+"""A whole number that may exceed 64 bits."""
 
 
 class CauseCount(msgspec.Struct):
@@ -97,7 +97,7 @@ class Share(msgspec.Struct):
 
 
 class PartManifest(msgspec.Struct):
-    """A part of the split: the number of its tasks in the space, requested and in the dataset, and its shards.
+    """A part of the split: the numbers of its tasks in the space, requested, and in the dataset; and its shards.
 
     `tail` is the last shard while rows are still added to it.
     """
@@ -153,7 +153,7 @@ class Manifest(msgspec.Struct):
         return {"lengths": self.lengths, "where": self.where, **self.spec.fixed()}
 
     def difference(self, other: Manifest, ignored: str = "") -> str:
-        """Return what distinguishes this dataset from another, apart from its tasks, "" without any difference.
+        """Return what distinguishes this dataset from another, apart from its tasks, or "" without any difference.
 
         The phrase continues "a dataset". One entry of the requests can be `ignored`.
         """
@@ -220,7 +220,7 @@ def summed(tallies: Iterable[LengthTally]) -> list[LengthTally]:
 
 
 def tally_of_draw(length: int, verdict: Mapping[str, Any] | None, witnesses: int = 0) -> LengthTally:
-    """Return the tally of a single draw, given its verdict as a row has it."""
+    """Return the tally of a single draw, given its verdict as stored in a row."""
     verdict = verdict or {"status": "feasible", "causes": [], "reason": ""}
     status = verdict["status"]
     return LengthTally(

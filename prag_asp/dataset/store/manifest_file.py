@@ -38,7 +38,7 @@ class ManifestFile(Generic[Contents]):
         replace_file(file_in(folder, self.name), f"{text}\n".encode(), follow=False)
 
     def read(self, folder: Path) -> Contents | None:
-        """Return the contents of the file in a folder, None if there is none.
+        """Return the contents of the file in a folder, or None if there is none.
 
         Raises:
             QueryError: the file is damaged, or of another program or version; the message has the path to the wrong

@@ -81,4 +81,4 @@ SCHEMAS: Mapping[str, pa.Schema] = {
 """The schema of each table."""
 
 ROW_GROUP: Mapping[str, int] = {"tasks": 256, "rejected": 256, "witnesses": 64, "recordings": 1024}
-"""Rows in a row group of each table, the least that can be read."""
+"""The number of rows in a row group of each table, the smallest unit that can be read."""

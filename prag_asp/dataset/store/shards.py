@@ -79,7 +79,7 @@ def row_groups(
     """Yield the row groups of a table in a shard; no file stays open between them.
 
     Raises:
-        QueryError: the file is missing or damaged, or, with `digest`, its bytes differ from what dataset.json says.
+        QueryError: the file is missing or damaged, or, with `digest`, its bytes differ from its record in dataset.json.
     """
     for group in range(-(-shard.rows(table) // ROW_GROUP[table])):
         file = shard.files[table]

@@ -39,7 +39,7 @@ class Overlap(msgspec.Struct, frozen=True):
 
 
 class HeldOutCount(msgspec.Struct, frozen=True):
-    """The number of tasks in a part that contain what is held out from this part."""
+    """The number of tasks in a part that contain something held out from this part."""
 
     what: str
     part: str
@@ -77,7 +77,7 @@ def space_of(suite: Suite, part: SuitePart, *, limits: Limits = UNLIMITED) -> Ta
 def count_suite(
     suite: Suite, *, limits: Limits = UNLIMITED, progress: Counted = lambda words, done, total: None
 ) -> Figures:
-    """Count the tasks of all parts, the tasks that each two share, and the held-out tasks in each.
+    """Count the tasks of all parts, the tasks that each pair shares, and the held-out tasks in each part.
 
     Raises:
         QueryError: a part requests more tasks than its space has.
@@ -127,7 +127,7 @@ class _SuiteCounter:
         if any({held.having, held.without} <= conditions for held in self._suite.held):
             return dict.fromkeys(lengths, 0)  # each is the negation of the other
         if any((conditions, length) not in self._counts for length in lengths):
-            # Exploring the longest plans covers shorter ones, too, also of other parts with these conditions.
+            # Exploring the longest plans covers shorter ones, including those of other parts with these conditions.
             lengths_needed = self._lengths.get(conditions, set()).union(lengths)
             missing = sorted(length for length in lengths_needed if (conditions, length) not in self._counts)
             space = TaskSpace(self._suite.domain, missing, limits=self._limits).where(*dict.fromkeys(clauses))

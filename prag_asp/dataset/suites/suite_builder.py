@@ -43,13 +43,13 @@ def generate_suite(
     limits: Limits = UNLIMITED,
     progress: Progress = lambda words, done, total: None,
 ) -> SuiteManifest:
-    """Write a dataset for each part of a suite, in a folder of its name, and return the manifest of the suite.
+    """Write a dataset for each part of a suite, in a folder named after it, and return the manifest of the suite.
 
     The same call resumes an interrupted run, and more tasks for a part extend its dataset. The bytes depend
     on the suite alone, not on the number of `workers`.
 
     Raises:
-        QueryError: parts share tasks without declaring it, or the request of a part is wrong.
+        QueryError: parts share tasks without declaring it, or the request for a part is wrong.
         SceneError: the scene lacks the shape of an entity of a task.
         OutputError: the folder contains something else, or a file cannot be written.
         NotFound: too few feasible tasks were found for some parts; all others are written.

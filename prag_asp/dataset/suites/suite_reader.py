@@ -91,7 +91,7 @@ class _SuiteReader:
         self._parts_entry = root.at("parts")
 
     def _read(self, entry: TableEntry, kind: type[Kind]) -> Kind | None:
-        """Return a table as a struct, None if it has problems."""
+        """Return a table as a struct, or None if it has problems."""
         fields: tuple[str, ...] = kind.__struct_fields__  # type: ignore[attr-defined]
         entry.require_known(fields)
         return read_entry(entry, kind)
@@ -209,7 +209,7 @@ class _SuiteReader:
         return None
 
     def _part(self, name: str, table: PartTable, held: Mapping[str, HeldOut], *, checked: bool) -> SuitePart | None:
-        """Return a part with its own tasks, None if its lengths or conditions have problems.
+        """Return a part with its own tasks, or None if its lengths or conditions have problems.
 
         `checked` is true if physics checks the tasks.
         """

@@ -94,7 +94,7 @@ class Suite:
         )
 
     def dataset_spec(self, part: SuitePart) -> DatasetSpec:
-        """Return the request of the dataset of a part.
+        """Return the request for the dataset of a part.
 
         Raises:
             QueryError: values of the part contradict each other; the message names the part.

@@ -42,7 +42,7 @@ def verify(
 
     Each file has to match its record in dataset.json, and there must be no others. Each exact size is counted again.
     Each draw is sampled again with its seed and has to be one row, with a task that no other row has; clingo, which is
-    independent of the sampler, has to accept its plan; its instructions are parsed back to the plan. With `physics`,
+    independent of the sampler, has to accept its plan; its instructions have to parse to the plan. With `physics`,
     each witness is simulated again, and recordings are compared with their tasks; findings and their order do not
     depend on the number of `workers`. With `trust`, physics may run the Python files of the domain.
 

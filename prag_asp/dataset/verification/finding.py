@@ -19,6 +19,6 @@ class Finding(NamedTuple):
     what: str
 
     def __str__(self) -> str:
-        """Return it as one line without control characters, because the files may be untrusted."""
+        """Return the finding as one line without control characters, because the files may be untrusted."""
         place = self.file if self.row is None else f"{self.file}: row {self.row}"
         return one_line(f"{place}: {self.what}")

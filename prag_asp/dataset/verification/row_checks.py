@@ -166,9 +166,9 @@ class RowChecks:
         yield from self._wrong_verdict(table, entry)
 
     def _wrong_texts(self, entry: DatasetEntry, task: Task, colours: Mapping[str, str]) -> Iterator[str]:
-        """Yield the faults of the texts: they equal those of the seed, and instructions parse to the plan.
+        """Yield the faults of the texts: they must equal those of the seed, and instructions must parse to the plan.
 
-        The parser gets the text and the colours alone; instructions too long for it are not parsed.
+        The parser gets only the text and the colours; instructions too long for it are not parsed.
         """
         texts, writer = self._captioner(task, colours), self._writer.recoloured(colours)
         if (dict(texts.whole), texts.subgoals, texts.named) != (entry.instruction, entry.subgoals, entry.named):

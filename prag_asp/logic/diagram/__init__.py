@@ -1,1 +1,1 @@
-"""Sets of states, and functions of states, as decision diagrams; the step of a domain on them."""
+"""Sets and functions of states as decision diagrams, and the step of a domain on them."""

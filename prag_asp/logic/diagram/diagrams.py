@@ -1,15 +1,15 @@
 """Multi-valued decision diagrams with integer terminals; nodes are unique.
 
-A state is a word: the values of its digits, one at each level. A diagram maps words to nonnegative integers, and is
-the minimal acyclic automaton of the words that it does not map to 0 (Bryant 1986; Clarke, Fujita and Zhao 1995 for
-integer terminals). A node maps values to nodes of the next level, at the last level to the integers themselves; a
-missing value leads to 0. So the values of a digit need not be known beforehand, no integer is ever rounded, and equal
-functions are the same node, a number above 0. The empty diagram is 0. A set is a diagram with values 0 and 1.
+A state is a word: the values of its digits, one per level. A diagram maps words to nonnegative integers, and is the
+minimal acyclic automaton of the words that it does not map to 0 (Bryant 1986; Clarke, Fujita and Zhao 1995 for integer
+terminals). A node maps values to nodes of the next level, or at the last level to the integers themselves; a missing
+value leads to 0. So the values of a digit need not be known beforehand, no integer is ever rounded, and equal functions
+are the same node. Nodes are numbered from 1; the empty diagram is 0. A set is a diagram with values 0 and 1.
 
-No library is used, because none with a Python interface has exact integer terminals: CUDD (`dd` 0.6) has floats,
-OxiDD 0.13 has binary diagrams only. With one diagram for each binary digit of a count, both are exact as well. On
-`benchmarks/diagrams.py` (1.8 * 10^8 states, 3,024,000,000 plans) they take 7.1 s of CPU and 104 MB (CUDD), or 4.6 s
-and 298 MB (OxiDD), for actions that were encoded by hand; this module takes 11.3 s and 254 MB, including reading and
+No library is used, because none with a Python interface has exact integer terminals: CUDD (`dd` 0.6) has floats, OxiDD
+0.13 has only binary diagrams. With one diagram for each binary digit of a count, both are exact as well. On
+`benchmarks/diagrams.py` (1.8 * 10^8 states, 3,024,000,000 plans) they take 7.1 s of CPU and 104 MB (CUDD), or 4.6 s and
+298 MB (OxiDD), for actions that were encoded by hand; this module takes 11.3 s and 254 MB, including reading and
 grounding the domain. A factor of 1.6 to 2.4 does not justify a native dependency without wheels for every platform,
 whose operations cannot be interrupted (here, they call `look`), and the encoding into bits.
 """
@@ -27,13 +27,13 @@ LOOK = 4096
 """The number of node entries that are processed between two calls of `look`."""
 
 CROWDED = 200_000
-"""The number of nodes up to which no garbage is collected."""
+"""The number of nodes up to which garbage is not collected."""
 
 REMEMBERED = 2_000_000
 """The maximum number of cached results at the beginning of an operation."""
 
 Changes = Mapping[int, tuple[int, int]]
-"""For some levels, a mask of the bits of a digit that stay, and a mask of the bits that are then set."""
+"""For some levels, a mask of the bits of a digit that are kept, and a mask of the bits that are then set."""
 
 
 class Diagrams:
@@ -59,7 +59,7 @@ class Diagrams:
         return len(self._children)
 
     def word(self, word: Sequence[int]) -> Node:
-        """Return the set of one word."""
+        """Return the set that contains one word."""
         node = 1
         for level in range(self._last, -1, -1):
             node = self._node(level, {word[level]: node})
@@ -207,7 +207,7 @@ class Diagrams:
             self._look()
 
     def _node(self, level: int, below: dict[int, Node]) -> Node:
-        """Return the unique node of a mapping, which must not change any more."""
+        """Return the unique node of a mapping, which must not change afterwards."""
         self._work(1 + len(below))
         if EMPTY in below.values():
             below = {digit: each for digit, each in below.items() if each}
@@ -222,7 +222,7 @@ class Diagrams:
         return node
 
     def _either(self, kind: str, level: int, first: Node, second: Node, both: Callable[[int, int], int]) -> Node:
-        """Return the pointwise combination of two diagrams: the nonzero value, or `both` of two nonzero values."""
+        """Return the pointwise combination of two diagrams: the only nonzero value, or `both` of two nonzero values."""
         cache = self._results.setdefault(kind, {})
 
         def either(level: int, first: Node, second: Node) -> Node:

@@ -1,7 +1,7 @@
 """Group the variables of a state into digits, and order these; both determine the size of diagrams.
 
-Mutually exclusive variables (the places of one object) form one digit with few values. Random walks estimate which
-variables exclude each other. A wrong estimate costs time but is not an error, because a digit may take any value.
+Mutually exclusive variables (such as the places of one object) form one digit with few values. Random walks estimate
+which variables exclude each other. A wrong estimate costs time but is not an error, because a digit may take any value.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ WALKERS, STEPS = 256, 24
 """The number of random walks, and their length in steps."""
 
 EXPECTED = 5.0
-"""The expected number of states in which two independent variables are both true, from which seeing none means that
-they exclude each other."""
+"""The expected number of states in which two independent variables are both true, above which seeing no such state
+means that they exclude each other."""
 
 MOST_DIGITS = 200
-"""The largest number of digits of a state, which is the depth of recursion; neighbours of more are joined."""
+"""The largest number of digits of a state, which is the recursion depth; if there are more, neighbours are joined."""
 
 ROUNDS = 30
 """The number of rounds of the FORCE heuristic."""
@@ -54,7 +54,7 @@ _digits_of: WeakKeyDictionary[Transition, Digits] = WeakKeyDictionary()
 
 
 def find_digits(transition: Transition, look: Callable[[], None]) -> Digits:
-    """Return digits for the states of a step function that has an initial state; `look` is called regularly."""
+    """Return digits for the states of a step function with an initial state; `look` is called regularly."""
     if transition in _digits_of:
         return _digits_of[transition]
     # An item is a fluent (true before false) or another variable.

@@ -1,8 +1,8 @@
 """Boolean functions as binary decision diagrams (Bryant 1986): equal functions are the same node, an integer.
 
-They serve the export to PDDL, whose functions read a few dozen fluents at most. A library such as `dd` or OxiDD would
+They serve the export to PDDL, whose functions read at most a few dozen fluents. A library such as `dd` or OxiDD would
 save the 60 lines of node construction. The export also needs covers by a bounded number of cubes, and common cases of
-several functions, which neither library has. `diagrams.py` has the measurements.
+several functions, which neither library has. See `diagrams.py` for the measurements.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Functions:
     The recursion depth is the number of variables of a function, which is limited to `deepest`.
 
     Raises:
-        TooLarge: a function would need more.
+        TooLarge: a function would exceed a limit.
     """
 
     def __init__(self, most: int, deepest: int = 200) -> None:
@@ -141,14 +141,14 @@ class Functions:
         return {self._nodes[node][0] for node in seen} - {BOTTOM}
 
     def top(self, functions: Iterable[Node]) -> int:
-        """Return the first variable on which one of some functions depends, or `BOTTOM`."""
+        """Return the first variable on which any of some functions depends, or `BOTTOM`."""
         return min((self._nodes[each][0] for each in functions), default=BOTTOM)
 
     def cubes(self, function: Node) -> tuple[Cube, ...]:
         """Return an irredundant sum of products of a function (Minato 1993); its number of cubes need not be minimal.
 
         Raises:
-            TooLarge: the function has more than `MOST_CUBES`.
+            TooLarge: the function has more than `MOST_CUBES` cubes.
         """
         return tuple(tuple(sorted(cube)) for cube in self._irredundant(function, function)[0])
 
@@ -157,7 +157,7 @@ class Functions:
     ) -> Iterator[tuple[Cube, tuple[Node, ...]]]:
         """Yield disjoint conjunctions that cover all assignments, each with the constant values of some functions.
 
-        An impossible conjunction, and all that extend it, are omitted.
+        Impossible conjunctions and their extensions are omitted.
         """
         level = self.top(functions)
         if level == BOTTOM:
@@ -170,7 +170,7 @@ class Functions:
                 yield from self.cases(restricted, possible, longer)
 
     def _irredundant(self, least: Node, most: Node) -> tuple[list[Cube], Node]:
-        """Return the cubes of a function between `least` and `most`, and that function."""
+        """Return the cubes of a function between `least` and `most`, and the function itself."""
         if least == FALSE:
             return [], FALSE
         if most == TRUE:

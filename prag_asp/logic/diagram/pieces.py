@@ -1,7 +1,7 @@
 """The step function of a domain on sets of states: the valid states of each action, and its changes.
 
 The rules are evaluated as by `Transition`, with sets of states instead of columns: a conjunction is an intersection,
-a negation the complement in the given set of states.
+and a negation is the complement in the given set of states.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class SetStep:
     diagrams: Diagrams
 
     def initial(self) -> Node:
-        """Return the set of the initial state, which is empty if the start is contradictory."""
+        """Return the set of the initial state, which is empty if the initial values are contradictory."""
         rows = self.transition.initial
         return self.diagrams.word(self.digits.word(rows, len(self.transition.variables))) if len(rows) else EMPTY
 
@@ -184,13 +184,13 @@ class _Values:
             return states
         terms, bound = [], body.bound
         for literal, weight in zip(body.literals, body.weights, strict=True):
-            if literal < 0:  # a weight that is due unless the atom is true
+            if literal < 0:  # a weight that counts unless the atom is true
                 bound, weight = bound - weight, -weight  # noqa: PLW2901
             terms.append(diagrams.everywhere(self.read(abs(literal)), weight))
         total = diagrams.sum(terms)
         if bound > 0:
             return diagrams.mapped(total, lambda number: int(number >= bound))
-        # A diagram has no state of sum 0.
+        # A diagram has no state with sum 0.
         return diagrams.minus(states, diagrams.mapped(total, lambda number: int(number < bound)))
 
     def falsifying(self, states: Node, body: RuleBody) -> Node:

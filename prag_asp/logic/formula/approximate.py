@@ -1,8 +1,8 @@
 """Approximate projected model counting with guaranteed bounds.
 
-Random parities over the shown variables divide the models into cells until one is small enough to be run_counter. The
-median over several such divisions is close to the number of models with high probability (Chakraborty, Meel and Vardi
-2016). The counter is ApproxMC (Soos, Gocht and Meel 2020).
+Random parities over the shown variables divide the models into cells until a cell is small enough to count. The median
+over several such divisions is close to the number of models with high probability (Chakraborty, Meel and Vardi 2016).
+The counter is ApproxMC (Soos, Gocht and Meel 2020).
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class Estimate:
-    """An approximate number, `about`, with its tolerance; it is never an exact number."""
+    """An approximate number, `about`, with its tolerance; it is never treated as exact."""
 
     about: int
     tolerance: Tolerance

@@ -12,7 +12,7 @@ from prag_asp.errors import EngineError
 def answers(messages: Iterator[Any]) -> Iterator[int]:
     """Yield the approximate number of models of each formula.
 
-    A message has the number of variables, the shown ones, the clauses, epsilon, delta and the seed.
+    A message has the number of variables, the shown variables, the clauses, epsilon, delta and the seed.
 
     Raises:
         EngineError: ApproxMC fails.
@@ -23,7 +23,7 @@ def answers(messages: Iterator[Any]) -> Iterator[int]:
 
             counter = pyapproxmc.Counter(seed=seed, epsilon=epsilon, delta=delta)
             # The package drops a variable without clauses, also after unit propagation, and with it a factor of 2. A
-            # new variable that it implies, and that is not projected on, keeps it and adds no model.
+            # new variable that it implies, outside the projection, keeps it and adds no model.
             mentioning = ([-variable, fresh] for variable, fresh in zip(shown, count(variables + 1), strict=False))
             counter.add_clauses([*map(list, clauses), *mentioning])
             cells, parities = counter.count(list(shown))

@@ -1,30 +1,32 @@
 """Ground rules as clauses with exactly one model for each answer set.
 
-*Without positive loops.* An atom is true where the body of one of its rules is (Clark 1978); an atom that a choice
-allows may then be false as well. Where no atom depends positively on itself, the models of this completion are the
-answer sets (Fages 1994; Erdem and Lifschitz 2003 for rules with sums). Every auxiliary variable is the output of a
-gate, a function of the atoms, so each answer set is one model.
+*Without positive loops.* An atom is true if the body of one of its rules is true (Clark 1978); an atom that a choice
+allows may then be false as well. If no atom depends positively on itself, the models of this completion are the answer
+sets (Fages 1994; Erdem and Lifschitz 2003 for rules with sums). Every auxiliary variable is the output of a gate, a
+function of the atoms, so each answer set is one model.
 
 *With positive loops.* M is an answer set if it is the least model of its reduct: the limit of the stages S_0 = {} and
 S_k = { a : the reduct has a rule for a with its body in S_(k-1) }. For each strongly connected component C of the
 positive dependency graph with m atoms, gates compute from M the stages of C alone, up to the m-th: negated literals and
-atoms outside of C have their value in M, atoms of C that of the stage before, and a choice counts as a rule for those
-of its atoms that M has (Simons, Niemelä and Soininen 2002). The stages only grow, and each one before the limit adds
-an atom, so S_m is the limit. A clause for each atom of C says that it is in S_m if M has it.
+atoms outside of C have their value in M, atoms of C have their value in the previous stage, and a choice counts as a
+rule for its atoms in M (Simons, Niemelä and Soininen 2002). The stages only grow, and each one before the limit adds an
+atom, so S_m is the limit. A clause for each atom of C states that it is in S_m if it is in M.
 
 This is stability. The stages of an answer set reach all of its atoms. Conversely, let M satisfy the completion, with a
-set U of atoms that the least model of its reduct lacks. Take a component C that meets U, and depends on no other that
-does. The body of any rule for an atom of U and C that is true in M needs an atom of U, of C that is, so no stage of C
-reaches an atom of U, against the clauses. (Lee and Lifschitz 2003 split by loops in the same way.)
+set U of atoms that the least model of its reduct lacks. Take a component C that meets U and depends on no other
+component that does. Any body that is true in M, of a rule for an atom in both U and C, needs an atom of U, and this
+atom is in C. So no stage of C reaches an atom of U, which contradicts the clauses. (Lee and Lifschitz 2003 split by
+loops in the same way.)
 
-The stages are functions of M: again one model for each answer set. The stage at which an atom appears is its level in
+The stages are functions of M, so again each answer set is one model. The stage at which an atom appears is its level in
 the strong level ranking of M, which Janhunen (2004, 2006) shows to be unique; he writes levels in binary, which is
 smaller for large components, and propagates less.
 
-*With copies.* Counting by cases can do with less (Kabir, Chakraborty and Meel 2024): an atom of a component has a copy,
-which implies it, and which follows where a rule for a true atom has its body true among the copies of the component's
-atoms. Unit propagation then makes the copies of all atoms of an answer set true, and leaves some open where an atom is
-true for no reason. So the models are more than the answer sets, but those without open copies are they.
+*With copies.* Counting by cases needs less (Kabir, Chakraborty and Meel 2024): each atom of a component has a copy that
+implies the atom. The copy of a true atom follows if one of its rules has a true body, with copies in place of the
+component's atoms. Unit propagation then makes the copies of all atoms of an answer set true, and leaves some copies
+open if an atom is true without support. So there are more models than answer sets, but the models without open copies
+are the answer sets.
 """
 
 from __future__ import annotations
@@ -43,7 +45,7 @@ class Completion:
     """Clauses whose models are answer sets, and the literal of each atom.
 
     `loops` are the components of atoms that depend positively on themselves, each atom with its rules. With copies,
-    `copies` are the variables that represent them, each with the literal of its atom, and gates among them, with TRUE.
+    `copies` are the variables of the copies, each with the literal of its atom, and of gates over copies, with TRUE.
     """
 
     clauses: ClauseBuilder
@@ -122,7 +124,7 @@ def _support(clauses: ClauseBuilder, atom: Literal, rules: list[Rule], value: Ca
 def _by_copies(
     clauses: ClauseBuilder, loop: Mapping[int, tuple[Rule, ...]], value: Callable[[int], Literal]
 ) -> dict[int, Literal]:
-    """Add copies of the atoms of a component, which its rules derive; return each copy with the literal of its atom."""
+    """Add copies of a component's atoms, derived by its rules; return each copy with the literal of its atom."""
     copies = {atom: clauses.fresh() for atom in loop}
 
     def of_copies(literal: int) -> Literal:

@@ -14,8 +14,8 @@ TRUE: Literal = 1
 class ClauseBuilder:
     """A growing set of clauses.
 
-    Every method that returns a literal adds clauses that fix its value for each assignment of the literals that it was
-    given: none of them changes the number of models.
+    Every method that returns a literal adds clauses that fix its value for each assignment of the given literals, so no
+    method changes the number of models.
     """
 
     def __init__(self) -> None:
@@ -24,7 +24,7 @@ class ClauseBuilder:
         self._gates: dict[Hashable, Literal] = {}
 
     def fresh(self) -> Literal:
-        """Return a variable that no clause has."""
+        """Return a variable that no clause contains."""
         self.variables += 1
         return self.variables
 
@@ -65,7 +65,7 @@ class ClauseBuilder:
     def at_least(self, bound: int, literals: Sequence[Literal], weights: Sequence[int]) -> Literal:
         """Return a literal that is true if the positive weights of the true literals reach a bound.
 
-        The sum is a binary decision diagram (Eén and Sörensson 2006): its node (i, b) says that the literals from the
+        The sum is a binary decision diagram (Eén and Sörensson 2006): its node (i, b) states that the literals from the
         i-th on reach b.
         """
         terms = sorted(zip(weights, literals, strict=True), reverse=True)
@@ -96,7 +96,7 @@ class ClauseBuilder:
         return nodes.get(bound, -TRUE)
 
     def _reached(self, literal: Literal, high: Literal, low: Literal) -> Literal:
-        """Return the literal of a node, given those for a true and a false literal; `low` implies `high`."""
+        """Return the literal of a node, given those of its `high` and `low` children; `low` implies `high`."""
         if high in (low, -TRUE):
             return low
         if low == -TRUE:

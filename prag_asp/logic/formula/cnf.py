@@ -1,4 +1,4 @@
-"""The plans of a length as a formula in conjunctive normal form, and its DIMACS text."""
+"""The plans of a given length as a formula in conjunctive normal form, and its DIMACS text."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from prag_asp.program.sources import Program
 
 @dataclass(frozen=True)
 class Cnf:
-    """A formula with exactly one model for each answer set of a program of some steps.
+    """A formula with exactly one model for each answer set of a program with some steps.
 
-    `literals` has the literal of every atom; the first variable is true, and represents the facts.
-    `shown` are the variables of the atoms ``occurs(A,t)`` or ``_step_name(N,t)``, sorted: they distinguish words.
-    `plans` is the formula of which this one is another projection, if there is one.
+    `literals` has the literal of every atom; the first variable is true, and represents the facts. `shown` are the
+    variables of the atoms ``occurs(A,t)`` or ``_step_name(N,t)``, sorted: they distinguish words. `plans` is the
+    formula of which this one is another projection, if any.
     """
 
     variables: int
@@ -48,7 +48,7 @@ def plan_cnf(program: Program, length: int, shown: EncodingPredicate = OCCURS) -
 
     Raises:
         DomainError: clingo cannot ground the program.
-        EngineError: the program has no counterpart in clauses: a disjunctive head, or more than rules.
+        EngineError: the program has no counterpart in clauses: a disjunctive head, or statements other than rules.
     """
     plans = _in_use.get((program, length))
     if plans is None:
@@ -63,7 +63,7 @@ def plan_cnf(program: Program, length: int, shown: EncodingPredicate = OCCURS) -
 
 
 def _unroll(program: Program, length: int) -> tuple[list[Rule], dict[clingo.Symbol, int]]:
-    """Return the ground rules of all steps of plans of a length, and the number of each atom."""
+    """Return the ground rules of all steps of plans of a given length, and the number of each atom."""
     grounder, recorder = Grounder(program), GroundRecorder()
     grounder.control.register_observer(recorder)
     grounder.ground([("base", [])])
@@ -85,7 +85,7 @@ def _variables(literals: Mapping[clingo.Symbol, Literal], shown: EncodingPredica
 
 
 def dimacs(cnf: Cnf, comments: Sequence[str] = ()) -> Iterator[str]:
-    """Yield the lines of a formula as model counters read it.
+    """Yield the lines of a formula in the format of model counters.
 
     ``c t pmc`` and ``c p show`` select projected counting, as in the Model Counting Competition (2021 and later); each
     line ``c V ATOM`` names the atom of variable V.

@@ -38,7 +38,7 @@ D4 = Counter("d4", "py_d4", "sharp", "prag_asp.logic.formula.d4")
 APPROXMC = Counter("ApproxMC", "pyapproxmc", "approximate", "prag_asp.logic.formula.approxmc")
 
 SHARP = "engine sharp"
-"""The engine that needs Ganak, as messages name it."""
+"""The engine that needs Ganak, as named in messages."""
 
 POLL = 0.05
 """Seconds between two measurements of the processor time of a counter."""
@@ -53,7 +53,7 @@ def has_counter(counter: Counter = GANAK) -> bool:
 
 
 def require_counter(counter: Counter = GANAK, request: str = SHARP) -> None:
-    """Check that a counter is installed; `request` names the request of the user in the message.
+    """Check that a counter is installed; `request` names the user's request in the message.
 
     Raises:
         EngineError: the counter is not installed.
@@ -74,7 +74,7 @@ def count_models(
 ) -> int:
     """Return the number of assignments of the shown variables that extend to a model with the assumed literals.
 
-    d4 takes no projection: it counts the models of all variables. `request` names the request of the user in messages.
+    d4 takes no projection: it counts the models of all variables. `request` names the user's request in messages.
 
     Raises:
         EngineError: the counter is missing, cannot take the formula, or fails.
@@ -109,7 +109,7 @@ def run_counter(
 
 
 class CountBeside:
-    """Counts the models of a formula in a child process while this one does something else; a context manager.
+    """A context manager that counts the models of a formula in a child process while this process does other work.
 
     `formula` returns the formula and the assumed literals. It is called when the counter starts: at the first call
     after `patience` seconds. A failure is not an error; the count then stays unknown.
@@ -147,11 +147,11 @@ class CountBeside:
                 child = self._running.enter_context(WorkerGroup(self._counter.module, complaints.fileno())).start()
                 child.send(message)
                 self._child = child
-        except (EngineError, WorkerEnded, OSError, MemoryError):  # the last two: there is no room
+        except (EngineError, WorkerEnded, OSError, MemoryError):  # the last two: there is no space left
             self._running.close()
             self._child = None
         if due and self._child is not None:
-            self._begins()  # an error of the callback is no failure of the counter
+            self._begins()  # an error of the callback is not a failure of the counter
         return None
 
     def alone(self, seconds: float) -> int | None:

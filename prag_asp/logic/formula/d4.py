@@ -9,7 +9,7 @@ from prag_asp.errors import EngineError
 
 
 def answers(messages: Iterator[Any]) -> Iterator[int]:
-    """Yield the number of models of each formula, given as the number of variables, the shown ones, and the clauses.
+    """Yield the number of models of each formula, given as the number of variables, shown variables and clauses.
 
     It counts the models of all variables, because the package does not project.
 

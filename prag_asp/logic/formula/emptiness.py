@@ -1,4 +1,4 @@
-"""The lines of a program that together exclude all plans of a length."""
+"""The lines of a program that together exclude all plans of a given length."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Occurring = Sequence[tuple[clingo.Symbol, int]]
 
 
 def has_plan(program: Program, length: int, occurring: Occurring | None = None) -> bool:
-    """Return whether a program has a plan of a length, with one of the actions `occurring` at its step if given.
+    """Return whether a program has a plan of a given length, with one of any actions `occurring` at its step.
 
     Raises:
         DomainError: clingo cannot ground the program.
@@ -47,9 +47,9 @@ def has_plan(program: Program, length: int, occurring: Occurring | None = None) 
 
 
 class LiftableLines:
-    """The lines of a program that restrict its plans of a length, each of which can be lifted.
+    """The lines of a program that restrict its plans of a given length, each of which can be lifted.
 
-    With `occurring`, only plans count in which one of these actions occurs at its step.
+    With `occurring`, only plans in which one of these actions occurs at its step count.
 
     Raises:
         DomainError: clingo cannot ground the program.
@@ -95,10 +95,10 @@ class LiftableLines:
         return self._lines_of(literals)
 
     def changes(self) -> tuple[tuple[RestrictingLine, ...], ...]:
-        """Return the lines whose removal alone allows a plan, or else one smallest set of lines whose removal does.
+        """Return the single lines whose removal allows a plan, or else one smallest set whose removal allows a plan.
 
-        A removed line has no effect at all. The result is empty if there is no plan without all lines. A smallest set
-        hits every set of lines that excludes all plans. So a smallest hitting set of the known ones is tried until
+        A removed line has no effect at all. The result is empty if there is no plan even without all lines. A smallest
+        set hits every set of lines that excludes all plans. So smallest hitting sets of the known sets are tried until
         there is a plan (Reiter, "A theory of diagnosis from first principles", 1987).
         """
         single = [each for each in self._lines if self._open([at for at in self._lines if at != each], loose=False)]

@@ -24,16 +24,16 @@ EXPLAINED = ("step.lp", "invariants.lp", "goal.lp", "impossible.lp")
 
 BROKEN = "__broken"
 TIMES = {"base": "0", "step": "{}", "check": "{}+1"}
-"""The time of a violation by program part: the start, a step, or the time after the last step."""
+"""The time of a violation, by program part: the initial state, a step, or the time after the last step."""
 
 
 @dataclass(frozen=True)
 class Explanation:
     """The reasons why n actions are not a plan.
 
-    `step` is the first one, from 1, that cannot follow those before it; 0 if the start is impossible, n + 1 if all
-    steps can occur, but the goal or check after them fails. `reasons` are sentences. `conflict` is a smallest set of
-    steps that no plan of n steps has at these places; it is empty if there is no plan of n steps at all.
+    `step` is the first one, from 1, that cannot follow the previous ones; 0 if the initial state is impossible, n + 1
+    if all steps can occur but the goal or check after them fails. `reasons` are sentences. `conflict` is a smallest set
+    of steps that no plan of n steps has in these positions; it is empty if there is no plan of n steps at all.
     """
 
     step: int
@@ -63,7 +63,7 @@ def explain(model: DomainLogic, plan: Sequence[clingo.Symbol]) -> Explanation | 
 
 @dataclass(frozen=True)
 class ReportingProgram:
-    """A program without constraints; ``__broken(L,T)`` says that the constraint of line L is broken at time T.
+    """A program without constraints; ``__broken(L,T)`` states that the constraint of line L is violated at time T.
 
     `rules` has the file, the line and the text of each L.
     """
@@ -73,7 +73,7 @@ class ReportingProgram:
 
 
 def report_violations(program: Program) -> ReportingProgram:
-    """Return a program with its constraints turned into rules that derive an atom; no line moves."""
+    """Return a program with its constraints turned into rules that derive an atom; line numbers do not change."""
     lines = program.text.splitlines()
     statements: dict[int, list[str]] = {}
     rules: dict[int, tuple[Path, int, str]] = {}
@@ -125,15 +125,15 @@ class _ReasonSearch:
         self.actions = [self._atom(OCCURS, action, k) for k, action in enumerate(plan, 1)]
 
     def lawful(self, end: int) -> list[Literal]:
-        """Return the literals of "no constraint is broken up to a time"."""
+        """Return the literals of "no constraint is violated up to a time"."""
         return [-literal for time, literals in self._broken.items() if time <= end for literal in literals.values()]
 
     def until(self, step: int) -> list[Literal]:
-        """Return the literals of "the first steps occur and break no constraint"."""
+        """Return the literals of "the first steps occur and violate no constraint"."""
         return [*self.actions[:step], *self.lawful(step)]
 
     def reasons(self, step: int) -> Iterator[str]:
-        """Yield the reasons why a step cannot follow those before it."""
+        """Yield the reasons why a step cannot follow the previous steps."""
         assumed = [*self.actions[:step], *self.lawful(step - 1)]
         if not self._solver.satisfiable(assumed):
             yield "another action has to occur there"
@@ -141,7 +141,7 @@ class _ReasonSearch:
         state = _State(self._cnf, self._solver.model(), self._plan)
         words = list(self._needs(step, state)) or list(self._contradictions(step, state))
         yield from words
-        # Constraints that each forbid the step, or else a smallest set that does so together.
+        # Constraints that each forbid the step, or else a smallest set that forbids it together.
         here = self._broken.get(step, {})
         forbidding = [line for line, literal in here.items() if not self._solver.satisfiable([*assumed, -literal])]
         if not forbidding:
@@ -180,7 +180,7 @@ class _ReasonSearch:
 
 
 class _State:
-    """The values of the states of the steps in one model."""
+    """The values of the state at each time in one model."""
 
     def __init__(self, cnf: Cnf, model: Sequence[Literal], plan: Sequence[clingo.Symbol]) -> None:
         self._cnf, self._values, self._plan = cnf, model, plan

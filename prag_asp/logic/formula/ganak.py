@@ -10,7 +10,7 @@ from prag_asp.logic.formula.solver import Solver
 
 
 def answers(messages: Iterator[Any]) -> Iterator[int]:
-    """Yield the number of models of each formula, given as the number of variables, the shown ones, and the clauses.
+    """Yield the number of models of each formula, given as the number of variables, shown variables and clauses.
 
     A solver first looks for a model, because if there is none, Ganak may take seconds even for a dozen variables.
 

@@ -2,8 +2,9 @@
 
 A line is restricting if it only removes plans: a constraint, a precondition, an initial value, an invariant, a goal.
 Each such line holds if its atom is true. A postcondition sets a fluent to a value; if it is lifted, the atom ``LOOSE``
-decides whether it has no effect or the fluent may have any value. Composites are lifted together, as by ``--flat``,
-because constraints test that a plan is a concatenation of them. Declarations of entities, fluents and actions stay.
+decides whether the postcondition has no effect or the fluent may have any value. Composites are lifted together, as by
+``--flat``, because constraints test that a plan is a concatenation of them. Declarations of entities, fluents and
+actions stay.
 """
 
 from __future__ import annotations
@@ -29,12 +30,12 @@ RESTRICTING = frozenset([
 
 EFFECT, COMPOSITE = ("postcondition", 3), ("composite", 1)
 RULES = "rules"
-"""The folder of the optional encodings, which a domain includes by one line each."""
+"""The folder of the optional encodings, each of which a domain includes by one line."""
 
 
 @dataclass(frozen=True)
 class RestrictingLine:
-    """A statement of an author with its file, line and text; an optional rule has the line that includes it."""
+    """An author's statement with its file, line and text; an optional rule has the line that includes it."""
 
     path: Path
     line: int
@@ -46,14 +47,14 @@ class RestrictingLine:
 
 @dataclass(frozen=True)
 class LiftableProgram:
-    """A program and its lines; line i holds if the atom ``__kept(i)`` is true, which the program chooses."""
+    """A program and its lines; line i holds if the atom ``__kept(i)``, chosen by the program, is true."""
 
     program: Program
     lines: tuple[RestrictingLine, ...]
 
 
 def make_liftable(program: Program) -> LiftableProgram:
-    """Return a program with one atom for each line that restricts, or one for a whole optional rule."""
+    """Return a program with one atom for each restricting line, or one for a whole optional rule."""
     lines: list[RestrictingLine] = []
     sources: list[Source] = []
     for source, own in owned(program):
@@ -66,7 +67,7 @@ def make_liftable(program: Program) -> LiftableProgram:
         if composed:
             lines.append(composed)
         elif optional and any(map(_restricts, statements)):
-            # The line that includes the rule, or the rule itself if the user has named it.
+            # The line that includes the rule, or the rule itself if the user named it.
             including = (
                 RestrictingLine(other.path, line, f'#include "{RULES}/{path.name}".')
                 for other in program.sources

@@ -49,18 +49,18 @@ class Solver:
     def propagated(self, assumptions: Sequence[Literal]) -> list[Literal] | None:
         """Return the assumptions and the literals that unit propagation derives, or None if it derives a conflict.
 
-        They are a function of the clauses until the first call of `satisfiable`, because nothing is learned before.
+        They are a function of the clauses until the first call of `satisfiable`, because no clause is learned before.
         """
         consistent, implied = self._solver.propagate(assumptions=list(assumptions))
         return list(implied) if consistent else None
 
     def model(self) -> list[Literal]:
-        """Return the model found last: the literal of variable v is at place v - 1."""
+        """Return the latest model: the literal of variable v is at index v - 1."""
         model: list[Literal] = self._solver.get_model()
         return model
 
     def core(self) -> list[Literal]:
-        """Return assumptions of the last query that no model satisfies together; the set need not be minimal."""
+        """Return assumptions of the latest query that no model satisfies together; the set need not be minimal."""
         return list(self._solver.get_core() or ())
 
 

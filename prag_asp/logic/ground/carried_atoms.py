@@ -1,8 +1,8 @@
-"""All atoms that steps may carry along, from a single grounding: the step is ground as if it followed itself.
+"""All atoms that steps may carry along, from a single grounding of a step that follows itself.
 
-With step t-1 replaced by step t, the rules of a step derive from one another what they derive from step to step, and
-clingo derives each atom once. A counter up to K takes K instances of its rule, where K steps one after the other take
-K^2. The result may have atoms too many, which no plan reaches, and lack some that depend on what is absent.
+With step t-1 replaced by step t, the rules of one step derive from one another what successive steps derive, and clingo
+derives each atom once. A counter up to K takes K instances of its rule, while K successive steps take K^2. The result
+may have additional atoms, which no plan reaches, and lack atoms that depend on absent atoms.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def carried_atoms(
     """Return atoms of the predicates `carried` that steps may derive, without their time; `open_atoms` may be true.
 
     Raises:
-        BoundReached: a rule makes too many values from one another.
+        BoundReached: a rule derives too many values from one another.
     """
     grounder = Grounder(Program(tuple(map(_onto_itself, program.sources))))
     grounder.ground([("base", [])])
@@ -35,9 +35,9 @@ def carried_atoms(
 
 
 def _onto_itself(source: Source) -> Source:
-    """Return a source whose rules of a step read that step instead of the one before, without its constraints.
+    """Return a source without constraints, whose rules of a step read this step instead of the previous one.
 
-    Without a file of the name of the contract, the rules of encodings are bounded like those of authors.
+    Without a file named like the contract, the rules of encodings are bounded like those of authors.
     """
     replaced: dict[Statement, str] = {}
     for statement in parse_sources([(source, True)])[0]:

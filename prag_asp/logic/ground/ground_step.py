@@ -24,23 +24,23 @@ from prag_asp.program.sources import Program
 from prag_asp.program.syntax import Signature, spelled
 
 MOST_STEPS = 10**6
-"""The largest number of steps that are ground one by one: each takes about a millisecond, and memory."""
+"""The largest number of steps that are ground one by one: each takes memory, and about a millisecond."""
 
 STEP = 1_000_000_000
-"""The number of the ground step, which no domain uses for anything else."""
+"""The number of the ground step; no domain uses it for anything else."""
 
 FEW_STEPS, MOST_ATOMS, MOST_SYMBOLS = 30, 1_000_000, 10_000
 """The numbers of steps, of atoms, and of symbols in one atom from which a carried predicate counts as endless.
 
-A step may double the symbols of an atom, so that few steps fill the memory.
+A step may double the symbols of an atom, so that a few steps may exhaust the memory.
 """
 
 MOST_GROWING, FEW_AT_ONCE = 20_000, 2
 """The same limits of atoms and of steps between two tests for predicates whose atoms may derive one another."""
 
 FAR, MOST_FORESEEN = 32, 25_000
-"""The number of steps after which the atoms that later steps add are found all at once, and their maximum number: in
-half a minute, a step is ground for so many."""
+"""The number of steps after which the atoms of all later steps are found at once, and their maximum number: grounding a
+step for this many atoms takes half a minute."""
 
 PART = re.compile(r"(#program\s+)(base|step)\b")
 """Finds the program parts that an extension has."""
@@ -58,11 +58,11 @@ Seeds = dict[clingo.Symbol, None]
 class GroundStep:
     """The ground rules of one step in any state, by program part.
 
-    `names` holds the symbol of every named atom; `before`, `now` and `ending` the atoms of step t-1 and of step t by
-    their symbol without its time. `initial` are the timed symbols that hold at the start, without their time;
+    `names` holds the symbol of every named atom; `before`, `now` and `ending` hold the atoms of step t-1 and of step t
+    by their symbol without its time. `initial` are the timed symbols that hold initially, without their time;
     `obstacles` are the reasons why the step is not a function of the state and the action. With `after_steps_alone`,
     the final check is wrong for a plan without actions: clingo has simplified it by atoms that are true after every
-    step, but not initially. `grounding` can ground more rules on top of the step (see `extend_step`).
+    step but not initially. `grounding` can ground more rules on top of the step (see `extend_step`).
     """
 
     rules: Mapping[str, tuple[Rule, ...]]
@@ -81,8 +81,8 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
 
     The atoms of step t-1 are not known beforehand: the step is ground again until it derives no new ones. A step that
     carries only the state is ground once. One that carries more, like the hierarchy of `kitchen`, is ground at least
-    twice, because clingo instantiates the rules that read an atom only if it is declared before. If a step always
-    derives new atoms, like an unbounded counter, the result has an obstacle.
+    twice, because clingo instantiates the rules that read an atom only if the atom was declared before. If a step
+    always derives new atoms, like an unbounded counter, the result has an obstacle.
 
     Raises:
         DomainError: clingo cannot ground the program.
@@ -123,7 +123,7 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
 
 
 def _unforeseen(ground: GroundStep, seeds: Seeds, reads: StepReads) -> set[clingo.Symbol]:
-    """Return the atoms of the start and of the step that the next step reads, but that `seeds` lacks."""
+    """Return the atoms of the initial state and of the step that the next step reads but `seeds` lacks."""
     new = {symbol for symbol in ground.now if symbol not in seeds and _signature(symbol) in reads.previous}
     if new:
         unsupported = _unsupported(ground, seeds)
@@ -134,7 +134,7 @@ def _unforeseen(ground: GroundStep, seeds: Seeds, reads: StepReads) -> set[cling
 def _unsupported(ground: GroundStep, seeds: Seeds) -> set[int]:
     """Return the atoms that no rule derives from any state.
 
-    clingo knows an atom that only ``not p(X,t-1)`` mentions, and would carry it along.
+    clingo records an atom that only ``not p(X,t-1)`` mentions, and would carry it along.
     """
     waiting = [rule for part in ground.rules.values() for rule in part]
     derived = {head for rule in waiting for head in rule.heads}
@@ -159,7 +159,7 @@ class _Bounds(NamedTuple):
 def _bounds(program: Program, reads: StepReads) -> _Bounds:
     """Return the bounds of the search for all carried atoms.
 
-    A bounded counter ends at a number that the program names, or not far beyond.
+    A bounded counter ends at or just beyond a number in the program.
     """
     if not guard_program(program).endless_steps:
         return _Bounds()
@@ -170,7 +170,7 @@ def _bounds(program: Program, reads: StepReads) -> _Bounds:
 
 
 def _ground_until_closed(grounder: Grounder, seeds: Seeds, program: Program, reads: StepReads) -> Signature | None:
-    """Ground a step, and more steps after it while they carry atoms that `seeds` lacks, which are added to `seeds`.
+    """Ground a step, and further steps while they carry atoms that `seeds` lacks; these are added to `seeds`.
 
     Return a predicate that exceeds the bounds, if there is one. The atoms are tested after 1, 2, 4, ... steps.
     """
@@ -217,10 +217,10 @@ def _signature(symbol: clingo.Symbol) -> Signature:
 def extend_step(
     step: GroundStep, rules: Program, carried: Iterable[clingo.Symbol], reads: StepReads
 ) -> GroundStep | None:
-    """Return a ground step with more rules, which are ground on top of it; None if all has to be ground again.
+    """Return a ground step with more rules ground on top of it; None if everything has to be ground again.
 
     A step can be extended once. `rules` may have the parts ``base`` and ``step(t)``; no rule of the step may read what
-    they derive. `carried` are the atoms that they derive at one step and read at the next, without their time. `reads`
+    they derive. `carried` are the atoms, without their time, that they derive at one step and read at the next. `reads`
     describes the step together with the rules.
     """
     grounding = step.grounding
@@ -245,7 +245,7 @@ def extend_step(
 def _ground_end(
     started: Grounding, program: Program, open_states: Sequence[clingo.Symbol], reads: StepReads
 ) -> GroundStep:
-    """Ground hindsight and the checks of the final state, which may be the start, on top of a step.
+    """Ground hindsight and the checks of the final state, which may be the initial one, on top of a step.
 
     If no state allows a step, the checks are ground without it, because clingo grounds nothing after a conflict.
     """
@@ -271,7 +271,7 @@ def _declare(grounder: Grounder, seeds: Iterable[clingo.Symbol], others: Iterabl
 
 
 def ground_plan(program: Program, length: int, reads: StepReads) -> GroundStep:
-    """Ground all steps of plans of a length; `names` then has the atoms of every step.
+    """Ground all steps of plans of a given length; `names` then has the atoms of every step.
 
     Raises:
         DomainError: clingo cannot ground the program.
@@ -282,7 +282,7 @@ def ground_plan(program: Program, length: int, reads: StepReads) -> GroundStep:
 
 
 def unrolled(length: int) -> list[Part]:
-    """Return the program parts of plans of a length, after the base.
+    """Return the program parts of plans of a given length, after the base.
 
     Raises:
         EngineError: there are too many steps.
@@ -298,7 +298,7 @@ def unrolled(length: int) -> list[Part]:
 
 @dataclass
 class Grounding:
-    """A grounder with at least the base part of a program; `initial` are the atoms of the start without their time.
+    """A grounder with at least the base part of a program; `initial` are the initial atoms without their time.
 
     Rules are recorded as those of a step unless another part is ground by `ground`.
     """
@@ -309,13 +309,13 @@ class Grounding:
     extended: bool = False
 
     def ground(self, part: str) -> None:
-        """Ground a part for the number of the step, and record its rules."""
+        """Ground a part with the step number, and record its rules."""
         self.recorder.part = part
         self.grounder.ground([(part, [NOW])])
 
 
 def _start(program: Program, reads: StepReads) -> Grounding:
-    """Ground the base part. Rules that are ground next are recorded as a step."""
+    """Ground the base part. Rules that are ground afterwards are recorded as those of a step."""
     grounder, recorder = Grounder(program), GroundRecorder(base_facts=False)
     grounder.control.register_observer(recorder)
     grounder.ground([("base", [])])

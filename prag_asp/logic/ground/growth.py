@@ -1,4 +1,4 @@
-"""Find rules that may carry ever new values from step to step, such as unbounded counters."""
+"""Find rules that may derive new values at every step without end, such as unbounded counters."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def growing_heads(
 ) -> Iterator[Signature]:
     """Yield the heads of a rule that build new values from carried values that no literal of the body bounds.
 
-    Each literal of the body comes with its text. A second literal that reads a variable may bound it.
+    Each literal of the body is given with its text. A second literal that reads a variable may bound it.
     """
     made_of = [(head.signature, _made_of(head)) for head in heads]
     if not any(names for _, names in made_of):
@@ -58,7 +58,7 @@ def _made_of(head: AtomNode) -> set[str]:
 
 
 def locate_head(program: Program, signature: Signature) -> str:
-    """Return file and line of a rule of a step that derives a predicate, preferably one that builds new values."""
+    """Return the file and line of a rule of a step that derives a predicate, preferably one that builds new values."""
     lines: list[tuple[bool, int]] = []
     part = "base"
 

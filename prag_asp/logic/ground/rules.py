@@ -16,7 +16,7 @@ Condition = tuple[int, ...]
 
 
 class Unsupported(Enum):
-    """Statements that no rule expresses."""
+    """Statements that rules cannot express."""
 
     MINIMIZE = "the program minimizes a sum"
     ACYCLIC = "the program has a graph that must stay acyclic"
@@ -24,9 +24,9 @@ class Unsupported(Enum):
 
 
 class Rule(NamedTuple):
-    """A ground rule: some head follows where the weights of the true literals of the body reach `bound`.
+    """A ground rule: some head follows if the weights of the true body literals reach `bound`.
 
-    Literals are atoms, negative where negated. Without `weights`, all literals of the body have to be true.
+    Literals are atoms, negative if negated. Without `weights`, all literals of the body have to be true.
     """
 
     heads: tuple[int, ...]
@@ -37,7 +37,7 @@ class Rule(NamedTuple):
 
     @property
     def is_disjunctive(self) -> bool:
-        """Whether one of several heads follows."""
+        """Whether the rule derives one of several heads."""
         return len(self.heads) > 1 and not self.choice
 
 
@@ -46,8 +46,8 @@ class GroundRecorder(clingo.Observer):
 
     `rules` are those of each program part; the caller sets the `part` before it is ground. Without `base_facts`, facts
     of the base part are not recorded. `shown` are the conditions under which a symbol is shown, `projected` the atoms
-    of ``#project``, None without such a statement. `externals` have the last value of each, `minimized` the weighted
-    literals of each priority.
+    of ``#project``, or None without such a statement. `externals` has the last value of each external atom, `minimized`
+    the weighted literals of each priority.
     """
 
     def __init__(self, *, base_facts: bool = True) -> None:
@@ -95,7 +95,7 @@ class GroundRecorder(clingo.Observer):
         self.externals[atom] = value
 
     def minimize(self, priority: int, literals: Sequence[tuple[int, int]]) -> None:
-        """Record a part of the sum to minimize at a priority, as literals with their weights."""
+        """Record terms of the sum to minimize at a priority, as literals with their weights."""
         self.minimized.setdefault(priority, []).extend(literals)
         self.unsupported[Unsupported.MINIMIZE] = None
 
@@ -108,11 +108,11 @@ class GroundRecorder(clingo.Observer):
         self.unsupported[Unsupported.THEORY] = None
 
     def theory_atom_with_guard(self, *_: object) -> None:
-        """Record the same."""
+        """Record that there is a theory."""
         self.unsupported[Unsupported.THEORY] = None
 
     def _add(self, head: Sequence[int], body: Condition, choice: bool, bound: int = 0, weights: Condition = ()) -> None:
-        """Add a rule; a disjunction may name an atom twice, and a choice among no atoms states nothing."""
+        """Add a rule; a disjunction may name an atom twice, and a choice without atoms has no effect."""
         if choice and not head:
             return
         heads = tuple(head) if len(head) < 2 else tuple(dict.fromkeys(head))

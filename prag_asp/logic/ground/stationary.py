@@ -1,7 +1,7 @@
 """The premise of the one-step program: the step is the same function at every time.
 
-It holds if no rule reads the number of a step, or a step other than the one before. The ground program of a single step
-does not show that, so the syntax of the rules decides.
+It holds if no rule reads the number of a step, or a step other than the previous one. The ground program of a single
+step does not show this, so the syntax of the rules decides.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from prag_asp.program.sources import Program, owned
 from prag_asp.program.syntax import AtomNode, Signature, Statement, atoms, children_of, plain_atom, spelled
 
 START = "0"
-"""The text of the time of the start."""
+"""The text of the initial time."""
 
 ONE_ACTION = "1 <= { occurs(A,t): action(A), not _pruned(A) } <= 1."
 ANY_ACTION = "1 <= { occurs(A,t): action(A) } <= 1."
@@ -50,8 +50,8 @@ class StepReads:
     """The predicates that the rules of a step read.
 
     `timed` are the predicates with a time, `previous` those read at step t-1, and `last` those that the check after the
-    last step reads. `growing` are the timed ones that may take ever new values. `obstacles` are the reasons why the
-    step is not a function of the state and the action.
+    last step reads. `growing` are the timed predicates that may take new values without end. `obstacles` are the
+    reasons why the step is not a function of the state and the action.
     """
 
     timed: frozenset[Signature]
@@ -63,14 +63,14 @@ class StepReads:
 
 @dataclass(frozen=True)
 class _TimedRule:
-    """A rule with the texts of the number of the step in it, the parameter of its part, and of the step before."""
+    """A rule with the text of the step number in it, the parameter of its part, and the text of the previous step."""
 
     statement: Statement
     now: str
 
     @property
     def before(self) -> str:
-        """The text of the step before."""
+        """The text of the previous step."""
         return f"({self.now}-1)"
 
     @property
@@ -90,7 +90,7 @@ class _TimedRule:
 
 @lru_cache(maxsize=1024)
 def _reads_number(rule: _TimedRule) -> bool:
-    """Return whether a rule contains the number of the step other than as the time of an atom."""
+    """Return whether a rule contains the step number other than as the time of an atom."""
     number = re.compile(rf"(?<![\w']){re.escape(rule.now)}(?![\w'(])")
 
     def atom_reads(atom: AtomNode) -> bool:
@@ -118,7 +118,7 @@ def _reads_number(rule: _TimedRule) -> bool:
 def read_step(program: Program) -> StepReads:
     """Return the predicates of step t-1 that the parts ``step(t)`` and ``check(t)`` of a program read.
 
-    Statements that clingo cannot parse are skipped: grounding the program raises the error.
+    Statements that clingo cannot parse are skipped; grounding the program raises the error.
     """
     statements, _ = parse_sources(owned(program))
     rules: dict[str, list[_TimedRule]] = {name: [] for name in PARTS}
@@ -132,7 +132,7 @@ def read_step(program: Program) -> StepReads:
         timed |= {atom.signature for atom in rule.heads if _time_of(atom) == rule.now}
     obstacles = list(_acting(acting))
     obstacles += _numbered(rules, timed)
-    # Only rules of the base part with the name of a timed predicate, or the step before, can carry a time.
+    # Only base-part rules with the name of a timed predicate, or of the previous step, can have a time.
     rules["base"] = [
         rule
         for rule in rules["base"]
@@ -148,7 +148,7 @@ def read_step(program: Program) -> StepReads:
 
 
 def _acting(rules: Sequence[_TimedRule]) -> Iterator[Obstacle]:
-    """Yield the choices of encodings other than that of the shipped ``step.lp`` by which actions occur."""
+    """Yield the choices in encodings by which actions occur, except the one in the shipped ``step.lp``."""
     for rule in rules:
         chooses = not rule.statement.own and rule.statement.node.head.ast_type != ASTType.Literal
         if chooses and rule.statement.text not in (ONE_ACTION, ANY_ACTION):
@@ -157,7 +157,7 @@ def _acting(rules: Sequence[_TimedRule]) -> Iterator[Obstacle]:
 
 
 def _numbered(rules: Mapping[str, Sequence[_TimedRule]], timed: Collection[Signature]) -> Iterator[Obstacle]:
-    """Yield the rules of the base part or the last check that state atoms by the number of a step."""
+    """Yield the rules of the base part or the last check whose atoms have a step number as time."""
     last = {atom.signature for rule in rules["check"] for atom in rule.heads if _time_of(atom) == rule.now}
     at, before = set(last), set[Signature]()
     for name in ("step", "check"):

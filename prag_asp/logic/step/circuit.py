@@ -35,7 +35,7 @@ class Circuit:
 
     @property
     def widest(self) -> int:
-        """The largest number of words in use at once for each word of an input."""
+        """The largest number of words in use at once per input word."""
         return self.gates + max((len(layer.operands) for layer in self.layers), default=0)
 
     def evaluate(self, inputs: NDArray[np.uint64]) -> NDArray[np.uint64]:
@@ -84,7 +84,7 @@ class Gates:
         return self._numbers[key]
 
     def circuit(self, roots: Sequence[int]) -> tuple[Circuit, Mapping[int, int]]:
-        """Return the circuit of some gates and all that they read, and the number of each gate in it."""
+        """Return the circuit of some gates and all gates that they read, and the number of each gate in it."""
         before = CONSTANTS + self._inputs
         needed: set[int] = set()
         waiting = [gate for gate in roots if gate >= before]

@@ -65,7 +65,7 @@ def find_breakable(step: NormalStep, invariants: list[RuleBody]) -> list[RuleBod
     """Return the constraints of `invariants` that some action breaks from a state that satisfies all constraints.
 
     The states are those that satisfy the rules and constraints on the state alone, which hold after every step. The
-    assumed constraints hold at the start; the rest is an induction over the steps. The answer sets of a program are the
+    assumed constraints hold initially; the rest is an induction over the steps. The answer sets of a program are the
     steps from any such state that break an open constraint; a constraint that is broken once is closed.
     """
     if not invariants:
@@ -90,8 +90,8 @@ def _breaking_steps(
 ) -> tuple[clingo.Control, int, Sequence[int], Sequence[int]]:
     """Return the program whose answer sets are steps that break constraints, and its atoms.
 
-    These are one that some open constraint is broken, and for each constraint one that it is broken and an external one
-    that it is open.
+    The atoms state that some open constraint is broken and, for each constraint, that it is broken and (an external
+    atom) that it is open.
     """
     reached = sorted(_influence(step, _atoms(invariants)))
     control = clingo.Control(["--warn=none", "--heuristic=Domain"])
@@ -120,13 +120,13 @@ def _breaking_steps(
             backend.add_external(is_open, clingo.TruthValue.True_)
             add([breaks], body)
             backend.add_rule([some], [breaks, is_open])
-            # A model that breaks many constraints saves as many models.
+            # A model that breaks many constraints replaces as many models.
             backend.add_heuristic(breaks, clingo.backend.HeuristicType.True_, 1, 1, [is_open])
     return control, some, broken, open_
 
 
 def _state_constraints(step: NormalStep, reached: Collection[int]) -> list[RuleBody]:
-    """Return the constraints of every state before a step: those of step t, moved to step t-1."""
+    """Return the constraints on the state before a step: those of step t, moved to step t-1."""
     moved: dict[int, int] = {
         atom: step.ground.before[symbol]
         for symbol, atom in step.ground.now.items()

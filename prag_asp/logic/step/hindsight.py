@@ -32,8 +32,8 @@ TRUE, FALSE, UNKNOWN = 1, 0, -1
 class Hindsight:
     """The rules of a step and of ``hindsight.lp`` as functions on columns, one column for each plan.
 
-    A *state* has the atoms that a step reads of the previous step, shape (variables, plans); *seen* has those that
-    hindsight reads of a step, shape (atoms, plans); *known* is the truth of each ``_state(F, V, t)``, shape (atoms,
+    A *state* has the atoms of the previous step that a step reads, shape (variables, plans); *seen* has the atoms of a
+    step that hindsight reads, shape (atoms, plans); *known* is the truth of each ``_state(F, V, t)``, shape (atoms,
     plans). All are boolean. `fluents` are numbered in their order.
     """
 
@@ -46,14 +46,14 @@ class Hindsight:
 
     @cached_property
     def _carried(self) -> Mapping[int, int]:
-        """For each variable, an atom of step t-1, its counterpart of step t, or 0."""
+        """For each variable, an atom of step t-1: its counterpart at step t, or 0."""
         ground = self.step.ground
         carried = {ground.before[symbol]: atom for symbol, atom in ground.now.items() if symbol in ground.before}
         return {**{ground.before[symbol]: 0 for symbol in ground.initial if symbol in ground.before}, **carried}
 
     @cached_property
     def _rows(self) -> list[tuple[int, int, int, int]]:
-        """For each ``_state(F, V, t)``: its atom, that of step t-1 (or 0), the row of F, and the number for V."""
+        """For each ``_state(F, V, t)``: its atom, its atom at step t-1 (or 0), the row of F, and the number for V."""
         rows = {fluent: row for row, fluent in enumerate(self.fluents)}
         before = self.step.ground.before
         states = ((symbol, atom) for symbol, atom in self.step.ground.now.items() if symbol.match(*STATE.without_time))
@@ -65,7 +65,7 @@ class Hindsight:
 
     @cached_property
     def _parts(self) -> Mapping[str, tuple[Mapping[int, tuple[RuleBody, ...]], list[Stratum]]]:
-        """The rules for the final state and for an earlier state, with the strata to evaluate."""
+        """The rules for the final state and for an earlier state, each with the strata to evaluate."""
         roots = {"ending": [atom for atom, *_ in self._rows], "hindsight": [before for _, before, *_ in self._rows]}
         parts = {}
         for part, needed in roots.items():
@@ -95,7 +95,7 @@ class Hindsight:
 
     @cached_property
     def start(self) -> tuple[Truth, Truth]:
-        """The initial state and, for a plan without actions, what hindsight reads of it; one column each."""
+        """The initial state and, for a plan without actions, the atoms that hindsight reads; one column each."""
         ground = self.step.ground
         holding = {ground.before[symbol] for symbol in ground.initial if symbol in ground.before}
         now = {ground.now[symbol] for symbol in ground.initial if symbol in ground.now}
@@ -103,7 +103,7 @@ class Hindsight:
         return state, np.array([[atom in now] for atom in self._seen], dtype=np.bool_).reshape(-1, 1)
 
     def follow(self, states: Truth, letters: NDArray[np.int64]) -> tuple[Truth, Truth]:
-        """Return the states after valid actions, given by number, and what hindsight reads of these steps."""
+        """Return the states after valid actions, given by number, and the atoms of these steps that hindsight reads."""
         size = len(letters)
         columns = dict(zip(self._carried, states, strict=True))
         columns.update((atom, letters == number) for number, atom in enumerate(self.step.occurs.values()))
@@ -115,7 +115,7 @@ class Hindsight:
         return self._evaluated(dict(zip(self._seen, seen, strict=True)), "ending", seen.shape[1])
 
     def evaluate_before(self, seen: Truth, known: Truth) -> Truth:
-        """Return the known atoms of the states before steps, from the seen atoms of the steps and those known after."""
+        """Return the known atoms before steps, from the seen atoms of the steps and the known atoms after them."""
         columns = dict(zip(self._seen, seen, strict=True))
         columns.update(zip((atom for atom, *_ in self._rows), known, strict=True))
         return self._evaluated(columns, "hindsight", seen.shape[1])

@@ -1,6 +1,6 @@
 """The independent parts of a domain, which share no variable, action, rule or condition on the final state.
 
-Atoms that depend on no variable are evaluated first, so that rules that count or name the actions of a step join no
+Atoms that depend on no variable are evaluated first, so that rules that count or name the actions of a step do not join
 parts. An action then belongs to the variables that it reads or sets. A part must also remain unchanged while another
 part acts; `Transition.rests` decides this for each state.
 """
@@ -17,7 +17,7 @@ from prag_asp.logic.step.transition import Transition
 from prag_asp.program.entity_names import action_name
 
 FEWEST_VARIABLES = 12
-"""The number of variables from which parts are searched; fewer have few states."""
+"""The minimum number of variables to search for parts; with fewer, there are few states."""
 
 Node = tuple[str, int]
 """A variable, an atom that rules define, or an action, by number."""
@@ -28,7 +28,7 @@ FREE: Node = ("actions that set and read no variable", 0)
 
 
 def independent_parts(transition: Transition, *, by_name: bool = False) -> tuple[Transition, ...]:
-    """Return step functions whose shuffled plans are those of a step function, if each rests in all its states.
+    """Return parts of a step function; shuffles of their plans are its plans, if each part rests in all its states.
 
     With `by_name`, actions of one name belong to one part. The result is empty if there is only one part, or if there
     are fewer than `FEWEST_VARIABLES`.
@@ -110,7 +110,7 @@ class _Parts:
         return decided
 
     def _join_action(self, letter: int, move: Move) -> None:
-        """Join an action with what it reads and sets, and remember the constraints that read it."""
+        """Join an action with the nodes that it reads and sets, and record the constraints that read it."""
         action: Node = ("action", letter)
         own = {atom for stratum in move.strata for atom in stratum.atoms}
         for atom in own:
@@ -125,7 +125,7 @@ class _Parts:
                 self._asking.setdefault(number, []).append(action)
 
     def _concerns(self, number: int, root: Node) -> bool:
-        """Return whether a constraint belongs to a part: it reads one of its variables or actions.
+        """Return whether a constraint belongs to a part: it reads a variable or an action of the part.
 
         A constraint that reads no variable if no action occurs belongs to all parts, unless every action decides it.
         """

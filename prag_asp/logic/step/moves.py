@@ -1,6 +1,7 @@
 """The rules of a step, partially evaluated for one action.
 
-The ground rules are evaluated once without an action. An action then evaluates only the atoms that depend on it again.
+The ground rules are evaluated once without an action. For each action, only the atoms that depend on it are then
+evaluated again.
 """
 
 from __future__ import annotations
@@ -19,9 +20,9 @@ from prag_asp.logic.step.strata import Stratum
 class Move:
     """The compiled rules of one action: guards over the state, rules, constraints, and the effect on the state.
 
-    `touched` are the constraints that read the action. From the packed state after a step without an action, the bits
-    `keep` stay, the bits `put` are set, and `changed` maps other places to the atoms that decide them; `labels` and
-    `fixed_labels` are the same for labels. `constants` are the atoms whose truth the action alone decides.
+    `touched` are the constraints that read the action. In the packed state after a step without an action, the bits
+    `keep` are kept, the bits `put` are set, and `changed` maps other places to the atoms that decide them; likewise
+    `labels` and `fixed_labels` for labels. `constants` are the atoms whose truth the action alone decides.
     """
 
     guards: tuple[RuleBody, ...]

@@ -1,6 +1,6 @@
 """A ground step in normal form: the definition of each atom, and constraints.
 
-The action is an input and no choice. A rule that allows an action therefore becomes a constraint: an action that occurs
+The action is an input, not a choice. A rule that allows an action therefore becomes a constraint: an action that occurs
 must be allowed, and an action that is derived must occur.
 """
 
@@ -20,7 +20,7 @@ from prag_asp.program.predicates import OCCURS
 
 @dataclass(frozen=True)
 class RuleBody:
-    """A conjunction of literals or, with `weights`, a sum of the weights of the true ones that reaches `bound`."""
+    """A conjunction of literals or, with `weights`, the condition that the weights of the true ones reach `bound`."""
 
     literals: tuple[int, ...]
     bound: int = 0
@@ -107,7 +107,7 @@ def _add_unnamed(ground: GroundStep, final_bodies: dict[int, list[RuleBody]], fi
     """Add the definitions of the unnamed atoms that the final check reads to `final_bodies`.
 
     An atom with an unnamed argument, such as ``p(_,t)``, has one definition in the part that reads it first, and each
-    later part adds to the one before.
+    later part extends the definition.
     """
     defined: dict[int, list[RuleBody]] = {}
     for part in ground.rules.values():
@@ -139,10 +139,10 @@ def _frozen(bodies: Mapping[int, list[RuleBody]]) -> dict[int, tuple[RuleBody, .
 
 
 def _refuse_circular(allowed: Iterable[RuleBody], bodies: Mapping[int, list[RuleBody]], actions: set[int]) -> None:
-    """Check that no action is allowed by what occurs in the same step: it could support itself.
+    """Check that no action is allowed by actions in the same step, because it could support itself.
 
     Raises:
-        EngineError: an action depends on what occurs in its own step.
+        EngineError: an action depends on the actions of its own step.
     """
     seen: set[int] = set()
     waiting = [abs(literal) for body in allowed for literal in body.literals]

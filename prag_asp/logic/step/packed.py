@@ -13,7 +13,7 @@ LITTLE = np.dtype("<u8")
 
 
 def words_for(bits: int) -> int:
-    """Return the number of words that hold a number of bits: at least one."""
+    """Return the number of words, at least one, that hold a number of bits."""
     return max(-(-bits // WORD), 1)
 
 
@@ -33,7 +33,7 @@ def unpack(rows: Rows, bits: int) -> NDArray[np.bool_]:
 
 
 def mask_of(places: list[int], words: int) -> Rows:
-    """Return the words in which exactly these bits are set, shape (number of words,)."""
+    """Return the words with exactly these bits set, shape (number of words,)."""
     mask = [0] * words
     for place in places:
         mask[place // WORD] |= 1 << place % WORD

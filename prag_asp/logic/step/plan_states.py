@@ -16,11 +16,11 @@ from prag_asp.program.sources import Program
 Numbers = NDArray[np.int64]
 
 ENTRIES = 1 << 15
-"""The number of entries at which a cache is emptied: with its states, about 30 MB."""
+"""The number of entries at which a cache is emptied; with its states, it takes about 30 MB."""
 
 
 LOW = 2**32 - 1
-"""The mask of the second of two numbers in one key; there are fewer numbers than that, because caches are emptied."""
+"""The mask of the second of two numbers in one key; numbers stay below it, because caches are emptied."""
 
 
 class _Rows:
@@ -32,7 +32,7 @@ class _Rows:
         self._height = 0
 
     def add(self, columns: Truth) -> list[int]:
-        """Return the number of each column; a new one gets the next."""
+        """Return the number of each column; a new column gets the next number."""
         self._height = columns.shape[0]
         numbers = []
         for row in np.packbits(columns, axis=0).T:
@@ -44,7 +44,7 @@ class _Rows:
         return numbers
 
     def get(self, numbers: Sequence[int]) -> Truth:
-        """Return the columns of numbers."""
+        """Return the columns with the given numbers."""
         text = b"".join(self._texts[number] for number in numbers)
         packed = np.frombuffer(text, dtype=np.uint8).reshape(len(numbers), -(-self._height // 8))
         columns: Truth = np.unpackbits(packed, axis=1, count=self._height).astype(np.bool_).T
@@ -71,7 +71,7 @@ class PlanStates:
 
     @property
     def full(self) -> bool:
-        """Whether the caches are so large that a new start saves memory."""
+        """Whether the caches are so large that starting over saves memory."""
         return max(len(self._steps), len(self._before)) > ENTRIES
 
     @property
@@ -111,7 +111,7 @@ class PlanStates:
         return numbers
 
     def values(self, numbers: Sequence[int]) -> FluentValues:
-        """Return the values with some numbers, shape (fluents, numbers)."""
+        """Return the values of numbered states, shape (fluents, numbers)."""
         return self._hindsight.values(self._outcomes.get(numbers))
 
 
@@ -127,7 +127,7 @@ def _look_up(table: dict[int, Any], keys: Numbers, evaluate: Callable[[list[int]
 
 
 class SolvedPlanStates:
-    """The same by solving the unrolled program of each plan, for steps that cannot be evaluated."""
+    """Like `PlanStates`, but by solving the unrolled program of each plan, for steps that cannot be evaluated."""
 
     def __init__(self, program: Program, facts: Facts) -> None:
         self._program = program
@@ -137,7 +137,7 @@ class SolvedPlanStates:
 
     @property
     def full(self) -> bool:
-        """Whether the caches are so large that a new start saves memory."""
+        """Whether the caches are so large that starting over saves memory."""
         return len(self._numbers) > ENTRIES
 
     def numbers(self, plans: Numbers) -> Numbers:
@@ -149,7 +149,7 @@ class SolvedPlanStates:
         return numbers
 
     def values(self, numbers: Sequence[int]) -> FluentValues:
-        """Return the values with some numbers, shape (fluents, numbers)."""
+        """Return the values of numbered states, shape (fluents, numbers)."""
         texts = list(self._numbers)
         rows = [np.frombuffer(texts[number], dtype=np.int8) for number in numbers]
         values: FluentValues = np.array(rows, dtype=np.int8).reshape(len(numbers), len(self._fluents)).T

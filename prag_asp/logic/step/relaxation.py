@@ -2,11 +2,11 @@
 
 The bound is h_max (Bonet and Geffner, Planning as heuristic search, 2001) on the Cartesian abstraction of states
 (Cousot and Cousot 1977). For each variable, "may be true" and "may be false" are separate facts that are never removed:
-deletes and exclusive values are ignored. The first step after which a plan may end is then at most as far away as the
-end of any plan. An unknown value is neither known to be true nor known to be false, so it needs no case.
+deletes and exclusive values are ignored. The first step after which a relaxed plan may end is then no later than the
+end of any plan. An unknown value is neither known to be true nor known to be false, so it needs no special case.
 
-The facts after a step grow with those before it. One step is therefore a circuit without negations, which is evaluated
-on 64 states in each word.
+The facts after a step are monotone in the facts before it. One step is therefore a circuit without negations, which is
+evaluated on 64 states per word.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ ANYTHING: May = (TRUE, TRUE)
 
 @dataclass(frozen=True)
 class Relaxation:
-    """One relaxed step: the gates of the variables after it, and the gate of whether a plan may end before it.
+    """One relaxed step: the gates of the variables after it, and the gate that is true if a plan may end before it.
 
     The inputs are "may be true" and "may be false" of each variable; `after` has their gates in the same order.
     """
@@ -72,7 +72,7 @@ class Relaxation:
         return near, forever
 
     def _inputs(self, states: Rows) -> NDArray[np.uint64]:
-        """Return 64 states in each word, shape (inputs, words); bits beyond the final state repeat it."""
+        """Return the inputs, 64 states per word, shape (inputs, words); padding repeats one of the states."""
         columns = unpack(states, self.variables)
         columns = np.pad(columns, ((0, 0), (0, -len(states) % 64)), mode="edge")
         true = np.packbits(columns, axis=1, bitorder="little").view(np.uint64)
@@ -100,7 +100,7 @@ class _Relaxed:
         self._evaluate(transition.rules.strata, transition.rules.idle, self._idle, self._idle_value)
 
     def after(self) -> list[May]:
-        """Return the facts of each variable after the step, which include those before it."""
+        """Return the facts of each variable after the step, which include the facts before it."""
         idle = map(self._idle_value, self._transition.rules.written)
         pairs = [tuple(zip(before, after, strict=True)) for before, after in zip(self._inputs, idle, strict=True)]
         true, false = ([list(pair[side]) for pair in pairs] for side in (0, 1))
@@ -146,7 +146,7 @@ class _Relaxed:
         values: dict[int, May],
         value: Callable[[int], May],
     ) -> None:
-        """Add the facts of the atoms of some strata to `values`; `value` reads these and all others."""
+        """Add the facts of the atoms of some strata to `values`; `value` reads these and all other facts."""
         for stratum in strata:
             if not stratum.recursive:
                 values |= {atom: self._value(bodies[atom], value) for atom in stratum.atoms}
@@ -159,7 +159,7 @@ class _Relaxed:
                 values |= {atom: (self._value(bodies[atom], value)[0], TRUE) for atom in stratum.atoms}
 
     def _value(self, bodies: Sequence[RuleBody], value: Callable[[int], May]) -> May:
-        """Return the gates of an atom with some bodies; a sum with a positive bound needs some literal to be true."""
+        """Return the gates of an atom with some bodies; a sum with a positive bound needs a true literal."""
         true = []
         for body in bodies:
             literals = [value(abs(literal))[literal < 0] for literal in body.literals]

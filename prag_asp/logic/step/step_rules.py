@@ -15,7 +15,7 @@ from prag_asp.logic.step.strata import Stratum, stratify
 class StepRules:
     """The rules of a step that `constraints` and the atoms `written` and `labels` depend on, in order.
 
-    `written` holds the atom of each variable after the step, 0 where nothing derives it.
+    `written` holds the atom of each variable after the step, or 0 if nothing derives it.
     """
 
     step: NormalStep
@@ -63,7 +63,7 @@ class StepRules:
 
     @cached_property
     def _by_action(self) -> Mapping[int, tuple[Mapping[int, list[RuleBody]], list[ActionSum], list[RuleBody]]]:
-        """For each atom, its bodies with an action, by action, its sums, and its other bodies."""
+        """For each atom: its bodies with an action, by action; its sums; and its other bodies."""
         table = {}
         for atom in self.order:
             by_action: dict[int, list[RuleBody]] = {}

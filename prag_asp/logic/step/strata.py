@@ -26,7 +26,7 @@ class Stratum:
 
 
 def stratified_step(ground: GroundStep) -> NormalStep:
-    """Return the normal form of a ground step all of whose rules can be evaluated in order.
+    """Return the normal form of a ground step whose rules can all be evaluated in order.
 
     Raises:
         EngineError: the step is not a function of the state and the action.

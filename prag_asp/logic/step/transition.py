@@ -1,7 +1,7 @@
 """A step of a domain as a function from states to states, evaluated on all states of a frontier at once.
 
 This module does not interpret the meaning of rules. The ground rules are evaluated once without an action, which gives
-every atom a column over the states. An action then re-evaluates only the atoms that depend on it, and only on the
+every atom a column over the states. For each action, only the atoms that depend on it are re-evaluated, and only on the
 states in which it breaks no constraint that reads the state directly.
 """
 
@@ -27,7 +27,7 @@ ROOM = 2**25
 """The maximum memory in bytes of the columns of `Needs` that are tested together."""
 
 MANY = 64
-"""The number of actions from which `Needs` rules out most of them together; fewer are tried one by one."""
+"""The number of actions from which `Needs` rules out most actions together; fewer are tried one by one."""
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,8 @@ class Needs:
 
     They are tested for all actions at once: in most states, most actions cannot occur.
 
-    Action ``letters[i]`` is forbidden by the literals whose numbers are ``forbidding[starts[i]:starts[i + 1]]``; they
-    are `literals`. Letters without such constraints are not among them.
+    Action ``letters[i]`` is forbidden by the literals with the numbers ``forbidding[starts[i]:starts[i + 1]]``, which
+    index `literals`. `letters` omits actions without such constraints.
     """
 
     size: int
@@ -108,12 +108,12 @@ class Transition:
 
     @cached_property
     def actions(self) -> tuple[clingo.Symbol, ...]:
-        """All actions that some rule lets occur."""
+        """All actions that some rule allows."""
         return tuple(self.step.occurs)
 
     @cached_property
     def initial(self) -> Rows:
-        """The initial state as a single row; no row if the start is contradictory."""
+        """The initial state as a single row; no row if the initial values are contradictory."""
         ground = self.step.ground
         column = np.array([[symbol in ground.initial] for symbol in self.variables], dtype=np.bool_)
         return pack(column.reshape(len(self.variables), 1))[: 1 if ground.consistent else 0]
@@ -144,7 +144,7 @@ class Transition:
         return stratify(roots, self.step.final_bodies)
 
     def move(self, letter: int) -> Move:
-        """Return the compiled action with a number."""
+        """Return the compiled action with the given number."""
         if letter not in self._moves:
             self._moves[letter] = compile_move(self.rules, self._atoms[letter])
         return self._moves[letter]
@@ -172,9 +172,9 @@ class Transition:
         return stays
 
     def expand(self, states: Rows, candidates: NDArray[np.bool_] | None = None) -> Iterator[Successors]:
-        """Yield the successors of a frontier by each action that is valid somewhere, in the order of `actions`.
+        """Yield the successors of a frontier by each action that is valid in some state, in the order of `actions`.
 
-        `candidates` restricts the actions of each state, shape (states, actions); without it, all are tried.
+        `candidates` restricts the actions of each state, shape (states, actions); without it, all actions are tried.
         """
         before = _Before.evaluated(self.rules, self._columns(states, self.step.ground.before), len(states))
         tried = np.ones(len(self.actions), dtype=np.bool_)
@@ -197,8 +197,8 @@ class Transition:
 class _Before:
     """A frontier with every rule evaluated for no action.
 
-    `broken` holds the constraints that are violated somewhere, `breaches` their number in each state; `after` and
-    `labels` are the states and the labels after no action.
+    `broken` holds the constraints that are violated in some state, `breaches` their number in each state; `after` and
+    `labels` are the states and the labels after a step without an action.
     """
 
     read: Callable[[int], Column]

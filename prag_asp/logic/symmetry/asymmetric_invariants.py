@@ -1,4 +1,4 @@
-"""A test of whether a domain states its invariants alike for all entities of a class.
+"""A test of whether a domain states the same invariants for all entities of a class.
 
 If it does not, the invariants of single entities may follow from the rest, so that entities differ in syntax alone.
 `rules/closed_invariants.lp` states all entailed invariants, which do not depend on how the invariants are stated.
@@ -16,15 +16,15 @@ from prag_asp.program.facts import Facts
 from prag_asp.program.invariants import conflict, entailed, invariant_graph
 
 _Stated = tuple[str, Shaped, Shaped]
-"""An invariant: its predicate and its fluents; or a goal that always holds, with its fluent twice."""
+"""An invariant: its predicate and its fluents; or a goal that always holds, with its fluent given twice."""
 
 
 def states_unevenly(facts: Facts, groups: Collection[Sequence[clingo.Symbol]]) -> bool:
     """Return whether some entities have invariants that others of their class lack and that may follow from the rest.
 
-    The answer is no if the `groups` of interchangeable entities are whole classes already.
+    The answer is no if the `groups` of interchangeable entities already are whole classes.
     """
-    # Goals that have to be false and are false in every state: they follow from the invariants as well.
+    # Goals with value false for fluents that are false in every state: they follow from the invariants as well.
     negative = [fluent for fluent, value in facts.goal if value == "false"]
     graph = invariant_graph(facts) if negative else {}
     idle = [fluent for fluent in negative if conflict(entailed([(fluent, True)], graph))]

@@ -1,12 +1,13 @@
-"""Numbers for the atoms of a ground step: atoms that mean the same have the same number.
+"""Numbers for the atoms of a ground step: atoms with the same meaning have the same number.
 
-A named atom is identified by its name. An unnamed atom is identified by its rules, in the numbers of the atoms that
-they read. A rule that only copies another unnamed atom is replaced by the rules of that atom, so that chains of copies
-do not matter. The atoms of a strongly connected component are compared together: their rules are unfolded until one
-more unfolding distinguishes no more of them (partition refinement, Paige and Tarjan 1987), and an atom is identified by
-its unfolding together with those of the whole component. Two atoms with the same number then have the same rules in the
-same numbers and hence the same truth, because they are equal at each stage of the least model of positive rules. Atoms
-that depend on themselves through a negation, and chosen atoms, have no least model and are identified by themselves.
+A named atom is identified by its name. An unnamed atom is identified by its rules, in terms of the numbers of the atoms
+that they read. A rule that only copies another unnamed atom is replaced by the rules of that atom, so that chains of
+copies do not matter. The atoms of a strongly connected component are compared together: their rules are unfolded until
+one more unfolding distinguishes no further atoms (partition refinement, Paige and Tarjan 1987), and an atom is
+identified by its unfolding together with the unfoldings of the whole component. Two atoms with the same number then
+have the same rules in terms of numbers, and hence the same truth value, because they are equal at each stage of the
+least model of positive rules. Atoms that depend on themselves through a negation, and chosen atoms, have no least model
+and are identified by themselves.
 """
 
 from __future__ import annotations
@@ -27,20 +28,20 @@ from prag_asp.program.finite.components import components
 from prag_asp.program.predicates import FINDING
 
 SpelledLiteral = tuple[int, int, int]
-"""An atom by its number, whether it is negated (1) or not (0), and its weight."""
+"""The number of an atom, whether it is negated (1) or not (0), and its weight."""
 
 SpelledBody = tuple[bool, int, frozenset[SpelledLiteral]]
 """Whether the head is a choice, the sum that the body has to reach, and its literals."""
 
 Key = Shaped | frozenset[SpelledBody] | int
-"""The identity of an atom: its shape with its entities, its rules if it is unnamed, or else itself."""
+"""The identity of an atom: its shape with its entities, its rules if it is unnamed, or otherwise itself."""
 
 MISSING = -1
 INSIDE = 0
 """The placeholder for an atom of a component before its rules are unfolded."""
 
 START, COMPONENT = 2**32, 2**33
-"""The bound of rules that state initial values, and that of placeholders for atoms of a component."""
+"""The bound that marks rules for initial values, and the bound that marks placeholders for atoms of a component."""
 
 
 class SpelledRule(NamedTuple):
@@ -58,7 +59,7 @@ class SpelledRule(NamedTuple):
 
 
 class Atoms:
-    """The atoms of a ground step in numbers, and its rules."""
+    """The atoms of a ground step by number, and its rules."""
 
     def __init__(self, ground: GroundStep, entities: Mapping[clingo.Symbol, int]) -> None:
         shapes = Shapes(entities)
@@ -107,7 +108,7 @@ class Atoms:
         return shaped in self._numbers
 
     def named_atoms(self, atoms: Mapping[int, int]) -> Iterator[tuple[Shaped, int]]:
-        """Yield the named atoms among some, each with its value."""
+        """Yield the named atoms among some atoms, each with its value."""
         for number, mark in atoms.items():
             key = self._keys[number]
             if isinstance(key, tuple):
@@ -119,7 +120,7 @@ class Atoms:
         return frozenset().union(*map(self.mentioned.__getitem__, inside))
 
     def renamed(self, rule: SpelledRule, names: Mapping[int, int]) -> SpelledRule | None:
-        """Return a rule with renamed entities, or None if an atom of it has no image."""
+        """Return a rule with renamed entities, or None if one of its atoms has no image."""
         heads, (choice, bound, literals), last = rule
         moved: dict[int, int] = {}
 
@@ -137,7 +138,7 @@ class Atoms:
         return SpelledRule(frozenset(moved[atom] for atom in heads), (choice, bound, body), last)
 
     def under(self, names: Mapping[int, int]) -> NDArray[np.int64]:
-        """Return the number of each renamed atom, `MISSING` if there is no such atom."""
+        """Return the number of each renamed atom, or `MISSING` if there is no such atom."""
         renamed = np.arange(len(self._keys))
         for number in sorted({number for entity in names for number in self._with[entity]}):
             # Rules mention atoms with smaller numbers.
@@ -158,7 +159,7 @@ class Atoms:
         return self._numbers.get(key, MISSING)
 
     def _definitions(self, rules: Iterable[Rule]) -> dict[int, list[Rule]]:
-        """Return the rules of the unnamed atoms that are identified by them; others are identified by themselves."""
+        """Return the rules of the unnamed atoms that are identified by rules; others are identified by themselves."""
         definitions: dict[int, list[Rule]] = {}
         for rule in rules:
             for head in rule.heads:
@@ -254,7 +255,7 @@ def propagate_facts(rules: Sequence[Rule], facts: Iterable[int] = ()) -> tuple[l
                     waiting.append(rest.heads[0])
     simplified: list[Rule] = []
     stated = set[int]()
-    for _, rule in sorted(remaining.items()):  # each known fact is stated once, and not derived
+    for _, rule in sorted(remaining.items()):  # each known fact is stated once and not derived
         if len(rule.heads) != 1 or rule.choice or rule.heads[0] not in derived:
             simplified.append(rule)
         elif _states(rule) and rule.heads[0] not in stated:

@@ -1,12 +1,12 @@
 """States up to renaming of interchangeable entities, or units of a joint group.
 
 If permutations of some entities map a step function onto itself, they map the plans from a state onto the plans from
-the renamed state, so that one renaming of each state is explored. To find it, entities are sorted by the bits that name
-them and by colour refinement (Weisfeiler and Leman 1968) for variables that relate several entities. If entities that
-are not twins remain tied, one of them is individualized and the rest is refined again. Two renamings of one state may
-then remain two states, which is exact but larger.
+the renamed state, so that only one renaming of each state is explored. To find it, entities are sorted by the bits that
+name them and by colour refinement (Weisfeiler and Leman 1968) for variables that relate several entities. If entities
+that are not twins remain tied, one of them is individualized and the rest is refined again. Two renamings of one state
+may then remain two states, which is exact but larger.
 
-Tasks. `rules/canonical_names.lp` lets a step name the next entity of a group only after the ones before it, so that the
+Tasks. `rules/canonical_names.lp` lets a step name an entity of a group only after the previous ones, so that the
 entities named before a state are the first ones of their group. A permutation of these maps the completions of the
 state onto those of the renamed state and does not change which entities come next. The other entities need no
 permutation, because no earlier action names them and the state does not distinguish them. The last entity of a group
@@ -38,13 +38,13 @@ from prag_asp.logic.symmetry.twins import Twins
 from prag_asp.program.entity_names import mentioned_entities
 
 Orders = NDArray[np.int64]
-"""Entities in a new order: place j of row i is taken by entity ``orders[i, j]``; shape (rows, entities)."""
+"""Entities in a new order: place j of row i has entity ``orders[i, j]``; shape (rows, entities)."""
 
 UNTOUCHED, FIXED, LOW = np.uint64(1 << 62), np.uint64(2 << 62), np.uint64(2)
 """Sort keys within a group: entities that no bit names come after the others, and fixed entities come last."""
 
 TOGETHER = 2**20
-"""The number of pairs of a state and an entity that are sorted at a time."""
+"""The number of pairs of a state and an entity that are sorted at once."""
 
 MARK = np.uint64(0x5851F42D4C957F2D)
 """The colour that individualizes an entity of a tie."""
@@ -54,10 +54,10 @@ MARK = np.uint64(0x5851F42D4C957F2D)
 class Merging:
     """The renamings of the states and the actions of a transition.
 
-    `groups` are the units that may be permuted, called entities here. They are numbered through all groups, which begin
-    at `starts`. `variables` are the patterns of the variables that renamings move, with the numbers `moved`; `actions`
-    are the patterns of all actions. `guards` has for each entity the variable that is true once it may be renamed,
-    `ALWAYS` or `NEVER`; `before` has the entity that has to be named before it, or itself.
+    `groups` are the units that may be permuted, called entities here. They are numbered consecutively across all
+    groups, which begin at `starts`. `variables` are the patterns of the variables that renamings move, with the numbers
+    `moved`; `actions` are the patterns of all actions. `guards` has for each entity the variable that is true once it
+    may be renamed, `ALWAYS` or `NEVER`; `before` has for each entity the one that must be named before it, or itself.
     """
 
     groups: tuple[tuple[Unit, ...], ...]
@@ -98,7 +98,7 @@ class Merging:
         return np.cumsum(self._begins)
 
     def canonical(self, states: Rows) -> tuple[Rows, Orders]:
-        """Return the chosen renaming of each state, and the order of entities that leads to it."""
+        """Return the canonical renaming of each state, and the order of entities that yields it."""
         together = max(TOGETHER // self.size, 1)
         renamed, all_orders = [states[:0]], [np.zeros((0, self.size), dtype=np.int64)]
         for start in range(0, len(states), together):
@@ -117,7 +117,7 @@ class Merging:
         return np.concatenate(renamed), np.concatenate(all_orders)
 
     def twins(self, states: Rows) -> NDArray[np.bool_]:
-        """Return which entities are twins of the entity before them, shape (states, entities)."""
+        """Return which entities are twins of the previous entity, shape (states, entities)."""
         together = max(TOGETHER // self.size, 1)
         columns = [np.zeros((0, self.size), dtype=np.bool_)]
         for start in range(0, len(states), together):
@@ -141,7 +141,7 @@ class Merging:
     def representatives(self, states: Rows, twins: Twins) -> NDArray[np.bool_]:
         """Return which actions are expanded in which states, shape (states, actions).
 
-        One of the renamings by twins is expanded, and no action that names an entity before its turn.
+        One of the renamings by twins is expanded; actions that name an entity before its turn are not.
         """
         chosen = twins.representatives()
         if all(guard == ALWAYS for guard in self.guards):
@@ -194,7 +194,7 @@ class Merging:
         return bits, keys
 
     def _alike(self, bits: StateBits, keys: Colours, orders: Orders) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """Return which entities in an order are twins of the ones before them, and which have the same key."""
+        """Return which entities in an order are twins of the previous ones, and which have the same keys as these."""
         ties = np.zeros(keys.shape, dtype=np.bool_)
         ties[:, 1:] = (keys[:, 1:] == keys[:, :-1]) & ~self._begins[1:]
         twins: NDArray[np.bool_] = ties & (keys == UNTOUCHED)
@@ -212,7 +212,7 @@ def find_merging(
 ) -> Merging | None:
     """Return the renamings of states, given units whose permutations map the step function onto itself.
 
-    `named_in_order` are the symmetries whose entities tasks introduce in order. The result is None if there is nothing
+    `named_in_order` has the symmetries whose entities tasks introduce in order. The result is None if there is nothing
     to rename, or if a table of all renamings would need too much memory.
     """
     permuted = tuple(tuple(group) for group in groups if len(group) > 1)

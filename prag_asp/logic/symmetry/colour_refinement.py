@@ -1,7 +1,7 @@
 """Colour refinement and twins of the entities of packed states.
 
-Both work on the bits that are set, for many states at once. A colour is a hash: a collision makes one more tie and no
-wrong result, because the bits themselves decide whether entities are twins.
+Both work on the bits that are set, for many states at once. A colour is a hash: a collision adds a tie but no wrong
+result, because the bits themselves decide whether entities are twins.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ Colours = NDArray[np.uint64]
 
 MULTIPLIER, SHIFT = np.uint64(0x9E3779B97F4A7C15), np.uint64(29)
 TOGETHER = 2**22
-"""The number of pairs of twins and bits that are compared at a time."""
+"""The number of pairs of twins and bits that are compared at once."""
 
 
 @dataclass(frozen=True)
 class StateBits:
     """The bits set in some packed states, each a term: `state` and `term` have shape (bits,), in order of the states.
 
-    `alone` holds, for each state and entity, the set of the patterns that hold of this entity alone, as words: shape
-    (states, entities, words). `related` are the places in `state` and `term` of the bits that relate several entities.
+    `alone` holds, for each state and entity, the set of the patterns that hold for this entity alone, as words: shape
+    (states, entities, words). `related` are the indices in `state` and `term` of the bits that relate several entities.
     """
 
     rows: Rows

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 import clingo
 
 Shaped = tuple[int, tuple[int, ...]]
-"""The number of a shape, and the numbers of the entities that take its places, from the left."""
+"""The number of a shape, and the numbers of the entities at its places, from the left."""
 
 PLACE = 0
 """The shape of a single entity."""
@@ -16,7 +16,7 @@ PLACE = 0
 class Shapes:
     """Shapes of terms: two terms have one shape if they differ only in the entities at its places.
 
-    An entity has its number of `entities`. Each subterm is processed once, because clingo's terms are slow.
+    `entities` maps each entity to its number. Each subterm is processed once, because clingo's terms are slow.
     """
 
     def __init__(self, entities: Mapping[clingo.Symbol, int]) -> None:

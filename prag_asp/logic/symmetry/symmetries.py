@@ -1,8 +1,8 @@
 """The interchangeable entities of a program, alone or together with others.
 
 Two kinds of swaps generate all renamings: swaps of two entities of a group, and swaps of two aligned units of a joint
-group, which exchange the i-th entities of both for all i. A group lies within one unit or in none, and so does a joint
-group: a tray has its own cups, and each cup its own saucer. Hence the renamings of one joint group permute its units in
+group, which exchange the i-th entities of both for all i. Each group or joint group lies within one unit or outside all
+units: a tray has its own cups, and each cup its own saucer. Hence the renamings of one joint group permute its units in
 all ways, and those of all groups are a product of wreath products.
 """
 
@@ -86,11 +86,11 @@ class Symmetries:
         return (unit for units in self.joint for unit in units if entity in unit)
 
     def names(self, mentioned: Iterable[clingo.Symbol]) -> dict[clingo.Symbol, clingo.Symbol]:
-        """Return the names of entities that introduce each group and each joint group in its order.
+        """Return the names of entities with which a plan introduces each group and each joint group in order.
 
         `mentioned` are the entities of a plan in the order in which it names them. Exactly one renaming of a plan
-        always introduces the least entity that the ones before leave possible (a chain of stabilizers, Sims 1970): the
-        units of a joint group in their order, and the groups within a unit in theirs.
+        always introduces the least entity that the previous ones allow (a chain of stabilizers, Sims 1970): the units
+        of a joint group in their order, and the groups within a unit in theirs.
         """
         names = {entity: entity for entity in mentioned if entity in self.entities}
         for alike in (*self.joint, *(tuple((entity,) for entity in group) for group in self.groups)):

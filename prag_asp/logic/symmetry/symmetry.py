@@ -36,7 +36,7 @@ WITNESSES = 4
 def find_symmetries(facts: Facts, ground: GroundStep, bare: Callable[[], GroundStep] | None = None) -> Symmetries:
     """Return the groups of interchangeable entities, each in clingo's order of terms, and the joint groups.
 
-    With `bare`, renamings also have to keep the step that it returns; it is called only if entities are alike in
+    With `bare`, renamings must also preserve the step that it returns; it is called only if entities are alike in
     `ground`.
     """
     entities, class_of = sorted(facts.entities), _stated(facts)
@@ -70,7 +70,7 @@ def find_symmetries(facts: Facts, ground: GroundStep, bare: Callable[[], GroundS
 
 
 def may_interchange(facts: Facts) -> bool:
-    """Return whether some renaming maps the actions onto themselves, as those of `find_symmetries` do.
+    """Return whether some renaming maps the actions onto themselves, as the renamings of `find_symmetries` do.
 
     A step has an atom for each action: without such a renaming, the ground program needs no search.
     """
@@ -80,7 +80,7 @@ def may_interchange(facts: Facts) -> bool:
     actions = _Terms(shaped, by_entity(shaped), shaped.__contains__)
 
     def spoken(entity: int) -> object:
-        """Return an invariant of swaps: the patterns of the actions that name an entity, without its class mates."""
+        """Return an invariant of swaps: the patterns of the actions that name an entity, omitting its class mates."""
         own = names_of_classes[entity]
         patterns = Counter(
             (shape, tuple(-1 if each == entity else -2 if names_of_classes[each] == own else each for each in inside))
@@ -103,7 +103,7 @@ def may_interchange(facts: Facts) -> bool:
 def _stated(facts: Facts) -> dict[clingo.Symbol, Hashable]:
     """Return the class of each entity, and its name if the entity is itself an action.
 
-    Skeletons consist of names of actions, so that renamings have to keep them.
+    Skeletons consist of action names, so renamings must preserve them.
     """
     actions = frozenset(facts.actions)
     return {each: (kind, action_name(each) if each in actions else "") for each, kind in facts.entities.items()}
@@ -111,7 +111,7 @@ def _stated(facts: Facts) -> dict[clingo.Symbol, Hashable]:
 
 @dataclass(frozen=True)
 class _Terms:
-    """Terms that renamings have to map onto themselves, and the test for them; `naming` has them by entity."""
+    """Terms that renamings have to map onto themselves, and the test for them; `naming` has the terms by entity."""
 
     exact: Collection[Shaped]
     naming: Mapping[int, Sequence[Shaped]]
@@ -139,7 +139,7 @@ class _Terms:
 
 @dataclass(frozen=True)
 class _Rules:
-    """The rules of a ground step with its initial values, and other rules that renamings also have to keep, if any."""
+    """The rules of a ground step with its initial values, and any other rules that renamings must also preserve."""
 
     atoms: Atoms
     others: Callable[[], _Rules] | None = None
@@ -203,7 +203,7 @@ class _Rules:
         return image is not None and (image in self._deriving or self._entails(image))
 
     def _entails(self, rule: SpelledRule) -> bool:
-        """Return whether the rules of every step, or all rules for a rule of the last step, entail a rule."""
+        """Return whether a rule is entailed by the rules of every step, or, if it is of the last step, by all rules."""
         if rule.last not in self._consequences:
             rules = (each for each in self.atoms.rules if rule.last or not each.last)
             self._consequences[rule.last] = Consequences([*rules, *self.atoms.definitions])
@@ -221,7 +221,7 @@ class _Rules:
     def exact(self) -> list[Shaped]:
         """The atoms, each with a mark, that every symmetry maps onto themselves.
 
-        They are stated at the start or chosen; no rule that does so is entailed by others.
+        They are stated initially or chosen; other rules never entail such rules.
         """
         stated: dict[int, int] = {}
         for heads, (choice, bound, _), _ in self.atoms.rules:
@@ -232,7 +232,7 @@ class _Rules:
 
     @cached_property
     def _deriving(self) -> dict[SpelledRule, None]:
-        """The distinct rules, without those that derive nothing because they read their own head."""
+        """The distinct rules, except those that derive nothing because they read their own head."""
         return {
             rule: None
             for rule in self.atoms.rules
@@ -267,8 +267,8 @@ class _RuleRows:
 
     A literal is twice the number of its atom, plus 1 if it is negated.
 
-    `heads` and `literals` are the places in a row where they end; `choice`, `bound` and `last` are those of all rules.
-    `having` are the rows that mention an entity.
+    `heads` and `literals` are the indices in a row where they end; all rules have the same `choice`, `bound` and
+    `last`. `having` are the rows that mention an entity.
     """
 
     rows: NDArray[np.int64]

@@ -12,10 +12,10 @@ from prag_asp.logic.symmetry.term_patterns import Patterns
 
 @dataclass(frozen=True)
 class Twins:
-    """Classes of twins in some states, each by its first entity.
+    """Classes of twins in some states, each represented by its first entity.
 
-    Of each entity, `first` is the first twin, `rank` the number of twins before it, and `count` the number of all its
-    twins with itself; all have shape (states, entities).
+    For each entity, `first` is the first twin, `rank` the number of twins before it, and `count` the number of all its
+    twins including itself; all have shape (states, entities).
     """
 
     actions: Patterns
@@ -25,7 +25,7 @@ class Twins:
 
     @classmethod
     def between(cls, actions: Patterns, twins: NDArray[np.bool_]) -> Twins:
-        """Return the classes; `twins` marks entities that are twins of the ones before them."""
+        """Return the classes; `twins` marks entities that are twins of the previous ones."""
         places = np.arange(twins.shape[1])
         first = np.maximum.accumulate(np.where(twins, 0, places), axis=1)
         count = np.zeros(first.shape, dtype=np.int64)
@@ -33,7 +33,7 @@ class Twins:
         return cls(actions, first, places - first, np.take_along_axis(count, first, axis=1))
 
     def representatives(self) -> NDArray[np.bool_]:
-        """Return which actions stand for their renamings by twins in which states, shape (states, actions).
+        """Return which actions represent their renamings by twins in which states, shape (states, actions).
 
         These are the actions that name the entities of each class in their order.
         """
@@ -55,7 +55,7 @@ class Twins:
         return result
 
     def members(self, entity: int) -> range:
-        """Return all twins of an entity in state 0, with itself."""
+        """Return all twins of an entity in state 0, including itself."""
         first = int(self.first[0, entity])
         return range(first, first + int(self.count[0, entity]))
 
@@ -64,7 +64,7 @@ class Twins:
     ) -> NDArray[np.int64]:
         """Return the number of entities that actions name before a place and that are twins of the one at this place.
 
-        `entities` has shape (actions, most named), the result (states, actions).
+        `entities` has shape (actions, most named), the result has shape (states, actions).
         """
         first = self.first[states]
         counts = np.zeros((len(first), len(entities)), dtype=np.int64)

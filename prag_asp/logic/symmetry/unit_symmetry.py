@@ -1,12 +1,12 @@
 """Entities that are interchangeable only together with others: each cup with its own saucer.
 
 The search is for minimal renamings that swap several pairs at once. It begins with one pair, finds an atom or a rule
-without an image, and moves the blocks that it names as well, until every atom and rule has an image. Two units are the
-two sides of such a swap; further units share the first side. Each unit then becomes one block, so that units of units
-are found as well: trays, each with its own cups, each cup with its own saucer.
+without an image, and also moves the blocks that it names, until every atom and rule has an image. Two units are the two
+sides of such a swap; further units share the first side. Each unit then becomes one block, so that units of units are
+found as well: trays, each with its own cups, each cup with its own saucer.
 
-Only groups of pairwise swappable units are found, so that the generated group is known. A ring, whose rotations and
-reflections are no such group, has at most the two sides of one reflection.
+Only groups of pairwise swappable units are found, so that the generated group is known. The rotations and reflections
+of a ring are not such a group, so a ring has at most the two sides of one reflection.
 """
 
 from __future__ import annotations
@@ -21,22 +21,22 @@ Block = tuple[int, ...]
 """Entities that move together, in an order that blocks of the same kind share."""
 
 Swap = dict[int, int]
-"""The place of each block that a renaming moves, with the place that it is exchanged with."""
+"""The place of each block that a renaming moves, with the place it is exchanged with."""
 
 FEWEST, MOST = 4, 256
 """The smallest and the largest bound on the blocks that one swap moves; the bound is doubled in between."""
 
 TRIES = 8
-"""The number of further pairs that one search tries, for each block that it may move."""
+"""The number of further pairs that one search tries per block that it may move."""
 
 WORK, EACH, RULES = 300_000, 40, 8
-"""The bound on the atoms that all searches rename: a constant, plus a number for each place where an atom names an
-entity. An atom whose rules are renamed counts as `RULES`."""
+"""The bound on the atoms that all searches rename: a constant, plus a number for each occurrence of an entity in an
+atom. An atom whose rules are renamed counts as `RULES` atoms."""
 
 
 @dataclass(frozen=True)
 class MissingImage:
-    """An atom or a rule without an image under a renaming: the entities that it names, and the rest of it."""
+    """An atom or a rule without an image under a renaming: the entities that it names, and its other content."""
 
     entities: frozenset[int]
     kept_by: Callable[[Mapping[int, int]], bool]
@@ -94,9 +94,9 @@ def joint_groups(blocks: Sequence[Block], classes: Mapping[int, Hashable], rules
 def refine_partition(classes: Mapping[int, Hashable], terms: Iterable[Shaped]) -> dict[int, int]:
     """Return the kind of each entity, a number, given its class and the terms that name entities.
 
-    Renamings that keep the terms keep the kinds. The partition is refined by the kinds that terms relate. The largest
-    part of a split kind keeps its number, so that an entity is processed again only if its part has at most half the
-    size (Hopcroft 1971).
+    Renamings that preserve the terms preserve the kinds. The partition is refined by the kinds that terms relate. The
+    largest part of a split kind keeps its number, so that an entity is processed again only if its part has shrunk to
+    at most half the size (Hopcroft 1971).
     """
     naming = {**{entity: [] for entity in classes}, **by_entity(dict.fromkeys(terms))}
     numbers: dict[Hashable, int] = {}
@@ -158,7 +158,7 @@ class _UnitSearch:
         return []
 
     def _smallest(self, waiting: Sequence[Sequence[int]], most: int) -> list[list[tuple[int, ...]]]:
-        """Return groups of the smallest units that swaps of the first blocks yield, of at most `most` blocks."""
+        """Return groups of the smallest units, of at most `most` blocks, that swaps of the first blocks yield."""
         stars: list[list[Swap]] = []
         for remaining in waiting:
             if not {place for star in stars for swap in star for place in swap}.issuperset(remaining):
@@ -179,7 +179,7 @@ class _UnitSearch:
         return [place for place in places if place not in self._taken]
 
     def _star(self, places: Sequence[int], most: int) -> Iterator[Swap]:
-        """Yield a swap of the first of some blocks with each other one, if one moves at most `most` blocks."""
+        """Yield a swap of the first of some blocks with each other block, if a swap moves at most `most` blocks."""
         self._most = min(most, MOST)
         first = places[0]
         for other in places[1:]:
@@ -215,9 +215,9 @@ class _UnitSearch:
         return units
 
     def _swap(self, moved: Swap, fixed: frozenset[int], clean: int) -> Swap | None:
-        """Return a swap that extends `moved`, keeps the blocks `fixed`, and maps the rules onto themselves.
+        """Return a swap that extends `moved`, does not move the blocks `fixed`, and maps the rules onto themselves.
 
-        All atoms that name entities of the first `clean` blocks have images, unless more of the others move.
+        All atoms that name entities of the first `clean` blocks have images, unless further blocks move.
         """
         self._tries -= 1
         if len(moved) > self._most or self._tries < 0 or self._left <= 0:
@@ -253,7 +253,7 @@ class _UnitSearch:
         return {entity: name for pair in pairs for entity, name in pair}
 
     def _partners(self, place: int, moved: Swap, fixed: frozenset[int]) -> Iterator[int]:
-        """Yield the blocks that one may be swapped with, first the one at the distance of the first pair."""
+        """Yield the blocks with which a block may be swapped, first the one at the distance of the first pair."""
         first, other = next(iter(moved.items()))
         places, step = self._class_of[place], self._rank[other] - self._rank[first]
         likely = self._rank[place] + step

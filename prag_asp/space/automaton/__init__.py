@@ -1,1 +1,1 @@
-"""The automaton of a space: explored, merged, determinised, counted on."""
+"""The automaton of a space: exploration, state merging, determinisation and counting."""

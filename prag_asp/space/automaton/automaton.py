@@ -21,7 +21,7 @@ KEPT_BYTES = 1 << 30
 """Approximate memory for the cached rows of one automaton, in bytes."""
 
 Word = tuple[int, ...]
-"""Letters of an automaton, by number."""
+"""The letters of a word, by number."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Automaton:
     The edges of state s are the rows ``offsets[s]:offsets[s + 1]`` of `letters` and `targets`, in order of the letters,
     which are numbers. `accepting` has shape (states,), and `weights` has shape (edges,) with a nonnegative integer for
     each edge, or is None if all weights are 1. An automaton without states has no words. `horizon` is the length up to
-    which the words are complete, or None if all are.
+    which no word is missing, or None if no word is missing at any length.
     """
 
     offsets: NDArray[np.int64]
@@ -106,7 +106,7 @@ class Completions:
     """For each number of remaining letters, the total weight of the completions from each state.
 
     Values are exact: 64-bit integers while overflow is impossible, Python integers from then on. All rows are cached
-    while they fit into `KEPT_BYTES`; then every second, fourth, ... row is, and those between are recomputed.
+    while they fit into `KEPT_BYTES`; then only every second, fourth, ... row is cached, and the others are recomputed.
     """
 
     def __init__(self, automaton: Automaton) -> None:
@@ -180,7 +180,7 @@ NO_PATHS = Completions(NOTHING)
 
 
 def count_words(completions: Completions, length: int, prefix: Sequence[Callable[[int], bool]] = ()) -> int:
-    """Return the weight of all words of a length whose first letters satisfy `prefix`."""
+    """Return the weight of all words of a given length whose first letters satisfy `prefix`."""
     automaton = completions.automaton
     if not automaton.states or len(prefix) > length:
         return 0
@@ -210,7 +210,7 @@ def weights_by_length(completions: Completions, number: int) -> list[int]:
 
 
 def words(completions: Completions, length: int, prefix: Sequence[Callable[[int], bool]] = ()) -> Iterator[Word]:
-    """Yield the words of a length in order, lazily; `prefix` as in `count_words`."""
+    """Yield the words of a given length in order, lazily; `prefix` as in `count_words`."""
     automaton = completions.automaton
     if not automaton.states or len(prefix) > length or not completions.row(length)[0]:
         return
@@ -237,7 +237,7 @@ class Ranking:
         completions.row(length)
 
     def unrank(self, rank: int) -> Word:
-        """Return the word of a rank from 0 to total - 1."""
+        """Return the word with a given rank, from 0 to total - 1."""
         word, state = [], 0
         for left in range(self._length - 1, -1, -1):
             row = self._completions.row(left)
@@ -252,7 +252,7 @@ class Ranking:
         return tuple(word)
 
     def rank(self, word: Sequence[int]) -> int | None:
-        """Return the rank of a word, or None where it is not a word of this length."""
+        """Return the rank of a word, or None if it is not a word of this length."""
         rank, state = 0, 0
         if len(word) != self._length or not accepts(self._completions.automaton, word):
             return None

@@ -1,8 +1,8 @@
-"""The words of a step function by decision diagrams over its states, which are not listed.
+"""The words of a step function, by decision diagrams over its states, without listing the states.
 
 The forward pass collects the states reached within n - 1 steps, and where each action is valid among them. The backward
-pass computes completions: with k letters left, that of a state is the sum, over its valid actions, of that of the
-successor with k - 1 left. Each of these functions is one diagram. All numbers are exact.
+pass computes completions: with k letters left, the completions of a state are the sum, over its valid actions, of the
+completions of the successor with k - 1 letters left. The completions for each k are one diagram. All numbers are exact.
 """
 
 from __future__ import annotations
@@ -94,14 +94,14 @@ class Layers:
         return self._rows[left]
 
     def rows_so_far(self, length: int) -> list[Node]:
-        """Return the computed rows of a length for 0, 1, ... letters left, at least the first.
+        """Return the computed rows of a given length for 0, 1, ... letters left, at least the first.
 
         They are lower bounds from the states and rows computed so far.
         """
         return self._rows if self._covered >= length else [self._step.accepted(self.reached)]
 
     def back(self, row: Node, letters: Collection[int] | None = None) -> Node:
-        """Return the completions through edges with some letters, or all, if the successors have `row`."""
+        """Return the completions through edges with some or all letters, given the `row` of the successors."""
         terms = []
         for (letter, changes, labels), states in self._pieces.items():
             if letters is None or letter in letters:
@@ -139,11 +139,11 @@ class Layers:
                 yield letter, image
 
     def only_start(self) -> Node:
-        """Return the set of the initial state."""
+        """Return the set that contains only the initial state."""
         return self.diagrams.word(self.start)
 
     def accepts(self, states: Node) -> bool:
-        """Return whether a word may end in one of some states."""
+        """Return whether a word may end in any of some states."""
         return bool(self._step.accepted(states))
 
     def onward(self, state: State) -> list[DiagramEdge]:
@@ -193,7 +193,7 @@ class LayeredWords:
             yield from words_along(self._layers.start, self._length, self._ways)
 
     def unrank(self, rank: int) -> Word:
-        """Return the word of a rank from 0 to total - 1, if all weights are 1."""
+        """Return the word with a given rank, from 0 to total - 1, if all weights are 1."""
         return self.walk(owner_of(rank))[0]
 
     def rank(self, word: Sequence[int]) -> int | None:
@@ -236,7 +236,7 @@ class LayeredWords:
 
 
 def count_along(layers: Layers, length: int, prefix: Sequence[Collection[int]], check: LimitCheck) -> int:
-    """Return a lower bound on the number of words of a length, computed until `check` reports a limit.
+    """Return a lower bound on the number of words of a given length, computed until `check` reports a limit.
 
     A beam search keeps the states with the most prefixes at each step: one in the first round, then four, and so on.
     Where completions are known, they are used. Partial diagrams are sound, and each counted path is a word.

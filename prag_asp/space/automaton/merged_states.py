@@ -129,7 +129,7 @@ def accepts_merged(merged: MergedAutomaton, word: Sequence[int]) -> bool:
 def count_merged(
     merged: MergedAutomaton, completions: Completions, length: int, prefix: Sequence[frozenset[int]] = ()
 ) -> int:
-    """Return the weight of all words of a length whose first letters are among those of `prefix`.
+    """Return the weight of all words of a given length whose first letters are among those of `prefix`.
 
     States that differ only in entities that the rest of the prefix does not distinguish are counted together.
     """
@@ -171,7 +171,7 @@ def _distinguished(actions: Patterns, prefix: Sequence[frozenset[int]]) -> list[
 def merged_words(
     merged: MergedAutomaton, completions: Completions, length: int, prefix: Sequence[frozenset[int]] = ()
 ) -> Iterator[Word]:
-    """Yield the words of a length in order, lazily; `prefix` as in `count_merged`."""
+    """Yield the words of a given length in order, lazily; `prefix` as in `count_merged`."""
     if not completions.automaton.states or len(prefix) > length:
         return
 
@@ -198,7 +198,7 @@ class MergedRanking:
         completions.row(length)
 
     def unrank(self, rank: int) -> Word:
-        """Return the word of a rank from 0 to total - 1."""
+        """Return the word with a given rank, from 0 to total - 1."""
         return self.walk(owner_of(rank))[0]
 
     def rank(self, word: Sequence[int]) -> int | None:

@@ -69,7 +69,7 @@ class Numbering:
     def _differs(
         self, occupants: NDArray[np.int64], rows: Rows, waiting: NDArray[np.int64], size: int
     ) -> NDArray[np.bool_]:
-        """Return which waiting rows differ from that in their slot; numbers from `size` on index `rows`."""
+        """Return which waiting rows differ from the row in their slot; numbers from `size` on index `rows`."""
         result = np.empty(len(occupants), dtype=np.bool_)
         old = occupants < size
         result[old] = (self._rows[occupants[old]] != rows[waiting[old]]).any(axis=1)

@@ -1,4 +1,4 @@
-"""Counts of very long words, by the linear recurrence that they satisfy, exactly.
+"""Exact counts of very long words, by the linear recurrence that the counts satisfy.
 
 The numbers c(0), c(1), ... of words of an automaton with s states satisfy the recurrence of its characteristic
 polynomial (Cayley and Hamilton), so their shortest recurrence has an order d of at most s. Its coefficients are
@@ -30,7 +30,7 @@ PRIMES = (2**127 - 1, 2**1279 - 1)
 
 
 def count_by_recurrence(completions: Completions, length: int, check: LimitCheck = lambda: None) -> int | None:
-    """Return the weight of all words of a length, or None if counting step by step may be faster.
+    """Return the weight of all words of a given length, or None if counting step by step may be faster.
 
     The result is also None if `check` reports a limit.
     """
@@ -56,9 +56,9 @@ def count_by_recurrence(completions: Completions, length: int, check: LimitCheck
 
 
 def shortest_recurrence(terms: Sequence[int], prime: int) -> list[int] | None:
-    """Return a[1], ..., a[d] with c(n) = a[1] c(n-1) + ... + a[d] c(n-d) modulo a prime, as small whole numbers.
+    """Return a[1], ..., a[d] with c(n) = a[1] c(n-1) + ... + a[d] c(n-d) modulo a prime, as residues nearest to 0.
 
-    The result is None if there is none of an order that these terms determine.
+    The result is None if there are too few terms to determine the recurrence.
     """
     current, previous = [1], [1]
     order, shift, last = 0, 1, 1

@@ -99,7 +99,7 @@ class ShuffledWords:
         return sum(weight * self._completions(state, left) for state, weight in reached.items())
 
     def unrank(self, rank: int) -> Word:
-        """Return the word of a rank from 0 to total - 1."""
+        """Return the word with a given rank, from 0 to total - 1."""
         return self.walk(owner_of(rank))[0]
 
     def rank(self, word: Sequence[int]) -> int | None:
@@ -170,7 +170,7 @@ def _beside_each(ways: Sequence[Ways], left: int) -> dict[Ways, list[int]]:
     """Return the factor of each part in the completions of the product, by the length of the word of this part.
 
     The factor is the weight of the shuffles of one word of each other part, times the number of ways to shuffle them
-    with the word of the part to `left` letters. Parts with equal completions have equal factors.
+    with the word of the part into `left` letters. Parts with equal completions have equal factors.
     """
     before = list(accumulate(ways[:-1], partial(_shuffle, length=left), initial=NOTHING))
     behind = list(accumulate(ways[:0:-1], partial(_shuffle, length=left), initial=NOTHING))

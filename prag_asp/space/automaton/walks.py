@@ -1,4 +1,4 @@
-"""Walks along the edges of any kind of states: words in order, and by rank."""
+"""Walks along the edges of states of any kind: words in order and by rank."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Choice = Callable[[int, Sequence[int]], int]
 def words_along(
     start: State, length: int, onward: Callable[[State, int], Iterator[tuple[Letter, State]]]
 ) -> Iterator[tuple[Letter, ...]]:
-    """Yield the words of a length from a state, lazily and depth-first.
+    """Yield the words of a given length from a state, lazily and depth-first.
 
     `onward` yields the letters that continue words from a state at a step, in order, each with the successor.
     """
@@ -39,7 +39,7 @@ def words_along(
 
 
 def owner_of(rank: int) -> Choice:
-    """Return the choice of the edges that lead to the word of a rank, from 0 on."""
+    """Return the choice of the edges that lead to the word with a given rank, from 0 on."""
 
     def owner(_: int, totals: Sequence[int]) -> int:
         nonlocal rank

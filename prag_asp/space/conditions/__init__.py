@@ -1,1 +1,1 @@
-"""Conditions on tasks: their words, and the logic that tests them."""
+"""Conditions on tasks: their syntax, and the logic that tests them."""

@@ -37,7 +37,7 @@ class Clause(Protocol):
 
 @dataclass(frozen=True)
 class Begins:
-    """The first actions are these, or actions of these names."""
+    """The first actions are these, or have these names."""
 
     prefix: tuple[str, ...]
     file: ClassVar[str] = "begins"
@@ -203,7 +203,7 @@ class Part:
 
 @dataclass(frozen=True)
 class After:
-    """After `steps` actions, fluents have these values, in hindsight if unknown; 0 steps mean the initial state."""
+    """After `steps` actions (0: initially), fluents have these values; unknown ones become known in hindsight."""
 
     steps: int
     formula: str
@@ -239,7 +239,7 @@ class Ends:
         yield from end_requests(number, self.conjunctions(facts))
 
     def conjunctions(self, facts: Facts) -> Sequence[Mapping[str, bool]]:
-        """Return the conjunctions, of which the final state satisfies at least one."""
+        """Return conjunctions; the final state satisfies at least one of them."""
         return parse_formula(self.formula, map(str, facts.fluents))
 
 
@@ -292,7 +292,7 @@ def end_requests(number: int, conjunctions: Iterable[Mapping[str, bool]]) -> Ite
 
 
 def start_requests(conjunctions: Iterable[Mapping[str, bool]]) -> Iterator[str]:
-    """Yield the requests of ``achieves.lp`` for conjunctions that must not be known of the initial state."""
+    """Yield the requests of ``achieves.lp`` for conjunctions that must not be known to hold initially."""
     for which, conjunction in enumerate(conjunctions):
         yield f"known({which})"
         for fluent, value in conjunction.items():
@@ -329,7 +329,7 @@ def _counted(what: str, times: Range, counted: Iterable[object]) -> Iterator[str
 
 
 def _named_by_all(actions: Sequence[clingo.Symbol], facts: Facts) -> str:
-    """Return the term of the only entity that exactly these actions use, or an empty text."""
+    """Return the term of the only entity that exactly these actions use, or an empty string."""
     naming = {entity: tuple(action for action in facts.actions if any(mentioned_entities(action, [entity])))
               for entity in ({*mentioned_entities(actions[0], facts.entities)} if actions else ())}  # fmt: skip
     entities = [entity for entity, users in naming.items() if users == tuple(actions)]

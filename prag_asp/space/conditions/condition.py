@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 LARGE = 100
-"""The largest upper bound of occurrences that remains whatever the length, so that lengths share their engines."""
+"""The largest upper bound on occurrences that is kept for every length, so that lengths share engines."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Condition:
         return max(map(fewest_actions, self.clauses), default=0)
 
     def up_to(self, length: int) -> Condition:
-        """Return an equivalent condition for plans of at most `length` actions, whose upper bounds are not far above.
+        """Return an equivalent condition for plans of at most `length` actions, with upper bounds not far above it.
 
         The state of a plan counts occurrences up to these bounds. Different bounds remain different, so that the
         condition distinguishes the same entities.

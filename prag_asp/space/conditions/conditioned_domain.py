@@ -37,7 +37,7 @@ def conditioned(domain: Domain, condition: Condition) -> Domain:
         starts = [value for clause in clauses if isinstance(clause, After) and not clause.steps
                   for value in _assigned(clause.conjunction(facts), facts)]  # fmt: skip
         reached = [conjunction for clause in achieved for conjunction in clause.conjunctions(facts)]
-        already = known_where(reached, (*facts.initially, *starts), facts)  # one of these is known of the initial state
+        already = known_where(reached, (*facts.initially, *starts), facts)  # one of these is known to hold initially
         requests += [REQUEST.fact(term) for term in start_requests(already)]
     if achieved and conjunctions is None:
         conjunctions = [{}]
@@ -59,7 +59,7 @@ def conditioned(domain: Domain, condition: Condition) -> Domain:
 
 
 def _last_state(ends: Sequence[Ends], facts: Facts) -> tuple[Assignment, Sequence[Conjunction] | None]:
-    """Return the requirements on the final state: a goal, and conjunctions of which one must hold as well, if any.
+    """Return the requirements on the final state: a goal, and any conjunctions of which one must hold as well.
 
     All disjunctive clauses are combined, because one state has to satisfy them all. Literals that all conjunctions
     share are part of the goal.

@@ -65,7 +65,7 @@ def shared(conjunctions: Sequence[Conjunction], facts: Facts) -> Conjunction:
 
 
 def known_where(conjunctions: Sequence[Conjunction], given: Assignment, facts: Facts) -> Sequence[Conjunction]:
-    """Return the normal form of what is known of a state with the `given` values if it satisfies a conjunction.
+    """Return the normal form of "some conjunction is known to hold" for states with the `given` values.
 
     Impossible fluents are known to be false.
 

@@ -17,7 +17,7 @@ TOKEN = re.compile(r"\s*(?:(?P<name>[\w]+)|\{(?P<low>\d+)(?P<range>,(?P<high>\d*
 MOST_COPIES = 1000
 
 MOST_STATES = 20_000
-"""Maximum number of states of an automaton; that of some expressions doubles with each further name."""
+"""Maximum number of states of an automaton; for some expressions, each further name doubles the number."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ def recogniser(expression: Expression, names: Iterable[str], *, inverse: bool = 
     The minimal automaton without dead states is unique (Myhill 1957, Nerode 1958).
 
     Raises:
-        QueryError: its construction takes more than `MOST_STATES` states.
+        QueryError: the construction takes more than `MOST_STATES` states.
     """
     alphabet = sorted(names)
     numbers: dict[Expression, int] = {expression: 0}

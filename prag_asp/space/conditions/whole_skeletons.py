@@ -25,13 +25,13 @@ The time to count all classes one by one is proportional to their number: about 
 """
 
 CLOSE = NEAR / 10
-"""Maximum distance of the share of classes from the requested share, where many classes would give it exactly."""
+"""Maximum distance of the share of classes from the requested share, if exact shares need many classes."""
 
 MOST_SKELETONS, LONGEST = 500, 30
 """Maximum number of skeletons, and of actions in each, for which parts are chosen skeleton by skeleton."""
 
 SPELLABLE = re.compile(r"\w+")
-"""A name that regular expressions can spell."""
+"""The pattern of names that can be written in a regular expression."""
 
 Count = Callable[[Condition], int]
 """Return the number of tasks that satisfy a condition."""
@@ -81,7 +81,7 @@ def divide_skeletons(
 
 
 def _number_of_classes(shares: Mapping[str, Fraction]) -> int:
-    """Return the smallest number of classes that gives the shares exactly, or, if that is large, nearly.
+    """Return the smallest number of classes that gives the shares exactly, or nearly if that number is large.
 
     Raises:
         QueryError: a share is too small to be a class of skeletons.

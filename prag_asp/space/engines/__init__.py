@@ -23,10 +23,10 @@ state."""
 def select(
     name: str, model: DomainLogic, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
 ) -> Engine:
-    """Return the engine of a name.
+    """Return the engine with a given name.
 
-    ``auto`` is the automaton, diagrams if it would have too many states, and clingo with a parallel model counter if a
-    step is not a function of the state.
+    ``auto`` selects the automaton, or diagrams if the automaton would have too many states, or clingo with a parallel
+    model counter if a step is not a function of the state.
 
     Raises:
         QueryError: there is no such engine.

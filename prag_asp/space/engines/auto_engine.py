@@ -33,7 +33,7 @@ PATIENCE = 2.0
 """Seconds for which clingo enumerates alone, at about 100,000 words per second."""
 
 EARLY, SURE = 64, 4
-"""A forecast is used once states take 1/`EARLY` of the memory, if it exceeds the memory `SURE` times."""
+"""A forecast counts once states take 1/`EARLY` of the memory limit, if it exceeds `SURE` times this limit."""
 
 
 Answer = TypeVar("Answer")
@@ -70,7 +70,7 @@ class Growth:
 
 
 class AutoEngine:
-    """The automaton engine, or diagrams from the length on at which it would have too many states.
+    """The automaton engine, or diagrams for lengths at which the automaton would have too many states.
 
     Raises:
         EngineError: the step is not a function of the state and the action.
@@ -91,7 +91,7 @@ class AutoEngine:
         return self._listing.letters
 
     def count(self, length: int, prefix: Letters = ()) -> int:
-        """Return the number of words of a length.
+        """Return the number of words of a given length.
 
         Raises:
             LimitReached: a limit ended the count; the error has the number of words counted so far.
@@ -108,7 +108,7 @@ class AutoEngine:
             raise limit_error(reached.reason, counted, level, length) from None
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
-        """Yield the words of a length in order, lazily."""
+        """Yield the words of a given length in order, lazily."""
 
         def explored(engine: Engine) -> Engine:
             if engine is self._listing:
@@ -122,15 +122,15 @@ class AutoEngine:
         return self._answer(len(word), lambda engine: engine.contains(word))
 
     def unrank(self, length: int, rank: int) -> Letters:
-        """Return the word of a rank from 0 to count - 1."""
+        """Return the word with a given rank, from 0 to count - 1."""
         return self._answer(length, lambda engine: engine.unrank(length, rank))
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None if it is not a word."""
+        """Return the rank of a word among the words of its length, or None if it is not a word."""
         return self._answer(len(word), lambda engine: engine.rank(word))
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
-        """Return the weighted words of a length."""
+        """Return the weighted words of a given length."""
         return self._answer(length, lambda engine: engine.weighed(length, weights, goals=goals, plain=plain))
 
     def _answer(self, length: int, ask: Callable[[Engine], Answer]) -> Answer:

@@ -106,7 +106,7 @@ class AutomatonEngine:
         return {letter: number for number, letter in enumerate(self.letters)}
 
     def count(self, length: int, prefix: Letters = ()) -> int:
-        """Return the number of words of a length.
+        """Return the number of words of a given length.
 
         Raises:
             LimitReached: a limit ended the exploration; the error has the number of words counted so far.
@@ -141,7 +141,7 @@ class AutomatonEngine:
         return counted
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
-        """Yield the words of a length in order, lazily."""
+        """Yield the words of a given length in order, lazily."""
         reach, sets = self.known(length), self._sets(prefix)
         for word in reach.words(length, sets) if isinstance(reach, Reach) else reach.words(sets):
             yield self._spell(word)
@@ -155,17 +155,17 @@ class AutomatonEngine:
         return reach.contains(numbers) if isinstance(reach, Reach) else reach.rank(numbers) is not None
 
     def unrank(self, length: int, rank: int) -> Letters:
-        """Return the word of a rank from 0 to count - 1."""
+        """Return the word with a given rank, from 0 to count - 1."""
         return self._spell(self._ranking(length).unrank(rank))
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None if it is not a word."""
+        """Return the rank of a word among the words of its length, or None if it is not a word."""
         if not all(letter in self._numbers for letter in word):
             return None
         return self._ranking(len(word)).rank([self._numbers[letter] for letter in word])
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
-        """Return the weighted words of a length, and cache the latest result."""
+        """Return the weighted words of a given length, and cache the latest result."""
         refuse_weights(self._level, weights, self._model, length)
         stage("weighing")
         key = (length, weights, goals, plain)
@@ -180,7 +180,7 @@ class AutomatonEngine:
         return prefix_sets(prefix, self._numbers, () if self._level == "skeleton" else self._names)
 
     def _reach(self, length: int, clock: LimitClock, halt: Halt | None = None) -> Reach:
-        """Return the exploration of a length, and keep it if it is complete."""
+        """Return the exploration of a given length, and keep it if it is complete."""
         if self._reached is not None and self._reached.covers(length):
             return self._reached
         begun = monotonic()
@@ -197,7 +197,7 @@ class AutomatonEngine:
         return reach
 
     def known(self, length: int) -> Reach | ShuffledWords:
-        """Return the complete exploration of a length, or its words as shuffles of those of independent parts.
+        """Return the complete exploration of a length, or its words as shuffles of the words of independent parts.
 
         Raises:
             LimitReached: a limit ended the exploration.
@@ -208,7 +208,7 @@ class AutomatonEngine:
         return shuffled or self.explored(length, clock)
 
     def explored(self, length: int, clock: LimitClock | None = None) -> Reach:
-        """Return the complete exploration of a length.
+        """Return the complete exploration of a given length.
 
         Raises:
             LimitReached: a limit ended the exploration.
@@ -221,7 +221,7 @@ class AutomatonEngine:
         return reach
 
     def _ranking(self, length: int) -> Ranking | MergedRanking | ShuffledWords:
-        """Return the ranking of a length; the latest ones are cached because lengths may alternate."""
+        """Return the ranking of a given length; the latest ones are cached because lengths may alternate."""
         if length not in self._ranked:
             reach = self.known(length)
             stage("ranking")
@@ -267,7 +267,7 @@ class AutomatonEngine:
         return Weighed(reach.completions, unit**length, ends, reach.merged_ranking(length))
 
     def _weigh_apart(self, length: int, weights: Weights, clock: LimitClock) -> Weighed | None:
-        """Return the words with weights of actions as shuffles of those of the parts, if these are independent."""
+        """Return the words with weights of actions as shuffles of the words of the parts, if these are independent."""
         words = self._parts.words(length, self._numbers, clock)
         if words is None:
             return None

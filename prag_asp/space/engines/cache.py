@@ -1,8 +1,8 @@
 """A cache folder of computed arrays, whose files are named by a key of their inputs.
 
-A file is an archive of `numpy.savez`, with its key and texts as JSON in an array of bytes, and a checksum of the
-file, because those of the archive cover the arrays but not their names. A file that is unreadable, truncated, modified
-or of another key counts as absent, and failed writes are ignored. Files are never executed.
+A file is an archive of `numpy.savez`, with its key and texts as JSON in an array of bytes, and a checksum of the file,
+because the checksums of the archive cover the arrays but not their names. A file that is unreadable, truncated,
+modified or has another key counts as absent, and failed writes are ignored. Files are never executed.
 """
 
 from __future__ import annotations

@@ -35,7 +35,7 @@ Ask = Callable[[], "int | None"]
 """Return the count of another process, or None until it is finished."""
 
 Beside = Callable[[int, Letters], AbstractContextManager[Ask]]
-"""Count the words of a length that begin with a prefix in parallel to clingo; the first to finish answers."""
+"""Count the words of a given length that begin with a prefix in parallel to clingo; the first to finish answers."""
 
 
 class ClingoEngine:
@@ -59,7 +59,7 @@ class ClingoEngine:
         self.letters = tuple(self._symbols)
 
     def count(self, length: int, prefix: Letters = ()) -> int:
-        """Return the number of words of a length, by enumerating them all.
+        """Return the number of words of a given length, by enumerating them all.
 
         Raises:
             LimitReached: a limit ended the search; the error has the number of words counted so far.
@@ -79,7 +79,7 @@ class ClingoEngine:
         return counted
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
-        """Yield the words of a length in order, lazily, by one search for each extension of a prefix.
+        """Yield the words of a given length in order, lazily, by one search for each extension of a prefix.
 
         Raises:
             LimitReached: a limit ended the search; the error has the number of words counted so far.
@@ -105,15 +105,15 @@ class ClingoEngine:
         return self._plans(len(word)).possible(word)
 
     def unrank(self, length: int, rank: int) -> Letters:
-        """Return the word of a rank from 0 to count - 1, by enumerating the words before it."""
+        """Return the word with a given rank, from 0 to count - 1, by enumerating the words before it."""
         return next(islice(self.words(length), rank, None))
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None if it is not a word."""
+        """Return the rank of a word among the words of its length, or None if it is not a word."""
         return next((rank for rank, other in enumerate(self.words(len(word))) if other == word), None)
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
-        """Return the words of a length with their weights, by enumerating them all.
+        """Return the words of a given length with their weights, by enumerating them all.
 
         Raises:
             EngineError: there are too many words to list.
@@ -122,7 +122,7 @@ class ClingoEngine:
         return weigh_words(self._listed(length), self.letters, self._model, self._level, length, weights, goals)
 
     def _listed(self, length: int) -> list[Letters]:
-        """Return all words of a length in order, found in the order of clingo's search, which is much faster."""
+        """Return all words of a given length in order, found in the order of clingo's search, which is much faster."""
         clock = self._limits.begin()
         numbers = {letter: number for number, letter in enumerate(self.letters)}
         words: list[Letters] = []
@@ -173,7 +173,7 @@ class _UnrolledPlans:
         self._length = length
 
     def assume(self, letters: Sequence[str]) -> list[int] | None:
-        """Return the literals that assert that a word begins with `letters`, or None if none does."""
+        """Return the literals that assert that a word begins with `letters`, or None if no word does."""
         if len(letters) > self._length:
             return None
         literals = []
@@ -188,7 +188,7 @@ class _UnrolledPlans:
         return literals
 
     def possible(self, letters: Sequence[str]) -> bool:
-        """Return whether a word begins with `letters`."""
+        """Return whether any word begins with `letters`."""
         assumptions = self.assume(letters)
         return assumptions is not None and self.satisfiable(assumptions)
 
@@ -197,10 +197,10 @@ class _UnrolledPlans:
         return self._true_literals(assumptions, ()) is not None
 
     def following(self, word: Letters, prefix: Letters) -> Iterator[str]:
-        """Yield the letters, in order, that follow `word` in words that continue with `prefix`, each when it is known.
+        """Yield the letters, in order, that follow `word` in words that continue with `prefix`, each once known.
 
-        Each letter is tried alone. After each failure, twice as many searches as before, at first one, look for any
-        other letters, or prove that there are none. So n letters take at most n + 1 successful searches, and one
+        Each letter is tried alone. After each failure, twice as many searches as before, starting with one, look for
+        any other letters, or prove that there are none. So n letters take at most n + 1 successful searches, and one
         failed search for each doubling.
         """
         assumptions = self.assume((*word, *prefix))
@@ -249,7 +249,7 @@ class _UnrolledPlans:
             return None if model is None else {literal for literal in literals if model.is_true(literal)}
 
     def models(self, check: Callable[[], None]) -> Iterator[Letters | None]:
-        """Yield all words in no order, None for one whose steps do not have one letter each; call `check` on the way.
+        """Yield all words unordered, None for one whose steps do not have one letter each; call `check` regularly.
 
         An error of `check` ends the search.
         """

@@ -39,11 +39,11 @@ class Engine(Protocol):
     """
 
     def count(self, length: int, prefix: Letters = ()) -> int:
-        """Return the number of words of a length."""
+        """Return the number of words of a given length."""
         ...
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
-        """Yield the words of a length in order, lazily."""
+        """Yield the words of a given length in order, lazily."""
         ...
 
     def contains(self, word: Letters) -> bool:
@@ -51,11 +51,11 @@ class Engine(Protocol):
         ...
 
     def unrank(self, length: int, rank: int) -> Letters:
-        """Return the word of a rank from 0 to count - 1."""
+        """Return the word with a given rank, from 0 to count - 1."""
         ...
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None if it is not a word."""
+        """Return the rank of a word among the words of its length, or None if it is not a word."""
         ...
 
     @property
@@ -64,7 +64,7 @@ class Engine(Protocol):
         ...
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
-        """Return the weighted words of a length; with `goals`, also the known part of their final states.
+        """Return the weighted words of a given length; with `goals`, also the known part of their final states.
 
         With `plain` (or `goals`), each path is one word; otherwise a path may stand for several words.
 
@@ -78,7 +78,7 @@ Progress = Callable[[str], None]
 """Called with a short text on the progress of a long computation."""
 
 ALL = "(...)"
-"""Suffix of a prefix item that means all actions of a name, even if one action is spelled like the name."""
+"""Suffix of a prefix item that stands for all actions of a name, even if one action is spelled like the name."""
 
 
 def name_in_prefix(item: str, letters: Container[str]) -> str | None:

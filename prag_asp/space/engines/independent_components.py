@@ -83,7 +83,7 @@ class IndependentParts:
         return extent.edges > MANY_EDGES and self.finds
 
     def count(self, length: int, clock: LimitClock) -> PartCount | None:
-        """Return the number of words of a length, or None if a part changes while another one acts.
+        """Return the number of words of a given length, or None if a part changes while another one acts.
 
         With a limit, the count is a lower bound. For skeletons, parts share no action name, so that different
         skeletons of the parts have different shuffles.
@@ -104,7 +104,7 @@ class IndependentParts:
         return self._reached is not None and self._reached[0] >= length
 
     def words(self, length: int, numbers: Mapping[str, int], clock: LimitClock) -> ShuffledWords | None:
-        """Return the words of a length as shuffles of those of the parts; `numbers` has all letters of the domain.
+        """Return the words of a given length as shuffles of the parts' words; `numbers` has all letters of the domain.
 
         The result is None if the parts turn out not to be independent, or one of them is large itself.
 

@@ -90,11 +90,11 @@ class NoWords:
         return tuple(all_letters(self.model, self.level))
 
     def count(self, length: int, prefix: Letters = ()) -> int:
-        """Return the number of words of a length."""
+        """Return the number of words of a given length."""
         return 0
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
-        """Yield the words of a length in order."""
+        """Yield the words of a given length in order."""
         return iter(())
 
     def contains(self, word: Letters) -> bool:
@@ -110,5 +110,5 @@ class NoWords:
         return None
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
-        """Return the weighted words of a length."""
+        """Return the weighted words of a given length."""
         return weigh_words((), self.letters, self.model, self.level, length, Weights(), goals=False)

@@ -20,7 +20,7 @@ Prefix = Sequence[str | Atom]
 
 
 def checked_level(by: Level) -> Level:
-    """Return a level.
+    """Return a level if it exists.
 
     Raises:
         QueryError: there is no such level.
@@ -31,9 +31,9 @@ def checked_level(by: Level) -> Level:
 
 
 def engine_prefix(prefix: Prefix, by: Level, length: int, domain: Domain, model: DomainLogic) -> tuple[str, ...]:
-    """Return a prefix as the engines of a level and a length take it; tasks have canonical names of entities.
+    """Return a prefix as the engines of a given level and length take it; tasks have canonical names of entities.
 
-    `domain` is without conditions, `model` the logic with them.
+    `domain` has no conditions; `model` is the logic with them.
 
     Raises:
         QueryError: the prefix is a text, names no action of the domain, or has no canonical names.
@@ -78,10 +78,10 @@ def parse_prefix(items: Sequence[str], by: Level, facts: Facts) -> tuple[str, ..
 
 
 def parse_plan(items: Sequence[str | Atom], facts: Facts) -> tuple[clingo.Symbol, ...]:
-    """Return the actions of a plan; an item without arguments is the action that is spelled so.
+    """Return the actions of a plan; an item without arguments is the action spelled like it.
 
     Raises:
-        QueryError: an item is not an action of the domain, or only the name of several.
+        QueryError: an item is not an action of the domain, or is only the name of several actions.
     """
     actions = {str(action): action for action in facts.actions}
     names = set(map(action_name, facts.actions))

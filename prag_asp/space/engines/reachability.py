@@ -33,8 +33,8 @@ if TYPE_CHECKING:
     from prag_asp.space.engines.engine import Level
 
 PATIENCE, WORDS, LARGE = 250_000, 4, 100
-"""Number of edges above which states are merged, the 64-bit words per state to which it refers, and the minimum number
-of renamings."""
+"""Number of edges above which states are merged, the number of 64-bit words per state that it assumes, and the minimum
+number of renamings."""
 
 FEW_STATES, FEW_EDGES = 4096, 50_000
 """Maximum numbers of states and edges of explorations that levels share."""
@@ -52,7 +52,7 @@ Forecast = Callable[[Extent, int], bool]
 """Return whether an exploration of some extent is forecast to exceed the memory within a length."""
 
 Allow = Callable[[Rows], NDArray[np.bool_]]
-"""Return for each state whether it is allowed; a state that is not halts the exploration."""
+"""Return for each state whether it is allowed; a disallowed state halts the exploration."""
 
 Groups = Sequence[Sequence[Unit]]
 
@@ -86,12 +86,12 @@ class Reach:
         return 0 if self.sets else self.completions.automaton.states
 
     def covers(self, length: int) -> bool:
-        """Return whether all words of a length are known."""
+        """Return whether all words of a given length are known."""
         horizon = self.completions.automaton.horizon
         return not self.stop and (horizon is None or horizon >= length)
 
     def count(self, length: int, prefix: Sequence[frozenset[int]]) -> int:
-        """Return the weight of the words of a length whose first letters are among those of `prefix`."""
+        """Return the weight of the words of a given length whose first letters are among those of `prefix`."""
         if not self.merged:
             return count_words(self.completions, length, [allowed.__contains__ for allowed in prefix])
         from prag_asp.space.automaton.merged_states import count_merged
@@ -99,7 +99,7 @@ class Reach:
         return count_merged(self.merged, self.completions, length, prefix)
 
     def words(self, length: int, prefix: Sequence[frozenset[int]]) -> Iterator[Word]:
-        """Yield the words of a length whose first letters are among those of `prefix`, in order, lazily."""
+        """Yield the words of a given length whose first letters are among those of `prefix`, in order, lazily."""
         if not self.merged:
             return words(self.completions, length, [allowed.__contains__ for allowed in prefix])
         from prag_asp.space.automaton.merged_states import merged_words
@@ -115,7 +115,7 @@ class Reach:
         return accepts_merged(self.merged, word)
 
     def merged_ranking(self, length: int) -> MergedRanking | None:
-        """Return the ranking of the words of a length if states were merged."""
+        """Return the ranking of the words of a given length if states were merged."""
         if not self.merged:
             return None
         from prag_asp.space.automaton.merged_states import MergedRanking
@@ -133,7 +133,7 @@ class TooManyStates(Exception):
 
 @dataclass(frozen=True)
 class Explorer:
-    """The exploration of one level of a domain; `merge` None lets the number of states decide whether they are merged.
+    """The exploration of one level of a domain; if `merge` is None, the number of states decides whether to merge them.
 
     Once that is decided, exploration stops if `hopeless` forecasts too many states.
     """
@@ -237,7 +237,7 @@ class Explorer:
     def _shared_exploration(
         self, transition: Transition, length: int, clock: LimitClock, halt: Halt | None
     ) -> Exploration | None:
-        """Return the identical exploration of another level's engine, if there is a small one.
+        """Return the identical exploration of another level's engine, if it exists and is small.
 
         With limits or progress reports, the exploration is repeated.
         """
@@ -284,7 +284,7 @@ class Explorer:
 
 
 _small: WeakKeyDictionary[Transition, Exploration] = WeakKeyDictionary()
-"""The last small exploration of each step function, as long as the function exists."""
+"""The last small exploration of each step function that still exists."""
 
 
 def _known(transition: Transition, explored: Exploration, merging: Merging | None, automaton: Automaton) -> Reach:
@@ -300,7 +300,7 @@ def _known(transition: Transition, explored: Exploration, merging: Merging | Non
 
 
 def _present(groups: Groups, transition: Transition) -> list[Sequence[Unit]]:
-    """Return the groups whose units all occur in a step function in the same way; that of a part may lack some."""
+    """Return the groups whose units all occur in the same way in a step function; that of a part may lack units."""
     entities = {entity for group in groups for unit in group for entity in unit}
     present = {entity for symbol in (*transition.actions, *transition.variables)
                for entity in mentioned_entities(symbol, entities)}  # fmt: skip

@@ -38,7 +38,7 @@ class SatEngine:
         self.letters = tuple(all_letters(model, level))
 
     def count(self, length: int, prefix: Letters = ()) -> int:
-        """Return the number of words of a length, by finding each and blocking it with a clause.
+        """Return the number of words of a given length, by finding each word and blocking it with a clause.
 
         Raises:
             LimitReached: a limit ended the search; the error has the number of words counted so far.
@@ -55,7 +55,7 @@ class SatEngine:
         return counted
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
-        """Yield the words of a length in order, lazily, by one search for each extension of a prefix.
+        """Yield the words of a given length in order, lazily, by one search for each extension of a prefix.
 
         Raises:
             LimitReached: a limit ended the search; the error has the number of words counted so far.
@@ -63,7 +63,7 @@ class SatEngine:
         return within(self._limits, self._searching(length).words(prefix), self._level, length)
 
     def begins(self, length: int, prefix: Letters) -> bool:
-        """Return whether a word of a length begins with `prefix`."""
+        """Return whether a word of a given length begins with `prefix`."""
         return self._searching(length).some_word(prefix) is not None
 
     def contains(self, word: Letters) -> bool:
@@ -72,27 +72,27 @@ class SatEngine:
         return all(letter in search.formula.letters for letter in word) and search.some_word(word) is not None
 
     def unrank(self, length: int, rank: int) -> Letters:
-        """Return the word of a rank from 0 to count - 1, by enumerating the words before it."""
+        """Return the word with a given rank, from 0 to count - 1, by enumerating the words before it."""
         return next(islice(self.words(length), rank, None))
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None if it is not a word."""
+        """Return the rank of a word among the words of its length, or None if it is not a word."""
         if not self.contains(word):
             return None
         return next(rank for rank, other in enumerate(self.words(len(word))) if other == word)
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
-        """Return the words of a length with their weights, by finding them all."""
+        """Return the words of a given length with their weights, by finding them all."""
         return weigh_words(self.words(length), self.letters, self._model, self._level, length, weights, goals)
 
     def formula(self, length: int) -> WordFormula:
-        """Return the formula whose models are the words of a length."""
+        """Return the formula whose models are the words of a given length."""
         return self._searching(length).formula
 
     def _all(self, length: int, prefix: Letters) -> Iterator[Letters]:
         """Yield the words that begin with `prefix` in any order, each once, by blocking clauses.
 
-        A word has one letter at each step, so a clause that one of its letters is missing blocks only this word.
+        A word has one letter at each step, so a clause that excludes one of its letters blocks only this word.
         """
         formula = self.formula(length)
         beginning = formula.beginning(prefix)
@@ -147,7 +147,7 @@ class _WordSearch:
                 ways.append(self._ways(len(ways), word, prefix))
 
     def _ways(self, place: int, word: Letters, prefix: Letters) -> Iterator[Letters]:
-        """Yield for each letter that can replace that of a word at a place, in order, some word with this letter."""
+        """Yield a word for each letter that can replace the letter of a word at a place, in order of these letters."""
         for letter in self.formula.letters:
             if letter == word[place]:
                 yield word

@@ -21,7 +21,7 @@ from prag_asp.stop_reason import StopReason
 class SetWords:
     """The explored part of the skeleton automaton of a domain, whose states are sets of states.
 
-    A partial automaton lacks words but has no wrong ones, because each of its sets has only reachable states.
+    A partial automaton lacks words but has no wrong words, because each of its sets has only reachable states.
     """
 
     edges: list[list[tuple[int, int]]] = field(default_factory=list)
@@ -97,7 +97,7 @@ class SetExplorer(Explorer):
 
 
 class _Spent(Exception):
-    """A limit is reached."""
+    """A limit was reached."""
 
 
 @dataclass

@@ -22,7 +22,7 @@ from prag_asp.space.weights.weights import Weighed, Weights
 class SharpEngine:
     """The engine of one domain at one level that counts the models of a formula.
 
-    The engine sat enumerates words; ranks are computed from counts of words with a prefix.
+    The sat engine enumerates words; ranks are computed from counts of words with a prefix.
 
     Raises:
         EngineError: the model counter is not installed; each query raises it if the program cannot be translated to
@@ -40,7 +40,7 @@ class SharpEngine:
         self._totals: dict[int, int] = {}
 
     def count(self, length: int, prefix: Letters = ()) -> int:
-        """Return the number of words of a length."""
+        """Return the number of words of a given length."""
         if not prefix and length in self._totals:
             return self._totals[length]
         formula = self._sat.formula(length)
@@ -56,7 +56,7 @@ class SharpEngine:
         return models
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
-        """Yield the words of a length in order, lazily."""
+        """Yield the words of a given length in order, lazily."""
         return self._sat.words(length, prefix)
 
     def contains(self, word: Letters) -> bool:
@@ -64,7 +64,7 @@ class SharpEngine:
         return self._sat.contains(word)
 
     def unrank(self, length: int, rank: int) -> Letters:
-        """Return the word of a rank from 0 to count - 1, with one model count per step and possible letter."""
+        """Return the word with a given rank, from 0 to count - 1, with one model count per step and possible letter."""
         word: Letters = ()
         while len(word) < length:
             for letter in self._sat.formula(length).letters:
@@ -79,7 +79,7 @@ class SharpEngine:
         return word
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None if it is not a word."""
+        """Return the rank of a word among the words of its length, or None if it is not a word."""
         length = len(word)
         if not self.contains(word):
             return None
@@ -96,7 +96,7 @@ class SharpEngine:
         return self._sat.letters
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
-        """Return the weighted words of a length by enumeration, because the counter's weights are not exact."""
+        """Return the weighted words of a given length by enumeration, because the counter's weights are not exact."""
         return self._sat.weighed(length, weights, goals=goals)
 
 
@@ -109,7 +109,7 @@ def estimate_words(
     seed: int = 0,
     limits: Limits = UNLIMITED,
 ) -> Estimate:
-    """Return an estimate of the number of words of a length that begin with a prefix.
+    """Return an estimate of the number of words of a given length that begin with a prefix.
 
     Raises:
         QueryError: the seed is out of range.

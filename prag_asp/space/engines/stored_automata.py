@@ -42,7 +42,7 @@ class AutomatonSlot:
         entry = read_entry(self.folder, self.key, ARRAYS)
         try:
             return _restore(entry) if entry and entry.texts["code"] == code_digest() else None
-        except (KeyError, TypeError, ValueError, RuntimeError):  # clingo raises RuntimeError if a text is no term
+        except (KeyError, TypeError, ValueError, RuntimeError):  # clingo raises RuntimeError if a text is not a term
             return None
 
     def write(self, reach: Reach) -> bool:
@@ -72,9 +72,9 @@ OF_TASKS = ("canonical_names", "joint_names", "closed_invariants")
 def automaton_slot(folder: Path, model: DomainLogic, level: str, merge: bool | None) -> AutomatonSlot | None:
     """Return the slot of a level of a domain in the cache folder, or None if the encodings cannot be read.
 
-    The key covers all inputs of the arrays except the code: the program and its unreachable actions, the same of the
-    model without conditions and of the models that contain it as a part, and the rules of tasks. The entry itself has
-    the digest of the code, which is computed only if there is an entry.
+    The key covers all inputs of the arrays except the code: the program and its unreachable actions, those of the model
+    without conditions and of the models that contain it as a part, and the rules of tasks. The entry itself has the
+    digest of the code, which is computed only if there is an entry.
     """
     domain = model.domain
     rules = [domain.encodings / "rules" / f"{name}.lp" for name in OF_TASKS] if level == "task" else []

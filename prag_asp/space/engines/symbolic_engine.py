@@ -56,7 +56,7 @@ class SymbolicEngine:
         self._listed: AutomatonEngine | None = None
 
     def count(self, length: int, prefix: Letters = ()) -> int:
-        """Return the number of words of a length.
+        """Return the number of words of a given length.
 
         Raises:
             LimitReached: a limit ended the count; the error has the number of words counted so far.
@@ -72,7 +72,7 @@ class SymbolicEngine:
             raise limit_error(reached.reason, least, self._level, length) from None
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
-        """Yield the words of a length in order, lazily."""
+        """Yield the words of a given length in order, lazily."""
         for word in self._words(length, prefix):
             yield tuple(self.letters[letter] for letter in word)
 
@@ -81,17 +81,17 @@ class SymbolicEngine:
         return self.rank(word) is not None
 
     def unrank(self, length: int, rank: int) -> Letters:
-        """Return the word of a rank from 0 to count - 1."""
+        """Return the word with a given rank, from 0 to count - 1."""
         return tuple(self.letters[letter] for letter in self._words(length).unrank(rank))
 
     def rank(self, word: Letters) -> int | None:
-        """Return the rank of a word among those of its length, or None if it is not a word."""
+        """Return the rank of a word among the words of its length, or None if it is not a word."""
         if not all(letter in self._numbers for letter in word):
             return None
         return self._words(len(word)).rank([self._numbers[letter] for letter in word])
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
-        """Return the weighted words of a length, and cache the latest result.
+        """Return the weighted words of a given length, and cache the latest result.
 
         With `goals` or `plain`, each path is one word, which requires listing states within the same limits.
         """

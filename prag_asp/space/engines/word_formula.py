@@ -1,4 +1,4 @@
-"""The words of a level as models of a formula: literals of prefixes, and words of models."""
+"""The words of a level as models of a formula: prefixes as literals, and models as words."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class WordFormula:
     _known: dict[tuple[int, str], Literal] = field(default_factory=dict, repr=False, compare=False)
 
     def beginning(self, prefix: Sequence[str]) -> list[Literal] | None:
-        """Return the literals that assert that a word begins with `prefix`, or None if none does."""
+        """Return the literals that assert that a word begins with `prefix`, or None if no word does."""
         if len(prefix) > self.length:
             return None
         literals = []
@@ -44,7 +44,7 @@ class WordFormula:
         return None if -TRUE in literals else literals
 
     def fits(self, letter: str, prefix_names: Sequence[str]) -> bool:
-        """Return whether a letter matches the first item of `prefix_names`; without items, every letter does."""
+        """Return whether a letter matches the first item of `prefix_names`; without items, every letter matches."""
         if not prefix_names or letter == prefix_names[0]:
             return True
         return letter.partition("(")[0] == name_in_prefix(prefix_names[0], self.letters)
@@ -67,7 +67,7 @@ class WordFormula:
 
     @cached_property
     def _shown(self) -> tuple[list[tuple[str, ...]], dict[Literal, tuple[int, str]]]:
-        """The letters that each step has in all models, and the step and the letter of each variable."""
+        """The letters of each step that are in all models, and the step and the letter of each variable."""
         always: list[tuple[str, ...]] = [()] * self.length
         meaning: dict[Literal, tuple[int, str]] = {}
         may_be = {TRUE, *self.cnf.shown}
@@ -82,7 +82,7 @@ class WordFormula:
 
 
 def word_formula(model: DomainLogic, level: Level, length: int) -> WordFormula:
-    """Return the formula of the words of a level and a length.
+    """Return the formula of the words of a given level and length.
 
     Raises:
         EngineError: the program cannot be translated to clauses.

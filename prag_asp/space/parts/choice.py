@@ -1,4 +1,4 @@
-"""Distribute whole pieces among parts whose sizes come near to the requested shares."""
+"""Distribute whole pieces among parts whose sizes come close to the requested shares."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SWAPPED = 100
 
 
 def farthest(sizes: Sequence[int], shares: Sequence[Fraction]) -> Fraction:
-    """Return the largest distance of the share of a part from the requested one; `sizes` are those of the parts."""
+    """Return the largest distance of a part's share from the requested one; `sizes` are the sizes of the parts."""
     total = sum(sizes)
     return max(abs(Fraction(size, total) - share) for size, share in zip(sizes, shares, strict=True)) if total else NEAR
 
@@ -26,7 +26,7 @@ def choose_parts(pieces: Sequence[int], shares: Sequence[Fraction], seed: int) -
     """Return the part of each piece by index, given the sizes of the pieces, of which at least one is above 0.
 
     Pieces are assigned at random to parts in deficit and improved by local search. If no attempt comes near enough,
-    branch and bound searches the nearest assignment.
+    branch and bound searches for the nearest assignment.
     """
     chance = random.Random(f"parts {seed}")
     best: list[int] = []
@@ -86,7 +86,7 @@ def _improved(parts: list[int], pieces: Sequence[int], shares: Sequence[Fraction
 def _steps(
     parts: Sequence[int], pieces: Sequence[int], excess: Sequence[Fraction]
 ) -> Iterator[tuple[Fraction, tuple[tuple[int, int], ...]]]:
-    """Yield possible changes, each after the largest excess that results."""
+    """Yield possible changes, each preceded by the largest resulting excess."""
 
     def after(source: int, target: int, size: int) -> Fraction:
         return max(

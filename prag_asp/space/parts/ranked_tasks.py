@@ -30,7 +30,7 @@ class Ranks(Protocol):
         ...
 
     def place(self, rank: int) -> int | None:
-        """Return the place of a rank, or None if it is not among them."""
+        """Return the place of a rank, or None if it is not included."""
         ...
 
     def cut(self, places: range) -> Ranks:
@@ -42,11 +42,11 @@ class Space(Protocol):
     """A space with ranked tasks: a `TaskSpace`."""
 
     def plan_at(self, rank: int) -> tuple[str, ...]:
-        """Return the plan of the task of a rank as the texts of its actions."""
+        """Return the plan of the task with a given rank as the texts of its actions."""
         ...
 
     def tasks_of_plans(self, plans: Iterable[Sequence[str]]) -> Iterator[Task]:
-        """Yield the tasks of such plans."""
+        """Yield the tasks of plans given in this form."""
         ...
 
     def index(self, task: Task) -> int:
@@ -69,7 +69,7 @@ class RankRange:
         return self.ranks[place]
 
     def place(self, rank: int) -> int | None:
-        """Return the place of a rank, or None if it is not among them."""
+        """Return the place of a rank, or None if it is not included."""
         return (rank - self.ranks.start) // self.ranks.step if rank in self.ranks else None
 
     def cut(self, places: range) -> RankRange:
@@ -95,7 +95,7 @@ class ShuffledRanks:
         return self.order[self.places[place]]
 
     def place(self, rank: int) -> int | None:
-        """Return the place of a rank, or None if it is not among them."""
+        """Return the place of a rank, or None if it is not included."""
         return self.places.place(self.order.place(rank)) if 0 <= rank < self.order.size else None
 
     def cut(self, places: range) -> ShuffledRanks:
@@ -104,7 +104,7 @@ class ShuffledRanks:
 
 
 def divided_ranks(count: int, shares: Mapping[str, Number | float], seed: int) -> dict[str, ShuffledRanks]:
-    """Return disjoint random parts of the ranks below `count`, with shares of them that are rounded by less than one.
+    """Return disjoint random parts of the ranks below `count`, with the given shares, rounded by less than one rank.
 
     Raises:
         QueryError: the shares are not numbers above 0 that add up to 1.
@@ -138,7 +138,7 @@ class RankedTasks:
         return next(self._tasks([self.ranks[checked_place(place, size)]]))
 
     def __iter__(self) -> Iterator[Task]:
-        size = self.count()  # `range(size)` may exceed what the C code of `map` takes
+        size = self.count()  # `range(size)` may exceed the range of the C code of `map`
         return self._tasks(self.ranks[place] for place in takewhile(size.__gt__, numbers_from(0)))
 
     def _tasks(self, ranks: Iterable[int]) -> Iterator[Task]:
@@ -156,7 +156,7 @@ class RankedTasks:
         """Return the place of a task.
 
         Raises:
-            QueryError: the task is not one of these.
+            QueryError: the task is not in the subset.
         """
         place = self.ranks.place(self.space.index(task))
         if place is None:
@@ -171,7 +171,7 @@ class RankedTasks:
         A smaller sample of distinct tasks is a prefix of a larger one with the same seed.
 
         Raises:
-            QueryError: more distinct tasks are requested than there are.
+            QueryError: more distinct tasks are requested than exist.
         """
         size = self.count()
         if count < 0 or (count and not size) or (distinct and count > size):

@@ -1,1 +1,1 @@
-"""Tasks from plans: states, subgoals, canonical names, readings."""
+"""Tasks from plans: states, subgoals, canonical names and readings."""

@@ -13,7 +13,7 @@ from prag_asp.program.entity_names import mentioned_entities
 
 
 def canonical_names(plan: Iterable[clingo.Symbol], symmetries: Symmetries) -> dict[clingo.Symbol, clingo.Symbol]:
-    """Return canonical names for the interchangeable entities of a plan: the first that it uses becomes the first."""
+    """Return canonical names for the interchangeable entities of a plan: the first one used gets the first name."""
     return symmetries.names(entity for action in plan for entity in mentioned_entities(action, symmetries.entities))
 
 
@@ -23,7 +23,7 @@ def canonical_prefix(
     """Return the prefix of the tasks that have a renaming with `prefix`, whose items are keys of `actions` or names.
 
     Raises:
-        QueryError: an action after a mere name uses an interchangeable entity for the first time.
+        QueryError: an action after a name without arguments is the first to use an interchangeable entity.
     """
     renaming = canonical_names((actions[item] for item in prefix if item in actions), symmetries)
     introduced: set[clingo.Symbol] = set()

@@ -41,7 +41,7 @@ Reading = tuple[Atom | Composite, ...]
 class Hierarchy:
     """The units of readings: `units` maps a sequence of actions to the free action or composites that consist of it.
 
-    The action comes first, then the composites in clingo's order of terms. `units` is None where a domain has no
+    The action comes first, then the composites in clingo's order of terms. `units` is None if the domain has no
     composites: every action is free.
     """
 

@@ -31,7 +31,7 @@ Entities = int
 """A set of entities: bit i for the i-th."""
 
 WeighedPlan = tuple[Sequence[str], "float | None"]
-"""A plan as the texts of its actions, and the log-probability of its draw, None if it was not sampled."""
+"""A plan as the texts of its actions, and the log-probability of its draw, or None if it was not sampled."""
 
 
 class _Action(NamedTuple):
@@ -66,7 +66,7 @@ class TaskBuilder:
         self._goal = _values(facts.goal)
 
     def tasks(self, plans: Iterable[WeighedPlan]) -> Iterator[Task]:
-        """Yield the task of each plan, lazily, in growing batches from one plan on."""
+        """Yield the task of each plan, lazily, in growing batches that start with one plan."""
         for batch in growing_batches(plans, lambda plan: _batch_size(len(plan[0]))):
             yield from self.build(batch)
 
@@ -139,7 +139,7 @@ class TaskBuilder:
 
 
 def _batch_size(length: int) -> int:
-    """Return the maximum number of plans of a length that are evaluated together."""
+    """Return the maximum number of plans of a given length that are evaluated together."""
     return min(BATCH, max(BATCH_STATES // (length + 1), 1))
 
 

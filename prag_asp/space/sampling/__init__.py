@@ -1,1 +1,1 @@
-"""Words drawn with exact probabilities, many at once."""
+"""Sampling of words with exact probabilities, many at once."""

@@ -34,8 +34,8 @@ class ChoiceTable:
     """The choices of one step: for some states, called slots 0, 1, ..., their edges with thresholds.
 
     The edges of slot s are ``first[s]:first[s + 1]``; `edges` are their numbers in the automaton, and `thresholds` are
-    floor(2^64 * cumulative share), of which the last of each state is unused. `guide` has 2^bits cells for each slot
-    with the chosen edge, or -1 if a threshold lies within the cell; it is empty if bits is 0.
+    floor(2^64 * cumulative share); the last one of each state is unused. `guide` has 2^bits cells for each slot with
+    the chosen edge, or -1 if a threshold lies within the cell; it is empty if bits is 0.
     """
 
     states: Integers
@@ -46,7 +46,7 @@ class ChoiceTable:
     guide: NDArray[np.int32]
 
     def choose(self, slots: Integers, words: Words, resolve: Resolve) -> Integers:
-        """Return the edges, as numbers of this table, that random words choose at slots; shapes (draws,)."""
+        """Return the edges, numbered as in this table, that random words choose at slots; shapes (draws,)."""
         if not self.bits:
             return self._search(slots, words, np.arange(len(slots)), resolve)
         cells = (words >> np.uint64(WORD - self.bits)).view(np.int64)
@@ -73,7 +73,7 @@ class ChoiceTable:
 
 
 def make_choice_table(automaton: Automaton, states: Integers, row: NDArray[Any], *, guided: bool) -> ChoiceTable:
-    """Return the choices of `states`, from which some word continues; `row` has the total weight from each state on."""
+    """Return the choices of `states`, each with a continuation; `row` has the total weight from each state on."""
     counts = automaton.offsets[states + 1] - automaton.offsets[states]
     first = np.concatenate([[0], np.cumsum(counts)])
     edges = np.arange(first[-1]) + np.repeat(automaton.offsets[states] - first[:-1], counts)
@@ -109,7 +109,7 @@ def _guide(thresholds: Words, first: Integers, bits: int) -> NDArray[np.int32]:
 
 
 def exact_choice(running: Sequence[int], word: int, further: Callable[[], Iterator[int]]) -> int:
-    """Return the index of the first running total whose share of the last one exceeds a uniform number.
+    """Return the index of the first running total whose ratio to the last total exceeds a uniform number.
 
     The number is 0.word further... in base 2^64, of which only the deciding digits are read.
     """

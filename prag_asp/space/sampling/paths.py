@@ -16,10 +16,10 @@ CHUNK_WORDS = 1 << 17
 """Approximate number of random words per chunk, which fit into the processor cache."""
 
 FEW = 64
-"""Maximum number of draws for which tables of all states do not pay off."""
+"""Maximum number of draws for which building tables of all states does not pay off."""
 
 KEPT_EDGES = 1 << 23
-"""Maximum number of edges of all tables for which they are cached; otherwise each chunk builds those it visits."""
+"""Maximum number of edges of all tables for caching them; otherwise each chunk builds the tables that it visits."""
 
 
 class PathSampler:
@@ -48,7 +48,7 @@ class PathSampler:
     def descend(self, states: Integers, words: Words, bits: Bits, first: int) -> NDArray[np.int64]:
         """Return the edges of paths from states by random words of shape (paths, length); shape (length, paths).
 
-        More random words of a path are the bits of its draw; `first` is the number of the first draw.
+        Further random words of a path are bits of its draw; `first` is the number of the first draw.
         """
         automaton, row = self._completions.automaton, self._completions.row
         columns = np.ascontiguousarray(words.T)

@@ -21,17 +21,17 @@ class RankOrder(Protocol):
         ...
 
     def __getitem__(self, number: int) -> tuple[int, int]:
-        """Return the stretch, and the rank in it, of the task of a number from 0 to size - 1."""
+        """Return the stretch, and the rank in it, of the task with a given number, from 0 to size - 1."""
         ...
 
     def number(self, stretch: int, rank: int) -> int | None:
-        """Return the number of a task, or None if it is not among them."""
+        """Return the number of a task, or None if it is not in the order."""
         ...
 
 
 @dataclass(frozen=True)
 class ShareOrder:
-    """Concatenated stretches of some `sizes`, shuffled as a whole, so that each has its exact share."""
+    """Concatenated stretches of the given `sizes`, shuffled as a whole, so that each has its exact share."""
 
     sizes: tuple[int, ...]
     shuffled: ShuffledRanks
@@ -46,19 +46,19 @@ class ShareOrder:
         return tuple(accumulate(self.sizes))
 
     def __getitem__(self, number: int) -> tuple[int, int]:
-        """Return the stretch, and the rank in it, of the task of a number."""
+        """Return the stretch, and the rank in it, of the task with a given number."""
         place = self.shuffled[number]
         stretch = bisect_right(self._ends, place)
         return stretch, place - self._ends[stretch] + self.sizes[stretch]
 
     def number(self, stretch: int, rank: int) -> int | None:
-        """Return the number of a task, or None if it is not among them."""
+        """Return the number of a task, or None if it is not in the order."""
         return self.shuffled.place(rank + self._ends[stretch] - self.sizes[stretch])
 
 
 @dataclass(frozen=True)
 class EvenOrder:
-    """Shuffled stretches that alternate; exhausted ones are skipped."""
+    """Alternating shuffled stretches; exhausted ones are skipped."""
 
     shuffled: tuple[ShuffledRanks, ...]
 
@@ -68,7 +68,7 @@ class EvenOrder:
         return sum(ranks.size for ranks in self.shuffled)
 
     def __getitem__(self, number: int) -> tuple[int, int]:
-        """Return the stretch, and the rank in it, of the task of a number."""
+        """Return the stretch, and the rank in it, of the task with a given number."""
         rounds = 0
         for bound in sorted({ranks.size for ranks in self.shuffled}):
             left = [stretch for stretch, ranks in enumerate(self.shuffled) if ranks.size >= bound]
@@ -80,7 +80,7 @@ class EvenOrder:
         raise IndexError(f"no task has the number {number}")
 
     def number(self, stretch: int, rank: int) -> int | None:
-        """Return the number of a task, or None if it is not among them."""
+        """Return the number of a task, or None if it is not in the order."""
         place = self.shuffled[stretch].place(rank)
         if place is None:
             return None

@@ -27,7 +27,7 @@ KEPT_SUMS = 1 << 26
 """Maximum memory for cached sums of skeletons, in bytes."""
 
 Sums = tuple[list[dict[int, list[int]]], int]
-"""For each step of a skeleton and each state the running sums of the weights of its moves, and the total weight."""
+"""For each step of a skeleton and each state, the running sums of the weights of its moves; and the total weight."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Sampler(Protocol):
     def sample(self, bits: Bits, first: int, count: int, *, with_probabilities: bool) -> DrawArray:
         """Return the draws from number `first` on, optionally with their probabilities.
 
-        A draw depends only on its number and the bits.
+        A draw depends only on its number and the random bits.
         """
         ...
 
@@ -199,9 +199,9 @@ class SkeletonSampler:
         )
 
     def of_rank(self, rank: int, bits: Bits, number: int) -> tuple[list[int], Fraction]:
-        """Return a draw by number among the words of one skeleton by weight, and its probability among these.
+        """Return a draw, by number, of a word of one skeleton by weight, and its probability given the skeleton.
 
-        The skeleton is the one of a rank from 0 to `count` - 1.
+        The skeleton is given by its rank, from 0 to `count` - 1.
         """
         words = bits.words(number, 1, self._length)[0].tolist()
         if self._ranking is None:
@@ -213,10 +213,10 @@ class SkeletonSampler:
     def _with_skeleton(
         self, skeleton: tuple[int, ...], words: Sequence[int], further: Callable[[int], Iterator[int]]
     ) -> tuple[list[int], int]:
-        """Return the edges of a word with a skeleton, chosen by random words, and the weight of all words with it.
+        """Return the edges of a word with a skeleton, chosen by random bits, and the weight of all such words.
 
-        Sums are cached because short skeletons are sampled often, by an upper bound on their memory: of running sums,
-        the last is the largest.
+        Sums are cached because short skeletons are sampled often. An upper bound on their memory limits the cache: the
+        last running sum is the largest.
         """
         known = self._known.get(skeleton)
         if known is None:

@@ -13,10 +13,10 @@ MOST = 1_000_000
 
 @dataclass(frozen=True)
 class Deal:
-    """Shard `number` (from 1) `of` a number of shards; its draws are renumbered from 0.
+    """Shard `number` (from 1) out `of` a number of shards; its draws are renumbered from 0.
 
     Raises:
-        QueryError: there is no shard of that number.
+        QueryError: there is no shard with that number.
     """
 
     number: int = 1
@@ -28,7 +28,7 @@ class Deal:
 
     @classmethod
     def parse(cls, text: str) -> Deal:
-        """Return the deal that ``3/64`` names.
+        """Return the shard of a text such as ``3/64``.
 
         Raises:
             QueryError: the text has another form.
@@ -40,18 +40,18 @@ class Deal:
 
     @classmethod
     def holding(cls, whole: int, of: int) -> Deal:
-        """Return the shard, among `of` shards, of a draw by its number among all draws."""
+        """Return the shard, out `of` several shards, of a draw by its overall number."""
         return cls(whole % of + 1, of)
 
     def __str__(self) -> str:
         return f"{self.number}/{self.of}"
 
     def whole(self, own: int) -> int:
-        """Return the number among all draws of a draw of this shard."""
+        """Return the overall number of a draw of this shard."""
         return own * self.of + self.number - 1
 
     def own(self, whole: int) -> int | None:
-        """Return the number within this shard of one of all draws, or None if it is in another shard."""
+        """Return the number within this shard of a draw by its overall number, or None if it is in another shard."""
         own, remainder = divmod(whole - self.number + 1, self.of)
         return None if remainder else own
 

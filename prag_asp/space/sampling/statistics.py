@@ -60,7 +60,7 @@ class Statistics:
 
 
 def statistics_of(engine: Engine, facts: Facts, by: Level, length: int, weights: Weights) -> Statistics:
-    """Return the statistics of the words of a level and a length, sampled by weight.
+    """Return the statistics of the words of a given level and length, sampled by weight.
 
     Raises:
         QueryError: there is nothing to sample.
@@ -107,7 +107,7 @@ def statistics_of(engine: Engine, facts: Facts, by: Level, length: int, weights:
 def weight_of_words_without(
     engine: Engine, facts: Facts, by: Level, length: int, weights: Weights, what: Collection[str]
 ) -> Fraction:
-    """Return the weight of all words of a level and a length without some names and pairs of names.
+    """Return the weight of all words of a given level and length without some names and pairs of names.
 
     Raises:
         QueryError: an item is neither an action's name nor a pair of names.
@@ -150,7 +150,7 @@ def _mentions(facts: Facts, letters: Sequence[str]) -> tuple[dict[str, set[int]]
 
 
 def crossings(completions: Completions, length: int) -> list[int]:
-    """Return for each edge the weight of all words through it, once for each passage."""
+    """Return for each edge the weight of all words through it, counted once for each passage."""
     automaton = completions.automaton
     transitions = np.zeros(len(automaton.letters), dtype=object)
     for step, over in enumerate(_forward(automaton, length)):
@@ -159,7 +159,7 @@ def crossings(completions: Completions, length: int) -> list[int]:
 
 
 def consecutive(completions: Completions, length: int, names: NDArray[np.int64]) -> dict[tuple[int, int], int]:
-    """Return for pairs of names the weight of all words with consecutive occurrences, once for each occurrence.
+    """Return for pairs of names the weight of all words in which they are consecutive, once for each occurrence.
 
     `names` maps letters to numbers of names.
     """

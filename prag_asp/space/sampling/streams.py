@@ -33,7 +33,7 @@ from prag_asp.space.sampling.samplers import (
 from prag_asp.space.weights.weights import Weighed, Weights, refuse_long_totals
 
 BATCH = 2048
-"""Words that are sampled together at most."""
+"""Maximum number of words that are sampled together."""
 
 
 class ProbablePlan(Protocol):
@@ -63,7 +63,7 @@ class Portion:
 def make_sampler(
     engine: Engine, facts: Facts, by: Level, length: int, weights: Weights, over: Over | None = None
 ) -> Sampler:
-    """Return the sampler of the words of a level and a length; with `over`, skeletons or goals are sampled first.
+    """Return the sampler of the words of a given level and length; with `over`, skeletons or goals are sampled first.
 
     Raises:
         QueryError: there is nothing to sample, or the options contradict each other.
@@ -85,7 +85,7 @@ def make_sampler(
 def weighed_words(
     engine: Engine, by: Level, length: int, weights: Weights, *, goals: bool = False, plain: bool = False
 ) -> Weighed:
-    """Return the weighted words of a level and a length from the engine.
+    """Return the weighted words of a given level and length from the engine.
 
     Raises:
         QueryError: no word has a weight above 0, or exact totals of the weights have too many digits.

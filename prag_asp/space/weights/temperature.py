@@ -14,7 +14,7 @@ from prag_asp.space.weights.weights import Number, Weights, parse_number
 INFINITE = "inf"
 LARGEST_DENOMINATOR = 10_000
 DIGITS = 40
-"""Digits after the decimal point: far more than distinguish fractions with such denominators."""
+"""Digits after the decimal point: far more than needed to distinguish fractions with such denominators."""
 
 LARGEST_EXPONENT = 1000
 """Largest power of ten of a weight."""

@@ -33,7 +33,7 @@ from prag_asp.wording import unknown
 MOST_BITS, FEW_BITS = 1 << 19, 64
 """Maximum number of bits of an exact total, about 158,000 digits, unless weights take at most 64 bits a step.
 
-Each state has a total for each number of remaining steps. In the domain `prag`, totals of so many bits take minutes.
+Each state has a total for each number of remaining steps. In the domain `prag`, totals of this size take minutes.
 """
 
 Number = int | Fraction | Decimal | str
@@ -127,7 +127,7 @@ def parse_weight(key: str, number: Number) -> Fraction:
     """Return a weight as a fraction, read from decimal digits or from p/q.
 
     Raises:
-        QueryError: the number is not a number of at least 0.
+        QueryError: the value is not a number of at least 0.
     """
     weight = parse_number(f"weight of {key!r}", number)
     if weight < 0:
@@ -228,7 +228,7 @@ class Walks(Protocol):
     total: int
 
     def walk(self, choose: Choice) -> tuple[Word, int]:
-        """Return a word and its weight; `choose` takes an edge of each step by the running totals of their weights."""
+        """Return a word and its weight; `choose` selects an edge per step by the running totals of the weights."""
         ...
 
 
@@ -252,7 +252,7 @@ class Weighed:
         return self.completions.automaton
 
     def total(self, length: int) -> int:
-        """Return the sum of the weights of all words of a length, as a multiple of `unit`."""
+        """Return the sum of the weights of all words of a given length, as a multiple of `unit`."""
         if self.ranking is not None:
             return self.ranking.total
         return int(self.completions.row(length)[0]) if self.automaton.states else 0
