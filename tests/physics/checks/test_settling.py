@@ -76,7 +76,7 @@ def test_the_search_goes_on_where_a_witness_does_not_settle(tabletop, tabletop_v
     """Switch the analytic check of support off, so that settling has to find what it would have refused."""
     from prag_asp.physics.search import moving
 
-    monkeypatch.setattr(moving, "unsupported", lambda *_: None)
+    monkeypatch.setattr(moving, "unsupported", lambda *_, **__: None)
     tower = task(
         state("on_top(brick_1,cube_1)", "on_top(can_1,brick_1)", "on_top(cube_1,table_1)", "on_top(cube_2,can_1)"),
         ("x(panda)", state("on_top(cube_1,table_1)")),

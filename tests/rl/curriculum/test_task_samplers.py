@@ -17,7 +17,7 @@ from prag_asp import Task, TaskSpace, load_domain
 from prag_asp.atom import Atom
 from prag_asp.errors import QueryError
 from prag_asp.rl import AdaptiveCurriculum, BanditCurriculum, LengthCurriculum, NoveltyCurriculum, ReverseCurriculum
-from prag_asp.rl.curriculum.task_pool import Proposal, TaskPool, Word, sample_index
+from prag_asp.rl.curriculum.task_pool import Proposal, RankedPart, TaskPool, Word, sample_index
 from prag_asp.rl.curriculum.task_sampler import (
     Attempt,
     DomainWeightsSampler,
@@ -47,7 +47,7 @@ def parts(space: TaskSpace) -> Sequence[tuple[TaskPool, set[str]]]:
     split = space.split({"train": "1/3", "test": "2/3"}, seed=1)["train"]
     held, _ = space.hold_out("can")
     skeletons = space.split_skeletons({"train": "3/4", "test": "1/4"}, seed=1)["train"]
-    found = [TaskPool(space, split.ranks), TaskPool(held), TaskPool(skeletons)]
+    found = [TaskPool(space, RankedPart(split, space)), TaskPool(held), TaskPool(skeletons)]
     return [(pool, set(map(str, tasks))) for pool, tasks in zip(found, (split, held, skeletons), strict=True)]
 
 
@@ -289,7 +289,7 @@ def test_what_is_passed_over_for_a_part_counts_as_draws_of_the_same_mixture(
     kind: TaskCurriculum, chance: Chance, space: TaskSpace, tasks: dict[Word, Task]
 ) -> None:
     part = [rank for rank, word in enumerate(space.enumerate()) if "grasp" in names(word)]
-    pool = TaskPool(space, space[part[0] : part[-1] + 1].ranks)
+    pool = TaskPool(space, RankedPart(space[part[0] : part[-1] + 1], space))
     course = kind.task_sampler(pool)
     course.seed(chance.seed(2))
     grasp = next(tasks[word].actions for word in space.enumerate() if names(word) == ["approach", "grasp"])
@@ -303,7 +303,7 @@ def test_what_is_passed_over_for_a_part_counts_as_draws_of_the_same_mixture(
 
 
 def test_what_no_task_of_the_part_has_does_not_stay_due(space: TaskSpace) -> None:
-    course = NoveltyCurriculum("names").task_sampler(TaskPool(space, space[7:9].ranks))
+    course = NoveltyCurriculum("names").task_sampler(TaskPool(space, RankedPart(space[7:9], space)))
     for _ in range(4):
         offer = course.propose()
         assert offer.word in (space.plan_at(7), space.plan_at(8))
@@ -312,7 +312,7 @@ def test_what_no_task_of_the_part_has_does_not_stay_due(space: TaskSpace) -> Non
 
 def test_a_part_of_one_task_is_found_among_skeletons(space: TaskSpace) -> None:
     part = space[7:8]
-    course = NoveltyCurriculum("skeletons").task_sampler(TaskPool(space, part.ranks))
+    course = NoveltyCurriculum("skeletons").task_sampler(TaskPool(space, RankedPart(part, space)))
     assert {course.propose().word for _ in range(3)} == {space.plan_at(7)}
 
 
@@ -389,11 +389,8 @@ def test_curricula_that_mean_nothing_are_refused(wrong: Callable[[], object]) ->
 
 
 def test_pools_that_have_nothing_are_refused(space: TaskSpace) -> None:
-    parts = space.split({"train": "1/2", "test": "1/2"})
-    with pytest.raises(QueryError, match="of one length"):
-        TaskPool(TaskSpace(space.domain, range(1, 3)), parts["train"].ranks)
     with pytest.raises(QueryError, match="no task"):
-        TaskPool(space, space[:0].ranks)
+        TaskPool(space, RankedPart(space[:0], space))
     with pytest.raises(QueryError, match="no subgoal"):
         TaskPool(space.at(0))
     with pytest.raises(QueryError, match="has pairs"):
