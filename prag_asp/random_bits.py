@@ -39,7 +39,7 @@ class Bits(Protocol):
 
 @dataclass(frozen=True)
 class SeededBits:
-    """The random words of a seed; those of another `purpose` are independent of them."""
+    """The random words of a seed; words for different purposes are independent."""
 
     seed: int
     purpose: str = ""

@@ -36,7 +36,7 @@ def feasible(
     progress: Callable[[], None] = lambda: None,
     **drawing: Any,
 ) -> Generator[Record, None, None]:
-    """Yield feasible tasks sampled from a space, each with its verdict and its witness, without end.
+    """Yield feasible tasks sampled from a space, each with its verdict and its witness, endlessly.
 
     `scene` is by default the scene of the domain, and `drawing` has options of `TaskSpace.stream`; with
     ``distinct=True`` (without `over`), no task is sampled twice, and the iterator ends with the last task. It also

@@ -19,4 +19,4 @@ def test_many_fluents_and_actions_are_noted_with_their_rule(monkeypatch: pytest.
     load_domain(text=text)
     notes = [each for each in heard if "the domain has" in each]
     assert len(notes) == 1
-    assert notes[0].startswith("note: <text>:1: the domain has 4 actions, and the preparation of 3 takes")
+    assert notes[0].startswith("note: <text>:1: the domain has 4 actions; the preparation of 3 actions takes")

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
 USUAL = "dimacs"
-"""The form if a command line names none."""
+"""The form for a command line without a form."""
 
 
 class Forms(click.Group):

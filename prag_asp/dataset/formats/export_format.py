@@ -38,4 +38,4 @@ FORMS: Mapping[str, FormatInfo] = {
     "robomimic": FormatInfo("Robomimic", ("pyarrow", "h5py")),
     "bddl": FormatInfo("Bddl", ("pyarrow",), recorded=False),
 }
-"""The formats by name: each is the module of that name, which has the class."""
+"""The formats by name, which is also the name of the module that defines the class."""

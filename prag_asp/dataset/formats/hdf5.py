@@ -22,7 +22,7 @@ BLOCK, ROWS = 16, 8
 """Images and pixel rows in a compressed block: pixels that do not change between images then take little space."""
 
 LONGEST = 60_000
-"""The maximum number of bytes of a text attribute: HDF5 has space for 64 kB in the header of a group."""
+"""The maximum number of bytes of a text attribute: the header of a group in HDF5 holds 64 kB."""
 
 
 class _Disk:

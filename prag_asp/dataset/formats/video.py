@@ -49,7 +49,7 @@ class Video:
 
     @property
     def size(self) -> int:
-        """The bytes written so far: the encoder buffers some images."""
+        """The number of bytes written so far, without images that the encoder buffers."""
         return self.path.stat().st_size if self.path.exists() else 0
 
     def add(self, picture: NDArray[np.uint8]) -> None:

@@ -181,7 +181,7 @@ PLACES: Mapping[str, tuple[int, int]] = {"left": (0, 1), "right": (0, -1), "fron
 
 
 SIZES = ("large", "small")
-"""The words for the extent of a thing among those of its kind."""
+"""The words for the extent of a thing, compared with others of its kind."""
 
 
 class View:

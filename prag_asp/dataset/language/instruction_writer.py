@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
 
 START_FACTS, CAPTION_FACTS = 4, 2
-"""The maximum number of facts in the caption of the initial state, and in those of the others."""
+"""The maximum number of facts in the caption of the initial state, and in captions of other states."""
 
 COLOR = re.compile(r"#[0-9a-fA-F]{6}")
 CACHED = 1 << 16
@@ -79,7 +79,7 @@ class InstructionWriter:
         return other
 
     def instructions(self, task: Task, seed: int = 0) -> Instructions:
-        """Return the instructions of a task; the seed chooses among phrasings, the same ones for the same seed.
+        """Return the instructions of a task; the seed chooses among phrasings, reproducibly.
 
         Raises:
             QueryError: the task is not one of this domain, or an action has no unambiguous sentence.

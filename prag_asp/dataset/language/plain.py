@@ -11,7 +11,7 @@ from prag_asp.task import Task
 def sentence(atom: Atom, templates: Mapping[str, str]) -> str:
     """Return an action or a fluent in words.
 
-    Its template has ``{0}`` for the first argument; without a template, name and arguments stand side by side.
+    Its template has ``{0}`` for the first argument; without a template, its name and arguments are joined by blanks.
     """
     arguments = [_plain(argument) for argument in atom.arguments]
     template = templates.get(atom.name)

@@ -31,7 +31,7 @@ State = Mapping[Atom, bool]
 
 
 class Fluents(dict[Atom, int]):
-    """Numbers of the fluents of some rows, assigned at first use: rows share most of them."""
+    """Numbers for the fluents of some rows, assigned at first use: rows share most fluents."""
 
     def __missing__(self, fluent: Atom) -> int:
         self[fluent] = number = len(self)

@@ -217,7 +217,7 @@ class Dataset:
     def _ranked(self, length: int, rank: int) -> Iterator[tuple[PartManifest, Mapping[str, Any]]]:
         """Yield the row of the task of a rank, if the dataset has it.
 
-        If sampling is uniform and the split is by tasks alone, the number of the draw follows from the rank.
+        If sampling is uniform and the split is only by tasks, the number of the draw follows from the rank.
         """
         from prag_asp.space.without_replacement import order_of
 

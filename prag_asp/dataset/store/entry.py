@@ -24,8 +24,8 @@ class DatasetEntry:
 
     `rank` is its position among all tasks of its length. `instruction` has an instruction for each level of detail,
     and `subgoals` a sentence for each action; `named` are the entities that the texts call by name because nothing
-    visible distinguishes them from others. `verdict` is None if physics was not run. It has no witness: witnesses
-    are in a separate table, with `starts` rows for the task.
+    visible distinguishes them from others. `verdict` is None if physics was not run. Witnesses are in a separate
+    table, with `starts` rows for the task.
     """
 
     part: str

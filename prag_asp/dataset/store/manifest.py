@@ -220,7 +220,7 @@ def summed(tallies: Iterable[LengthTally]) -> list[LengthTally]:
 
 
 def tally_of_draw(length: int, verdict: Mapping[str, Any] | None, witnesses: int = 0) -> LengthTally:
-    """Return the tally of a single draw, given its verdict as a row has it."""
+    """Return the tally of a single draw, given its verdict as stored in a row."""
     verdict = verdict or {"status": "feasible", "causes": [], "reason": ""}
     status = verdict["status"]
     return LengthTally(

@@ -65,7 +65,7 @@ class SuiteTable(msgspec.Struct):
 
 
 OWN_OF_COPIES = ("tasks", "about", "of", "language", "phrasings")
-"""The keys that a part with the tasks of another one may set; all others are those of the other part."""
+"""The keys that a part with the tasks of another one may set; all other keys come from the other part."""
 
 
 def texts(value: Words) -> tuple[str, ...]:

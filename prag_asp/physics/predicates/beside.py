@@ -30,7 +30,7 @@ SIDES = {
     "in_front_of": Direction(X, -1.0),
     "behind": Direction(X, 1.0),
 }
-"""The direction of the subject from the other body, as the robot sees it."""
+"""The direction from the other body to the subject, as the robot sees it."""
 
 WORDING = {
     "left_of": ("to the left of", "right_of", 90),
@@ -59,7 +59,7 @@ def _volume(name: str, situation: Situation, arguments: Arguments, quaternion: Q
 
 
 def wedge(situation: Situation, side: Direction, other: str, half: Vector, gap: float) -> Volume:
-    """Return the region on a side of a body for the centre of a box with half-extents `half`, `gap` metres away."""
+    """Return the region on one side of a body for the centre of a box with half-extents `half`, `gap` metres away."""
     axis, sign = side
     at = situation.body(other).centre
     edge = at[axis] + sign * (half[axis] + situation.half(other)[axis] + gap)

@@ -276,7 +276,7 @@ CUBE, ROD, BALL = "<box size='.05 .05 .05'/>", "<cylinder radius='.02' length='.
         ("0 0.4 0", CUBE, 0.4, (0.05, 0.05, 0.05)),
         ("0 0.785 0", CUBE, 0.785, (0.05, 0.05, 0.05)),
         ("0.7854 0.6155 0", CUBE, 0.9553, None),  # on its corner: the arctangent of the root of 2
-        ("0 0.02 0", CUBE, 0.0, None),
+        ("0 0.02 0", CUBE, 0.02, (0.05, 0.05, 0.05)),
         ("0 0 0", ROD, 0.0, None),
         ("0 1.5708 0.3", ROD, 0.0, None),
         ("0 0.3 0", ROD, 0.3, (0.04, 0.04, 0.1)),
