@@ -3,4 +3,4 @@
 from __future__ import annotations
 
 ENGINES = ("auto", "ganak", "d4", "diagram", "clingo")
-"""Automatic choice; two #SAT counters, which only count; a compiled diagram; and enumeration by clingo."""
+"""The engines: automatic choice; two #SAT counters, which only count; a compiled diagram; enumeration by clingo."""

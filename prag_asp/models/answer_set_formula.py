@@ -16,10 +16,11 @@ from prag_asp.processes.progress_events import stage
 
 @dataclass(frozen=True)
 class ModelFormula:
-    """A formula with the symbols that its models show.
+    """A formula with the shown symbols of its models.
 
-    `cnf.shown` are the projection variables, which distinguish answer sets or their projections. `printed` has each
-    symbol that may be shown with its literal, sorted. With `whole`, all other variables are functions of `cnf.shown`.
+    `cnf.shown` are the projection variables, which distinguish answer sets or their projections. `printed` has the
+    symbols that may be shown, sorted, each with its literal. With `whole`, all other variables are functions of
+    `cnf.shown`.
     """
 
     completion: Completion
@@ -31,8 +32,8 @@ class ModelFormula:
 def model_formula(ground: GroundModels, *, project: bool, copied: bool) -> ModelFormula:
     """Return the formula of a head-cycle-free program; with `copied`, answer sets are its models without open copies.
 
-    With `project`, answer sets that agree on the atoms of ``#project``, or without such a statement on the shown
-    symbols, count as one, as with clingo's option ``--project``. These atoms are then the printed symbols.
+    With `project`, answer sets that agree on the atoms of ``#project`` (without such a statement, on the shown symbols)
+    count as one, as with clingo's option ``--project``. These atoms are then the printed symbols.
     """
     stage("writing clauses")
     completion = complete(shift_disjunctions(ground.rules), copied=copied)
@@ -41,7 +42,7 @@ def model_formula(ground: GroundModels, *, project: bool, copied: bool) -> Model
     names = {symbol: value(atom) for symbol, atom in ground.names}
     if project and ground.projected is not None:
         printed = [(symbol, value(atom)) for symbol, atom in ground.names if atom in ground.projected]
-        projection = list(map(value, ground.projected))  # in aspif, some have no names
+        projection = list(map(value, ground.projected))  # in aspif, some atoms have no names
     else:
         printed = [
             (symbol, clauses.any_of([clauses.all_of(map(value, condition)) for condition in conditions]))

@@ -36,7 +36,7 @@ AnswerSet = tuple[clingo.Symbol, ...]
 Tell = Callable[[str], None]
 
 COUNTERS = {"ganak": GANAK, "d4": D4}
-"""The engines that only count, on the clauses."""
+"""The engines that only count, from the clauses."""
 
 
 def answer_sets(
@@ -54,13 +54,13 @@ def answer_sets(
 
     With `project`, answer sets that agree on the projection variables count as one: the atoms of ``#project`` or,
     without such a statement, all shown symbols. With `weighted`, the weight of an answer set is the product over its
-    atoms of the facts ``weight(Atom, W)``. With `optimal`, only the answer sets of best value count, by the weak
-    constraints, ``#minimize`` and ``#maximize`` of the program. `tell` receives notes, such as that another engine
-    counts in parallel, and `progress` the progress of long computations.
+    atoms of the facts ``weight(Atom, W)``. With `optimal`, only the optimal answer sets count, by the weak constraints,
+    ``#minimize`` and ``#maximize`` of the program. `tell` receives notes, for example that another engine counts in
+    parallel, and `progress` the progress of long computations.
 
     Raises:
-        DomainError: a file cannot be read or ground, or has unsupported statements, one per line of the message.
-        QueryError: there is no such engine, no weight, or nothing to optimise.
+        DomainError: a file cannot be read or ground, or has unsupported statements; the message has one line for each.
+        QueryError: the engine does not exist, or the program has no weights or nothing to optimise.
     """
     if engine not in ENGINES:
         raise QueryError(f"engine {engine!r}: there is none; choose {', '.join(ENGINES)}")
@@ -92,9 +92,9 @@ def answer_sets(
 class AnswerSets:
     """The answer sets of one program; compiled formulas are cached between queries.
 
-    Iteration is lazy and in a fixed order: of two answer sets, that with the first symbol in clingo's order that only
-    one of them has comes first. If clingo enumerates, its own order is used. With an `optimum`, they are the optimal
-    answer sets only.
+    Iteration is lazy and in a fixed order: of two answer sets, the one with the first symbol, in clingo's order, that
+    the other lacks comes first. If clingo enumerates, its own order is used. With an `optimum`, only the optimal answer
+    sets are included.
     """
 
     given: GivenProgram
@@ -113,10 +113,10 @@ class AnswerSets:
         )
 
     def count(self) -> int:
-        """Return their exact number, regardless of weights.
+        """Return the exact number of answer sets, regardless of weights.
 
-        With engine auto, clingo enumerates first, with limited work. If there are more answer sets, counters and the
-        compiler of a diagram race: any of them may be faster by orders of magnitude.
+        With engine auto, clingo enumerates first, with limited work. If it does not finish, counters and the diagram
+        compiler race: any of them may be faster by orders of magnitude.
 
         Raises:
             EngineError: the engine ganak or d4 is not installed, or fails.
@@ -138,9 +138,10 @@ class AnswerSets:
         return self._compiled.diagram.unweighted().total
 
     def estimate(self, epsilon: float = 0.8, delta: float = 0.2, seed: int = 0) -> Estimate:
-        """Return an estimate of their number, regardless of weights.
+        """Return an estimate of the number of answer sets, regardless of weights.
 
-        With a probability of at least 1 - `delta`, it is within a factor of 1 + `epsilon` of the exact number.
+        With a probability of at least 1 - `delta`, the estimate is within a factor of 1 + `epsilon` of the exact
+        number.
 
         Raises:
             QueryError: a number is out of range, or the program cannot be translated to clauses.
@@ -153,7 +154,7 @@ class AnswerSets:
         return estimate_models(self._compiled.counting_formula.cnf, tolerance, seed)
 
     def total(self) -> Fraction:
-        """Return the exact sum of their weights; without weights, their number."""
+        """Return the exact sum of the weights of the answer sets; without weights, their number."""
         if not self.stated:
             return Fraction(self.count())
         if self._way() == "clingo":
@@ -175,7 +176,7 @@ class AnswerSets:
         yield from map(self._print, islice(self._compiled.diagram.sample(seed), count))
 
     def marginals(self) -> dict[clingo.Symbol, Fraction]:
-        """Return for each symbol that may be shown the exact probability, by weight, that an answer set has it.
+        """Return, for each symbol that may be shown, the exact probability, by weight, that an answer set has it.
 
         Raises:
             NotFound: there is no answer set, or all have the weight 0.
@@ -191,7 +192,7 @@ class AnswerSets:
         return {symbol: Fraction(weights.get(literal, 0), whole) for symbol, literal in self._compiled.formula.printed}
 
     def facets(self) -> dict[clingo.Symbol, Facet]:
-        """Return for each symbol that may be shown its share, whether it is a facet, and how much it narrows them.
+        """Return, for each symbol that may be shown, its share, and if it is a facet, how much it narrows the sets.
 
         Raises:
             NotFound: there is no answer set.
@@ -208,7 +209,7 @@ class AnswerSets:
         return facets_of_diagram(diagram.diagram, self._compiled.formula.printed, diagram.marginals(), diagram.total)
 
     def explain(self) -> Conflict | None:
-        """Return lines of the program that together exclude every answer set, or None if there is one."""
+        """Return lines of the program that together exclude every answer set, or None if there is an answer set."""
         return find_conflict(self.given, self.ground)
 
     def __iter__(self) -> Iterator[AnswerSet]:
@@ -226,7 +227,7 @@ class AnswerSets:
         yield from map(self._print, list_models(formula, order))
 
     def _print(self, literals: Sequence[Literal]) -> AnswerSet:
-        """Return the shown symbols of a model with some true literals."""
+        """Return the shown symbols of a model, given its true literals."""
         places, always = self._places
         shown = [*always]
         for literal in literals:
@@ -234,7 +235,7 @@ class AnswerSets:
         return tuple([self._symbols[place] for place in sorted(shown)])
 
     def _way(self, *, counts: bool = False) -> str:
-        """Return whether clingo or the diagram answers, and note a fallback.
+        """Return which engine answers, clingo or the diagram, and note a fallback.
 
         Raises:
             QueryError: the chosen engine cannot answer.
@@ -253,7 +254,7 @@ class AnswerSets:
 
     @cached_property
     def _reason_to_enumerate(self) -> str:
-        """The reason why there is no formula, or ""; with engine auto it is noted."""
+        """The reason why there is no formula, or ""; with engine auto, the reason is noted."""
         reason = self._compiled.no_clauses
         if reason and self.engine == "auto":
             self.note(f"{reason}: clingo enumerates, which takes time for each answer set")
@@ -269,7 +270,7 @@ class AnswerSets:
 
     @cached_property
     def _places(self) -> tuple[dict[Literal, list[int]], list[int]]:
-        """The indices of the symbols of each literal, and those of the symbols that all answer sets have."""
+        """The indices of the symbols of each literal, and those of the symbols in all answer sets."""
         places: dict[Literal, list[int]] = {}
         for place, (_, literal) in enumerate(self._compiled.formula.printed):
             places.setdefault(literal, []).append(place)

@@ -1,4 +1,4 @@
-"""Ground programs in aspif, the format between gringo and clasp: each line is checked before clingo reads it.
+"""Ground programs in aspif, the intermediate format of gringo and clasp: each line is checked before clingo reads it.
 
 The format is that of Kaminski, Schaub and Wanko, "A Tutorial on Hybrid Answer Set Solving with clingo" (2017),
 appendix A.
@@ -16,13 +16,13 @@ from prag_asp.program.problem import Problem
 from prag_asp.program.sources import Source
 
 HEADER = re.compile(r"asp \d")
-"""The beginning of every file in aspif."""
+"""The beginning of every aspif file."""
 
 LARGEST = 2**31 - 1
-"""The largest number that clingo reads."""
+"""The largest number that clingo can read."""
 
 RULE, MINIMIZE, OUTPUT, ASSUME, THEORY, COMMENT = 1, 2, 4, 6, 9, 10
-"""The numbers of rules, of statements that minimize, show, assume literals or state a theory, and of comments."""
+"""The type numbers of rules, minimize, show, assumption and theory statements, and comments."""
 
 
 def is_aspif(source: Source) -> bool:
@@ -31,7 +31,7 @@ def is_aspif(source: Source) -> bool:
 
 
 def aspif_text(source: Source) -> str:
-    """Return the text of a checked program for clingo, without its comments and what follows its end.
+    """Return the text of a checked program for clingo, without its comments and any text after its end.
 
     Assumptions become constraints, because clingo forgets them after its first search.
     """
@@ -47,9 +47,9 @@ def aspif_text(source: Source) -> str:
 
 
 def aspif_problems(source: Source, *, optimal: bool) -> Iterator[Problem]:
-    """Yield what clingo would not read, one problem per line, and statements that are not supported.
+    """Yield the lines that clingo cannot read, one problem per line, and unsupported statements.
 
-    Statements that minimize are supported if `optimal`.
+    Minimize statements are supported if `optimal`.
     """
     lines = source.text.rstrip("\n").split("\n")
     header = lines[0].split(" ")
@@ -71,7 +71,7 @@ def aspif_problems(source: Source, *, optimal: bool) -> Iterator[Problem]:
 
 
 class _Malformed(Exception):
-    """A line is not a supported statement; the message says why, and what to do."""
+    """A line is not a supported statement; the message has the reason and the remedy."""
 
 
 class _AspifLine:
@@ -85,7 +85,7 @@ class _AspifLine:
         """Check that the line is a supported statement.
 
         Raises:
-            _Malformed: the line is not a statement, or one that is not supported.
+            _Malformed: the line is not a statement, or the statement is not supported.
         """
         kind = self.number("the kind of a statement")
         if kind == COMMENT:
@@ -105,7 +105,7 @@ class _AspifLine:
             raise _Malformed(f"{self._left.decode(errors='replace')!r} follows the statement; remove it")
 
     def number(self, what: str, least: int = 0, most: int = LARGEST) -> int:
-        """Read the next number, which a single blank separates from the last."""
+        """Read the next number, separated from the last one by a single blank."""
         text, blank, rest = self._left[self._begun :].partition(b" ")
         self._begun, self._left = True, blank + rest
         digits = text.removeprefix(b"-")
@@ -119,17 +119,17 @@ class _AspifLine:
         self.number("an atom", 1)
 
     def atoms(self) -> None:
-        """Read a number of atoms."""
+        """Read a counted list of atoms."""
         for _ in range(self.number("the number of atoms")):
             self.atom()
 
     def literals(self) -> None:
-        """Read a number of literals."""
+        """Read a counted list of literals."""
         for _ in range(self.number("the number of literals")):
             self._literal()
 
     def weighted(self, least: int = -LARGEST) -> None:
-        """Read a number of literals, each with a weight."""
+        """Read a counted list of literals, each with a weight."""
         for _ in range(self.number("the number of literals")):
             self._literal()
             self.number("a weight" if least else "a weight that is not negative", least)
@@ -143,7 +143,7 @@ class _AspifLine:
             self.literals()
 
     def term(self) -> None:
-        """Read a ground term with its length in bytes."""
+        """Read a ground term, preceded by its length in bytes."""
         length = self.number("the length of a term")
         term, self._left = self._left[1 : length + 1], self._left[length + 1 :]
         text = term.decode(errors="replace")
@@ -181,4 +181,4 @@ FIELDS: Mapping[int, Sequence[Callable[[_AspifLine], object]]] = {
     ),
     8: (_NODE, _NODE, _AspifLine.literals),  # #edge
 }  # fmt: skip
-"""The fields of each supported statement by its number."""
+"""The fields of each supported statement, by its type number."""

@@ -1,4 +1,4 @@
-"""Exact weights of atoms, stated by facts ``weight(Atom, W)``."""
+"""Exact weights of atoms, defined by facts ``weight(Atom, W)``."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ class LiteralWeights:
 
 
 PLAIN = LiteralWeights({}, Fraction(1))
-"""All models have weight 1."""
+"""The weights with which every model has weight 1."""
 
 
 def stated_weights(ground: GroundModels, program: Program) -> dict[clingo.Symbol, Fraction]:
     """Return the weights that a program states.
 
     Raises:
-        DomainError: a weight is not a fact, no number, negative or ambiguous, or all have a wrong arity.
+        DomainError: a weight is not a fact, not a number, negative or ambiguous, or all have a wrong arity.
         QueryError: the program states no weight.
     """
     weights: dict[clingo.Symbol, Fraction] = {}
@@ -82,7 +82,7 @@ def unknown_weights(stated: Iterable[clingo.Symbol], ground: GroundModels, progr
 
 
 def _fraction(term: clingo.Symbol) -> Fraction | None:
-    """Return the weight that a term states, or None if it is not a weight."""
+    """Return the weight that a term denotes, or None if it is not a weight."""
     if term.type == clingo.SymbolType.Number:
         return Fraction(term.number) if term.number >= 0 else None
     if term.type == clingo.SymbolType.String:
@@ -97,7 +97,7 @@ def _fraction(term: clingo.Symbol) -> Fraction | None:
 
 
 def projected_away(atom: clingo.Symbol, ground: GroundModels, program: Program) -> QueryError:
-    """Return the error for a weighted atom that is not a projection variable."""
+    """Return the error about a weighted atom that is not a projection variable."""
     weights = (symbol for symbol, _ in ground.names if symbol.match("weight", 2) and symbol.arguments[0] == atom)
     place = place_of(next(weights), program)
     return QueryError(f"{place}--weighted: {atom} has a weight, but is projected away; show it, or leave it out")
@@ -133,9 +133,9 @@ def weight_of(stated: Mapping[clingo.Symbol, Fraction], atoms: Iterator[clingo.S
 
 
 def place_of(symbol: clingo.Symbol, program: Program) -> str:
-    """Return ``file:line: `` of a rule that may derive an atom, preferably one whose head matches it.
+    """Return ``file:line: `` of a rule that may derive an atom, preferably one with a matching head.
 
-    The result is empty if no head has its name and number of arguments.
+    The result is empty if no head has the name and arity of the atom.
     """
     statements, _ = parse_sources((source, True) for source in program.sources)
     signature = ("-" * symbol.negative + symbol.name, len(symbol.arguments))
@@ -149,7 +149,7 @@ def place_of(symbol: clingo.Symbol, program: Program) -> str:
 
 
 def _may_be(term: AST, symbol: clingo.Symbol) -> bool:
-    """Return whether a term may match a ground one; computed terms match everything."""
+    """Return whether a term may match a ground term; computed terms match everything."""
     if term.ast_type == ASTType.SymbolicTerm:
         return bool(term.symbol == symbol)
     if term.ast_type != ASTType.Function or term.external:

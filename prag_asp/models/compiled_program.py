@@ -1,4 +1,4 @@
-"""The forms in which the answer sets of a program are counted and listed: each is made once, when it is needed."""
+"""The representations for counting and listing answer sets, each created once, on first use."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from prag_asp.processes.progress_events import stage
 
 @dataclass(frozen=True)
 class CompiledProgram:
-    """A ground program as a formula, as a diagram of it, and as an enumeration by clingo.
+    """A ground program as a formula, as a diagram of the formula, and as an enumeration by clingo.
 
     `stated` are the weights of atoms; `note` receives a line before a long compilation.
     """
@@ -87,7 +87,7 @@ class CompiledProgram:
         return "diagram" in self.__dict__
 
     def compile(self, look: Callable[[], None]) -> None:
-        """Compile the diagram, and call `look` after every 64 visits of nodes; it may end this by an exception."""
+        """Compile the diagram, and call `look` after every 64 node visits; an exception in it ends the compilation."""
         self.__dict__["diagram"] = self._compile(look)  # fills the cached_property
 
     def _compile(self, look: Callable[[], None] = lambda: None) -> WeightedDiagram:

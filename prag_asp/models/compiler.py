@@ -26,10 +26,10 @@ from prag_asp.models.variable_order import DecisionOrder, decision_order
 from prag_asp.program.finite.components import components
 
 REPORTED = 1000
-"""Number of nodes between two progress reports."""
+"""The number of nodes between two progress reports."""
 
 LOOK = 64
-"""Number of node visits between two calls of `look`."""
+"""The number of node visits between two calls of `look`."""
 
 Progress = Callable[[str], None]
 Node = int
@@ -45,7 +45,7 @@ class _Part:
 
 @dataclass(frozen=True)
 class _Case:
-    """The decisions that lead to a case, the number of literals that follow, and a model that satisfies them."""
+    """The decisions that lead to a case, the number of implied literals, and a model that satisfies them."""
 
     decisions: tuple[Literal, ...]
     implied: int
@@ -53,7 +53,7 @@ class _Case:
 
 
 _Work = Generator[tuple[_Part, _Case], Node, Node]
-"""Yields components, receives their nodes, and returns the node of the whole formula."""
+"""A generator that yields components, receives their nodes, and returns the node of the whole formula."""
 
 
 @dataclass(frozen=True)
@@ -78,14 +78,14 @@ class PreparedFormula:
 
     @property
     def cost(self) -> str:
-        """The size of the formula as text."""
+        """The length of the formula as text."""
         clauses, variables = len(self.clauses), len(self.names) - 1
         over = f"{variables:,} variable{'s' if variables > 1 else ''}"
         return f"{clauses:,} clause{'s' if clauses > 1 else ''} over {over}, width {self.order.width}"
 
 
 def prepare(formula: ModelFormula, kept: Iterable[int]) -> PreparedFormula:
-    """Return a formula prepared for a diagram that has the values of the variables `kept`."""
+    """Return a formula prepared for a diagram with the values of the variables `kept`."""
     cnf, copies = formula.cnf, formula.completion.copies
     fixed, clauses = _propagate(cnf.clauses)
     order = decision_order(clauses or (), swept=bool(copies))
@@ -118,7 +118,7 @@ def compile_formula(
     progress: Progress | None = None,
     look: Callable[[], None] = lambda: None,
 ) -> Diagram:
-    """Return the diagram of a formula; `look` is called periodically, and may abort by an error."""
+    """Return the diagram of a formula; `look` is called periodically, and may abort the compilation by an error."""
     if prepared.contradictory:
         return Diagram(())
     propagation = Solver(max(len(prepared.names) - 1, 1), prepared.clauses)  # it only propagates, so it learns nothing
@@ -175,7 +175,7 @@ class _Compiler:
         self._beside: list[list[int]] = [[] for _ in range(variables + 1)]
         for number, clause in enumerate(clauses):
             if len(clause) == 2 and not prepared.copies:
-                # It is open exactly if both variables are, so no component lists it.
+                # The clause is open exactly if both variables are, so no component lists it.
                 one, other = self._variables_of[number]
                 self._beside[one].append(other)
                 self._beside[other].append(one)
@@ -223,7 +223,7 @@ class _Compiler:
         return answer
 
     def _node(self, part: _Part, case: _Case) -> _Work:
-        """Compute the node of a component whose variables are open in a case; the case has a model."""
+        """Compute the node of a component whose variables are open in a satisfiable case."""
         chosen = next((variable for variable in part.variables if variable in self._formula.projection), 0)
         if not chosen:
             return 0
@@ -281,8 +281,8 @@ class _Compiler:
     def _parts(self, waiting: set[int], unseen: set[int], touched: set[int]) -> list[_Part]:
         """Return the connected components of the variables `waiting` by the listed clauses `unseen` and binary ones.
 
-        Each component has one of the variables `touched`, so a search may stop at the last of them. All three sets are
-        consumed. Variables without clauses are in no component.
+        Each component has one of the variables `touched`, so a search may stop at the last touched variable. All three
+        sets are consumed. Variables without clauses are in no component.
         """
         components = []
         while touched:
@@ -302,7 +302,7 @@ class _Compiler:
                         waiting.discard(other)
                         own.append(other)
                         touched.discard(other)
-            if not touched:  # whatever is left is connected to the last of them
+            if not touched:  # all remaining variables are connected to the last touched one
                 own += waiting
                 own_clauses += unseen
             if own_clauses or len(own) > 1:
@@ -312,7 +312,7 @@ class _Compiler:
     def _key(self, part: _Part) -> bytes:
         """Return the cache key of a component.
 
-        Equivalent copies are merged, so the key has which copies are connected, but not how.
+        Equivalent copies are merged, so the key encodes which copies are connected, but not how.
         """
         if not self._formula.copies:
             return array("i", [*part.variables, 0, *part.clauses]).tobytes()
@@ -324,7 +324,7 @@ class _Compiler:
         one, read = _merge_copies(formula.copies, left)
         merged = {tuple(sorted({one.get(literal, literal) for literal in clause})) for clause in left}
         clauses = sorted(clause for clause in merged if not any(-literal in clause for literal in clause))
-        # A copy has to be derived if its atom is true already.
+        # A copy must be derived if its atom is already true.
         atoms = {copy: formula.copies[copy] for copy in part.variables if copy in formula.copies}
         needed = {one.get(copy, copy) for copy, atom in atoms.items() if atom is not None and atom not in own}
         clauses += [(copy,) for copy in sorted(needed & read)]

@@ -1,7 +1,7 @@
-"""Count answer sets where it is unknown which engine is fastest: by a bounded enumeration, or by several at once.
+"""Count answer sets if the fastest engine is unknown: by a bounded enumeration, then by several engines in parallel.
 
-Each counter has a turn of some processor seconds in its own process, in which the others are paused. If none has
-finished, all of them go on in parallel, and this process compiles a diagram; the first count is the answer.
+Each counter runs in its own process for a turn of some processor seconds, while the others are paused. If none has
+finished, all of them continue in parallel, and this process compiles a diagram; the first count is the answer.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from prag_asp.processes.progress_events import stage
 
 
 class _Counted(Exception):
-    """A counter finished before the compilation."""
+    """A counter has finished before the compilation."""
 
     def __init__(self, number: int) -> None:
         super().__init__(number)
@@ -27,7 +27,7 @@ class _Counted(Exception):
 
 
 def count_by_enumeration(compiled: CompiledProgram) -> int | None:
-    """Return the number of answer sets; None if clingo is not likely to be fastest, or its work exceeds the limits."""
+    """Return the number of answer sets, or None if clingo is unlikely to be fastest or its work exceeds the limits."""
     enumeration = BoundedEnumeration(compiled.ground, project=compiled.project)
     number = enumeration.count(first_effort(compiled.ground))
     if number is None and is_worth_enumerating(enumeration.depth(), compiled.prepared.order.width):
@@ -36,7 +36,7 @@ def count_by_enumeration(compiled: CompiledProgram) -> int | None:
 
 
 def count_beside(compiled: CompiledProgram) -> int | None:
-    """Return the number of answer sets by an installed counter, or None if the diagram was compiled before."""
+    """Return the number of answer sets by an installed counter, or None if the diagram was compiled first."""
     formula = compiled.formula
     turns = turns_of_counters(compiled.prepared.order.width, tight=not formula.completion.loops, whole=formula.whole)
 
@@ -53,10 +53,10 @@ def count_unless_compiled(
     compile_formula: Callable[[Callable[[], None]], None],
     begins: Callable[[Counter], None],
 ) -> int | None:
-    """Return the number of models by the first counter to finish, or None if the compiler finished before.
+    """Return the number of models by the first counter to finish, or None if the compiler finished first.
 
-    `compile_formula` receives a function that it calls periodically, and passes on what that raises. `begins` is told
-    of each counter that first starts in parallel.
+    `compile_formula` receives a function that it calls periodically, and propagates its errors. `begins` receives each
+    counter that first starts in parallel.
     """
     looks = count()
     with ExitStack() as stack:

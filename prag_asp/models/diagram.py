@@ -17,7 +17,7 @@ from prag_asp.logic.formula.clause_builder import Literal
 from prag_asp.random_bits import WORD, SeededBits
 
 MOST_WORDS = 2**18
-"""Maximum number of random words per batch."""
+"""The maximum number of random words per batch."""
 
 
 class Branch(NamedTuple):
@@ -29,7 +29,7 @@ class Branch(NamedTuple):
 
 @dataclass(frozen=True)
 class Diagram:
-    """Nodes as tuples of branches, of which the last is the root; without nodes, there is no model."""
+    """Nodes as tuples of branches; the last node is the root. A diagram without nodes has no model."""
 
     nodes: tuple[tuple[Branch, ...], ...]
 
@@ -67,7 +67,7 @@ class WeightedDiagram:
         return prod(self.weights.get(literal, 1) for literal in branch.literals) if self.weights else 1
 
     def marginals(self) -> dict[Literal, int]:
-        """Return for each literal the total weight of the models that have it, if it is positive.
+        """Return, for each literal, the total weight of the models that have it, if positive.
 
         The context weight of a node is the total weight of the models through it, divided by its own total
         (Darwiche 2003).
@@ -91,11 +91,11 @@ class WeightedDiagram:
     def sample(self, seed: int) -> Iterator[list[Literal]]:
         """Yield models endlessly, with probabilities proportional to their weights; the total must be above 0.
 
-        Each sample has its own random words, the same number for all samples.
+        Each sample has its own random words, whose number is the same for all samples.
         """
         bits = SeededBits(seed, "models")
         choices: dict[int, _Choice] = {}
-        choices_below: list[int] = []  # the maximum number of choices of a sample of each node
+        choices_below: list[int] = []  # the maximum number of choices in a sample of each node
         for branches in self.diagram.nodes:
             below = max(sum(choices_below[child] for child in branch.children) for branch in branches)
             choices_below.append(below + (len(branches) > 1))
@@ -138,7 +138,7 @@ class WeightedDiagram:
 
 
 def _among(rest: int, total: int) -> Callable[[Iterator[int]], bool]:
-    """Return the tie-breaker at the threshold: whether the following words lie below the rest of the share."""
+    """Return the tie-breaker at the threshold: whether the following words are below the rest of the share."""
 
     def below(words: Iterator[int]) -> bool:
         left = rest

@@ -1,4 +1,4 @@
-"""Search for models of a completion that are answer sets, one or all, by a SAT solver with loop formulas.
+"""Search for one or all models of a completion that are answer sets, by a SAT solver with loop formulas.
 
 If a model of the completion has an unfounded set, the loop formula of this set, which all answer sets satisfy, is added
 to the solver, and the search is repeated (Lin and Zhao 2004).
@@ -19,7 +19,7 @@ Loop = Mapping[int, tuple[Rule, ...]]
 
 
 class FoundednessOracle:
-    """A search for answer sets under assumptions that keeps its loop formulas."""
+    """A search for answer sets under assumptions, which keeps its loop formulas."""
 
     def __init__(self, completion: Completion) -> None:
         self._completion = completion
@@ -34,7 +34,7 @@ class FoundednessOracle:
     def model(self, assumptions: Sequence[Literal] = ()) -> list[Literal] | None:
         """Return an answer set that satisfies the assumptions as a model, or None if there is none.
 
-        The literal of variable v is at place v - 1.
+        The literal of variable v is at index v - 1.
         """
         while self._solver.satisfiable(assumptions):
             model = self._solver.model()
@@ -53,7 +53,7 @@ class FoundednessOracle:
             return (model[abs(value) - 1] > 0) == (value > 0)
 
         def supports(rule: Rule) -> bool:
-            """Return whether the body is true without the atoms that are left."""
+            """Return whether the body is true without the remaining atoms."""
             if not rule.weights:
                 return all(literal not in left and true(literal) for literal in rule.body)
             pairs = zip(rule.body, rule.weights, strict=True)
@@ -93,7 +93,7 @@ def list_models(formula: ModelFormula, order: Sequence[Literal]) -> Iterator[lis
 
     Each literal of a model takes one solver call to decide whether another model first differs there.
     """
-    # Keep one of a literal and its negation, because a symbol may be shown exactly if another is not.
+    # Keep only one of a literal and its negation, because a symbol may be shown exactly if another is not.
     first = {abs(literal): literal for literal in reversed(order) if abs(literal) != TRUE}
     order = [literal for literal in dict.fromkeys(order) if first.get(abs(literal)) == literal]
     with closing(FoundednessOracle(formula.completion)) as oracle:

@@ -1,4 +1,4 @@
-"""A program as the ground rules of clingo, with its shown symbols and projection atoms."""
+"""A program as ground rules of clingo, with its shown symbols and projection atoms."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ class GroundModels:
 
     `names` has the atoms by their symbols, sorted, and `shown` the shown symbols, sorted, each with alternative
     conditions. `projected` has the atoms of ``#project``, or is None without such a statement. `acyclic` is true if a
-    graph has to be acyclic (``#edge``), which rules do not express; `contested` has the externals that are not false
-    but also derived by rules. `minimized` has the weighted literals of each priority, the highest first. `notes` are
+    graph must be acyclic (``#edge``), which rules do not express; `contested` has the externals that are not false and
+    that rules also derive. `minimized` has the weighted literals of each priority, the highest first. `notes` are
     clingo's notes on instances dropped because an operation is undefined, and `remarks` those on atoms that no rule
-    derives, unless a comment ``% lint: allow undefined`` stands on their line. `grounder` has the ground program, which
-    it does not optimise.
+    derives, unless their line has a comment ``% lint: allow undefined``. `grounder` has the ground program, without
+    optimisation.
     """
 
     rules: tuple[Rule, ...]

@@ -1,4 +1,4 @@
-"""Read the files of any logic program, and refuse unsupported statements by name and line."""
+"""Read the files of a logic program, and refuse unsupported statements by name and line."""
 
 from __future__ import annotations
 
@@ -27,20 +27,20 @@ REFUSED: Mapping[ASTType, tuple[str, str]] = {
     ASTType.TheoryDefinition: ("a theory means nothing to clingo alone", "leave it out"),
     ASTType.Script: ("a script is not run", "state by rules or facts what it computes"),
 }
-"""Statements that are refused: what is wrong with them, and what to do."""
+"""Refused statements, each with the problem and the remedy."""
 
 NAMES = {ASTType.Minimize: "a weak constraint or #minimize", ASTType.Script: "#script"}
 
 
 @dataclass(frozen=True)
 class GivenProgram:
-    """The files of a program, and the constants that none of them declares, as options of clingo."""
+    """The files of a program, and the constants that none of them declares, as clingo options."""
 
     program: Program
     arguments: tuple[str, ...]
 
     def grounder(self, *arguments: str, observer: clingo.Observer | None = None) -> Grounder:
-        """Return a control of clingo for the program, with further arguments and an observer."""
+        """Return a clingo control for the program, with additional arguments and an observer."""
         source = self.program.sources[0]
         text = aspif_text(source) if is_aspif(source) else None
         return Grounder(self.program, *self.arguments, *arguments, strict=False, text=text, observer=observer)
@@ -49,9 +49,9 @@ class GivenProgram:
 def read_program(
     files: Sequence[str | Path | Source], constants: Mapping[str, Constant], *, optimal: bool = False
 ) -> GivenProgram:
-    """Return the program of some files with the values of constants; a file in aspif has to be the only one.
+    """Return the program of files with values of constants; an aspif file must be the only one.
 
-    Statements that minimize are refused unless `optimal`.
+    Minimize statements are refused unless `optimal`.
 
     Raises:
         DomainError: a file cannot be read or parsed, has an unsupported statement, or a constant is not used.
@@ -94,7 +94,7 @@ def _options(statements: Sequence[Statement], values: Mapping[str, str], declare
 
 
 def places_of_costs(program: Program) -> Iterator[str]:
-    """Yield ``file:line:`` of each statement that minimizes."""
+    """Yield ``file:line:`` of each minimize statement."""
     for source in program.sources:
         if is_aspif(source):
             lines = enumerate(source.text.split("\n"), 1)
@@ -106,10 +106,10 @@ def places_of_costs(program: Program) -> Iterator[str]:
 
 
 def _ground_program(sources: Sequence[Source], constants: Mapping[str, Constant], *, optimal: bool) -> GivenProgram:
-    """Return the program of a file in aspif.
+    """Return the program of an aspif file.
 
     Raises:
-        DomainError: the file is malformed, there are other files, or constants.
+        DomainError: the file is malformed, or other files or constants are given.
     """
     source = next(filter(is_aspif, sources))
     if len(sources) > 1:
@@ -121,7 +121,7 @@ def _ground_program(sources: Sequence[Source], constants: Mapping[str, Constant]
 
 
 def _refusals(statements: Sequence[Statement], suspects: Collection[Path], *, optimal: bool) -> Iterator[Problem]:
-    """Yield unsupported statements; terms are searched only in `suspects` because the search is slow."""
+    """Yield unsupported statements; terms are searched only in `suspects`, because the search is slow."""
     for statement in statements:
         if statement.kind in REFUSED and not (optimal and statement.kind == ASTType.Minimize):
             wrong, todo = REFUSED[statement.kind]

@@ -18,7 +18,7 @@ from prag_asp.program.syntax import AtomNode, Signature, Statement, atoms
 
 
 def recursive_head_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the rules with a conditional literal in the head whose conditions depend on the head by positive atoms."""
+    """Yield the rules with a conditional literal in the head whose conditions depend positively on the head."""
     suspects = [each for each in statements if each.is_rule and _has_conditional_head(each.node.head)]
     component = _component_numbers(statements) if suspects else {}
     for statement in suspects:

@@ -4,8 +4,9 @@ Variables that share a clause are adjacent. Min-degree elimination (a heuristic;
 tree decomposition. Variables near its centre are decided first, so that the formula splits into halves without a common
 clause (as Korhonen and Järvisalo 2021 do for model counting).
 
-Reachability does not split into halves: a formula with loops is swept from one end to the other, as Cuthill and McKee
-(1969) number the rows of a matrix to reduce its bandwidth, so that a case depends on few earlier decisions.
+Reachability does not split into halves: the variables of a formula with loops are ordered from one end to the other, as
+Cuthill and McKee (1969) number the rows of a matrix to reduce its bandwidth, so that a case depends on few earlier
+decisions.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 
 WIDEST = 120
-"""Degree above which elimination ends; the remaining variables form one bag and are decided first."""
+"""The degree above which elimination ends; the remaining variables form one bag and are decided first."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ class DecisionOrder:
 
 
 def decision_order(clauses: Iterable[Sequence[int]], *, swept: bool) -> DecisionOrder:
-    """Return the order for some clauses: from the centre, or `swept` from one end to the other."""
+    """Return the decision order for clauses: from the centre, or if `swept`, from one end to the other."""
     occurrences: dict[int, int] = {}
     graph: dict[int, set[int]] = {}
     for clause in clauses:

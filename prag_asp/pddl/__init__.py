@@ -1,4 +1,4 @@
-"""PDDL in: a domain and a problem become a domain's logic program.
+"""PDDL import: convert a domain and a problem to the logic program of a domain.
 
 >>> from prag_asp import TaskSpace, load_domain
 >>> space = TaskSpace(load_domain("domain.pddl", "problem.pddl"), length=4)  # doctest: +SKIP

@@ -16,7 +16,7 @@ TRUTH = {True: "true", False: "false"}
 
 
 class Behaviour:
-    """Translates actions and the goal. Rules that read the state before a step, or the final state, go to `rules`."""
+    """Translates actions and the goal; adds rules that read the state before a step, or the final state, to `rules`."""
 
     def __init__(
         self, domain: DomainFile, problem: ProblemFile, words: Vocabulary, actions: Mapping[str, str], rules: Rules
@@ -30,7 +30,7 @@ class Behaviour:
         self._rules = rules
         self._bodies = Bodies(words, rules)
         self._in_steps: dict[bool, FileLine] = {}
-        """The place of the first rule of a step that adds (key true) and of the first that deletes (key false)."""
+        """The places of the first rule of a step that adds (key true) and of the first that deletes (key false)."""
 
     @property
     def looks_ahead(self) -> bool:
@@ -44,7 +44,7 @@ class Behaviour:
         parts = list(conjuncts(action.precondition))
         fixed = [part for part in parts if not self._bodies.changes(part)]
         kinds = [*map(self._words.belongs, action.parameters)]
-        # A static literal binds its variables to objects, so that these need no test for the type `object`.
+        # A static literal binds its variables to objects, so they need no test for the type `object`.
         facts = [part for part in fixed if isinstance(part, Literal) and part.positive]
         bound = {term for part in facts for term in part.terms if isinstance(term, Variable)}
         needless = {self._words.belongs(each) for each in bound if each.types == (OBJECT,)}
@@ -142,7 +142,7 @@ class Behaviour:
         yield from dict.fromkeys(rest)
 
     def _step_effect(self, term: str, effect: SchemaEffect) -> Iterator[str]:
-        """Add the rule of an effect that depends on the state, and yield that what it adds may ever be true."""
+        """Add the rule of an effect that depends on the state; yield a rule that its added atom may ever be true."""
         positive, atom = effect.literal.positive, self._words.atom(effect.literal)
         kinds = [*map(self._words.belongs, effect.variables)]
         body = [f"occurs({term},t)", *kinds, *self._bodies.body(effect.condition, STEP)]

@@ -1,8 +1,8 @@
-"""Readable and unique clingo names for the names of PDDL.
+"""Readable and unique clingo names for PDDL names.
 
-A hyphen becomes an underscore. A name that is then taken or reserved gets a prefix for its kind (``the_``, ``do_``,
-``some_``, ``is_``), and a number as a suffix if that name is taken as well. The mapping is returned, so that plans
-can be translated back to the names of PDDL.
+A hyphen becomes an underscore. If the result is taken or reserved, it gets a prefix for its kind (``the_``, ``do_``,
+``some_``, ``is_``), and a number as a suffix if that name is also taken. The mapping is returned, so that plans can be
+translated back to PDDL names.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ RESERVED = frozenset([
     "postcondition", "initially", "exclusive", "implies", "impossible", "goal", "composite", "stage", "free", "at_most",
     "ever", "occurs", "holds", "changed", "name", "mentions", "adds", "deletes", "t",
 ])  # fmt: skip
-"""Names with a meaning in clingo, in the contract or in the translation of effects, for any number of arguments."""
+"""Names with a meaning in clingo, in the contract or in the translation of effects, with any number of arguments."""
 
 TERMS = frozenset(["not", "true", "false", "unknown", "t"])
-"""The reserved names of fluents: fluents are terms, not predicates; t is the number of a step."""
+"""The reserved names of fluents, which are terms, not predicates; t is the number of a step."""
 
 CLINGO = re.compile(r"[a-z][a-z0-9_]*")
 
@@ -29,7 +29,7 @@ def clingo_names(
 ) -> Mapping[str, str]:
     """Return a clingo name for each PDDL name, distinct from each other and from the `taken` names of other kinds.
 
-    A name that is valid in clingo stays as it is, and takes precedence over translated ones.
+    A name that is valid in clingo is unchanged, and takes precedence over translated names.
     """
     unique = list(dict.fromkeys(names))
     used = {*reserved, *taken}
@@ -45,11 +45,11 @@ def clingo_names(
 
 
 def unused(name: str, taken: Collection[str]) -> str:
-    """Return a name that is not taken: the given one, or with a number as a suffix."""
+    """Return a name that is not taken: the given name, with a number as a suffix if necessary."""
     return next(each for each in chain([name], (f"{name}_{number}" for number in count(2))) if each not in taken)
 
 
 def variable_name(name: str, taken: Collection[str]) -> str:
-    """Return an unused clingo name for a variable of PDDL."""
+    """Return an unused clingo name for a PDDL variable."""
     plain = re.sub(r"[^A-Za-z0-9_]", "_", str(name)).lower()
     return unused(plain[0].upper() + plain[1:] if plain[:1].isalpha() else f"V{plain}", taken)

@@ -58,7 +58,7 @@ class Rules:
         self.at = FileLine(file, line)
 
     def placed(self, lines: Iterable[str]) -> Iterator[str]:
-        """Yield lines with their places; a line without one gets the current place."""
+        """Yield lines with their places; a line without a place gets the current one."""
         for each in lines:
             yield each if isinstance(each, PlacedLine) or not each else PlacedLine(each, self.at)
 
@@ -115,7 +115,7 @@ class Bodies:
         return any(each.predicate not in self._words.static for each in literals(formula))
 
     def body(self, formula: Formula, part: str) -> list[str]:
-        """Return a formula as one body in a program part; the rest of the rule has to bind its free variables."""
+        """Return a formula as one body in a program part; the rest of the rule must bind its free variables."""
         body: list[str] = []
         for each in conjuncts(formula):
             if isinstance(each, Literal):

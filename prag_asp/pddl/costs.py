@@ -20,10 +20,10 @@ LONGEST = 100
 """The maximum number of characters of a factor."""
 
 EXACT = Context(prec=MAX_PREC, Emax=MAX_EMAX, Emin=MIN_EMIN)
-"""The context of exact sums: they keep all digits of their terms."""
+"""The decimal context for exact sums, which keep all digits of their terms."""
 
 MOST_COST = 10_000
-"""The largest cost that is turned into a weight. The power of a factor has about that number of digits."""
+"""The largest cost that is converted to a weight. The power of a factor has about this number of digits."""
 
 
 def factor_of(text: str) -> Fraction:

@@ -38,7 +38,7 @@ class NumericEffect:
 
 @dataclass(frozen=True)
 class Schema:
-    """An action with parameters. `name` is unique; `given_name` is that of the file, which several may share."""
+    """An action with parameters. `name` is unique; `given_name` is its name in the file, which others may share."""
 
     name: str
     given_name: str
@@ -51,7 +51,7 @@ class Schema:
 
 @dataclass(frozen=True)
 class Derived:
-    """A rule of a derived predicate: it holds for the parameters that satisfy the formula."""
+    """A rule of a derived predicate, which holds for the parameters that satisfy the formula."""
 
     predicate: str
     parameters: tuple[Variable, ...]

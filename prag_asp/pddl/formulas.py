@@ -57,7 +57,7 @@ Quantity: TypeAlias = "Fraction | FunctionTerm | Arithmetic"
 
 @dataclass(frozen=True)
 class Comparison:
-    """A comparison (``< <= > >= =``) of quantities, or its negation. Both are false where a quantity has no value."""
+    """A comparison (``< <= > >= =``) of quantities, or its negation. Both are false if a quantity has no value."""
 
     operator: str
     left: Quantity
@@ -107,7 +107,7 @@ def conjuncts(formula: Formula) -> Iterator[Formula]:
 
 
 def demanded(formula: Formula) -> Iterator[Literal]:
-    """Yield the positive literals among the conjuncts of a formula: they have to be true for it to hold."""
+    """Yield the positive literals among the conjuncts of a formula, which the formula requires to be true."""
     return (each for each in conjuncts(formula) if isinstance(each, Literal) and each.positive)
 
 
@@ -126,7 +126,7 @@ def literals(formula: Formula) -> Iterator[Literal]:
 
 
 def certainly_unlike(one: Sequence[Variable | str], other: Sequence[Variable | str], condition: Formula) -> bool:
-    """Return whether two rows of terms never denote the same objects where a condition holds, as far as it says so."""
+    """Return whether the inequalities of a condition imply that two rows of terms denote different objects."""
     unequal: list[set[Variable | str]] = [
         {each.left, each.right} for each in conjuncts(condition) if isinstance(each, Equality) and not each.positive
     ]

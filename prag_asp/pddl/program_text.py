@@ -17,7 +17,7 @@ def heading(title: str) -> list[str]:
 
 
 def filled(parts: Iterable[str], indent: str = "", width: int = 110) -> Iterator[str]:
-    """Yield lines of limited width with some texts, separated by blanks; `indent` and a blank begin further lines."""
+    """Yield lines of limited width with texts separated by blanks; further lines begin with `indent` and a blank."""
     line = ""
     for part in parts:
         if line and len(line) + len(part) >= width:

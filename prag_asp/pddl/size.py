@@ -1,4 +1,4 @@
-"""The number of fluents and actions of a problem, computed from its types before anything is ground."""
+"""The numbers of fluents and actions of a problem, computed from its types before grounding."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from prag_asp.pddl.definitions import DomainFile, ProblemFile, Schema
 from prag_asp.pddl.formulas import Equality, Literal, Variable, conjuncts, demanded, literals, variables
 
 MOST_FLUENTS, MOST_ACTIONS = 10**6, 10**7
-"""The limits of fluents, and of actions of one name. A fluent takes 3 kB and 0.1 ms, an action more."""
+"""The maximum numbers of fluents, and of actions of one name. A fluent takes 3 kB and 0.1 ms, an action more."""
 
 LARGE = 10**4
 """The number of actions of one name above which only actions with relaxed-reachable preconditions are ground."""
@@ -25,7 +25,7 @@ def check_size(
 ) -> None:
     """Check the number of fluents and actions. `fluents` are the argument types of the predicates that actions change.
 
-    Actions are counted by `fewest_instances`, from the initial state and the types of parameters alone.
+    Actions are counted by `fewest_instances`, only from the initial state and the types of parameters.
 
     Raises:
         DomainError: there are more than the limits allow. The message has the line in the domain.
@@ -50,10 +50,10 @@ def check_size(
 def fewest_instances(
     action: Schema, domain: DomainFile, problem: ProblemFile, static: Collection[str], required: Collection[str]
 ) -> int:
-    """Return a lower bound of the number of instances of an action that has any, or 0 if the types give no bound.
+    """Return a lower bound of the number of instances of an action with any instance, or 0 if the types give none.
 
     A positive precondition on a `required` predicate has at least the instances that hold initially. A parameter that
-    no such precondition binds ranges over all objects of its types, except those that it must differ from. Joins of
+    no such precondition binds ranges over all objects of its types, except those it must differ from. Joins of
     preconditions by a shared parameter give no bound. Other conditions on the state exclude no instance.
     """
     rows = [each for each in demanded(action.precondition) if each.predicate in required]

@@ -23,9 +23,9 @@ from prag_asp.program.sources import Source, text_source
 class Imported:
     """A PDDL domain and problem as a logic program: its name and its text.
 
-    `sources` are the same program as files with the line numbers of the PDDL files, so that messages refer to these.
-    `actions` and `objects` map the names of the program to those of PDDL. `warnings` are about parts of the files that
-    are ignored or undeclared.
+    `sources` are the same program as files with the line numbers of the PDDL files, so that messages refer to those
+    files. `actions` and `objects` map names of the program to PDDL names. `warnings` are about ignored or undeclared
+    parts of the files.
     """
 
     name: str
@@ -60,8 +60,8 @@ def read(domain: str | Path, problem: str | Path, *, untimed: bool = False) -> I
     """Read a PDDL domain and problem; both may be in one file, which is given twice.
 
     The logic program has the same plans of every length as the problem: sequences of actions that are applicable one
-    after the other, and lead to the goal. With `untimed`, durative actions are instantaneous ones: each does what it
-    does if it runs from its start to its end without another.
+    after the other and lead to the goal. With `untimed`, durative actions become instantaneous: each has the effect of
+    running from start to end without overlap.
 
     Raises:
         DomainError: a file cannot be read, is not PDDL, or uses an unsupported feature; the message has the line.

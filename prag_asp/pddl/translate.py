@@ -38,7 +38,7 @@ class Translation:
 
     @property
     def general(self) -> list[str]:
-        """The rules about all fluents, which correspond to no line of PDDL."""
+        """The rules about all fluents, which do not correspond to any PDDL line."""
         if not self._behaviour.looks_ahead:
             return [CLOSED]
         rules = ["#defined ever/1."]
@@ -87,7 +87,7 @@ class Translation:
         return lines
 
     def _kinds(self) -> Mapping[str, tuple[tuple[str, ...], ...]]:
-        """Return the types of each predicate's arguments: the declared ones, and wider ones that literals use."""
+        """Return the types of each predicate's arguments: the declared types, and wider types that literals use."""
         kinds = {name: [list(each) for each in signature.types] for name, signature in self._domain.predicates.items()}
         for literal in chain(self._problem.initial, *map(literals, self._formulas())):
             for types, term in zip(kinds[literal.predicate], literal.terms, strict=True):

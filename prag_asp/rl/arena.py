@@ -1,4 +1,4 @@
-"""A dynamic simulation for an agent, which can be reset to any moment of any witness."""
+"""A dynamic simulation for an agent that can be reset to any moment of any witness."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from prag_asp.scene.robots import Joints, robot_of
 from prag_asp.scene.scene import Scene
 
 SUBSTEPS = 6
-"""Steps of the simulation in an action: an agent acts 20 times a second."""
+"""The number of simulation steps per action: an agent acts 20 times a second."""
 
 PERIOD = SUBSTEPS * TIME_STEP
 """The duration of an action, in seconds."""
 
 SHARES = tuple((i + 1) / SUBSTEPS for i in range(SUBSTEPS))
-"""The share of the way that the motors are commanded in each step of the simulation."""
+"""The share of the commanded motion after each simulation step of an action."""
 
 
 class Arena:
-    """A simulated world, which is rebuilt only where other bodies take part or they have other sizes."""
+    """A simulated world, which is rebuilt only if the bodies or their sizes change."""
 
     def __init__(self, scene: Scene, resources: ExitStack):
         self._scene = scene
@@ -41,21 +41,21 @@ class Arena:
         self._situation: Situation | None = None
 
     def start(self, witness: Witness, number: int) -> Situation:
-        """Reset the world to a moment of a witness, by its number; what follows depends on nothing else.
+        """Reset the world to a moment of a witness, by its number; the simulation from then on depends on nothing else.
 
         Raises:
-            SceneError: the witness has sizes that the scene does not give.
+            SceneError: the witness has sizes that the scene does not allow.
         """
         moment = witness.moments[number]
         scene = self._scene.with_sizes(witness.sizes) if witness.sizes else self._scene
-        # An order of the objects that depends on the scene alone, so that more tasks share a world.
+        # The order of the objects depends only on the scene, so that more tasks share a world.
         places = {entity: place for place, entity in enumerate(scene.fixed)}
         objects = tuple(sorted(moment.poses, key=lambda entity: (places.get(entity, len(places)), entity)))
         if self._begun != (scene, objects):
             self._world.begin(objects, moment, scene)
             self._begun = scene, objects
         self._world.restore(moment)
-        # The motors drive to the pose that each arm has, and its fingers hold what they hold.
+        # The motors hold the current pose of each arm, and its fingers hold the grasped body.
         self._commands = {
             name: ArmCommand(arm.joints, arm.width - (SQUEEZE if arm.held is not None else 0.0))
             for name, arm in moment.arms.items()
@@ -66,7 +66,7 @@ class Arena:
         return self._observe()
 
     def act(self, action: NDArray[np.float64], control: Control) -> Situation:
-        """Apply an action for one `PERIOD`; it has the numbers of each robot in turn, between -1 and 1."""
+        """Apply an action, which has the numbers of each robot in turn, between -1 and 1, for one `PERIOD`."""
         assert self._situation is not None
         commands, ways = {}, {}
         for (robot, last), own in zip(self._commands.items(), action.reshape(len(self._commands), -1), strict=True):
@@ -106,7 +106,7 @@ class Arena:
 
 
 def _after(last: Situation | None, now: Situation) -> Situation:
-    """Return a situation that keeps the measurements of bodies that have not moved since the last one."""
+    """Return a situation that keeps the measurements of bodies that have not moved since the `last` situation."""
     if last is None or last.scene is not now.scene or last.openings != now.openings:
         return now
     stood = last.poses
@@ -120,6 +120,6 @@ def _driven(command: ArmCommand) -> Joints:
 
 
 def _speed(one: Sequence[float], two: Sequence[float]) -> Vector:
-    """Return the velocity between two points in a period, in metres a second."""
+    """Return the mean velocity between two points over a period, in metres a second."""
     x, y, z = ((b - a) / PERIOD for a, b in zip(one, two, strict=True))
     return (x, y, z)

@@ -20,13 +20,13 @@ Image = NDArray[np.uint8]
 
 
 class Viewer:
-    """Renders moments; its world is rebuilt only where other bodies take part or they have other sizes.
+    """Renders moments; its world is rebuilt only if the bodies or their sizes change.
 
-    `names` are the cameras whose images are in observations. Where there are none, the first of the scene is for
-    `TaskEnv.render` alone.
+    `names` are the cameras whose images are in observations. Without names, the first camera of the scene serves only
+    `TaskEnv.render`.
 
     Raises:
-        QueryError: there is no such camera, a camera is named twice, or the size is invalid.
+        QueryError: a camera does not exist or is named twice, or the size is invalid.
     """
 
     def __init__(self, scene: Scene, names: object, size: object, resources: ExitStack):
@@ -36,14 +36,14 @@ class Viewer:
         self.forget()
 
     def forget(self) -> None:
-        """Forget the world, which was closed."""
+        """Forget the world, which is already closed."""
         self._own: ExitStack | None = None
         self._studio: Studio | None = None
         self._shown: tuple[Scene, tuple[str, ...]] | None = None
 
     @property
     def spaces(self) -> dict[str, spaces.Box]:
-        """The observation space of each camera."""
+        """The observation spaces of the cameras."""
         sizes = {name: self._cameras[name].size for name in self._observed}
         return {f"camera_{name}": spaces.Box(0, 255, (high, wide, 3), np.uint8) for name, (wide, high) in sizes.items()}
 
@@ -71,10 +71,10 @@ class Viewer:
 
 
 def cameras_of(scene: Scene, names: object, size: object) -> dict[str, Camera]:
-    """Return the cameras of a scene of some names; `size` is width and height in pixels.
+    """Return the named cameras of a scene; `size` is width and height in pixels.
 
     Raises:
-        QueryError: there is no such camera, a camera is named twice, or the size is invalid.
+        QueryError: a camera does not exist or is named twice, or the size is invalid.
     """
     if isinstance(names, str) or not isinstance(names, (tuple, list)):
         raise QueryError(f'cameras {names!r}: give their names, such as ("{next(iter(scene.cameras))}",)')

@@ -1,7 +1,7 @@
-"""Turn the actions of an agent into motor commands of an arm.
+"""Convert the actions of an agent to motor commands of an arm.
 
-An agent moves the tool by a displacement and a turn about the vertical, or each joint; and its fingers. Actions are
-clipped to the speeds and the limits of the robot, so none is refused.
+An agent moves the fingers, and either the tool, by a displacement and a turn about the vertical, or each joint. Actions
+are clipped to the speeds and the limits of the robot, so none is refused.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ FINGERS = 0.01
 """The maximum change of the opening of a gripper in a step, in metres."""
 
 LEASH = 0.1
-"""The maximum lead of the target of a motor over its joint, in radians: it bounds the force of a blocked arm."""
+"""The maximum difference between a motor's target and its joint, in radians: it bounds the force of a blocked arm."""
 
 GAP = 0.001
 """The minimum height of the fingertips above the table, in metres."""
@@ -64,11 +64,11 @@ def _bounds(robot: Robot) -> tuple[NDArray[np.float64], NDArray[np.float64], NDA
 
 
 def _towards(robot: Robot, joints: NDArray[np.float64], action: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return joint angles that move the tool as an action says, upright; no lower than its fingers meet the table."""
+    """Return joint angles that move the upright tool by an action; the fingertips stay above the table."""
     here = robot.solver.forward(joints)
     x, y, z, yaw, *_ = action.tolist()
     lowest = robot.fingertip + GAP - float(here[2, 3])
-    # The cross product of where the tool points and straight down: it turns the one to the other.
+    # The cross product of the tool's direction and straight down: it rotates the tool to point down.
     leaning, rolling, _ = rotate(robot.base.quaternion, (-float(here[1, 2]), float(here[0, 2]), 0.0))
     twist = np.array((STRIDE * x, STRIDE * y, max(STRIDE * z, lowest), leaning, rolling, TURN * yaw))
     return nudge_joints(robot, joints, here, twist)

@@ -41,48 +41,48 @@ if TYPE_CHECKING:
     from prag_asp.physics.situation import Situation
 
 STEPS = 100
-"""The default limit of steps for a subgoal."""
+"""The default step limit for a subgoal."""
 
 EPISODE = ("stage", "task", "witness", "_over", "_last", "_left", "_before", "_episode_info", "_curriculum", "_latest")
-"""The attributes of an episode, beside its start and its actions."""
+"""The attributes of an episode besides its start and its actions."""
 
 REBUILT = ("domain", "scene", "layout", "situation", "_resources", "_viewer", "_sampler", "_arena", "_start")
-"""The attributes that a copy of an environment rebuilds from its arguments and its episode."""
+"""The attributes that a copy of an environment rebuilds from the arguments and the episode."""
 
 
 class TaskEnv(GoalEnv):
-    """One agent moves all arms of a scene; its tasks come from a `space`, a `dataset`, or are one `task` alone.
+    """One agent moves all arms of a scene; its tasks come from a `space` or a `dataset`, or are a single `task`.
 
-    Instead of a space, give a `domain` and a `length`; instead of a dataset, its folder. With `split`, only one part is
-    used: that of a dataset by its name, or of a space that is divided by `shares` (80 % ``train`` and 20 % ``test`` by
-    default), by whole `skeletons`, or by what is held out (`hold_out`), as `generate` divides it with the same seed.
-    The conditions `where` restrict a space or a dataset. So plain values make an environment.
+    Instead of a space, give a `domain` and a `length`; instead of a dataset, its folder. With `split`, only the part of
+    that name is used: a part of a dataset, or of a space divided by `shares` (80 % ``train`` and 20 % ``test`` by
+    default), by whole `skeletons`, or by a condition (`hold_out`), as `generate` divides it with the same seed. The
+    conditions `where` restrict a space or a dataset. So plain values define an environment.
 
-    An observation has what the agent sees (`layout.names` says what each number is), and, by the convention of goal
-    environments, `achieved_goal` and `desired_goal` of the shape (2 * `PLACES`,): now, and one step before;
-    `prag_asp.rl.rewards` says what the vectors mean. The action has, of each robot in turn, a displacement of the tool
-    along x, y, z, a turn about the vertical and one of the fingers (`control` "tool"), or seven joints and the fingers
-    ("joints"), each between -1 and 1; it lasts 1/20 s.
+    An observation has the agent's `observation` (`layout.names` names its numbers), and, by the convention of goal
+    environments, `achieved_goal` and `desired_goal` of the shape (2 * `PLACES`,): for now, and for one step before;
+    `prag_asp.rl.rewards` explains the vectors. The action has, for each robot in turn, a displacement of the tool along
+    x, y, z, a turn about the vertical and a motion of the fingers (`control` "tool"), or motions of seven joints and
+    the fingers ("joints"), each between -1 and 1; it lasts 1/20 s.
 
-    `stage` is the subgoal to begin with, from 0, from the state in which a witness has it begin (-1 is the last,
-    "any" is random); the episode lasts `until` that "subgoal" is reached, or the whole "task", and at most `steps` for
-    each of them. The predicates alone decide whether a subgoal is reached. With `everything`, all bodies are observed,
-    not only those of the action. The dense part of a "faded" reward is annealed over `fade` steps, or with "success";
-    `discount` is that of its potentials. Witnesses of tasks from a space are searched for within a `budget`.
+    `stage` is the initial subgoal, from 0 (-1 is the last, "any" is random); the episode begins in the witness's state
+    at its start. It lasts `until` that "subgoal" or the whole "task" is reached, and at most `steps` for each subgoal.
+    The predicates alone decide whether a subgoal is reached. With `everything`, all bodies are observed, not only those
+    of the action. The dense part of a "faded" reward is annealed over `fade` steps, or with "success"; `discount` is
+    the discount of its potentials. Witnesses of tasks from a space are searched for within a `budget`.
 
-    With a `part` of the space, only its tasks are used. A `curriculum` chooses the tasks: `LengthCurriculum`,
-    `NoveltyCurriculum`, `AdaptiveCurriculum` or `BanditCurriculum`; `ReverseCurriculum` chooses the initial subgoals;
-    or give two, one of each kind. It learns from the episodes of this environment alone. `info` has the same keys at a
+    With a `part` of the space, only its tasks are used. A `curriculum` chooses the tasks (`LengthCurriculum`,
+    `NoveltyCurriculum`, `AdaptiveCurriculum` or `BanditCurriculum`) or the initial subgoals (`ReverseCurriculum`); or
+    give two, one of each kind. It learns only from the episodes of this environment. `info` has the same keys at a
     reset and at each step, among them the instruction at three levels in a `language`, the sentence of the current
     subgoal, the exact `probability` of the task and of its stage (`stage_probability`), and the number of samples that
-    were `rejected` before it. Images of `cameras` are in observations, too, as `camera_` and the name: 8-bit colours,
-    of `size` width and height in pixels.
+    were `rejected` before it. Observations also have the images of `cameras`, as `camera_` and the name: 8-bit colours,
+    with the width and height `size` in pixels.
 
-    A copy, by `pickle` or `copy.deepcopy`, has simulators of its own and continues the episode in the same way, bit for
-    bit: it performs the actions of the episode again.
+    A copy, by `pickle` or `copy.deepcopy`, has its own simulators and continues the episode identically, bit for bit:
+    it replays the actions of the episode.
 
     Raises:
-        QueryError: an argument is wrong, or the task has no witness.
+        QueryError: an argument is invalid, or the task has no witness.
         SceneError: the domain has no scene, or the scene has no shape for an entity of a task.
         PhysicsMissingError: PyBullet or frankik is not installed.
     """
@@ -168,8 +168,8 @@ class TaskEnv(GoalEnv):
         """Begin an episode.
 
         `options` may have the `task` (and its `witness`) or the `rank` of a task (in a dataset, its number), the
-        initial `stage`, and the `steps` of each subgoal; the rest is sampled. With a `seed`, all samples from then on
-        depend on it alone; without any, they are random.
+        initial `stage`, and the `steps` of each subgoal; the rest is sampled. With a `seed`, all later samples depend
+        only on the seed; without any seed, they are random.
 
         Raises:
             QueryError: the options are wrong, or the task has no witness.
@@ -180,7 +180,7 @@ class TaskEnv(GoalEnv):
         if seed is not None or not self._sampler.seeded:
             self._sampler.seed(self.np_random)
         start = self._sampler.begin(request, self.np_random)
-        # An error before this line leaves the current episode as it is.
+        # An error before this line leaves the current episode unchanged.
         self._start, self.stage = start, start.stage
         self.task, self.witness = start.assignment.task, start.assignment.witness
         self._over = False
@@ -228,7 +228,7 @@ class TaskEnv(GoalEnv):
         return seen, float(reward), done, late and not done, self._latest[1]
 
     def render(self) -> Image | None:
-        """Return an image of the first of the `cameras`, or of the scene's first one; None without a render mode.
+        """Return an image of the first of the `cameras`, or of the scene's first camera; None without a render mode.
 
         Raises:
             QueryError: no episode has begun.
@@ -249,9 +249,9 @@ class TaskEnv(GoalEnv):
         return {"start": start, "moves": moves, **{name: getattr(self, name) for name in EPISODE}}
 
     def restore_state(self, state: Mapping[str, Any]) -> tuple[Observation, dict[str, Any]]:
-        """Continue an episode of this environment, or of one with the same arguments, bit for bit.
+        """Continue an episode of this environment, or of one with the same arguments, identically bit for bit.
 
-        It performs the actions of the episode again, and returns the observation and the information of its last step.
+        Replay the actions of the episode, and return the observation and the info of its last step.
 
         Raises:
             QueryError: the value is not a state of an episode.
@@ -268,8 +268,8 @@ class TaskEnv(GoalEnv):
     def state_dict(self) -> dict[str, Any]:
         """Return a checkpoint of the samplers, the curricula and the annealing, as values of JSON.
 
-        An environment with the same arguments that loads it begins the next episodes as this one does. The episode that
-        goes on is not part of it.
+        An environment with the same arguments that loads it begins its next episodes as this one does. The current
+        episode is not part of it.
 
         Raises:
             QueryError: no task was sampled yet.
@@ -301,7 +301,7 @@ class TaskEnv(GoalEnv):
         self._sampler.seeded = True
 
     def close(self) -> None:
-        """Close the simulators; nothing is left behind. A reset opens them again."""
+        """Close the simulators and release all resources. A reset opens them again."""
         self._arena = None
         self._viewer.forget()
         self._sampler.finder.forget()
@@ -309,7 +309,7 @@ class TaskEnv(GoalEnv):
 
     @property
     def commanded_openings(self) -> Mapping[str, float]:
-        """The commanded opening of each gripper in metres; without an episode this and the next raise QueryError."""
+        """The commanded opening of each gripper in metres; this and the next raise QueryError without an episode."""
         return self._begun_arena.commanded_openings
 
     @property
@@ -320,7 +320,7 @@ class TaskEnv(GoalEnv):
 
     @property
     def action(self) -> Atom:
-        """The action of the subgoal that is being pursued."""
+        """The action of the current subgoal."""
         assert self._begun_arena
         return self.task.actions[self.stage]
 
@@ -336,7 +336,7 @@ class TaskEnv(GoalEnv):
         return self._arena
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the arguments, the state of the samplers, and the episode as its task and its actions."""
+        """Return the arguments, the state of the samplers, and the episode, given by its task and its actions."""
         return {
             "arguments": self._arguments,
             "sampler": self._sampler.state_dict() if self._sampler.seeded else None,
@@ -354,12 +354,12 @@ class TaskEnv(GoalEnv):
             self._resume(state["start"])
 
     def _resume(self, start: EpisodeStart) -> None:
-        """Perform an episode again up to its last action; the subgoals of its start are computed again."""
+        """Replay an episode up to its last action; the subgoals of its start are recomputed."""
         self._start = replace(start, subgoals=subgoals_of(start.assignment.task, self.scene))
         self._perform()
 
     def _perform(self) -> None:
-        """Start the episode in the simulator, and perform the actions that it has had so far."""
+        """Start the episode in the simulator, and replay its actions so far."""
         if self._arena is None:
             self._arena = Arena(self.scene, self._resources)
         self.situation = self._arena.start(self.witness, self._start.stage)
@@ -367,7 +367,7 @@ class TaskEnv(GoalEnv):
             self.situation = self._arena.act(moves, self.control)
 
     def _goal(self, situation: Situation) -> tuple[list[float], NDArray[np.float32]]:
-        """Return the signed distances of a moment, and its vector."""
+        """Return the signed distances of a moment and its goal vector."""
         subgoal = self._start.subgoals[self.stage]
         measured = subgoal.measured(situation)
         return measured, np.array([self.stage, *subgoal.placed(measured)], dtype=np.float32)
@@ -386,7 +386,7 @@ class TaskEnv(GoalEnv):
         return observation | self._viewer.images(situation)
 
     def _info(self, measured: list[float], *, success: bool) -> dict[str, Any]:
-        """Return the information that goes with an observation."""
+        """Return the info of an observation."""
         info = self._episode_info | {
             "stage": self.stage,
             "action": str(self.action),

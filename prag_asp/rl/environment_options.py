@@ -21,7 +21,7 @@ UNTIL: tuple[Until, ...] = get_args(Until)
 OPTIONS = ("task", "witness", "rank", "stage", "steps")
 
 REAL = "biuf"
-"""The kinds of NumPy's types of real numbers: no complex numbers, and no texts, which it would read as numbers."""
+"""The kinds of NumPy types for real numbers: no complex numbers, and no texts, which NumPy would parse as numbers."""
 
 
 def check_episodes(*, until: object, reward: object, control: object, stage: object, steps: object) -> None:
@@ -91,7 +91,7 @@ def moves_of(action: object, size: int) -> NDArray[np.float64]:
 
 
 def steps_left_of(info: object) -> NDArray[np.float64]:
-    """Return the `steps_left` of the info of a step or a batch of steps, infinity where it is missing.
+    """Return the `steps_left` in the info of a step or a batch of steps, or infinity where it is missing.
 
     Gymnasium's vector environments have one info with arrays, replay buffers have a sequence of infos.
     """

@@ -1,4 +1,4 @@
-"""The goal half of an environment: rewards and ends of steps from goal vectors alone, single or in batches."""
+"""The goal interface of an environment: rewards and episode ends from goal vectors alone, for steps or batches."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ Observation = dict[str, Any]
 
 
 class GoalEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
-    """An environment whose rewards and ends follow from goal vectors, as hindsight replay needs.
+    """An environment whose rewards and episode ends follow from goal vectors, as hindsight replay needs.
 
-    A goal has the shape (2 * `PLACES`,): the vector of the moment, then that one step before. `discount` is that of the
-    potentials, `share` the weight of the dense reward.
+    A goal has the shape (2 * `PLACES`,): the vector of the moment, then the vector of one step before. `discount` is
+    the discount of the potentials, `share` the weight of the dense reward.
     """
 
     discount: float
@@ -32,14 +32,14 @@ class GoalEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         return float(reward) if reward.ndim == 0 else reward
 
     def compute_terminated(self, achieved_goal: Floats, desired_goal: Floats, info: Any) -> Any:
-        """Return whether steps that lead to `achieved_goal` reach their goals; `info` is not used."""
+        """Return whether steps that lead to `achieved_goal` reach their goals; `info` is ignored."""
         is_reached = _reached(achieved_goal, desired_goal)
         return bool(is_reached) if is_reached.ndim == 0 else is_reached
 
     def compute_truncated(self, achieved_goal: Floats, desired_goal: Floats, info: Any) -> Any:
-        """Return whether steps end an episode short of their goals: no `steps_left` in `info`, and no goal reached.
+        """Return whether steps end an episode without reaching their goals: `steps_left` in `info` is 0.
 
-        `info` is that of a step, or has one for each step of a batch; nothing is truncated where it lacks `steps_left`.
+        `info` is the info of a step, or has one for each step of a batch; a step without `steps_left` is not truncated.
         """
         is_truncated = ~_reached(achieved_goal, desired_goal) & (steps_left_of(info) <= 0.0)
         return bool(is_truncated) if is_truncated.ndim == 0 else is_truncated

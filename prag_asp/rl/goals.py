@@ -1,4 +1,4 @@
-"""The subgoals of a task as facts of physics: those that an action brings about, and those that have to stay."""
+"""The subgoals of a task as facts of physics: those that an action achieves, and those that must persist."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 
 BROUGHT = 6
-"""Facts that an action brings about with a separate place in a goal vector; more share the place of all others."""
+"""The number of achieved facts with a separate place in a goal vector; all other facts share the last place."""
 
 PLACES = 2 + BROUGHT
-"""The size of a goal vector: the number of the subgoal, distances of what is brought about, the worst of the rest."""
+"""The size of a goal vector: the number of the subgoal, the distances of achieved facts, the largest of all others."""
 
 
 @dataclass(frozen=True)
 class Subgoal:
-    """A subgoal: the facts that its action brings about, and all others that are known to hold after it.
+    """A subgoal: the facts that its action achieves, and all other facts known to hold after it.
 
-    `names` are their texts, with a minus for those that must not hold.
+    `names` are the texts of the facts, with a minus if a fact must not hold.
     """
 
     achieved: tuple[Fact, ...]
@@ -29,13 +29,14 @@ class Subgoal:
     names: tuple[str, ...]
 
     def measured(self, situation: Situation) -> list[float]:
-        """Return the signed distance of each fact in metres or radians, at most 0 where it holds, by `names`."""
+        """Return the signed distance of each fact in metres or radians, at most 0 if it holds, ordered as `names`."""
         return [fact.way(situation) for fact in (*self.achieved, *self.unchanged)]
 
     def placed(self, measured: list[float]) -> list[float]:
-        """Return signed distances as `PLACES` - 1 numbers, 0 where there is no fact.
+        """Return signed distances as `PLACES` - 1 numbers, with 0 for unused places.
 
-        All are at most 0 exactly where the subgoal is reached; the last is the worst of the facts that have no place.
+        All are at most 0 exactly if the subgoal is reached; the last is the largest distance of the facts without a
+        place.
         """
         own = min(len(self.achieved), BROUGHT)
         return [*measured[:own], *[0.0] * (BROUGHT - own), max(measured[own:], default=0.0)]
@@ -46,7 +47,7 @@ class Subgoal:
 
 
 def subgoals_of(task: Task, scene: Scene) -> tuple[Subgoal, ...]:
-    """Return the subgoals of a task as physics sees them, one for each action.
+    """Return the subgoals of a task as facts of physics, one for each action.
 
     Raises:
         SceneError: the scene lacks the shape or the yaw of an entity that a spatial fluent refers to.

@@ -1,7 +1,7 @@
 """Observations: the arms, the bodies of the current action, and its skill.
 
-A skill is an action without the bodies that it names: ``place(panda,_,left_of,_)``. The bodies have their places in the
-order of the action's arguments, so a policy for one cube is one for all.
+A skill is an action without the bodies that it names: ``place(panda,_,left_of,_)``. The features of bodies are in the
+order of the action's arguments, so a policy for one cube fits all cubes.
 """
 
 from __future__ import annotations
@@ -24,19 +24,20 @@ BODY = (
     "is there", *"xyz", "dx", "dy", "dz", "cos yaw", "sin yaw", "cos turn", "sin turn", "up", "half x", "half y",
     "half z", "opening",
 )  # fmt: skip
-"""The features of a body, or of its moving part, in metres and radians; dx is from the tool of the acting arm.
+"""The features of a body, or of its moving part, in metres and radians; dx is relative to the tool of the acting arm.
 
 The turn is twice the angle about the vertical from that tool to the body, because a gripper is symmetric under half a
 turn.
 """
 
 ARM = (*(f"joint {i}" for i in range(1, 8)), *"xyz", "vx", "vy", "vz", "cos yaw", "sin yaw", "width", "asked width")
-"""The features of an arm: joints in radians, position and velocity of its tool, opening and its command; metres."""
+"""The features of an arm: joints in radians; position and velocity of its tool, and actual and commanded opening, in
+metres."""
 
 
 @dataclass(frozen=True)
 class Layout:
-    """The layout of an observation: robots, arguments of the action that are bodies, further `bodies`, and skills."""
+    """The layout of an observation: robots, the action's arguments that are bodies, additional `bodies`, and skills."""
 
     robots: tuple[str, ...]
     skills: Mapping[str, int]
@@ -45,7 +46,7 @@ class Layout:
 
     @classmethod
     def of(cls, scene: Scene, actions: Iterable[Atom], *, everything: bool = False) -> Layout:
-        """Return the layout for the actions of a domain; with `everything`, all bodies of the scene are in it.
+        """Return the layout for the actions of a domain; with `everything`, it includes all bodies of the scene.
 
         Raises:
             QueryError: there are no actions.
@@ -68,13 +69,13 @@ class Layout:
 
 
 def skill(action: Atom, scene: Scene) -> str:
-    """Return the skill of an action: its text with blanks for the bodies that it names."""
+    """Return the skill of an action: its text with ``_`` for each body that it names."""
     blank = ["_" if _is_body(scene, argument) else argument for argument in action.arguments]
     return str(Atom(action.name, tuple(blank)))
 
 
 def named_bodies(action: Atom, scene: Scene) -> list[str]:
-    """Return the bodies, and surfaces, that an action names, in the order of its arguments."""
+    """Return the bodies and surfaces that an action names, in the order of its arguments."""
     return [argument for argument in action.arguments if _is_body(scene, argument)]
 
 
@@ -109,7 +110,7 @@ def observe(
 
 
 def _body(situation: Situation, entity: str, tool: Pose) -> Sequence[float]:
-    """Return the features of a body, zeros where it does not take part."""
+    """Return the features of a body, or zeros if it is not in the situation."""
     if situation.shape(entity).traits.body and entity not in situation.poses:
         return [0.0] * len(BODY)
     at, quaternion = situation.part(entity)
@@ -121,5 +122,5 @@ def _body(situation: Situation, entity: str, tool: Pose) -> Sequence[float]:
 
 
 def _direction(yaw: float) -> tuple[float, float]:
-    """Return the cosine and the sine of a yaw in radians."""
+    """Return the cosine and sine of a yaw in radians."""
     return math.cos(yaw), math.sin(yaw)

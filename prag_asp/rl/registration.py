@@ -1,6 +1,6 @@
-"""The names of environments, which Gymnasium learns by the entry point ``gymnasium.envs`` of the package.
+"""The names of environments, registered by the entry point ``gymnasium.envs`` of the package.
 
-There is no import of a simulator or a logic solver here, because ``import gymnasium`` runs it.
+This module imports no simulator or logic solver, because ``import gymnasium`` runs it.
 """
 
 from __future__ import annotations
@@ -10,13 +10,13 @@ from prag_asp.program.paths import shipped_domains
 TASK_ENV = "prag_asp.rl.environment:TaskEnv"
 
 LENGTH = "2..4"
-"""The number of actions of tasks where a name alone is given."""
+"""The default number of actions of tasks."""
 
 
 def register_environments() -> None:
     """Register ``prag_asp/Task-v0``, ``prag_asp/Dataset-v0``, and one environment for each shipped domain with a scene.
 
-    An environment that is registered already stays as it is.
+    An environment that is already registered is unchanged.
     """
     from gymnasium.envs.registration import register, registry  # noqa: PLC0415 - Gymnasium may call this function
 

@@ -10,13 +10,13 @@ from prag_asp.errors import QueryError
 from prag_asp.rl.environment_options import is_whole
 
 WINDOW = 50
-"""Episodes in the success rate: enough for steps of 2 percent, few enough to follow an agent that learns."""
+"""The number of episodes in the success rate: enough for steps of 2 percent, and few enough to follow learning."""
 
 
 class RewardAnnealing:
-    """A share that falls from 1 to 0: over a number of steps, or with the success rate.
+    """A share that falls from 1 to 0 over a number of steps, or with the success rate.
 
-    It changes only between episodes, so that the shaping within an episode remains one by a potential.
+    It changes only between episodes, so that the shaping within an episode remains potential-based.
     """
 
     def __init__(self, over: int | Literal["success"]):

@@ -1,19 +1,19 @@
 """Rewards: sparse ones for subgoals, and dense ones by potential-based shaping.
 
 The goal vector of a moment has the number of the current subgoal and the signed distances of its facts in metres or
-radians, at most 0 where they hold: one for each fact that the action brings about, and the worst of all others. A goal
-is such a vector, too: the last subgoal, and the distances that the facts have to reach. So any moment can serve as the
-goal of another one.
+radians, at most 0 if they hold: one for each fact that the action achieves, and the largest of all others. A goal is
+also such a vector: the last subgoal, and the distances that its facts must reach. So any moment can be the goal of
+another one.
 
-The potential of a moment is the number of subgoals that are reached plus ``1 / (1 + D / REACH)``, with D the sum of
-the distances to the goal. It is never negative, and grows all the way to the goal, the steeper the nearer it is. The
-dense reward of a step is `WORTH` times the difference of the potentials, plus the sparse one. With the discount of
-the agent, as in Ng, Harada and Russell ("Policy invariance under reward transformations", 1999), the potentials of an
-episode cancel except for that of its end, which is the same for all episodes that reach the goal: with one subgoal, the
-optimal policy stays optimal. With several, the last one counts for more than in the sparse reward. With the discount 1
-this holds for agents that do not discount. Others learn with it in fewer steps, because staying near the goal costs
-nothing, but the optimal policy may change. Because no potential is negative, the rewards of a closed loop never add up
-to more than 0.
+The potential of a moment is the number of reached subgoals plus ``1 / (1 + D / REACH)``, where D is the sum of the
+distances to the goal. It is never negative, and grows all the way to the goal, more steeply near the goal. The dense
+reward of a step is `WORTH` times the difference of the potentials, plus the sparse one. With the discount of the agent,
+as in Ng, Harada and Russell ("Policy invariance under reward transformations", 1999), the potentials of an episode
+cancel except for that of its end, which is the same for all episodes that reach the goal: with one subgoal, the optimal
+policy stays optimal. With several, the last one counts for more than in the sparse reward. With the discount 1, this
+holds for agents that do not discount. With it, other agents learn in fewer steps, because staying near the goal costs
+nothing, but their optimal policy may change. Because no potential is negative, the rewards of a closed loop never add
+up to more than 0.
 """
 
 from __future__ import annotations
@@ -25,27 +25,27 @@ from numpy.typing import NDArray
 
 Reward = Literal["dense", "sparse", "faded"]
 REWARDS: tuple[Reward, ...] = get_args(Reward)
-"""The reward of a step: `sparse` is 1 for each subgoal that is reached, `dense` adds the difference of the potentials,
-`faded` an annealed share of that."""
+"""The reward of a step: `sparse` is 1 for each reached subgoal, `dense` adds the difference of the potentials, `faded`
+an annealed share of that difference."""
 
 WORTH = 10.0
-"""The dense reward of the way to a subgoal, over the sparse one of reaching it."""
+"""The total dense reward for approaching a subgoal, relative to the sparse reward for reaching it."""
 
 REACH = 0.1
-"""The distance from a subgoal at which half of its potential is left, in metres or radians."""
+"""The distance from a subgoal at which its potential is half the maximum, in metres or radians."""
 
 Floats = NDArray[np.floating]
 Flags = NDArray[np.bool_]
 
 
 def goal_distance(achieved: Floats, desired: Floats) -> Floats:
-    """Return the distances of moments to goals, summed over facts (metres, radians); vectors are the last axis."""
+    """Return the distances of moments to goals, summed over facts (metres, radians); vectors are on the last axis."""
     distance: Floats = np.add.reduce(np.maximum(0.0, achieved[..., 1:] - desired[..., 1:]), axis=-1)
     return distance
 
 
 def reached(achieved: Floats, desired: Floats) -> Flags:
-    """Return whether moments are at their goals, or beyond: pursuing a later subgoal; vectors are the last axis."""
+    """Return whether moments are at their goals, or in a later subgoal; vectors are along the last axis."""
     at, goal = achieved[..., 0], desired[..., 0]
     near = np.logical_and.reduce(achieved[..., 1:] <= desired[..., 1:], axis=-1)
     is_reached: Flags = (at > goal) | ((at == goal) & near)
@@ -53,7 +53,7 @@ def reached(achieved: Floats, desired: Floats) -> Flags:
 
 
 def potential(achieved: Floats, desired: Floats) -> Floats:
-    """Return the potentials of moments, at least 0: the subgoals reached, and how near the next one is."""
+    """Return the potentials of moments, at least 0: reached subgoals plus a term for the distance to the next one."""
     result: Floats = achieved[..., 0] + 1.0 / (1.0 + goal_distance(achieved, desired) / REACH)
     return result
 
@@ -61,9 +61,9 @@ def potential(achieved: Floats, desired: Floats) -> Floats:
 def step_rewards(
     before: Floats, after: Floats, desired: Floats, *, discount: float, share: float
 ) -> tuple[Floats, Flags]:
-    """Return the rewards of steps, and whether they reach their goals; vectors are the last axis.
+    """Return the rewards of steps, and whether they reach their goals; vectors are along the last axis.
 
-    `share` is the weight of the dense reward: 0 is sparse, 1 dense. The sparse reward is 1 for each subgoal reached.
+    `share` is the weight of the dense reward: 0 is sparse, 1 dense. The sparse reward is 1 for each reached subgoal.
     """
     done = reached(after, desired)
     sparse = np.minimum(after[..., 0], desired[..., 0]) - np.minimum(before[..., 0], desired[..., 0]) + done

@@ -1,6 +1,6 @@
-"""A scripted agent, the oracle: it follows the waypoints of the witness, and knows the exact poses of all bodies.
+"""A scripted agent, the oracle, which follows the waypoints of the witness and knows the exact poses of all bodies.
 
-It shows what actions of the kind "tool" can reach, and is the baseline of learned agents.
+It shows which subgoals "tool" actions can reach, and is a baseline for learned agents.
 """
 
 from __future__ import annotations
@@ -26,22 +26,22 @@ if TYPE_CHECKING:
     from prag_asp.rl.goal_env import Observation
 
 CLOSE, CLOSE_TURN = 0.004, 0.03
-"""The distance at which a waypoint counts as passed, in metres and radians."""
+"""The distance and the angle within which a waypoint counts as reached, in metres and radians."""
 
 HEIGHT, APART = 0.3, 0.06
-"""The height at which the tool travels, and the horizontal distance from which it does, in metres."""
+"""The travel height of the tool, and the horizontal distance above which the tool travels at it, in metres."""
 
 GENTLE = 0.01
-"""The largest motion of furniture in a step, in metres: its content should not roll."""
+"""The largest motion of furniture in a step, in metres, so that its contents do not roll."""
 
 PATIENCE, SETTLING = 60, 4
-"""The step limit of a waypoint, and the steps to wait after the fingers have closed or opened."""
+"""The step limit for a waypoint, and the number of steps to wait after the fingers close or open."""
 
 Action = NDArray[np.float32]
 
 
 class OraclePolicy:
-    """The oracle as a policy for a subgoal: it gives up after the last waypoint, and begins again when it takes over.
+    """The oracle as a policy for a subgoal: it gives up after the last waypoint, and restarts when it takes over.
 
     Raises:
         QueryError: the environment does not take displacements of the tool.
@@ -57,14 +57,14 @@ class OraclePolicy:
         self._actions: Iterator[Action] | None = None
 
     def __call__(self, observation: Observation) -> Action | None:
-        """Return the next action for the current subgoal, None where there is none left."""
+        """Return the next action for the current subgoal, or None after the last one."""
         if self._actions is None:
             self._actions = _pursued(self._env, self._env.stage)
         return next(self._actions, None)
 
 
 def oracle(env: TaskEnv) -> Iterator[Action]:
-    """Yield actions that pursue the subgoals of an episode that has begun, each computed from the current state.
+    """Yield actions for the subgoals of a started episode, each computed from the current state.
 
     Raises:
         QueryError: the environment does not take displacements of the tool.
@@ -84,7 +84,7 @@ def _require_tool(env: TaskEnv) -> None:
 
 
 def _pursued(env: TaskEnv, stage: int) -> Iterator[Action]:
-    """Yield the actions of each waypoint of a stage in turn."""
+    """Yield the actions for each waypoint of a stage in turn."""
     before, motion = env.witness.moments[stage], env.witness.motions[stage]
     held = {name: arm.held for name, arm in before.arms.items()}
     for i, waypoint in enumerate(motion):
@@ -111,7 +111,7 @@ def _fingers(env: TaskEnv, robot: str, opening: float) -> Iterator[Action]:
 
 
 def _moved(env: TaskEnv, waypoint: Waypoint, before: Moment, target: str | None) -> Iterator[Action]:
-    """Yield actions that bring the tool to a waypoint, at the height of travel where it is far."""
+    """Yield actions that move the tool to a waypoint, at the travel height while far from it."""
     free = waypoint.opening is None
     for _ in range(PATIENCE):
         (x, y, z), off = _off(env.situation, waypoint, before, target)
@@ -129,10 +129,10 @@ def _moved(env: TaskEnv, waypoint: Waypoint, before: Moment, target: str | None)
 
 
 def _off(situation: Situation, waypoint: Waypoint, before: Moment, target: str | None) -> tuple[Vector, float]:
-    """Return the displacement of the tool to a waypoint in metres, and its turn in radians.
+    """Return the displacement of the tool to a waypoint in metres, and the turn in radians.
 
-    A held body is brought to its pose in the witness, however it lies in the hand; a body to grasp is approached where
-    it is.
+    A held body is moved to its pose in the witness, at any pose in the hand; a body to grasp is approached at its
+    current position.
     """
     robot = waypoint.robot
     planned, now = tool_pose(situation.robot(robot), waypoint.joints), situation.tool(robot)
@@ -151,9 +151,9 @@ def _off(situation: Situation, waypoint: Waypoint, before: Moment, target: str |
 
 
 def _way_round(situation: Situation, robot: str, turn: float) -> float:
-    """Return a turn in radians, or the one the other way round where the last joint cannot turn so far.
+    """Return a turn in radians, or the equivalent opposite turn if the last joint cannot turn so far.
 
-    The tool points down, so that joint turns it against the sense of the vertical.
+    The tool points down, so a positive turn of that joint is a negative turn about the vertical.
     """
     arm, last = situation.robot(robot), situation.arm(robot).joints[-1]
     if arm.lower[-1] <= last - turn <= arm.upper[-1]:
@@ -164,7 +164,7 @@ def _way_round(situation: Situation, robot: str, turn: float) -> float:
 def _action(
     env: TaskEnv, robot: str, move: Vector = (0.0, 0.0, 0.0), turn: float = 0.0, fingers: float = 0.0
 ) -> Action:
-    """Return the action in which one arm alone moves, in metres and radians; `fingers` is the number in the action."""
+    """Return the action that moves one arm, in metres and radians; `fingers` is the action's number for the fingers."""
     numbers = np.zeros((len(env.layout.robots), SIZES["tool"]), dtype=np.float32)
     farthest = max(1.0, *(abs(part) / STRIDE for part in move))
     own = [*(part / STRIDE / farthest for part in move), turn / TURN, fingers]

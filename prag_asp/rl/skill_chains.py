@@ -1,7 +1,7 @@
-"""Skill chaining: a policy for each skill, chained along the plans of tasks, and its success rates.
+"""Skill chaining: a policy for each skill, chained along the plans of tasks, with success rates.
 
-The predicates alone decide when a subgoal is reached and the policy of the next one takes over. Rates are exact
-fractions, so the success rate of whole tasks is the product of the rates of their stages.
+The predicates alone decide when a subgoal is reached and the next policy takes over. Rates are exact fractions, so the
+success rate of whole tasks is the product of the rates of their stages.
 """
 
 from __future__ import annotations
@@ -29,25 +29,25 @@ from prag_asp.task import Task
 from prag_asp.wording import unknown
 
 Policy = Callable[[Any], "NDArray[Any] | None"]
-"""Returns an action for an observation, as the environment and its wrappers show it, or None where it gives up.
+"""Returns an action for an observation of the environment and its wrappers, or None to give up.
 
-Its method `begin()`, if it has one, is called whenever it takes over, so that it can reset its memory.
+Its method `begin()`, if any, is called whenever it takes over, so that it can reset its memory.
 """
 
 Tasks = int | Iterable[Task | tuple[Task, Witness]]
 
 
 class Rate(NamedTuple):
-    """A success rate: the successes of some trials."""
+    """A success rate: the number of successes in a number of trials."""
 
     successes: int
     trials: int
 
     @property
     def share(self) -> Fraction:
-        """The share of successes, exactly; 0 of no trials.
+        """The exact share of successes; 0 without trials.
 
-        The product of the shares of the stages of tasks of one length is the share of whole tasks.
+        For tasks of one length, the product of the shares of the stages is the share of whole tasks.
         """
         return Fraction(self.successes, self.trials) if self.trials else Fraction(0)
 
@@ -64,7 +64,7 @@ class Rate(NamedTuple):
         z, n, p = NormalDist().inv_cdf(0.5 + confidence / 2), self.trials, self.successes / self.trials
         middle, spread = p + z * z / (2 * n), z * math.sqrt(p * (1 - p) / n + z * z / (4 * n * n))
         low, high = (middle - spread) / (1 + z * z / n), (middle + spread) / (1 + z * z / n)
-        # Where all or none succeed the bound is known exactly; floats would miss it.
+        # If all or none succeed, the bound is known exactly; floats would miss it.
         return (0.0 if self.successes == 0 else low), (1.0 if self.successes == n else high)
 
     def __str__(self) -> str:
@@ -77,9 +77,9 @@ class Rate(NamedTuple):
 
 @dataclass(frozen=True)
 class Rollout:
-    """The rollout of a task: `tries` and `steps` of each subgoal that was pursued, and how many were `reached`.
+    """The rollout of a task: `tries` and `steps` of each pursued subgoal, and the number of subgoals `reached`.
 
-    `first` is the initial stage; `actions` are all from there to the last one of the episode.
+    `first` is the initial stage; `actions` are those from there to the end of the episode.
     """
 
     task: Task
@@ -91,7 +91,7 @@ class Rollout:
 
     @property
     def success(self) -> bool:
-        """Whether all were reached."""
+        """Whether all subgoals were reached."""
         return self.reached == len(self.actions)
 
 
@@ -106,19 +106,19 @@ class Rollouts:
         return Rate(sum(rollout.success for rollout in self.rollouts), len(self.rollouts))
 
     def by_stage(self) -> tuple[Rate, ...]:
-        """Return the success rate of each stage, among the rollouts that came to it.
+        """Return the success rate of each stage, among the rollouts that began it.
 
-        Where all rollouts have the same number of stages, the product of the shares is that of `whole`, exactly.
+        If all rollouts have the same number of stages, the product of the shares is exactly that of `whole`.
         """
         trials = Counter(stage for rollout in self.rollouts for stage in range(len(rollout.tries)))
         reached = Counter(stage for rollout in self.rollouts for stage in range(rollout.reached))
         return tuple(Rate(reached[stage], trials[stage]) for stage in sorted(trials))
 
     def by_length(self) -> tuple[Fraction, ...]:
-        """Return for each length, from 1, the share of plans whose stages up to it are all reached.
+        """Return, for each length from 1, the share of plans whose stages up to that length are all reached.
 
         It is the product of the shares of the stages: exact for rollouts of one length, and for several lengths the
-        estimate of Kaplan and Meier (1958), in which all count as far as they go.
+        estimate of Kaplan and Meier (1958), in which each rollout counts up to its length.
         """
         return tuple(accumulate((rate.share for rate in self.by_stage()), lambda one, other: one * other))
 
@@ -133,7 +133,7 @@ class Rollouts:
         return {name: Rate(reached[name], trials[name]) for name in sorted(trials)}
 
     def table(self) -> str:
-        """Return a table as text: each stage, each action, and whole tasks."""
+        """Return a table of the rates as text: each stage, each action, and whole tasks."""
         rows = [(f"stage {number}", rate) for number, rate in enumerate(self.by_stage(), 1)]
         rows += [*self.by_action().items(), ("whole", self.whole())]
         wide = max(len(name) for name, _ in rows)
@@ -151,14 +151,15 @@ def run(
 ) -> Rollouts:
     """Pursue tasks with a policy for each skill, and return the rollouts.
 
-    `policies` are by the names of actions (``pick``) or by skills (``place(panda,_,left_of,_)``), which go first; one
-    alone is for all. Each subgoal may be pursued for `patience` steps, `tries` times: after a failure its policy takes
-    over again, from the current state. `tasks` are tasks, with their witnesses or without, or their number to sample
-    with a `seed`. The environment, a `TaskEnv` in any wrappers, defines the subgoals that are pursued and the
-    observations; it stays open. One that is made for a space is closed.
+    `policies` maps action names (``pick``) or skills (``place(panda,_,left_of,_)``), which have priority, to policies;
+    a single policy serves all. Each subgoal may be pursued for `patience` steps, `tries` times: after a failure, its
+    policy takes over again from the current state. `tasks` are tasks, with or without witnesses, or the number of tasks
+    to sample with a `seed`. The environment, a `TaskEnv` in any wrappers, defines the subgoals and the observations; it
+    stays open. An environment made for a space is closed.
 
     Raises:
-        QueryError: the environment is another one, a number is below 1, a policy is missing, or a task has no witness.
+        QueryError: the environment is not a `TaskEnv`, a number is below 1, a policy is missing, or a task has no
+            witness.
     """
     if isinstance(env, TaskSpace):
         task_env = TaskEnv(env, reward="sparse")
@@ -204,7 +205,7 @@ def _pursued(
     tries: int,
     patience: int,
 ) -> Rollout:
-    """Pursue the subgoals of an episode that has begun, until one fails."""
+    """Pursue the subgoals of a started episode until one fails."""
     env: TaskEnv = wrapped.unwrapped  # type: ignore[assignment]
     first, last = env.stage, env.last
     tried, steps = [], []
@@ -227,7 +228,7 @@ def _pursued(
 def _attempt(
     wrapped: gymnasium.Env[Any, Any], policy: Policy, observation: Any, patience: int
 ) -> tuple[Any, bool, int]:
-    """Pursue one subgoal by a policy; return the last observation, whether the goal is reached, and the steps taken."""
+    """Pursue a subgoal by a policy; return the last observation, whether it succeeded, and the number of steps."""
     env: TaskEnv = wrapped.unwrapped  # type: ignore[assignment]
     stage, begin = env.stage, getattr(policy, "begin", None)
     if begin is not None:
@@ -246,7 +247,7 @@ def _policy(policies: Policy | Mapping[str, Policy], env: TaskEnv) -> Policy:
     """Return the policy for the current subgoal.
 
     Raises:
-        QueryError: no policy is given for the action of the subgoal.
+        QueryError: the action of the subgoal has no policy.
     """
     if not isinstance(policies, Mapping):
         return policies

@@ -1,4 +1,4 @@
-"""Checkpoints of environments with a checksum: damaged ones, and those of another environment, are refused."""
+"""Checkpoints of environments with a checksum: damaged checkpoints, and those of another environment, are refused."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from prag_asp.errors import QueryError
 
 
 def with_checksum(state: Mapping[str, Any], spec: str) -> dict[str, Any]:
-    """Return a state of JSON values with the `spec` of its environment and a checksum over both."""
+    """Return a state of JSON values with the `spec` of its environment and a checksum of both."""
     return {**state, "spec": spec, "checksum": _checksum({**state, "spec": spec})}
 
 
@@ -33,5 +33,5 @@ def verify_checksum(state: object, spec: str) -> None:
 
 
 def _checksum(state: Mapping[str, Any]) -> str:
-    """Return the checksum of a state, the same after it was written and read as JSON."""
+    """Return the checksum of a state, which a round trip through JSON does not change."""
     return sha256(json.dumps(state, sort_keys=True).encode()).hexdigest()[:16]

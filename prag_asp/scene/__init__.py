@@ -1,1 +1,1 @@
-"""The author's physical table: what the entities look like and where they stand, and the geometry of that."""
+"""The scene table of a domain: the shapes, looks and places of its entities, and their geometry."""

@@ -1,4 +1,4 @@
-"""Boxes along the axes as plain tuples, which are faster than arrays at this size; all in metres.
+"""Axis-aligned boxes as plain tuples, which are faster than arrays at this size; all in metres.
 
 A `Box` has its centre and its half-extents, `Corners` its lowest and its highest corner.
 """
@@ -37,7 +37,7 @@ def corners_of(box: Box) -> Corners:
 
 
 def around(boxes: Iterable[Corners]) -> Corners:
-    """Return the box around boxes, of which there is at least one."""
+    """Return the box around one or more boxes."""
     lows, highs = zip(*boxes, strict=True)
     (ax, ay, az), (bx, by, bz) = (map(min, zip(*lows, strict=True)), map(max, zip(*highs, strict=True)))
     return (ax, ay, az), (bx, by, bz)
@@ -51,6 +51,6 @@ def touch(one: Corners, two: Corners) -> bool:
 
 
 def widened(box: Corners, rim: float) -> Corners:
-    """Return a box that is larger by a rim on every side."""
+    """Return a box enlarged by a margin on every side."""
     (ax, ay, az), (bx, by, bz) = box
     return (ax - rim, ay - rim, az - rim), (bx + rim, by + rim, bz + rim)

@@ -1,6 +1,6 @@
-"""Cameras: where they are, what they look at, and how a point becomes a pixel.
+"""Cameras: their positions, their targets, and the projection of points to pixels.
 
-Lengths are metres. The axes of a camera are those of pinhole models: x to the right of the picture, y down, z ahead.
+Lengths are metres. The axes of a camera are those of the pinhole model: x to the right of the image, y down, z ahead.
 """
 
 from __future__ import annotations
@@ -30,16 +30,16 @@ HAND_ROOM = 0.3
 """The height over the table that the default camera shows, so that hands are visible, in metres."""
 
 STRAIGHT = 0.999
-"""A camera looks along an axis where the cosine of the angle between them is larger: that axis cannot be upwards."""
+"""The cosine of the smallest angle between the view and the axis that points upwards in the image."""
 
 
 class Camera(NamedTuple):
     """A camera at a place in metres that looks at a point; `field_of_view` is vertical, in degrees.
 
-    With a `mount`, the name of a robot, both are in the frame of its tool, whose z axis is where the fingers point and
-    whose y axis that along which they open; and the tool's x axis is upwards in the picture, otherwise that of the
-    scene. `size` is width and height of a picture in pixels; what is nearer than `near` or farther than `far` metres
-    is not seen.
+    With a `mount`, the name of a robot, both points are in the frame of its tool: the fingers point along its z axis
+    and open along its y axis, and its x axis points upwards in the image. Without one, the z axis of the scene does.
+    `size` is the width and height of an image in pixels. Points nearer than `near` or farther than `far` metres are
+    clipped.
     """
 
     at: Vector
@@ -52,9 +52,9 @@ class Camera(NamedTuple):
 
     @property
     def intrinsics(self) -> NDArray[np.float64]:
-        """The matrix with the focal lengths fx and fy and the middle cx and cy in pixels, shape (3, 3).
+        """The camera matrix with the focal lengths fx and fy and the principal point cx and cy in pixels, shape (3, 3).
 
-        The middle of the first pixel is at (0.5, 0.5), and pixels are square.
+        The centre of the first pixel is at (0.5, 0.5), and pixels are square.
         """
         import numpy as np  # noqa: PLC0415 - whoever reads a scene may never look at it
 
@@ -64,7 +64,7 @@ class Camera(NamedTuple):
 
     @property
     def pose(self) -> NDArray[np.float64]:
-        """The camera in the frame of its mount, otherwise of the scene, as a homogeneous matrix, shape (4, 4)."""
+        """The pose of the camera in the frame of its mount, or of the scene, as a homogeneous matrix, shape (4, 4)."""
         import numpy as np  # noqa: PLC0415
 
         eye, target = np.array(self.at), np.array(self.look_at)
@@ -96,9 +96,9 @@ def usual_cameras(
 def fitted(
     seen: Sequence[Vector], aspect: float, towards: Vector = TOWARDS_EYE, field_of_view: float = FIELD_OF_VIEW
 ) -> tuple[Vector, Vector]:
-    """Return an eye and a target with which points just fit into an image of an aspect (width by height).
+    """Return the eye and target for which the points just fit into an image with an aspect ratio (width by height).
 
-    `towards` is the direction from them to the eye.
+    `towards` is the direction from the points to the eye.
     """
     import numpy as np  # noqa: PLC0415
 
@@ -111,7 +111,7 @@ def fitted(
     points = np.array(seen) @ axes.T
     centre, distance = points.mean(axis=0), 1.0
     for _ in range(FITTINGS):
-        # Each point needs a distance; then the target moves so that the points are centred in the image.
+        # Set the distance so that every point fits, then move the target so that the points are centred in the image.
         offsets = points - centre
         distance = float((offsets[:, 2] + (np.abs(offsets[:, :2]) / slopes).max(axis=1)).max())
         shown = offsets[:, :2] / (distance - offsets[:, 2:])

@@ -1,6 +1,6 @@
 """Perceptual colours in CIELAB, where equal distances look equally large.
 
-The distance is Delta E of 1976; colours differ at a glance from about 10, and mostly have different names from 20.
+The distance is Delta E of 1976: from about 10, colours differ at a glance; from 20, most have different names.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ TO_XYZ = np.array(
 DAYLIGHT = TO_XYZ.sum(axis=1)
 EDGE = 6 / 29
 WHITE = "#ffffff"
-"""The colour of a body that looks as its file has it: what is seen of it is multiplied by its colour."""
+"""The colour of a body that looks as in its file: its visual parts are multiplied by its colour."""
 
 LEVELS = (0x10, 0x38, 0x60, 0x88, 0xB0, 0xD8, 0xF8)
-"""The levels of red, green and blue of which the colours of `more_colours` are mixed."""
+"""The levels of red, green and blue that `more_colours` combines."""
 
 LIGHTNESS, CHROMA = (28.0, 88.0), (28.0, 90.0)
-"""The ranges of lightness and chroma of objects' colours: robots and trays are grey, and no object is as blue as a
-screen can be."""
+"""The ranges of lightness and chroma of objects' colours: robots and trays are grey, and no object has the strongest
+blue of a screen."""
 
 
 def rgb(color: str) -> tuple[int, int, int]:
@@ -42,7 +42,7 @@ def to_lab(color: str) -> NDArray[np.float64]:
 
 
 def from_lab(lab: NDArray[np.float64]) -> str:
-    """Return the colour of the screen that is nearest in red, green and blue to lightness, a and b."""
+    """Return the sRGB colour nearest to a lightness, a and b, clipped in red, green and blue."""
     y = (lab[0] + 16) / 116
     bent = np.array([y + lab[1] / 500, y, y - lab[2] / 200])
     xyz = DAYLIGHT * np.where(bent > EDGE, bent**3, 3 * EDGE**2 * (bent - 4 / 29))
@@ -58,7 +58,7 @@ def apart(one: str, two: str) -> float:
 
 @lru_cache(maxsize=64)
 def more_colours(taken: Sequence[str], count: int) -> tuple[str, ...]:
-    """Return `count` colours, each as different as possible from those that are taken and those before it.
+    """Return `count` colours, each as different as possible from the colours already taken and those before it.
 
     Gonzalez, "Clustering to minimize the maximum intercluster distance", 1985: the farthest point first.
     """
@@ -82,7 +82,7 @@ def more_colours(taken: Sequence[str], count: int) -> tuple[str, ...]:
 
 
 def _lab(colors: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Return lightness, a and b of colours from 0 to 255, shape (N, 3)."""
+    """Return lightness, a and b of colours given by red, green and blue from 0 to 255, shape (N, 3)."""
     bright = colors / 255
     linear = np.where(bright <= 0.04045, bright / 12.92, ((bright + 0.055) / 1.055) ** 2.4)
     xyz = linear @ TO_XYZ.T / DAYLIGHT

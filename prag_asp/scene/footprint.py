@@ -12,24 +12,24 @@ Place = tuple[float, float, float]
 """x and y in metres, yaw in radians."""
 
 TOUCHING = 0.0015
-"""Fixed bodies may reach this far into each other, in metres, as all bodies may."""
+"""The depth in metres by which fixed bodies may overlap, as any bodies may."""
 
 
 class Footprint(NamedTuple):
-    """An upright body and its place."""
+    """An upright body and its position and yaw."""
 
     shape: Shape
     place: Place = (0.0, 0.0, 0.0)
 
 
 def corners(footprint: Footprint) -> Outline:
-    """Return the corners of a footprint, counter-clockwise; for a round body, those of the square around it."""
+    """Return the corners of a footprint, counter-clockwise; for a round body, the corners of its bounding square."""
     (x, y, yaw), (half_x, half_y, _) = footprint.place, footprint.shape.half
     return rectangle(x, y, half_x, half_y, 0.0 if footprint.shape.traits.round else yaw)
 
 
 def apart(one: Footprint, two: Footprint, touching: float) -> bool:
-    """Return whether two bodies reach less than `touching` metres into each other, by separating axes."""
+    """Return whether two bodies overlap by less than `touching` metres, by the separating axis theorem."""
     for direction in (*_axes(one, two), *_axes(two, one)):
         (low, high), (other_low, other_high) = _shadow(one, direction), _shadow(two, direction)
         if max(other_low - high, low - other_high) >= -touching:
@@ -38,7 +38,7 @@ def apart(one: Footprint, two: Footprint, touching: float) -> bool:
 
 
 def _axes(footprint: Footprint, other: Footprint) -> list[Point]:
-    """Return unit normals of the sides of a body; for a round one, the direction from the nearest part of another."""
+    """Return unit normals of the sides of a body; for a round body, the direction from the nearest point of another."""
     x, y, yaw = footprint.place
     if not footprint.shape.traits.round:
         cosine, sine = math.cos(yaw), math.sin(yaw)

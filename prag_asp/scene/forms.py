@@ -15,15 +15,15 @@ Point = tuple[float, float]
 Outline = tuple[Point, ...]
 
 CIRCLE = tuple(2 * math.pi * i / 16 for i in range(16))
-"""The headings of the corners of a cylinder's outline, in radians: it misses 2 percent of the radius at most."""
+"""The headings of the corners of a cylinder's outline, in radians: the error is at most 2 percent of the radius."""
 
 
 class Primitive(NamedTuple):
     """The extent of a primitive, as functions of the half-extents of its bounding box, in metres.
 
-    `reach` is the distance from its centre to its farthest point along a unit vector, in its own frame. `outline` are
-    its corners from above, counter-clockwise, by x, y and yaw of its middle; for a ball, the point where it stands.
-    `volume` is in cubic metres.
+    `reach` is the distance from its centre to its farthest point along a unit vector, in its own frame. `outline`
+    returns its corners seen from above, counter-clockwise, for an x, y and yaw of its centre; for a ball, its contact
+    point. `volume` is in cubic metres.
     """
 
     reach: Callable[[Vector, Vector], float]
@@ -32,7 +32,7 @@ class Primitive(NamedTuple):
 
 
 def rectangle(x: float, y: float, half_x: float, half_y: float, yaw: float) -> Outline:
-    """Return the corners of a turned rectangle, counter-clockwise."""
+    """Return the corners of a rotated rectangle, counter-clockwise."""
     cosine, sine = math.cos(yaw), math.sin(yaw)
     corners = ((half_x, half_y), (-half_x, half_y), (-half_x, -half_y), (half_x, -half_y))
     return tuple((x + cosine * a - sine * b, y + sine * a + cosine * b) for a, b in corners)
@@ -55,4 +55,4 @@ BALL = Primitive(
 )
 
 FORMS: Mapping[str, Primitive] = {"box": BOX, "cylinder": CYLINDER, "sphere": BALL}
-"""The primitives that bodies are made of; a body from a URDF can have meshes, too."""
+"""The primitives that make up bodies; a body from a URDF can also have meshes."""

@@ -1,9 +1,10 @@
 """Furniture: a fixed body, a part that slides or turns on a joint, and a handle.
 
-A *drawer* is a low cabinet, open in front, in which a tray with a front panel slides out along the cabinet's -x. A
-*cupboard* is a low box whose door lies on top and turns about an upright pin at a corner, to the cupboard's +y: what
-is in it is reached from above, as everything is. Closed, the roof or the door is between the gripper and what is in
-it. Handles are upright posts, gripped from above. All frames are metres; the frame of the part is that of its joint.
+A *drawer* is a low cabinet, open in front, from which a tray with a front panel slides out along the cabinet's -x. A
+*cupboard* is a low box whose door lies on top and turns about an upright pin at a corner, to the cupboard's +y: the
+gripper reaches its contents from above, as it reaches everything. When the furniture is closed, the roof or the door is
+between the gripper and the contents. Handles are upright posts, gripped from above. Lengths are metres; the frame of
+the moving part is that of its joint.
 """
 
 from __future__ import annotations
@@ -18,32 +19,33 @@ from prag_asp.scene.geometry import Pose, compose, yaw_quaternion
 from prag_asp.scene.scene import Shape
 
 GAP = 0.002
-"""Between the moving part and the rest."""
+"""The gap between the moving part and the body, in metres."""
 
 POST, STEM = 0.011, 0.005
-"""Half the thickness of the post that is gripped, and of the stem that holds it in front of a drawer."""
+"""Half the thickness of the post of a handle, and of the stem that holds it in front of a drawer."""
 
 POST_HEIGHT = 0.055
 GRIP_DEPTH = 0.02
-"""The distance from the top of the post to the grasp."""
+"""The distance from the top of the post down to the grasp."""
 
 STAND_OFF = 0.025
 """The distance of the post from the panel of a drawer, or from the edge of a door: the fingers fit in between."""
 
 RIM = 2 / 3
-"""The height of a tray's walls, as a share of the room in the cabinet: they stop what is in it, and not the hand."""
+"""The height of a tray's walls as a share of the cabinet's inner height: they hold contents in, but not the hand
+out."""
 
 QUARTER = math.pi / 2
 SWEPT = 9
-"""Openings at which the swept volume of a part is sampled: they differ by an eighth of its range."""
+"""The number of openings at which the swept volume of a part is sampled: one every eighth of its range."""
 
 
 class Mechanism(NamedTuple):
-    """Furniture in its own frame, the centre of its size: boxes of the body, boxes of the part in the joint's frame.
+    """Furniture: boxes of the body in its frame, around the centre of its size; boxes of the part in the joint's frame.
 
-    The part moves along `axis` if it `slides`, otherwise it turns about it, from 0 to `limit` (metres or radians).
-    `handle` is the point that is gripped, in the joint's frame. `cavity` is inner sides and depth, `middle` the middle
-    of its floor, in the joint's frame where it `slides`, for then it moves along.
+    The part moves along `axis` if it `slides`, otherwise it turns about the axis, from 0 to `limit` (metres or
+    radians). `handle` is the grasp point, in the joint's frame. `cavity` has the inner sides and the depth, `middle` is
+    the centre of its floor, in the joint's frame if the part `slides`, because the cavity moves with it.
     """
 
     body: tuple[Box, ...]
@@ -88,7 +90,7 @@ def part_pose(shape: Shape, pose: Pose, opening: float) -> Pose:
 
 
 def cavity_pose(shape: Shape, pose: Pose, opening: float) -> Pose:
-    """Return the pose of the middle of the cavity's floor at an opening."""
+    """Return the pose of the centre of the cavity's floor at an opening."""
     parts = mechanism(shape)
     return compose(part_pose(shape, pose, opening) if parts.slides else pose, Pose(parts.middle))
 

@@ -41,12 +41,12 @@ def yaw_of(quaternion: Quaternion) -> float:
 
 
 def wrap(angle: float) -> float:
-    """Return an angle in radians brought to [-pi, pi)."""
+    """Return an angle in radians wrapped to [-pi, pi)."""
     return (angle + math.pi) % (2 * math.pi) - math.pi
 
 
 def multiply(first: Quaternion, second: Quaternion) -> Quaternion:
-    """Return the rotation `second` followed by `first`."""
+    """Return the rotation that applies `second`, then `first`."""
     ax, ay, az, aw = first
     bx, by, bz, bw = second
     return (
@@ -76,7 +76,7 @@ def rotate(quaternion: Quaternion, vector: Vector) -> Vector:
 
 
 def compose(outer: Pose, inner: Pose) -> Pose:
-    """Return the pose in the world of what has the pose `inner` in the frame `outer`."""
+    """Return the world pose of a frame with the pose `inner` in the frame `outer`."""
     x, y, z = rotate(outer.quaternion, inner.position)
     ox, oy, oz = outer.position
     return Pose((ox + x, oy + y, oz + z), multiply(outer.quaternion, inner.quaternion))
@@ -113,7 +113,7 @@ def matrix(pose: Pose) -> NDArray[np.float64]:
 
 
 def finite(pose: Pose) -> bool:
-    """Return whether a pose is finite and its quaternion of unit length, which PyBullet never checks."""
+    """Return whether a pose is finite and its quaternion has unit length; PyBullet checks neither."""
     numbers = (*pose.position, *pose.quaternion)
     return all(map(math.isfinite, numbers)) and abs(sum(q * q for q in pose.quaternion) - 1.0) < 1e-6
 
@@ -134,7 +134,7 @@ def width_along(shape: Shape, quaternion: Quaternion, direction: Vector) -> floa
 
 
 def heading(quaternion: Quaternion) -> tuple[float, float]:
-    """Return cosine and sine of the yaw of a body that stands upright."""
+    """Return the cosine and sine of the yaw of an upright body."""
     x, y, z, w = quaternion
     cosine, sine = 1 - 2 * (y * y + z * z), 2 * (w * z + x * y)
     length = math.hypot(cosine, sine) or 1.0
@@ -142,7 +142,7 @@ def heading(quaternion: Quaternion) -> tuple[float, float]:
 
 
 def to_local(pose: Pose, x: float, y: float) -> Point:
-    """Return a point of the plane in the axes of a body that stands upright."""
+    """Return a point of the plane in the frame of an upright body."""
     cosine, sine = heading(pose.quaternion)
     dx, dy = x - pose.position[0], y - pose.position[1]
     return (cosine * dx + sine * dy, cosine * dy - sine * dx)
@@ -150,25 +150,25 @@ def to_local(pose: Pose, x: float, y: float) -> Point:
 
 @lru_cache(maxsize=1 << 11)
 def outline(shape: Shape, pose: Pose) -> Outline:
-    """Return the corners of an upright body from above, counter-clockwise; for a ball, the point where it stands."""
+    """Return the corners of an upright body seen from above, counter-clockwise; for a ball, its contact point."""
     x, y, _ = pose.position
     return shape.traits.form.outline(shape.half, x, y, yaw_of(pose.quaternion))
 
 
 @lru_cache(maxsize=1 << 11)
 def base(shape: Shape, pose: Pose) -> Outline:
-    """Return the outline from above of what an upright body stands on."""
+    """Return the outline, seen from above, of the base of an upright body."""
     return outline(shape, pose) if shape.model is None or not shape.model.base else _placed(shape.model.base, pose)
 
 
 @lru_cache(maxsize=1 << 11)
 def crown(shape: Shape, pose: Pose) -> Outline:
-    """Return the outline, from above, of the top of an upright body, on which others can stand."""
+    """Return the outline, seen from above, of the top of an upright body, on which others can stand."""
     return outline(shape, pose) if shape.model is None or not shape.model.crown else _placed(shape.model.crown, pose)
 
 
 def _placed(polygon: Outline, pose: Pose) -> Outline:
-    """Return an outline in the axes of an upright body in those of the world."""
+    """Return an outline from the frame of an upright body in world coordinates."""
     (x, y, _), (cosine, sine) = pose.position, heading(pose.quaternion)
     return tuple((x + cosine * a - sine * b, y + sine * a + cosine * b) for a, b in polygon)
 

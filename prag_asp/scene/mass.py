@@ -29,7 +29,7 @@ class MassProperties(NamedTuple):
     inertia: Floats
 
     def scaled(self, mass: float) -> MassProperties:
-        """Return the properties of a body of the same distribution and another mass."""
+        """Return the properties of a body with the same mass distribution and another mass."""
         return MassProperties(mass, self.centre, self.inertia * (mass / self.mass))
 
     def moved(self, rows: Floats, at: Floats) -> MassProperties:
@@ -37,11 +37,11 @@ class MassProperties(NamedTuple):
         return MassProperties(self.mass, rows @ self.centre + at, rows @ self.inertia @ rows.T)
 
     def fits(self, low: Floats, high: Floats) -> bool:
-        """Return whether some distribution of the mass in a box, from its low to its high corner, has this inertia."""
+        """Return whether some distribution of the mass in a box, given by two corners, has this inertia."""
         if not np.all(np.isfinite(self.inertia)):
             return False
-        # The second moments of the mass about its centre: for any distribution they are positive along each direction,
-        # and at most the mass times the square of the longest distance along an axis.
+        # The second moments about the centre of mass: for any distribution they are positive in each direction, and at
+        # most the mass times the square of the longest distance along an axis.
         moments = np.trace(self.inertia) / 2 * np.eye(3) - self.inertia
         room = self.mass * np.maximum(high - self.centre, self.centre - low) ** 2
         slack = PLAUSIBLE * float(np.trace(self.inertia))
@@ -50,7 +50,7 @@ class MassProperties(NamedTuple):
 
 
 def point_mass(mass: float, centre: Floats) -> MassProperties:
-    """Return the properties of a mass in a point."""
+    """Return the properties of a point mass."""
     return MassProperties(mass, centre, np.zeros((3, 3)))
 
 
@@ -80,7 +80,7 @@ def primitive_mass(solid: Solid) -> MassProperties:
 
 
 def polyhedron_mass(triangles: Floats) -> MassProperties:
-    """Return the properties of a closed polyhedron of density 1; its triangles, shape (n, 3, 3), face outwards."""
+    """Return the properties of a closed polyhedron of density 1 with outward-facing triangles, shape (n, 3, 3)."""
     around = triangles.mean((0, 1))
     corners = triangles - around
     volumes = np.linalg.det(corners) / 6
@@ -94,9 +94,9 @@ def polyhedron_mass(triangles: Floats) -> MassProperties:
 
 
 def principal(inertia: Floats) -> tuple[Size, Floats]:
-    """Return the principal moments of an inertia in kg m², and the rotation (3, 3) whose columns are their axes.
+    """Return the principal moments of an inertia in kg m², and the rotation (3, 3) with their axes as columns.
 
-    The axes are those of the frame if the inertia is diagonal.
+    If the inertia is diagonal, the axes are those of the frame.
     """
     diagonal = np.diag(inertia)
     if np.all(np.abs(inertia - np.diag(diagonal)) <= PLAUSIBLE * diagonal.max()):

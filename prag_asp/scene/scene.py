@@ -18,7 +18,7 @@ from prag_asp.scene.predicate_names import PREDICATE_ROLES
 from prag_asp.scene.shape_kinds import KINDS, Kind
 
 GREY = "#808080"
-"""The colour of an entity to which the scene gives none."""
+"""The colour of an entity without one in the scene."""
 
 IGNORED = "none"
 """The value in ``scene.predicates`` of a fluent that physics ignores."""
@@ -34,7 +34,7 @@ class Solid(NamedTuple):
     """A solid of a body: box, cylinder, sphere or mesh.
 
     `size` has the sides of the bounding box in metres, or the scale of a mesh along each axis. `at` is the position of
-    the centre in the frame of the body, whose origin is the centre of its bounding box. `turn` is roll, pitch and yaw
+    its centre in the frame of the body, whose origin is the centre of its bounding box. `turn` is roll, pitch and yaw
     in radians; `mesh` is the path of a file.
     """
 
@@ -46,10 +46,11 @@ class Solid(NamedTuple):
 
 
 class Look(NamedTuple):
-    """A visual part of a body: a solid in the frame of the body, without collisions.
+    """A visual part of a body: a solid in the frame of the body that does not collide.
 
-    A mesh has the colours and textures of its file; files that it names have to be inside a `folder`. Otherwise it has
-    the `texture`, a path, and the solid the `color`, or that of the entity if it is empty.
+    A mesh has the colours and textures of its file; files that it names must be inside a `folder`. Surfaces of a mesh
+    without them have the `texture`, a path, or the `color`. Other solids have the `color`; an empty `color` means that
+    of the entity.
     """
 
     solid: Solid
@@ -59,9 +60,9 @@ class Look(NamedTuple):
 
 
 class Cavity(NamedTuple):
-    """The cavity of a body: the middle of its floor in the frame of the body, and its sides and depth, in metres.
+    """The cavity of a body: the centre of its floor in the frame of the body, and its sides and depth, in metres.
 
-    It fits into a box with these sides, but may be round.
+    A box with these sides encloses it; it may be round.
     """
 
     middle: Size
@@ -74,10 +75,10 @@ class BodyModel(NamedTuple):
     It has the collision solids, the `mass` in kilograms, the `centre` of mass in metres, and the principal `moments` of
     inertia in kg m² about `axes`, a unit quaternion (x, y, z, w).
 
-    `base` and `crown` are the convex outlines, seen from above and counter-clockwise, of what it stands on and of what
-    stands on it: its lowest and its highest points; if empty, of its box. `settled` is the angle in radians by which it
-    was tilted from its orientation in the file, because it does not rest there. `looks` are its visual parts; without
-    them, its collision solids are shown.
+    `base` and `crown` are the convex outlines, seen from above and counter-clockwise, of its lowest points, on which it
+    stands, and of its highest points, on which others stand; empty ones mean those of its box. `settled` is the angle
+    in radians by which it was tilted from its orientation in the file, because it is not stable in that one. `looks`
+    are its visual parts; without them, its collision solids are shown.
     """
 
     solids: tuple[Solid, ...]
@@ -92,11 +93,11 @@ class BodyModel(NamedTuple):
     looks: tuple[Look, ...] = ()
 
     def __hash__(self) -> int:
-        # Caches look models up all the time, and some have hundreds of numbers; these few distinguish them.
+        # Caches look up models often, and some models have hundreds of numbers; these few distinguish them.
         return hash((self.mass, self.centre, self.moments, len(self.solids)))
 
     def with_mass(self, mass: float) -> BodyModel:
-        """Return the model with another mass in kilograms, distributed alike."""
+        """Return the model with another mass in kilograms and the same mass distribution."""
         x, y, z = (moment * mass / self.mass for moment in self.moments)
         return self._replace(mass=mass, moments=(x, y, z))
 
@@ -114,12 +115,12 @@ class Shape(NamedTuple):
 
     @property
     def traits(self) -> Kind:
-        """The properties of its kind."""
+        """The properties of the shape's kind."""
         return KINDS[self.kind]
 
     @property
     def hollow(self) -> bool:
-        """Whether things can be in it: by its kind, or because its model has a cavity."""
+        """Whether the body can contain others: because of its kind, or because its model has a cavity."""
         return self.traits.hollow or (self.model is not None and self.model.cavity is not None)
 
     @property
@@ -136,10 +137,10 @@ class Shape(NamedTuple):
 
 
 class Material(NamedTuple):
-    """The material of a body; the defaults fit light wood, and full boxes of cardboard.
+    """The material of a body; the defaults fit light wood and full cardboard boxes.
 
-    `density` is in kilograms per cubic metre. A contact has the product of the coefficients of `friction` of both
-    bodies. `rolling` is the coefficient of rolling friction of a ball in metres: fruit is not quite round.
+    `density` is in kilograms per cubic metre. The friction coefficient of a contact is the product of the `friction` of
+    both bodies. `rolling` is the coefficient of rolling friction of a ball in metres: fruit is not quite round.
     """
 
     density: float = 400.0
@@ -160,9 +161,9 @@ class BoxBounds(NamedTuple):
 class Own(NamedTuple):
     """A spatial predicate that a domain adds: the roles of its arguments, and its definition.
 
-    It is defined either by `boxes`, or by the Python file of the path `file`. The boxes are around the second argument,
-    or around the entity `around`; the predicate holds if the centre of the first argument, or with `whole` all of it,
-    is in one of the boxes. `sentence` is a template of the predicate in plain words.
+    It is defined either by `boxes`, or by the Python file at the path `file`. The boxes are relative to the second
+    argument, or to the entity `around`; the predicate holds if one of the boxes contains the centre of the first
+    argument, or with `whole` the entire body. `sentence` is a template of the predicate in plain words.
     """
 
     name: str
@@ -175,7 +176,7 @@ class Own(NamedTuple):
 
 
 class Mount(NamedTuple):
-    """The kind of a robot, and the place of its base: x and y in metres, yaw in radians."""
+    """The kind of a robot, and the pose of its base: x and y in metres, yaw in radians."""
 
     kind: str
     x: float = 0.0
@@ -186,9 +187,9 @@ class Mount(NamedTuple):
 class Ranges(NamedTuple):
     """The ranges of domain randomization.
 
-    `friction` and `mass` are the smallest and the largest factor. The others are largest changes: `light` of the
-    direction to the light, in degrees; `camera` of the position of a camera and of its target, as a share of their
-    distance; `colour` of a colour, as Delta E in CIELAB.
+    `friction` and `mass` are the smallest and the largest factor. The others are the largest changes: `light` of the
+    light direction, in degrees; `camera` of the positions of a camera and of its target, as a share of their distance;
+    `colour` of a colour, as Delta E in CIELAB.
     """
 
     friction: tuple[float, float] = (0.8, 1.2)
@@ -202,7 +203,7 @@ USUAL_RANGES = Ranges()
 
 
 def only_robot(shapes: Mapping[str, Shape], kind: str = "panda") -> dict[str, Mount]:
-    """Return the mount of a single robot at the origin; it has the name of its entity, otherwise of its kind."""
+    """Return the mount of a single robot at the origin, by the name of its entity, or else of its kind."""
     name = next((entity for entity, shape in shapes.items() if shape.kind == "robot"), kind)
     return {name: Mount(kind)}
 
@@ -224,18 +225,20 @@ BALANCE = 0.01
 class Scene:
     """The scene of a domain.
 
-    Most fields map names of entities: to `shapes`, `colors` (``#rrggbb``), `materials`, for robots to their mounts in
-    `robots`, and for bodies that never move to their place in `fixed`, x, y in metres and yaw in radians. If the size
-    of an entity is sampled for each task, `ranges` has all its possible shapes, the smallest first, and `shapes` the
+    Most fields map names of entities: to `shapes`, `colors` (``#rrggbb``) and `materials`; `robots` maps robots to
+    their mounts, and `fixed` bodies that never move to their place: x, y in metres and yaw in radians. If the size of
+    an entity is sampled for each task, `ranges` has all its possible shapes, the smallest first, and `shapes` the
     largest of them. By default there is one Panda, at the origin.
 
     `workspace` is the part of the table top where the search places objects: low x, high x, low y, high y in metres.
-    It does not limit where they can be. `predicates` maps fluent names to spatial predicates, `rotations` names to yaws
-    in radians. `frame` is "robot", for which left is +y and in front is -x, or "viewer", who faces the robot.
+    Objects can also be elsewhere. `predicates` maps fluent names to spatial predicates, `rotations` names to yaws in
+    radians. `frame` is "robot", where left is +y and in front is -x, or "viewer", the view of a person who faces the
+    robot.
 
     `own` has the spatial predicates that the domain adds, by name; their Python files are run only if `trusted` is set.
-    `cameras` are named, too; by default there is one, `front`. `vary` has the ranges of domain randomization. `balance`
-    is the margin in metres that the centre of mass of a placed object keeps within what it stands on, if that is large.
+    `cameras` are also named; the default is one camera, `front`. `vary` has the ranges of domain randomization.
+    `balance` is the margin in metres by which the centre of mass of a placed object stays within its support, if the
+    support is large enough.
     """
 
     shapes: Mapping[str, Shape]
@@ -263,7 +266,7 @@ class Scene:
             object.__setattr__(self, "cameras", usual_cameras(self.workspace, bases, self.fixed_corners()))
 
     def fixed_corners(self) -> tuple[Size, ...]:
-        """Return the corners of boxes around the fixed bodies with any yaw, in metres."""
+        """Return the corners, in metres, of boxes that contain the fixed bodies at any yaw."""
         corners = []
         for entity, (x, y, _) in self.fixed.items():
             size = self.shapes[entity].size if entity in self.shapes else (0.0, 0.0, 0.0)
@@ -273,11 +276,11 @@ class Scene:
 
     @property
     def shared(self) -> bool:
-        """Whether several robots work at the table: they avoid each other, and sentences name them."""
+        """Whether several robots share the table: they avoid each other, and sentences name them."""
         return len(self.robots) > 1
 
     def meaning(self, fluent: Atom) -> str | None:
-        """Return the name of the spatial predicate that a fluent means, None if physics ignores the fluent."""
+        """Return the name of the spatial predicate for a fluent, or None if physics ignores the fluent."""
         name = self.predicates.get(fluent.name, fluent.name)
         return name if name in PREDICATE_ROLES or name in self.own else None
 
@@ -302,7 +305,7 @@ class Scene:
         """Return the scene with the sampled sizes of a task, in metres.
 
         Raises:
-            SceneError: an entity cannot have its size.
+            SceneError: a size is not possible for its entity.
         """
         shapes = {}
         for entity, size in sizes.items():

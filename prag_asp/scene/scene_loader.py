@@ -27,8 +27,8 @@ def parse_scene(
 ) -> Scene:
     """Return the scene of a ``[scene]`` table, in which every entity has the shape of its class.
 
-    `classes` maps each class to its parents, `entities` each entity to its class. Paths are relative to `folder`, that
-    of the domain. Physics runs the Python files of the domain only with `trust`.
+    `classes` maps each class to its parents, `entities` each entity to its class. Paths are relative to `folder`, the
+    folder of the domain. Physics runs the Python files of the domain only with `trust`.
 
     Raises:
         SceneError: the table has problems; the message has one line for each, with its key.
@@ -49,13 +49,13 @@ def scene_problems(
     *,
     folder: Path = Path(),
 ) -> list[TableProblem]:
-    """Return all problems of a ``[scene]`` table; it has to define what the spatial ones among `fluents` need."""
+    """Return all problems of a ``[scene]`` table; it must define everything that spatial `fluents` need."""
     report, scene = _read(table, DomainNames(classes, entities, folder))
     fluents = list(fluents)
     names = {fluent.name for fluent in fluents}
     meant = sorted(name for name in names if scene.meaning(Atom(name, ())) is None and name not in scene.predicates)
     for name in sorted(scene.predicates.keys() - names):
-        # A fluent that nothing grounds is not among the fluents, so a name that is unlike all others may be right.
+        # A fluent without ground atoms is not in `fluents`, so a name unlike all others may be right.
         if is_misspelt(name, meant):
             report.add(("scene", "predicates", name), f"there is no fluent {name}; {did_you_mean(name, meant)}")
     for fluent in fluents:
@@ -80,7 +80,7 @@ def _require_objects(report: TableReport, scene: Scene) -> None:
 
 
 def _check_fluent(report: TableReport, scene: Scene, entities: Mapping[str, str], fluent: Atom) -> None:
-    """Report a spatial fluent with a wrong number of arguments, or without the shapes or rotations that it needs."""
+    """Report a spatial fluent with a wrong number of arguments, or with missing shapes or rotations."""
     meaning = scene.meaning(fluent)
     if meaning is None:
         return

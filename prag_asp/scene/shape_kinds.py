@@ -1,7 +1,7 @@
 """The kinds of bodies and their properties, for the scene, the search and the proofs.
 
-A new kind needs a row here. One of a new form needs a row in `prag_asp.scene.forms` too, and one in
-`prag_asp.physics.world.primitives` that says what PyBullet calls it; furniture one in `prag_asp.scene.furniture`.
+A new kind needs a row here. A kind with a new form also needs a row in `prag_asp.scene.forms`, and one in
+`prag_asp.physics.world.primitives` with PyBullet's name of the form. Furniture needs one in `prag_asp.scene.furniture`.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from prag_asp.scene.forms import BALL, BOX, CYLINDER, Primitive
 class Kind(NamedTuple):
     """The properties of all bodies of a kind.
 
-    `keys` are the keys of its table in ``scene.shapes`` besides the kind; `form` is its geometry. A `round` body
-    looks the same however it is turned about the vertical. A `flat` one ends in planes: it stands on the one below,
-    and bears others on the one above; what is not flat rolls. An `even` one is as broad everywhere, so that it can be
-    held at its end as well. Things can be in a `hollow` one. `furniture` stands still and has a part on a joint. A
-    `body` is an object; a robot, the table and a zone, a flat part of the table's top, are not. A `surface` is the
+    `keys` are the keys of its table in ``scene.shapes`` besides the kind; `form` is its geometry. A `round` body looks
+    the same at any rotation about the vertical. A `flat` body has a plane bottom, on which it stands, and a plane top,
+    on which others stand; a body that is not flat rolls. An `even` body has the same width everywhere, so that it can
+    also be held at its end. A `hollow` body can contain others. `furniture` stands still and has a part on a joint. A
+    `body` is an object; a robot, the table and a zone (a flat part of the table's top) are not. A `surface` is the
     table's top or a part of it.
     """
 

@@ -16,7 +16,7 @@ def boxes(places: Iterable[tuple[Vector, Vector]]) -> tuple[Solid, ...]:
 
 
 def solids(shape: Shape) -> tuple[Solid, ...]:
-    """Return the solids of a body in its own frame, furniture closed."""
+    """Return the solids of a body in its own frame, with furniture closed."""
     if shape.model is not None:
         return shape.model.solids
     if shape.traits.furniture:
@@ -30,13 +30,13 @@ def solids(shape: Shape) -> tuple[Solid, ...]:
 
 
 def weight(scene: Scene, entity: str) -> float:
-    """Return the mass of a body in kilograms: that of its URDF, or volume times density."""
+    """Return the mass of a body in kilograms: that of its model, or volume times density."""
     shape = scene.shapes[entity]
     return scene.material(entity).density * volume(solids(shape)) if shape.model is None else shape.model.mass
 
 
 def walls(shape: Shape, above: float = 0.0) -> tuple[Solid, ...]:
-    """Return the walls of a container; they begin twice `above` metres over the ground, to leave room for a floor."""
+    """Return the walls of a container; they begin twice `above` metres above the ground, to leave room for a floor."""
     x, y, z = shape.half
     thin, inner, tall = shape.wall / 2, y - shape.wall, z - above
     return boxes(
@@ -50,5 +50,5 @@ def walls(shape: Shape, above: float = 0.0) -> tuple[Solid, ...]:
 
 
 def volume(made_of: Iterable[Solid]) -> float:
-    """Return the volume of solids in cubic metres, none of them a mesh."""
+    """Return the volume of solids without meshes, in cubic metres."""
     return sum(FORMS[solid.kind].volume((solid.size[0] / 2, solid.size[1] / 2, solid.size[2] / 2)) for solid in made_of)

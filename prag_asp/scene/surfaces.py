@@ -1,4 +1,4 @@
-"""The surface of a body as triangles in its own frame, for questions of geometry: grasps, proofs, cavities."""
+"""The surface of a body as triangles in its own frame, for grasps, proofs and cavities."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from prag_asp.scene.solids import solids
 Floats = NDArray[np.float64]
 
 EDGE = 1e-9
-"""The length in metres of an edge that has no direction."""
+"""The length in metres below which an edge has no direction."""
 
 SIDES = 32
-"""Sides of a tessellated cylinder or ball: the surface misses half a percent of the radius at most."""
+"""The number of sides of a tessellated cylinder or ball: the error is at most half a percent of the radius."""
 
 
 def part_surfaces(shape: Shape) -> tuple[Floats, ...]:
-    """Return the triangles of each convex part of a body in its own frame, metres; arrays of shape (n, 3, 3).
+    """Return the triangles (n, 3, 3) of each convex part of a body in its own frame, in metres.
 
     The corners of a triangle are counter-clockwise seen from outside.
 
@@ -38,12 +38,12 @@ def part_surfaces(shape: Shape) -> tuple[Floats, ...]:
 
 @lru_cache(maxsize=64)
 def _part_surfaces(shape: Shape, files: tuple[tuple[int, int], ...]) -> tuple[Floats, ...]:
-    """Return the triangles of each part; the states of the files are a key of the cache."""
+    """Return the triangles of each part; the states of the files are part of the cache key."""
     return tuple(part for solid in solids(shape) for part in _placed_parts(solid))
 
 
 def surface(shape: Shape) -> Floats:
-    """Return the triangles of all parts of a body in its own frame, metres; an array of shape (n, 3, 3).
+    """Return the triangles (n, 3, 3) of all parts of a body in its own frame, in metres.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -52,7 +52,7 @@ def surface(shape: Shape) -> Floats:
 
 
 def mesh_states(shape: Shape) -> tuple[tuple[int, int], ...]:
-    """Return what identifies the contents of the mesh files of a body, for caches.
+    """Return the states of the mesh files of a body, which identify their contents for caches.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -61,7 +61,7 @@ def mesh_states(shape: Shape) -> tuple[tuple[int, int], ...]:
 
 
 def in_frame(triangles: Floats, frame: Pose) -> Floats:
-    """Return triangles, shape (n, 3, 3), in the axes of a frame that is given in theirs."""
+    """Return triangles (n, 3, 3) transformed into a frame whose pose is given in their current frame."""
     turned = matrix(frame)
     result: Floats = (triangles - turned[:3, 3]) @ turned[:3, :3]
     return result
@@ -79,7 +79,7 @@ def _placed_parts(solid: Solid) -> list[Floats]:
 
 
 def _outward(triangles: Floats) -> Floats:
-    """Return the triangles of a convex part with their corners counter-clockwise from outside, flat ones left out."""
+    """Return the triangles of a convex part, without degenerate ones, counter-clockwise seen from outside."""
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     inward = np.einsum("ij,ij->i", normals, triangles.mean(1) - triangles.mean((0, 1))) < 0.0
     triangles = np.where(inward[:, None, None], triangles[:, ::-1], triangles)
@@ -117,9 +117,9 @@ def _primitive(kind: str, size: tuple[float, float, float]) -> Floats:
 
 @lru_cache(maxsize=1 << 10)
 def part_boxes(shape: Shape, quaternion: Quaternion) -> Floats:
-    """Return the boxes around the convex parts of a turned body at the origin, along the axes of the world, in metres.
+    """Return the axis-aligned bounding boxes, in metres, of the convex parts of a rotated body at the origin.
 
-    An array of shape (n, 2, 3): centres and half-sides. There is one box around a body without a model.
+    The array has the shape (n, 2, 3): centres and half-extents. A body without a model has one box.
     """
     if shape.model is None:
         return np.array([((0.0, 0.0, 0.0), extents(shape, quaternion))])
@@ -137,15 +137,15 @@ class PartOutline(NamedTuple):
 
     @classmethod
     def of(cls, corners: Floats) -> PartOutline:
-        """Return the outline of corners, shape (n, 2), counter-clockwise."""
+        """Return the outline with the corners (n, 2), counter-clockwise."""
         edges = np.roll(corners, -1, 0) - corners
         lengths = np.maximum(np.linalg.norm(edges, axis=1), EDGE)
         return cls(corners, np.stack([edges[:, 1], -edges[:, 0]]) / lengths)
 
     def meets(self, other: PartOutline, offset: Floats, spacing: float) -> bool:
-        """Return whether this outline, moved by an offset (2,), may be nearer than a spacing in metres to another.
+        """Return whether this outline, moved by an offset (2,), may be within a spacing in metres of another.
 
-        It is not if an edge keeps them apart by as much (separating axis theorem).
+        It is not if an edge separates them by at least this spacing (separating axis theorem).
         """
         normals = np.concatenate([self.normals, other.normals], 1)
         ours, theirs = (self.corners + offset) @ normals, other.corners @ normals
@@ -155,7 +155,7 @@ class PartOutline(NamedTuple):
 
 @lru_cache(maxsize=1 << 10)
 def part_outlines(shape: Shape, quaternion: Quaternion) -> tuple[PartOutline, ...]:
-    """Return the convex outline from above of each part of a turned body at the origin, as `part_boxes` orders them."""
+    """Return the convex outline, seen from above, of each part of a rotated body, in the order of `part_boxes`."""
     if shape.model is None:
         return (PartOutline.of(np.array(outline(shape, Pose((0.0, 0.0, 0.0), quaternion)))),)
     rows = matrix(Pose((0.0, 0.0, 0.0), quaternion))[:2, :3]

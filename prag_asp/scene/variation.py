@@ -1,6 +1,6 @@
 """Domain randomization: the properties that vary between episodes.
 
-Each kind is sampled independently: the others do not change it.
+Each kind is sampled independently of the others.
 """
 
 from __future__ import annotations
@@ -25,15 +25,16 @@ KINDS = ("friction", "mass", "light", "camera", "colour")
 """The kinds of variation."""
 
 USUAL_LIGHT: Vector = (-0.3, 0.8, 1.8)
-"""The direction to the light where it does not vary."""
+"""The direction to the light if it does not vary."""
 
 
 @dataclass(frozen=True)
 class Variation:
-    """The variation of an episode; what is missing is as in the scene.
+    """The variation of an episode; missing properties are as in the scene.
 
-    `friction` has coefficients and `mass` kilograms of entities, `light` the direction to it, `cameras` where each is
-    and what it looks at in metres, `colours` those of entities as ``#rrggbb``.
+    `friction` has the coefficients of entities, `mass` their masses in kilograms, `light` the direction to the light,
+    `cameras` the positions of cameras and their targets in metres, and `colours` the colours of entities as
+    ``#rrggbb``.
     """
 
     friction: Mapping[str, float] = field(default_factory=dict)
@@ -43,7 +44,7 @@ class Variation:
     colours: Mapping[str, str] = field(default_factory=dict)
 
     def applied(self, scene: Scene) -> Scene:
-        """Return a scene with this variation; entities and cameras that it does not have are ignored."""
+        """Return a scene with this variation; entities and cameras that the scene does not have are ignored."""
         materials, shapes = dict(scene.materials), dict(scene.shapes)
         for entity, coefficient in self.friction.items():
             materials[entity] = scene.material(entity)._replace(friction=coefficient)
@@ -120,7 +121,7 @@ def draw_variation(scene: Scene, kinds: Iterable[str], objects: Sequence[str], s
     """Return a random variation of some `KINDS` for the objects of a task, within the ranges of the scene.
 
     Friction and colour also vary for the table, mass only for movable objects. Cameras and their targets are moved
-    within balls, and so are colours, in CIELAB. Entities are sampled in the order of their names.
+    within balls, and colours within balls in CIELAB. Entities are sampled in the order of their names.
     """
     rngs = {kind: np.random.default_rng([*seed, KINDS.index(kind)]) for kind in kinds}
     ranges, table = scene.vary, table_of(scene)
@@ -147,7 +148,7 @@ def draw_variation(scene: Scene, kinds: Iterable[str], objects: Sequence[str], s
 
 
 def table_of(scene: Scene) -> str:
-    """Return the entity that is the table, ``table`` where none is."""
+    """Return the entity of the table, or ``table`` if there is none."""
     return next((entity for entity, shape in scene.shapes.items() if shape.kind == "table"), "table")
 
 

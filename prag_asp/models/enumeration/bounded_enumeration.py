@@ -1,6 +1,6 @@
-"""Enumeration by clingo that ends at a deterministic limit of work, and an estimate of what it would take.
+"""Enumeration by clingo up to a deterministic limit of work, and an estimate of the required work.
 
-Limits are models and conflicts, so that whether it ends does not depend on the machine.
+Models and conflicts are limited, so that the result does not depend on the machine.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from prag_asp.models.ground_program import GroundModels
 from prag_asp.processes.progress_events import stage
 
 DIVES = 8
-"""Random searches for one model; the median of their depths varies by about two bits between seeds."""
+"""The number of random searches for a model; the median of their depths varies by about two bits between seeds."""
 
 DIVE_CONFLICTS = 200
-"""Conflicts after which a dive is abandoned: some milliseconds."""
+"""The number of conflicts after which a random search is abandoned: some milliseconds."""
 
 UNLIMITED = "umax"
 """clasp's word for no limit."""
@@ -25,14 +25,14 @@ UNLIMITED = "umax"
 
 @dataclass(frozen=True)
 class Effort:
-    """A limit of an enumeration: the number of models, and that of conflicts."""
+    """A limit of an enumeration: the numbers of models and of conflicts."""
 
     models: int
     conflicts: int
 
 
 class BoundedEnumeration:
-    """The enumeration of a program on the control that ground it, which remembers what it learned in earlier calls."""
+    """The enumeration of a program on its grounding control, which keeps the clauses learned in earlier calls."""
 
     def __init__(self, ground: GroundModels, *, project: bool) -> None:
         self._control = ground.grounder.control
@@ -44,7 +44,7 @@ class BoundedEnumeration:
             self._solve.project = "auto"
 
     def count(self, effort: Effort) -> int | None:
-        """Return the number of answer sets, or None if it takes more than the effort."""
+        """Return the number of answer sets, or None if counting exceeds the effort."""
         stage("enumerating answer sets")
         self._solve.models, self._solve.solve_limit = str(effort.models + 1), f"{effort.conflicts},{UNLIMITED}"
         exhausted = self._search()
@@ -52,7 +52,7 @@ class BoundedEnumeration:
         return int(self._control.statistics["summary"]["models"]["enumerated"]) if exhausted else None
 
     def depth(self) -> float:
-        """Return the median number of decisions of random searches for a model, less those that conflicts undid.
+        """Return the median number of decisions of random searches for a model, minus those that conflicts undid.
 
         A tree of binary decisions of this depth has about ``2 ** depth`` leaves (Knuth 1975).
         """
@@ -69,7 +69,7 @@ class BoundedEnumeration:
         return median(depths)
 
     def _search(self) -> bool:
-        """Search until a limit; return whether all models were found. Ctrl-C is handled between two polls."""
+        """Search up to a limit; return whether all models were found. Ctrl-C is handled between two polls."""
         with self._control.solve(async_=True) as handle:
             try:
                 while not handle.wait(POLL):

@@ -20,17 +20,17 @@ from prag_asp.program.grounding import Grounder
 from prag_asp.random_bits import SeededBits
 
 POLL = 0.05
-"""Seconds between two checks for interrupts."""
+"""The time between two checks for interrupts, in seconds."""
 
 PROJECT = "--project=auto"
-"""The option for projection: on the atoms of ``#project`` or, without such a statement, on what is shown."""
+"""The option for projection: on the atoms of ``#project`` or, without such a statement, on the shown symbols."""
 
 Printed = tuple[clingo.Symbol, ...]
 
 
 @dataclass(frozen=True)
 class Enumeration:
-    """The answer sets of a program, enumerated again for each query; memory does not grow with their number."""
+    """The answer sets of a program, re-enumerated for each query; memory does not grow with their number."""
 
     given: GivenProgram
     ground: GroundModels
@@ -64,7 +64,7 @@ class Enumeration:
         return sum((weight for _, weight in self._enumerate_with_progress()), start=Fraction(0))
 
     def marginals(self) -> dict[clingo.Symbol, Fraction]:
-        """Return for each symbol the total weight of the answer sets that show it."""
+        """Return, for each symbol, the total weight of the answer sets that show it."""
         weights: dict[clingo.Symbol, Fraction] = {}
         for printed, weight in self._enumerate_with_progress():
             for symbol in printed:
@@ -74,8 +74,8 @@ class Enumeration:
     def sample(self, seed: int, number: int, total: Fraction) -> list[Printed]:
         """Return a number of answer sets, each sampled with a probability proportional to its weight.
 
-        Each sample is a point between 0 and the total weight; another enumeration finds the answer sets of the points
-        by cumulative weight.
+        Each sample is a point between 0 and the total weight; a second enumeration finds the answer sets at these
+        points by cumulative weight.
         """
         bits = SeededBits(seed, "models")
         scale = prod(weight.denominator for weight in self.stated.values())  # makes the weights of answer sets integers
@@ -94,7 +94,7 @@ class Enumeration:
     def _grounder(self, *arguments: str) -> Grounder:
         project = [PROJECT] if self.project else []
         values = [] if self.optimum is None else [str(value) for _, value in self.optimum.values]
-        mode = f"--opt-mode={','.join(['enum', *values])}"  # all answer sets that are not worse
+        mode = f"--opt-mode={','.join(['enum', *values])}"  # all answer sets at least as good
         recorder = GroundRecorder()
         grounder = self.given.grounder(*arguments, "0", mode, *project, observer=recorder if self.project else None)
         grounder.ground([("base", [])])
@@ -138,9 +138,9 @@ class Enumeration:
 
 
 def project_on_shown(control: clingo.Control, shown: Iterable[tuple[clingo.Symbol, Iterable[Condition]]]) -> None:
-    """Have a control with the option `PROJECT` project on shown symbols, each with the conditions that show it.
+    """Make a control with the option `PROJECT` project on shown symbols, each with the conditions that show it.
 
-    By itself, clingo leaves out symbols whose names begin with ``_``, and distinguishes the conditions of a symbol.
+    By default, clingo omits symbols whose names begin with ``_``, and distinguishes the conditions of a symbol.
     """
     with control.backend() as backend:
         projected = []

@@ -1,1 +1,1 @@
-"""Questions about all answer sets: which are optimal, in which atoms they differ, and why there is none."""
+"""Queries about all answer sets: the optimal ones, facets, and explanations of inconsistency."""

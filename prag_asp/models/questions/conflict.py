@@ -1,9 +1,9 @@
-"""Why a program has no answer set: a minimal set of its lines that together exclude every answer set.
+"""Explain why a program has no answer set: a minimal set of its lines that together exclude every answer set.
 
-Each line is kept or lifted. A lifted constraint is dropped; a lifted rule derives its head atoms no longer, but allows
+Each line is kept or lifted. A lifted constraint is dropped; a lifted rule allows its head atoms instead of deriving
 them. So lifting a line only adds answer sets, and lines are lifted one by one until none can be (a deletion-based
 minimal unsatisfiable subset; Marques-Silva 2010), with clingo's unsatisfiable cores as a start. Lines that only state
-data, that is atoms which are true whatever is chosen, are kept, unless data alone exclude every answer set.
+data, that is, atoms that are true in any case, are kept, unless data alone exclude every answer set.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ from prag_asp.program.sources import ADDED, Program, Source
 from prag_asp.program.syntax import AtomNode, Signature, Statement, with_replaced
 
 POLL = 0.05
-"""Seconds between two checks for interrupts."""
+"""The time between two checks for interrupts, in seconds."""
 
 CONFLICTS = 100_000
-"""The number of the solver's conflicts after which it gives up on a line: some seconds, the same on all machines."""
+"""The number of conflicts after which the solver gives up on a line: some seconds, but deterministic."""
 
 CONSTANT = re.compile(r"-?\d+|_*[a-z][\w']*")
 """An argument that is a number or a name."""
@@ -42,9 +42,9 @@ CONSTANT = re.compile(r"-?\d+|_*[a-z][\w']*")
 
 @dataclass(frozen=True)
 class Conflict:
-    """Lines of a program that together exclude every answer set; if `minimal`, no part of them does.
+    """Lines of a program that together exclude every answer set; if `minimal`, no proper subset does.
 
-    A set is not known to be minimal if the solver gave up on one of its parts.
+    A set is not known to be minimal if the solver gave up on one of its subsets.
     """
 
     lines: tuple[RestrictingLine, ...]
@@ -52,7 +52,7 @@ class Conflict:
 
 
 def explain_program(files: Sequence[str | Path | Source], constants: Mapping[str, Constant]) -> Conflict | None:
-    """Return why the program of some files has no answer set, or None if it has one; it may optimise.
+    """Return lines that exclude every answer set of a program, or None if it has one; the program may optimise.
 
     Raises:
         DomainError: a file cannot be read or ground.
@@ -78,7 +78,7 @@ def find_conflict(given: GivenProgram, ground: GroundModels) -> Conflict | None:
 
 
 def _liftable_ground(given: GivenProgram, source: Source, *, facts: bool) -> _LiftableLines:
-    """Return the lines of a program in aspif; facts are among them with `facts`."""
+    """Return the lines of an aspif program, including facts if `facts`."""
     text, lines, kept = liftable_text(source, facts=facts)
     grounder = Grounder(given.program, "--opt-mode=ignore", strict=False, text=text)
     grounder.ground([("base", [])])
@@ -86,7 +86,7 @@ def _liftable_ground(given: GivenProgram, source: Source, *, facts: bool) -> _Li
 
 
 def _liftable_lines(given: GivenProgram, ground: GroundModels, data: Container[Signature]) -> _LiftableLines:
-    """Return the lines of a program without those that only state data."""
+    """Return the lines of a program, except those that only state data."""
     texts = [source.text for source in given.program.sources]
     prefix = next(name for name in ("_" * length for length in count(1)) if not any(name in each for each in texts))
     sources: list[Source] = []
@@ -140,7 +140,7 @@ class _LiftableLines:
         return Conflict(tuple(self._lines[place] for place in conflict), minimal)
 
     def _core(self, places: Sequence[int]) -> list[int] | None:
-        """Return those of some lines that exclude every answer set while all others are lifted, or None.
+        """Return a subset of lines that excludes every answer set while all others are lifted, or None.
 
         Raises:
             _GivenUp: the solver reached its limit.
@@ -159,7 +159,7 @@ class _LiftableLines:
                 core = set(handle.core())
             finally:
                 handle.cancel()
-        # Lines that the core wants lifted restrict nothing: lifting them only adds answer sets.
+        # Lines lifted in the core restrict nothing: lifting them only adds answer sets.
         return [place for place in sorted(chosen) if self._literals[place] in core]
 
 
@@ -176,12 +176,12 @@ def _is_liftable(statement: Statement, data: Container[Signature]) -> bool:
 
 
 def _derived(statement: Statement) -> list[AtomNode]:
-    """Return the atoms that a rule derives; a negated head restricts, as a constraint does."""
+    """Return the atoms that a rule derives; a negated head restricts like a constraint."""
     return [head for head in statement.heads if not head.negated]
 
 
 def _liftable(statement: Statement, kept: str, may: str) -> Iterator[str]:
-    """Yield the rules of a statement that hold if an atom is true, and its lifted form if it is false."""
+    """Yield the rules of a statement that hold if an atom is true, and its lifted form otherwise."""
     body = "".join(f"{text}; " for _, text in statement.literals)
     yield f"{statement.node.head} :- {body}{kept}."
     allowed = [str(element) for element in _elements(statement.node.head)]
@@ -220,7 +220,7 @@ def _signature(symbol: clingo.Symbol) -> Signature:
 
 
 def _written(source: Source, statement: Statement) -> str:
-    """Return the text of a statement as its author wrote it, in one line."""
+    """Return the original text of a statement in one line."""
     begin, end = statement.node.location.begin, statement.node.location.end
     lines = source.text.encode().split(b"\n")[begin.line - 1 : end.line]  # clingo counts columns in bytes
     lines[-1] = lines[-1][: end.column - 1]

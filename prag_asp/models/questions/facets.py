@@ -1,4 +1,4 @@
-"""Facets: the shown atoms that some answer sets have and others lack, and how much each narrows the answer sets.
+"""Facets: shown atoms that some answer sets have and others lack, and how much each narrows the answer sets.
 
 The notions are those of Fichte, Gaggl and Rusovac, "Rushing and Strolling among Answer Sets" (2022), and of Rusovac,
 Hecher, Gebser, Gaggl and Fichte, "Navigating and Querying Answer Sets" (2024), as in the browser fasb.
@@ -18,10 +18,10 @@ from prag_asp.models.diagram import Diagram
 
 @dataclass(frozen=True)
 class Narrowing:
-    """The numbers of answer sets and of facets that remain if an atom is chosen or excluded, and their shares.
+    """The numbers of answer sets and facets that remain if an atom is chosen or excluded, and their reductions.
 
-    `of_answer_sets` and `of_facets` are shares from 0 to 1 of the numbers before. The latter is the significance of the
-    facet.
+    `of_answer_sets` and `of_facets` are the reductions as shares of the original numbers, from 0 to 1. The latter is
+    the significance of the facet.
     """
 
     answer_sets: int
@@ -32,9 +32,10 @@ class Narrowing:
 
 @dataclass(frozen=True)
 class Facet:
-    """The share of the answer sets that have a shown atom, and what is left if it is chosen, or excluded.
+    """The share of answer sets that have a shown atom, and the remaining sets if the atom is chosen, or excluded.
 
-    An atom of no or of all answer sets is not a facet: nothing is left, or nothing changes, and both are None.
+    An atom in no or in all answer sets is not a facet: choosing or excluding it leaves nothing or changes nothing, and
+    both are None.
     """
 
     share: Fraction
@@ -49,7 +50,7 @@ class Facet:
 
 @dataclass(frozen=True)
 class _Companions:
-    """The atoms that are facets of some answer sets, given which atoms these have and lack, as sets of bits."""
+    """The facets of some answer sets, given as bit sets the atoms that some of them have and that some of them lack."""
 
     having: int = 0
     lacking: int = 0
@@ -63,9 +64,9 @@ class _Companions:
 def facets_of_diagram(
     diagram: Diagram, printed: Sequence[tuple[clingo.Symbol, Literal]], numbers: Mapping[Literal, int], total: int
 ) -> dict[clingo.Symbol, Facet]:
-    """Return the facets by a compiled formula, given the number of models of each literal and of all; there is one.
+    """Return the facets by a compiled formula with a model, given the number of models of each literal and in total.
 
-    Each literal collects in one pass which literals occur in models together with it.
+    One pass collects, for each literal, the literals that occur in models together with it.
     """
     bits: dict[Literal, int] = {}
     for place, (_, literal) in enumerate(printed):
@@ -89,7 +90,7 @@ def facets_of_diagram(
 def facets_of_lists(
     symbols: Sequence[clingo.Symbol], found: Iterable[tuple[clingo.Symbol, ...]]
 ) -> dict[clingo.Symbol, Facet]:
-    """Return the facets of listed answer sets; without any, no atom is a facet, and all shares are 0."""
+    """Return the facets of listed answer sets; without answer sets, no atom is a facet, and all shares are 0."""
     places = {symbol: place for place, symbol in enumerate(symbols)}
     whole = (1 << len(symbols)) - 1
     numbers, total = [0] * len(symbols), 0
@@ -110,7 +111,7 @@ def facets_of_lists(
 
 
 def _together(diagram: Diagram, bits: Mapping[Literal, int]) -> dict[Literal, int]:
-    """Return for each literal the bits of all literals that occur in models together with it."""
+    """Return, for each literal, the bits of all literals that occur in models together with it."""
     below: list[int] = []  # the bits of the literals in models of a node
     for branches in diagram.nodes:
         union = 0
@@ -148,7 +149,7 @@ def _together(diagram: Diagram, bits: Mapping[Literal, int]) -> dict[Literal, in
 def _facets(
     symbols: Sequence[clingo.Symbol], pairs: Sequence[tuple[int, _Companions, _Companions]], total: int
 ) -> dict[clingo.Symbol, Facet]:
-    """Return the facets, given for each symbol the number of answer sets with it and the atoms beside it."""
+    """Return the facets, given for each symbol the number of answer sets with it and the atoms that occur with it."""
     facets = sum(0 < number < total for number, _, _ in pairs)
 
     def narrowing(number: int, companions: _Companions) -> Narrowing:

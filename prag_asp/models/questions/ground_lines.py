@@ -1,7 +1,7 @@
-"""The lines of a ground program in aspif with an atom for each that keeps it, and their text as rules.
+"""The lines of a ground aspif program, each with an atom that keeps it, and their text as rules.
 
-A lifted constraint or assumption is dropped, and a lifted rule allows its head whatever its body. Outputs, projection,
-externals and edges stay as they are.
+A lifted constraint or assumption is dropped, and a lifted rule allows its head for any body. Outputs, projection,
+externals and edges are unchanged.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from prag_asp.program.sources import Source
 
 
 class LiftableText(NamedTuple):
-    """A program in aspif for clingo, its lines that may be lifted, and the atoms that keep them, line by line."""
+    """An aspif program for clingo, its liftable lines, and the atoms that keep them, line by line."""
 
     text: str
     lines: tuple[RestrictingLine, ...]
@@ -24,7 +24,7 @@ class LiftableText(NamedTuple):
 
 
 class _Rule(NamedTuple):
-    """A rule of aspif; `weights` are None for a conjunction."""
+    """An aspif rule; `weights` is None for a conjunction."""
 
     choice: bool
     heads: tuple[int, ...]
@@ -38,12 +38,12 @@ class _Rule(NamedTuple):
 
     @property
     def restricts(self) -> bool:
-        """Whether lifting it may add answer sets: a choice without a body allows its heads already."""
+        """Whether lifting the rule may add answer sets: a choice without a body already allows its heads."""
         return not self.choice or bool(self.literals) or self.weights is not None
 
 
 def liftable_text(source: Source, *, facts: bool) -> LiftableText:
-    """Return a checked program whose lines can be lifted; facts can only with `facts`."""
+    """Return a checked program whose lines can be lifted, including facts if `facts`."""
     lines = source.text.split("\n")
     statements = list(enumerate(lines[1 : lines.index("0")], 2))
     names = dict(_names(text for _, text in statements))
@@ -80,7 +80,7 @@ def _rule(fields: Sequence[str]) -> _Rule:
 
 
 def _lifted(rule: _Rule, kept: int, fresh: Iterator[int]) -> Iterator[str]:
-    """Yield the lines of a rule that holds if an atom is true, and otherwise allows its heads."""
+    """Yield the lines of a rule that holds if an atom is true, and allows its heads otherwise."""
     body = rule.literals
     if rule.weights is not None:
         body = (next(fresh),)
@@ -109,7 +109,7 @@ def _as_text(rule: _Rule, names: Mapping[int, str]) -> str:
 
 
 def _names(statements: Iterator[str]) -> Iterator[tuple[int, str]]:
-    """Yield the atoms that an output shows by themselves, with their names; the first output of each comes last."""
+    """Yield the atoms that are alone in an output, with their names; the first output of each comes last."""
     for text in reversed(list(statements)):
         name, condition = _output(text)
         if len(condition) == 1 and condition[0] > 0:
@@ -117,7 +117,7 @@ def _names(statements: Iterator[str]) -> Iterator[tuple[int, str]]:
 
 
 def _output(text: str) -> tuple[str, tuple[int, ...]]:
-    """Return the term and the condition of an output, both empty for another statement."""
+    """Return the term and the condition of an output; both are empty for another statement."""
     kind, _, rest = text.partition(" ")
     if kind != str(OUTPUT):
         return "", ()
@@ -127,7 +127,7 @@ def _output(text: str) -> tuple[str, tuple[int, ...]]:
 
 
 def _atoms(text: str) -> Iterator[int]:
-    """Yield the atoms of a statement, negative where negated."""
+    """Yield the atoms of a statement, as negative numbers if negated."""
     kind, *fields = text.split(" ")
     if kind == str(RULE):
         rule = _rule(fields)
@@ -141,7 +141,7 @@ def _atoms(text: str) -> Iterator[int]:
 ATOMS_FROM: Mapping[str, slice] = {
     "3": slice(1, None), "5": slice(0, 1), "6": slice(1, None), "7": slice(1, 2), "8": slice(3, None),
 }  # fmt: skip
-"""The fields with atoms of further statements by their kind: projection, externals, assumptions, heuristics, edges.
+"""The fields with atoms of other statements, by kind: projection, externals, assumptions, heuristics, edges.
 
-Conditions of heuristics matter to none, and sums to minimize have only atoms of rules.
+Conditions of heuristics are irrelevant, and minimize statements have only atoms of rules.
 """

@@ -1,4 +1,4 @@
-"""The optimum of a program: the best value at each priority, and rules that leave only the optimal answer sets."""
+"""The optimum of a program: the best value at each priority, and rules that allow only the optimal answer sets."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from prag_asp.models.program_reader import GivenProgram, places_of_costs
 from prag_asp.processes.progress_events import stage
 
 POLL = 0.05
-"""Seconds between two checks for interrupts."""
+"""The time between two checks for interrupts, in seconds."""
 
 LARGEST = 2**31 - 1
 """The largest sum of weights: clasp merges the weights of equivalent literals in 32 bits."""
@@ -22,7 +22,7 @@ LARGEST = 2**31 - 1
 
 @dataclass(frozen=True)
 class Optimum:
-    """The best values that answer sets reach, each with its priority, the highest priority first.
+    """The best values that answer sets reach, each with its priority, highest priority first.
 
     Values are minimized, as clingo prints them: ``#maximize`` subtracts its weights.
     """
@@ -71,7 +71,7 @@ def find_optimum(given: GivenProgram, ground: GroundModels) -> Optimum | None:
 
 
 def only_optimal(ground: GroundModels, optimum: Optimum) -> GroundModels:
-    """Return a ground program with constraints for the optimal answer sets, which its control gets as well."""
+    """Return a ground program with constraints for the optimal answer sets, which are also added to its control."""
     rules = tuple(_optimal_rules(ground, optimum))
     with ground.grounder.control.backend() as backend:
         for rule in rules:
@@ -82,8 +82,7 @@ def only_optimal(ground: GroundModels, optimum: Optimum) -> GroundModels:
 def _optimal_rules(ground: GroundModels, optimum: Optimum) -> Iterator[Rule]:
     """Yield constraints that the optimal answer sets satisfy, and no others.
 
-    An answer set whose values are nowhere above the optimum is optimal itself, because the optimum is minimal in the
-    lexicographic order.
+    An answer set with no value above the optimum is optimal, because the optimum is minimal in the lexicographic order.
     """
     for (_, literals), (_, value) in zip(ground.minimized, optimum.values, strict=True):
         weights: dict[int, int] = {}

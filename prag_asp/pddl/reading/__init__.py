@@ -1,1 +1,1 @@
-"""Read the files of PDDL into plain values, and rewrite what the translation does not know: numbers and time."""
+"""Read PDDL files into plain values, and rewrite numbers and time, which the translation does not support."""

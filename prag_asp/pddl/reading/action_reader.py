@@ -1,4 +1,4 @@
-"""Read the actions of a PDDL domain: conditions and effects, nested at will, and durative actions without time."""
+"""Read the actions of a PDDL domain: arbitrarily nested conditions and effects, and durative actions without time."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Effect = SchemaEffect | NumericEffect
 
 
 class ActionReader:
-    """Reads the actions of a domain; durative actions are instantaneous if `untimed`, and refused otherwise."""
+    """Reads the actions of a domain; durative actions become instantaneous if `untimed`, and are refused otherwise."""
 
     def __init__(self, source: PddlSource, declared: Declared, derived: frozenset[str], *, untimed: bool) -> None:
         self._source = source
@@ -101,7 +101,7 @@ class ActionReader:
         return found
 
     def _timed_condition(self, tree: Expression, scope: Scope, time: tuple[str, str]) -> Formula:
-        """Return the part of a durative action's condition that belongs to a time."""
+        """Return the part of a durative action's condition for a time specifier."""
         if tree.head == "and" or not tree.parts:
             parts = (self._source.list_of([each], tree.line) for each in tree.rest)
             return Junction(True, tuple(self._timed_condition(each, scope, time) for each in parts), tree.line)
@@ -127,9 +127,9 @@ class ActionReader:
         condition: Formula,
         time: tuple[str, str] | None = None,
     ) -> Iterator[Effect]:
-        """Yield the effects of a list, below the quantified variables `outer` and a `condition`.
+        """Yield the effects of a list, within the quantified variables `outer` and a `condition`.
 
-        In a durative action, yield those of a time.
+        In a durative action, yield only the effects at a time.
         """
         head, rest, line = tree.head, tree.rest, tree.line
         if not tree.parts:
@@ -171,7 +171,7 @@ class ActionReader:
         condition: Formula,
         time: tuple[str, str] | None,
     ) -> Iterator[Effect]:
-        """Yield the effects of a change of a function. A change of a number without a time is read at the end."""
+        """Yield the effects of a change of a function. A numeric change without a time applies at the end."""
         target, value = tree.rest
         if scope.is_object_function(target):
             if time or tree.head != "assign":
@@ -185,7 +185,7 @@ class ActionReader:
     def _assignment(
         self, tree: Expression, scope: Scope, outer: tuple[Variable, ...], condition: Formula
     ) -> Iterator[SchemaEffect]:
-        """Yield the effects that give a function of objects another value, or none."""
+        """Yield the effects that give an object function another value, or none."""
         target, value = self._source.list_of(tree.rest, tree.line), tree.rest[1]
         function = scope.function_value(target)
         if any(variable not in function.terms.terms for variable in outer):
@@ -202,7 +202,7 @@ class ActionReader:
             yield SchemaEffect((*outer, *function.terms.new, *new.new), guard, function.literal(new.terms[0]))
 
     def _check_assigned(self, precondition: Formula) -> None:
-        """Refuse two changes of a function of objects at once, and forget them."""
+        """Refuse two simultaneous changes of an object function, and forget all changes."""
         for (one, _), (other, line) in combinations(self._assigned, 2):
             if one.predicate == other.predicate and not certainly_unlike(
                 one.terms.terms, other.terms.terms, precondition
@@ -220,7 +220,7 @@ class ActionReader:
         condition: Formula,
         time: tuple[str, str] | None,
     ) -> Iterator[Effect]:
-        """Yield the effects of a ``when``: its condition and those around it hold together."""
+        """Yield the effects of a ``when``, under the conjunction of its condition and those around it."""
         if time is None:
             both = (condition, scope.formula(guard))
             yield from self._effects(part, scope, outer, Junction(True, both, guard.line))
@@ -235,7 +235,7 @@ class ActionReader:
 
 
 def fixed_duration(tree: Expression) -> Expression | Word | None:
-    """Return what a duration has to be equal to, None if it may have several values."""
+    """Return the value that a duration must equal, or None if it may have several values."""
     part = tree.parts[0] if len(tree.parts) == 1 else tree
     if isinstance(part, Expression) and part.head == "and" and len(part.rest) == 1:
         part = part.rest[0]
@@ -248,7 +248,7 @@ def fixed_duration(tree: Expression) -> Expression | Word | None:
 
 
 def time_of(tree: Expression) -> tuple[str, str] | None:
-    """Return the time that a part of a durative action names."""
+    """Return the time specifier of a part of a durative action, if any."""
     words = tree.parts[:2]
     if len(tree.parts) == 3 and all(isinstance(each, Word) for each in words) and isinstance(tree.parts[2], Expression):
         return next((each for each in (START, END, OVER) if each == tuple(map(str, words))), None)
@@ -256,7 +256,7 @@ def time_of(tree: Expression) -> tuple[str, str] | None:
 
 
 def has_parts(formula: Formula) -> bool:
-    """Return whether a formula is more than conjunctions and quantifiers of nothing."""
+    """Return whether a formula contains anything but conjunctions and quantifiers."""
     if isinstance(formula, Junction):
         return not formula.every or any(map(has_parts, formula.parts))
     return not isinstance(formula, Quantified) or has_parts(formula.part)

@@ -1,9 +1,9 @@
-"""Numbers that actions change and conditions read, as predicates: one for each value that a function may have.
+"""Numbers that actions change and conditions read, as predicates: one for each possible value of a function.
 
-The values are a least fixpoint within the bounds of `number_bounds`: those of the initial state, and those that an
-action makes of them where its own comparisons hold. It contains all reachable values, because objects are ignored.
-Where it is finite, the translation is exact: in each state one of the predicates is true of each function term that has
-a value.
+The values are a least fixpoint within the bounds of `number_bounds`: the values of the initial state, and those that an
+action computes from them if its own comparisons hold. It contains all reachable values, because objects are ignored. If
+it is finite, the translation is exact: in each state, one of the predicates is true of each function term that has a
+value.
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ from prag_asp.pddl.reading.number_bounds import SIGNS, is_unconditional, value_b
 from prag_asp.pddl.reading.pddl_source import PddlSource
 
 MOST_VALUES = 200
-"""The limit of the values of a function: each becomes a predicate."""
+"""The maximum number of values of a function: each becomes a predicate."""
 
 MOST_ROWS = 20_000
-"""The limit of the combinations of values in one comparison or effect: each becomes a condition. It takes 20 ms."""
+"""The maximum number of combinations of values in a comparison or effect: each becomes a condition. They take 20 ms."""
 
 MOST_TRIED = 300_000
-"""The limit of all combinations that are computed. They take 5 s."""
+"""The maximum number of computed combinations in total. They take 5 s."""
 
 Row = dict[FunctionTerm, Fraction]
 
@@ -53,7 +53,8 @@ def bounded(
     """Return a domain and a problem in which no condition reads a function that an action changes.
 
     Raises:
-        DomainError: such a function has too many values, has none in the initial state, or is changed twice at once.
+        DomainError: such a function has too many values, has none in the initial state, or is changed twice by one
+            action.
     """
     read = read_functions(domain, problem)
     domain = replace(domain, actions=tuple(joined(each, read) for each in domain.actions))
@@ -73,9 +74,10 @@ def bounded(
 
 
 def joined(action: Schema, functions: Collection[str]) -> Schema:
-    """Return an action that changes each term of some functions once, by the sum of its unconditional changes.
+    """Return an action that changes each term of the given functions once, by the sum of its unconditional changes.
 
-    A change that another one takes back is dropped, but the action still needs values of all that it reads.
+    A change that another change cancels is dropped, but the action still requires a value of every function that it
+    reads.
     """
     groups: dict[FunctionTerm, list[NumericEffect]] = {}
     for each in action.numeric:
@@ -104,7 +106,7 @@ def joined(action: Schema, functions: Collection[str]) -> Schema:
 
 
 def read_functions(domain: DomainFile, problem: ProblemFile) -> set[str]:
-    """Return the functions that comparisons read, and those that the changes of these read."""
+    """Return the functions that comparisons read, and those that changes of such functions read."""
     formulas = [problem.goal, *(each.formula for each in domain.derived)]
     for action in domain.actions:
         formulas += [action.precondition, *(each.condition for each in action.effects)]
@@ -134,7 +136,7 @@ def holds(comparison: Comparison, values: Mapping[FunctionTerm, Fraction]) -> bo
 
 
 def _changed(effect: NumericEffect, row: Row) -> Fraction | None:
-    """Return the value of a function after an effect, None if it has none."""
+    """Return the value of a function after an effect, or None if it has no value."""
     operators = {"increase": "+", "decrease": "-", "scale-up": "*", "scale-down": "/"}
     if effect.operator == "assign":
         return quantity_value(effect.value, row)
@@ -142,7 +144,7 @@ def _changed(effect: NumericEffect, row: Row) -> Fraction | None:
 
 
 class _FunctionValues:
-    """The values that functions may have, by name."""
+    """The possible values of functions, by name."""
 
     def __init__(
         self,
@@ -207,7 +209,7 @@ class _FunctionValues:
 
 @dataclass
 class _Numbers:
-    """The predicates of values, and the conditions and effects that they make of comparisons and changes."""
+    """The predicates of values; converts comparisons and changes to conditions and effects on them."""
 
     source: PddlSource
     domain: DomainFile
@@ -230,7 +232,7 @@ class _Numbers:
         )
 
     def formula(self, formula: Formula, source: PddlSource) -> Formula:
-        """Return a formula without comparisons of what changes."""
+        """Return a formula without comparisons of changing functions."""
         return replaced(formula, lambda part: self._cases(part, source) if isinstance(part, Comparison) else part)
 
     def _cases(self, comparison: Comparison, source: PddlSource) -> Formula:
@@ -253,7 +255,7 @@ class _Numbers:
         return Literal(self._names[term.function, value], term.terms, positive, line)
 
     def schema(self, action: Schema) -> Schema:
-        """Return an action whose changes are effects on predicates."""
+        """Return an action with its changes as effects on predicates."""
         made = [each for each in action.numeric if each.function.function in self.values.changing]
         for one, other in combinations(made, 2):
             if one.function.function == other.function.function and not certainly_unlike(

@@ -1,4 +1,4 @@
-"""Comparisons of numbers that no action changes, as literals of static predicates: they are computed when read."""
+"""Comparisons of numbers that no action changes, as literals of static predicates, computed while reading."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ COMPARE: Mapping[str, Callable[[Fraction, Fraction], bool]] = {
 }  # fmt: skip
 
 MOST_ROWS = 10**6
-"""The limit of the values that one comparison is computed for. A row takes 1 kB and 10 microseconds."""
+"""The maximum number of rows of values for a comparison. A row takes 1 kB and 10 microseconds."""
 
 Values = Mapping[tuple[str, tuple[str, ...]], Fraction]
 
@@ -110,7 +110,7 @@ class _Comparisons:
     def _joined(
         self, rows: Iterable[tuple[dict[Variable, str], dict[FunctionTerm, Fraction]]], term: FunctionTerm
     ) -> Iterator[tuple[dict[Variable, str], dict[FunctionTerm, Fraction]]]:
-        """Yield rows with each value of another function that agrees with them."""
+        """Yield rows extended by each consistent value of another function."""
         above, kinds = self._domain.above, self._problem.objects
         for objects, values in rows:
             for names, value in self._stated.get(term.function, {}).items():
@@ -126,7 +126,7 @@ class _Comparisons:
 
 
 def quantity_value(quantity: Quantity, values: Mapping[FunctionTerm, Fraction]) -> Fraction | None:
-    """Return the value of a quantity, or None if it has none: a function has none, or a divisor is 0."""
+    """Return the value of a quantity, or None if a function has no value or a divisor is 0."""
     if isinstance(quantity, Fraction):
         return quantity
     if isinstance(quantity, FunctionTerm):

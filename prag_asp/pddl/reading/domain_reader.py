@@ -23,7 +23,7 @@ REQUIREMENTS = frozenset([
     ":derived-predicates", ":domain-axioms", ":action-costs", ":fluents", ":numeric-fluents",
     ":object-fluents",
 ])  # fmt: skip
-"""The requirements of what is read. They need not be declared."""
+"""The supported requirements. They need not be declared."""
 
 
 class DomainReader:
@@ -104,7 +104,7 @@ class DomainReader:
             self._source.refuse(lines[first], f"types form a cycle, {' - '.join(path)}; remove one of them")
 
     def _read_functions(self, parts: Iterable[Expression | Word]) -> None:
-        """Read functions: those of numbers, which may name the type `number`, and those of objects."""
+        """Read numeric functions, which may name the type `number`, and object functions."""
         waiting: list[Expression | Word] = []
         each_part = iter(parts)
         for part in each_part:
@@ -181,7 +181,7 @@ class DomainReader:
 
 
 def check_requirements(source: PddlSource, section: Expression | None) -> None:
-    """Warn of requirements that are unknown, or of features that are refused where they are used."""
+    """Warn of unknown requirements, and of requirements for features that are refused where used."""
     for each in section.rest if section else ():
         name = source.list_of([each], each.line).head if isinstance(each, Expression) else each
         if name not in REQUIREMENTS:
@@ -208,7 +208,7 @@ def object_types(
 
 
 def _with_unique_names(schemas: Iterable[Schema]) -> Iterator[Schema]:
-    """Yield schemas; those that share a name get a number each, from the second one on."""
+    """Yield schemas; of those that share a name, all but the first get a number."""
     schemas = list(schemas)
     names = {each.given_name for each in schemas}
     used: set[str] = set()

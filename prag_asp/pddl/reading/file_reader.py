@@ -19,10 +19,10 @@ from prag_asp.program.problem import Problem
 def read_files(
     domain: Path, problem: Path, *, untimed: bool = False
 ) -> tuple[DomainFile, ProblemFile, tuple[Problem, ...]]:
-    """Read a domain and its problem, and return them with warnings about what is ignored or undeclared in them.
+    """Read a domain and its problem, and return them with warnings about their ignored or undeclared parts.
 
-    Comparisons of numbers are literals of static predicates in the result. With `untimed`, durative actions are read as
-    instantaneous ones.
+    The result has literals of static predicates in place of comparisons of numbers. With `untimed`, durative actions
+    are read as instantaneous ones.
 
     Raises:
         DomainError: a file is not PDDL, or uses something undeclared or unsupported.

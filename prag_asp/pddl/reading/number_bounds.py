@@ -1,4 +1,4 @@
-"""ValueBounds of numbers that actions change: what one action gives, another takes back, and an atom remembers it.
+"""Bounds of numbers that actions change: one action undoes the change of another, which an atom records.
 
 If each action that decreases f(z) by w(y) needs and deletes p(y,z), and each that adds p(y,z) increases f(z) by w(y),
 then f(z) minus the sum of w over the true atoms p(_,z) never decreases. The sum is not negative, so f(z) never falls
@@ -19,7 +19,7 @@ SIGNS: Mapping[str, int] = {"increase": 1, "decrease": -1}
 
 
 class ValueBounds(NamedTuple):
-    """The least and the greatest value of a function, None where none is known."""
+    """The least and the greatest value of a function, each None if unknown."""
 
     least: Fraction | None
     most: Fraction | None
@@ -31,7 +31,7 @@ class ValueBounds(NamedTuple):
 
 @dataclass(frozen=True)
 class _RememberedChange:
-    """A predicate that remembers changes of a function, and at which of its arguments the terms of both agree.
+    """A predicate that records changes of a function, with the places of its arguments that are the function's terms.
 
     `weight` is the size of a change: a number, or a function and the arguments of the predicate that are its terms.
     """
@@ -41,7 +41,7 @@ class _RememberedChange:
     weight: Fraction | tuple[str, tuple[int, ...]]
 
     def agrees(self, effect: NumericEffect, terms: tuple[Variable | str, ...]) -> bool:
-        """Return whether a change has the terms and the size that belong to an atom."""
+        """Return whether a change has the terms and the size that an atom records."""
         if isinstance(self.weight, Fraction):
             size: Quantity = self.weight
         else:
@@ -86,7 +86,7 @@ def _is_positive(value: Quantity, problem: ProblemFile, changing: set[str]) -> b
 
 
 def _memories(changes: Sequence[tuple[Schema, NumericEffect]], sign: int) -> Iterator[_RememberedChange]:
-    """Yield what may remember the changes against a sign, as the first of these suggests."""
+    """Yield predicates that may record the changes opposite to a sign, inferred from the first such change."""
     taking = next(((action, each) for action, each in changes if SIGNS[each.operator] == -sign), None)
     if taking is None:
         return
@@ -106,7 +106,7 @@ def _memories(changes: Sequence[tuple[Schema, NumericEffect]], sign: int) -> Ite
 
 
 def _is_kept(memory: _RememberedChange, function: str, actions: Sequence[Schema], sign: int) -> bool:
-    """Return whether all actions keep a memory: a new atom comes with its change, and a change back deletes one."""
+    """Return whether all actions respect a record: a new atom comes with its change; a reverse change deletes one."""
     for action in actions:
         change = next((each for each in action.numeric if each.function.function == function), None)
         added = [
@@ -141,7 +141,7 @@ def _lost(action: Schema, predicate: str) -> Iterator[Literal]:
 
 
 def _remembered(memory: _RememberedChange, terms: tuple[str, ...], problem: ProblemFile) -> Fraction:
-    """Return the sum of what the initial atoms remember of a function of some terms."""
+    """Return the sum of the changes of a function term that the initial atoms record."""
     total = Fraction(0)
     for atom in {tuple(map(str, each.terms)) for each in problem.initial if each.predicate == memory.predicate}:
         if tuple(atom[place] for place in memory.function_terms) == terms:

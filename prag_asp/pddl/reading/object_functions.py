@@ -1,7 +1,7 @@
-"""Functions whose values are objects, as predicates whose last argument is the value: each has at most one.
+"""Functions with objects as values, as predicates with the value as last argument; each has at most one value.
 
-``undefined`` is a value as others are (PDDL 3.1): two functions that have no value are equal. A literal with a function
-that has no value is false.
+``undefined`` is a value like any other (PDDL 3.1): two functions without a value are equal. A literal with a function
+without a value is false.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ UNDEFINED = "undefined"
 
 @dataclass(frozen=True)
 class Terms:
-    """Terms of a formula. The `new` variables stand for functions; the literals of `values` say what these are."""
+    """Terms of a formula. The `new` variables stand for functions; the literals of `values` define their values."""
 
     terms: tuple[Variable | str, ...]
     new: tuple[Variable, ...]
     values: tuple[Literal, ...]
 
     def bound(self, formula: Formula) -> Formula:
-        """Return a formula for the values of the functions: it is false where one has none."""
+        """Return a formula for the values of the functions, which is false if one has no value."""
         if not self.new:
             return formula
         return Quantified(False, self.new, Junction(True, (*self.values, formula), formula.line), formula.line)
@@ -30,7 +30,7 @@ class Terms:
 
 @dataclass(frozen=True)
 class AppliedPredicate:
-    """A predicate of terms."""
+    """A predicate applied to terms."""
 
     predicate: str
     terms: Terms
@@ -39,7 +39,7 @@ class AppliedPredicate:
 
 @dataclass(frozen=True)
 class ObjectFunction:
-    """A function of terms with the types of its values, and the predicate that holds for its value."""
+    """A function applied to terms, the types of its values, and the predicate that holds for its value."""
 
     predicate: str
     terms: Terms
@@ -47,5 +47,5 @@ class ObjectFunction:
     line: int
 
     def literal(self, value: Variable | str, *, positive: bool = True) -> Literal:
-        """Return that the function has a value."""
+        """Return the literal that the function has a value."""
         return Literal(self.predicate, (*self.terms.terms, value), positive, self.line)

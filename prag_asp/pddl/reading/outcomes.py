@@ -1,7 +1,7 @@
-"""Effects of which one happens (``oneof``), as actions of their own: one for each outcome.
+"""Nondeterministic effects (``oneof``) as separate actions, one for each outcome.
 
-This is the all-outcomes determinization (Yoon, Fern and Givan 2007): a plan of it is a sequence of actions with the
-outcomes that lead to the goal.
+This is the all-outcomes determinization (Yoon, Fern and Givan 2007): its plans are sequences of actions with outcomes
+that lead to the goal.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from prag_asp.wording import plural
 ONE_OF = "oneof"
 
 MOST_OUTCOMES = 1000
-"""The limit of the outcomes of one action: each becomes an action of its own."""
+"""The maximum number of outcomes of an action: each becomes a separate action."""
 
 
 def outcomes(source: PddlSource, effect: Expression) -> list[Expression]:
-    """Return the effects of the outcomes of an effect, which have no ``oneof``: itself if it has none.
+    """Return the outcomes of an effect, as effects without ``oneof``: the effect itself if it has no ``oneof``.
 
     Raises:
-        DomainError: there are too many outcomes, or the number of them depends on objects or on the state.
+        DomainError: there are too many outcomes, or their number depends on objects or on the state.
     """
     if _number(source, effect) > MOST_OUTCOMES:
         text = f"this effect has more than {MOST_OUTCOMES:,} outcomes; write fewer into one action"
@@ -33,7 +33,7 @@ def outcomes(source: PddlSource, effect: Expression) -> list[Expression]:
 
 
 def chosen_effect(parts: Iterable[Expression | Word]) -> Word | None:
-    """Return the first ``oneof`` in an effect, None if there is none."""
+    """Return the first ``oneof`` in an effect, or None if there is none."""
     return next((each for part in parts for each in words_of(part) if each == ONE_OF), None)
 
 

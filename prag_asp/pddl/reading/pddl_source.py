@@ -1,4 +1,4 @@
-"""A file of PDDL that is read: its names, numbers and typed lists, and the messages about its mistakes."""
+"""A PDDL file being read: its names, numbers and typed lists, and the messages about its mistakes."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from prag_asp.wording import did_you_mean, nearest, plural
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)")
 LIKE_NUMBER = re.compile(r"[-+]?[\d.]+")
 ATTACHED = re.compile(r"-([^\W\d][^?:]*)?")
-"""The sign before a type, which some files write without the blank after it."""
+"""The sign before a type; some files omit the blank after it."""
 
 
 @dataclass
 class PddlSource:
-    """A file whose mistakes are refused with its path and line; `warnings` are about what is read all the same."""
+    """A file whose mistakes are refused with its path and line; `warnings` are about accepted irregularities."""
 
     path: Path
     warnings: list[Problem] = field(default_factory=list)
@@ -49,7 +49,7 @@ class PddlSource:
             self.refuse(name.line, f"the {kind} {name} is declared twice; remove one, or rename it")
 
     def signature(self, kind: str, name: Word, arity: int, declared: Mapping[str, Declaration]) -> Declaration:
-        """Return the declaration of a predicate or a function that is used with `arity` arguments."""
+        """Return the declaration of a predicate or a function used with `arity` arguments."""
         self.check_known(kind, name, declared, f":{kind}s")
         expected = len(declared[name].types)
         if expected != arity:
@@ -57,14 +57,14 @@ class PddlSource:
         return declared[name]
 
     def list_of(self, parts: Iterable[Expression | Word], line: int) -> Expression:
-        """Return the next part, which has to be a list."""
+        """Return the next part, which must be a list."""
         part = next(iter(parts), None)
         if isinstance(part, Expression):
             return part
         self.refuse(part.line if part else line, unexpected(part) if part else "something is missing here; write it")
 
     def name_of(self, part: Expression | Word) -> Word:
-        """Return a part that has to be a name."""
+        """Return a part, which must be a name."""
         if isinstance(part, Expression):
             self.refuse(part.line, unexpected(part.head or "("))
         if part[0] in ":?" or part == "-":
@@ -80,9 +80,10 @@ class PddlSource:
     def typed_words(
         self, parts: Iterable[Expression | Word], types: dict[str, tuple[str, ...]] | None, *, variables: bool = False
     ) -> Iterator[tuple[Word, tuple[str, ...]]]:
-        """Yield the words of a typed list, each with its alternative types; there are none without a type.
+        """Yield the words of a typed list, each with its alternative types, none if it has no type.
 
-        An unknown type is added to `types` with a warning, unless it is a misspelling of one; None if all are welcome.
+        An unknown type is added to `types` with a warning, unless it is a misspelling; if `types` is None, any type is
+        valid.
         """
         waiting: list[Word] = []
         each_part = iter(parts)

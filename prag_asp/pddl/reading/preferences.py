@@ -1,4 +1,4 @@
-"""Preferences: conditions that a plan need not meet. They restrict no plan, and are left out."""
+"""Preferences: conditions that a plan need not satisfy. They are dropped, because they restrict no plan."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ PREFERENCE = "preference"
 
 
 def without_preferences(source: PddlSource, tree: Expression) -> Expression:
-    """Return a condition without its preferences, which stand alone or in ``and`` and ``forall``, with a warning."""
+    """Return a condition without its preferences, alone or in ``and`` and ``forall``, and warn of them."""
     if tree.head == PREFERENCE:
         source.warn(tree.line, "preferences are ignored: plans need not meet them", "ignored")
         return Expression((), tree.line, tree.end)

@@ -75,7 +75,7 @@ class ProblemReader:
             self._initial.append(literal)
 
     def _read_at_time(self, tree: Expression, scope: Scope, derived: frozenset[str]) -> None:
-        """Read a literal that becomes true at a time: it is true at the start if that is time 0, and else ignored."""
+        """Read a timed initial literal: it is true in the initial state at time 0, and otherwise ignored."""
         time, literal = tree.rest
         if not self._untimed:
             text = "(at TIME ...): literals that become true at a time cannot be imported"
@@ -106,7 +106,7 @@ class ProblemReader:
             self._source.refuse(tree.line, f"({' '.join([key[0], *key[1]])}) has two values; state one")
 
     def _read_object(self, part: Expression, value: Expression | Word, scope: Scope) -> None:
-        """Read the value of a function of objects."""
+        """Read the value of an object function."""
         function = scope.function_value(part)
         name = None if value == UNDEFINED else scope.term(value)
         names = tuple(map(str, function.terms.terms))

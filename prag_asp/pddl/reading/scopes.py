@@ -35,7 +35,7 @@ OPERATORS = ("+", "-", "*", "/")
 class Declared:
     """The declarations of a domain and its problem. `types` are the direct supertypes of each type.
 
-    If predicates are `undeclared`, the domain has no list of them, and each is added where it is used first.
+    If predicates are `undeclared`, the domain has no list of them, and each is added at its first use.
     """
 
     types: dict[str, tuple[str, ...]]
@@ -44,7 +44,7 @@ class Declared:
     functions: Mapping[str, Declaration]
     undeclared: bool = False
     object_functions: dict[str, str] = field(default_factory=dict)
-    """The predicates of the functions whose values are objects: the value is their last argument."""
+    """The predicates of the object functions; the value is the last argument."""
 
 
 class Scope:
@@ -65,11 +65,11 @@ class Scope:
         return inner
 
     def fix_duration(self, duration: Expression | Word | None) -> None:
-        """Set what the duration of an action is equal to, None if it may have several values."""
+        """Set the value of an action's duration, None if it may have several values."""
         self._duration = (self, duration) if duration is not None else None
 
     def narrowed(self, variables: Iterable[Variable]) -> Scope:
-        """Return a scope in which the variables of these names have new types."""
+        """Return a scope in which variables with the given names have new types."""
         inner = self.within()
         new = {variable.name: variable for variable in variables}
         inner._variables = {name: new.get(each.name, each) for name, each in self._variables.items()}
@@ -90,10 +90,10 @@ class Scope:
         return tuple(variables)
 
     def signature(self, name: Word, arity: int) -> Declaration:
-        """Return the declaration of a predicate that is used with `arity` arguments.
+        """Return the declaration of a predicate used with `arity` arguments.
 
-        An undeclared one is declared by its first use in a domain, with a warning, unless it is a misspelling. In a
-        domain that declares no predicate at all, a problem may declare it so, too.
+        An undeclared predicate is declared by its first use in a domain, with a warning, unless it is a misspelling. If
+        the domain declares no predicate at all, its first use in a problem also declares it.
         """
         predicates = self._declared.predicates
         if name not in predicates and (
@@ -116,17 +116,17 @@ class Scope:
         return str(name)
 
     def new_variable(self, types: tuple[str, ...]) -> Variable:
-        """Return a variable that no formula has yet."""
+        """Return a new variable, which no formula has."""
         variable = Variable(variable_name("value", self._taken), types)
         self._taken.add(variable.name)
         return variable
 
     def is_object_function(self, part: Expression | Word) -> bool:
-        """Return whether a part is a function whose values are objects."""
+        """Return whether a part is an object function."""
         return isinstance(part, Expression) and part.head in self._declared.object_functions
 
     def function_value(self, part: Expression) -> ObjectFunction:
-        """Return a function whose values are objects."""
+        """Return an object function."""
         terms = self.terms(part.rest)
         predicate = self._declared.object_functions[part.head]
         *arguments, types = self._declared.predicates[predicate].types
@@ -148,7 +148,7 @@ class Scope:
                 self._source.refuse(function.line, f"{text}; give it this type")
 
     def terms(self, parts: Iterable[Expression | Word]) -> Terms:
-        """Return terms; each function of objects among them becomes a variable, which has its value."""
+        """Return terms; each object function among them is replaced by a variable for its value."""
         terms: list[Variable | str] = []
         new: list[Variable] = []
         values: list[Literal] = []
@@ -168,14 +168,14 @@ class Scope:
         return Junction(True, (), line)
 
     def literal(self, expression: Expression, *, positive: bool = True) -> Literal:
-        """Return a literal of a predicate, whose terms are variables and objects."""
+        """Return a literal of a predicate with variables and objects as terms."""
         found = self.atom(expression)
         if found.terms.new:
             self._source.refuse(expression.line, "a function is not expected here; write its value")
         return Literal(found.predicate, found.terms.terms, positive, found.line)
 
     def atom(self, expression: Expression) -> AppliedPredicate:
-        """Return a predicate of terms, which may be functions of objects."""
+        """Return a predicate applied to terms, which may be object functions."""
         name = expression.head
         if not name:
             self._source.refuse(expression.line, "a list is not expected here; remove a pair of parentheses")
@@ -217,7 +217,7 @@ class Scope:
         return whole if positive else negated(whole)
 
     def _object_equality(self, left: Expression, right: Expression | Word) -> Formula:
-        """Return that two terms have the same value, or both have none; the first is a function of objects."""
+        """Return the formula that two terms, the first an object function, have the same value or both have none."""
         one, line = self.function_value(left), left.line
         if right == UNDEFINED and UNDEFINED not in self._declared.objects:
             return one.terms.bound(self._has_no_value(one))
@@ -252,7 +252,7 @@ class Scope:
         return part not in self._declared.objects and (bool(NUMBER.fullmatch(part)) or part in self._declared.functions)
 
     def quantity(self, part: Expression | Word) -> Quantity:
-        """Return a number, a function or an operation on these."""
+        """Return a number, a function, or an operation on numbers and functions."""
         if isinstance(part, Word) and LIKE_NUMBER.fullmatch(part):
             return self._source.number(part)
         head = part if isinstance(part, Word) else part.head
@@ -268,7 +268,7 @@ class Scope:
         return self.function_term(part)
 
     def function_term(self, part: Expression | Word) -> FunctionTerm:
-        """Return a declared function of terms; parentheses may be left out where it has none."""
+        """Return a declared function applied to terms; parentheses are optional without terms."""
         head, terms = (part, ()) if isinstance(part, Word) else (part.head, part.rest)
         if not head:
             self._source.refuse(part.line, "a function is expected here; write one, or a number")
@@ -280,4 +280,4 @@ class Scope:
 TOTAL = "total-cost"
 DURATION = "?duration"
 TIMES = (DURATION, "#t", "total-time")
-"""The duration of an action, and time: they have no value."""
+"""The duration of an action, and time, which have no value."""

@@ -1,7 +1,7 @@
-"""Durative actions as instantaneous ones: what happens if each runs from its start to its end without another.
+"""Durative actions as instantaneous ones: each has the effect of running from start to end without overlap.
 
 The effects at the start come first. The conditions over all and at the end are read in the state after these, so they
-are regressed over the effects at the start (Reiter 1991). The effects at the end come last, and overrule the others.
+are regressed over the effects at the start (Reiter 1991). The effects at the end come last, and override the others.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def untimed_schema(
 
 
 def _made(literal: Literal, effect: SchemaEffect) -> Formula:
-    """Return the condition for an effect to change the atom of a literal."""
+    """Return the condition under which an effect changes the atom of a literal."""
     pairs = zip(literal.terms, effect.literal.terms, strict=True)
     same = tuple(Equality(one, other, True, literal.line) for one, other in pairs if one != other)
     part = Junction(True, (effect.condition, *same), literal.line)
@@ -88,7 +88,7 @@ def _made(literal: Literal, effect: SchemaEffect) -> Formula:
 
 
 def _regressed(literal: Literal, effects: Iterable[SchemaEffect]) -> Formula:
-    """Return the condition on the state before some effects for a literal to hold after them."""
+    """Return the condition on the state before some effects under which a literal holds after them."""
     same = [each for each in effects if each.literal.predicate == literal.predicate]
     if not same:
         return literal

@@ -1,8 +1,8 @@
 """Parse a file of PDDL into nested expressions, whose words carry their lines.
 
-PDDL is a language of nested lists, whose words the files of many projects choose more freely than its grammar: names
-that begin with a digit, effects nested at will, requirements of other dialects. A reader of lists leaves all of that to
-`file_reader`, which says what is wrong by its line.
+PDDL is a language of nested lists, but the files of many projects deviate from its grammar: names that begin with a
+digit, arbitrarily nested effects, requirements of other dialects. This parser only reads lists and leaves all of that
+to `file_reader`, which reports problems with their lines.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Word(str):
 
 @dataclass(frozen=True)
 class Expression:
-    """A list in parentheses: its words and lists in order, and the lines of its parentheses."""
+    """A parenthesized list: its words and lists in order, and the lines of its parentheses."""
 
     parts: tuple[Expression | Word, ...]
     line: int
@@ -68,7 +68,7 @@ def parse_expressions(path: Path, text: str) -> tuple[Expression, ...]:
     """Return the lists of a text in lower case, without its comments.
 
     Raises:
-        DomainError: parentheses do not match or are nested more than `DEEPEST` deep, or a word is in none.
+        DomainError: parentheses do not match or are nested more than `DEEPEST` deep, or a word is outside of them.
     """
     open_lists: list[tuple[int, list[Expression | Word]]] = []
     found: list[Expression] = []

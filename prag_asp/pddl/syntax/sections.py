@@ -17,7 +17,7 @@ SECTIONS: Mapping[str, tuple[str, ...]] = {
     "domain": (":requirements", ":types", ":constants", ":predicates", ":functions", ":constraints"),
     "problem": (":domain", ":requirements", ":objects", ":init", ":goal", ":constraints", ":metric", ":length"),
 }
-"""The sections that a definition has at most once."""
+"""The sections that a definition may have at most once."""
 
 REPEATED = {"domain": (":derived", ":axiom", ":action", ":durative-action"), "problem": ()}
 NEEDED = {"domain": (), "problem": (":domain", ":init", ":goal")}
@@ -114,7 +114,7 @@ def _unknown(head: Word, kind: str) -> str:
 
 
 def unexpected(word: str) -> str:
-    """Return the message about a word that stands where it means nothing."""
+    """Return the message about a word that is not valid at its place."""
     return f"{str(word)!r} is not expected here; look for a misspelt word or a missing parenthesis before it"
 
 

@@ -1,1 +1,1 @@
-"""Curricula choose the next task and its subgoal: values that describe them, and courses that record the results."""
+"""Curricula, which choose the next task and its initial subgoal: their parameters, and samplers that record results."""

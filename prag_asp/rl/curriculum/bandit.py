@@ -1,4 +1,4 @@
-"""An EXP3 bandit whose arms are action names, pairs and classes: a pull is a lot of tasks with more of one of them."""
+"""An EXP3 bandit whose arms are action names, pairs and classes: a pull is a lot of tasks that favours one of them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from prag_asp.rl.curriculum.task_sampler import ActionKeys, EpisodeResult, State
 from prag_asp.space.weights.weights import Number
 
 EMPHASIS = 8
-"""The factor of the weight of an arm's name, pair or class while it is pulled."""
+"""The factor for the weight of an arm's name, pair or class while the arm is pulled."""
 
 PARTS = 10**12
 """The weights of arms are multiples of 1e-12 of the largest, so that they are the same on every machine."""
@@ -34,18 +34,18 @@ DIGITS = Context(prec=40)
 class BanditCurriculum:
     """EXP3 over arms that are action names, pairs of names, or classes.
 
-    A pull of an arm is a `lot` of episodes whose tasks are sampled with `EMPHASIS` times the weight for it. Its gain is
-    the absolute learning progress: the difference between the success rate of its subgoals and that of the last lot in
-    which some were tried, between 0 and 1.
+    A pull of an arm is a `lot` of episodes whose tasks are sampled with `EMPHASIS` times the arm's weight. The gain is
+    the absolute learning progress, between 0 and 1: the difference between the success rate of the arm's subgoals and
+    that in the last lot that attempted some of them.
 
-    `exploration` is the gamma of EXP3. For K arms and g pulls, the gains fall short of those of the best arm by
-    (e - 1) gamma G + K ln(K) / gamma at most, in expectation, where G is what the best arm gains; with the best gamma,
+    `exploration` is the gamma of EXP3. For K arms and g pulls, the expected total gain is less than that of the best
+    arm by at most (e - 1) gamma G + K ln(K) / gamma, where G is the total gain of the best arm; with the best gamma,
     min(1, sqrt(K ln(K) / ((e - 1) g))), that is 2.63 sqrt(g K ln K): Auer, Cesa-Bianchi, Freund and Schapire, "The
-    nonstochastic multiarmed bandit problem", SIAM Journal on Computing 32 (2002), theorem 3.1 and corollary 3.2. It
-    compares with the gains as they were along the way, for what an agent has learned depends on what it was given.
+    nonstochastic multiarmed bandit problem", SIAM Journal on Computing 32 (2002), theorem 3.1 and corollary 3.2. The
+    comparison uses the gains that occurred, because the agent's learning depends on its tasks.
 
     Raises:
-        QueryError: the share is not above 0 and at most 1, or the lot is less than 1.
+        QueryError: the share is not in (0, 1], or the lot is less than 1.
     """
 
     exploration: Number | float = 0.2
@@ -65,7 +65,7 @@ class BanditCurriculum:
 
 
 class BanditSampler:
-    """Samples tasks by the weights of the arm that is pulled."""
+    """Samples tasks by the weights of the current arm."""
 
     def __init__(self, curriculum: BanditCurriculum, pool: TaskPool):
         self._curriculum, self._pool = curriculum, pool
@@ -85,7 +85,7 @@ class BanditSampler:
 
     @property
     def probabilities(self) -> list[Fraction]:
-        """The exact probability of each arm for the next pull, of gains and weights rounded to 12 digits."""
+        """The exact probability of each arm in the next pull, for gains and weights rounded to 12 digits."""
         most = max(self._gained)
         rate = self._exploration / len(self.arms)
         weights = [int(PARTS * _exponential(rate * (gained - most))) for gained in self._gained]
@@ -157,7 +157,7 @@ class BanditSampler:
 
 
 def _arms(pool: TaskPool) -> tuple[str, ...]:
-    """Return the names, pairs and classes that occur in tasks of a pool's space.
+    """Return the names, pairs and classes in the tasks of a pool's space.
 
     Raises:
         QueryError: there are fewer than two arms.

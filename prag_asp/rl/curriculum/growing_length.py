@@ -13,10 +13,10 @@ from prag_asp.space.weights.weights import Number
 
 @dataclass(frozen=True)
 class LengthCurriculum:
-    """Begin with the shortest tasks of a space, and go on to longer ones as the agent succeeds.
+    """Begin with the shortest tasks of a space, and proceed to longer ones as the agent succeeds.
 
-    The next length is added when a share of `threshold` of the last `window` episodes with tasks of the longest length
-    were successful. A share of `review` of the tasks is of shorter lengths, uniformly. Tasks of one length are sampled
+    The next length is added when the success rate of the last `window` episodes with tasks of the longest length
+    reaches `threshold`. A share `review` of the tasks has shorter lengths, uniformly. Tasks of one length are sampled
     by the weights of the domain.
 
     Raises:
@@ -53,7 +53,7 @@ class LengthSampler:
         self._mastery.load(())
 
     def propose(self) -> Proposal:
-        """Return a task of one of the lengths so far."""
+        """Return a task of one of the current lengths."""
         shares = review_shares(self._review, self._reached + 1)
         place = sample_index(shares, self._seed, "length", self._drawn)
         proposal = next(self._of_length(place))
@@ -65,12 +65,12 @@ class LengthSampler:
         """Ignore it."""
 
     def update(self, result: EpisodeResult) -> None:
-        """Go on to the next length where enough episodes of this one were successful."""
+        """Proceed to the next length if enough episodes of this one were successful."""
         if result.stages == self._lengths[self._reached] and self._mastery.add(result.success):
             self._reached = min(self._reached + 1, len(self._lengths) - 1)
 
     def summary(self) -> Mapping[str, int | str]:
-        """Return the longest length so far."""
+        """Return the current longest length."""
         return {"length": self._lengths[self._reached]}
 
     def state_dict(self) -> State:

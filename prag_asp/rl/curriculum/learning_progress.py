@@ -21,7 +21,7 @@ from prag_asp.rl.curriculum.task_sampler import ActionKeys, EpisodeResult, State
 from prag_asp.space.weights.weights import Number
 
 EMPHASIS = 4
-"""The factor of the weight of what has the greatest progress, over what has none."""
+"""The weight factor for the greatest progress, relative to no progress."""
 
 STEPS = 16
 """Weights are multiples of 1/16, so that the integers of exact counts stay small."""
@@ -29,20 +29,21 @@ STEPS = 16
 
 @dataclass(frozen=True)
 class AdaptiveCurriculum:
-    """Sample more tasks of what the agent is getting better or worse at, by action name, pair of names, and class.
+    """Sample more tasks with action names, pairs of names and classes for which the success rate changes.
 
     The progress of each is the difference between the success rates of the newer and the older half of its last
     `window` attempts; with too few attempts it counts as the greatest progress. The weights of the domain are
     multiplied by a factor from 1, without progress, to `EMPHASIS`, with the greatest progress. After each `lot` of
     episodes the factors are updated.
 
-    A share of `exploration` of the tasks is sampled by the weights of the domain alone: 1 explores only, near 0
-    exploits. So the probability of a task is at least that share of the one without a curriculum, and no importance
-    weight exceeds its inverse. The absolute learning progress is that of Matiisen, Oliver, Cohen and Schulman
-    ("Teacher-student curriculum learning", 2017); no bound of regret is known for it (`BanditCurriculum` has one).
+    A share `exploration` of the tasks is sampled by the weights of the domain alone: 1 only explores, near 0 exploits.
+    So the probability of a task is at least that share of its probability without a curriculum, and no importance
+    weight exceeds the inverse of the share. The absolute learning progress is that of Matiisen, Oliver, Cohen and
+    Schulman ("Teacher-student curriculum learning", 2017); no regret bound is known for it (`BanditCurriculum` has
+    one).
 
     Raises:
-        QueryError: the share is not above 0 and at most 1, or a number is less than 1.
+        QueryError: the share is not in (0, 1], or a number is less than 1.
     """
 
     exploration: Number | float = 0.2
@@ -131,7 +132,7 @@ class AdaptiveSampler:
         )
 
     def _weights(self) -> dict[str, Fraction]:
-        """Return the factor of each name, pair and class by its progress."""
+        """Return the weight factor of each name, pair and class by its progress."""
         progress = {key: progress_of(list(ends), self._curriculum.window) for key, ends in sorted(self._ends.items())}
         most = max(progress.values(), default=Fraction(0))
         if not most:
@@ -140,14 +141,14 @@ class AdaptiveSampler:
         return {key: 1 + more for key, more in factors.items() if more}
 
     def _begin(self, lots: int, own: dict[str, Fraction]) -> None:
-        """Begin a lot with its own factors."""
+        """Begin a lot with new factors."""
         self._lots, self._reported, self._own = lots, 0, own
         weights, seed = scale_weights(self._base, own), derive_seed(self._seed, "lot", lots)
         self._now = ProposalStream(self._pool, weights, seed) if own else None
 
 
 def progress_of(ends: Sequence[bool], window: int) -> Fraction:
-    """Return the difference between the success rates of the halves of some results; 1 where they are too few."""
+    """Return the difference between the success rates of the halves of the results; 1 if there are too few."""
     half = len(ends) // 2
     if 2 * half < window - 1 or not half:
         return Fraction(1)

@@ -1,4 +1,4 @@
-"""The criterion for the next step of a curriculum: the success rate of the last episodes."""
+"""The criterion for the next step of a curriculum: the success rate of the most recent episodes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from prag_asp.space.weights.weights import Number
 
 @dataclass
 class Mastery:
-    """The results of the last `window` episodes, and the success rate `threshold` that is needed."""
+    """The results of the last `window` episodes, and the required success rate `threshold`."""
 
     threshold: Fraction
     window: int
@@ -24,7 +24,7 @@ class Mastery:
         """Return a criterion without results.
 
         Raises:
-            QueryError: the threshold is not above 0 and at most 1, or the window is less than 1.
+            QueryError: the threshold is not in (0, 1], or the window is less than 1.
         """
         most = parse_count("window", window)
         return cls(parse_share("threshold", threshold, positive=True), most, deque(maxlen=most))
@@ -44,7 +44,7 @@ class Mastery:
 
 
 def review_shares(review: Fraction, places: int) -> list[Fraction]:
-    """Return the probability of each of some places: `review` is shared by all but the last."""
+    """Return the probability of each of several places: all but the last share `review` equally."""
     if places == 1:
         return [Fraction(1)]
     return [review / (places - 1)] * (places - 1) + [1 - review]

@@ -1,4 +1,4 @@
-"""A curriculum by novelty: what was not sampled yet comes first, by exact coverage."""
+"""A curriculum by novelty: unsampled tasks, skeletons, names or pairs come first, by exact coverage."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ What = Literal["tasks", "skeletons", "names", "pairs"]
 WHAT: tuple[What, ...] = get_args(What)
 
 TRIES = 20
-"""Infeasible tasks with a name or pair after which it counts as covered: physics may forbid it altogether."""
+"""The number of infeasible tasks with a name or pair after which it counts as covered: physics may always forbid it."""
 
 MISSED = 1000
-"""Samples outside the pool after which a new pass begins: the part may have no task with what is due."""
+"""The number of samples outside the pool after which a new pass begins: the part may have no task with a due item."""
 
 RARE = Fraction(1, 16)
-"""The share of samples with something due below which the weights of that are increased."""
+"""The share of samples with a due name or pair below which the weights of the due ones are increased."""
 
 EMPHASIS, HALF = 64, Fraction(1, 2)
 """The factor of these weights, applied until at least half of the samples have something due."""
@@ -37,14 +37,14 @@ EMPHASIS, HALF = 64, Fraction(1, 2)
 
 @dataclass(frozen=True)
 class NoveltyCurriculum:
-    """Sample what was not sampled yet: `what` is "tasks", "skeletons", or the "names" of actions or "pairs" of them.
+    """Sample new "tasks", "skeletons", action "names" or "pairs" of names first, whichever `what` is.
 
     Tasks are sampled without replacement, in uniformly random order; so are skeletons, each with one of its tasks by
-    weight. With names or pairs, each task has one that is due: one that no feasible task had yet, nor `TRIES`
-    infeasible ones. When none is due, or no task of the part with a due one is found, a new pass begins.
+    weight. With names or pairs, each task has one that is due: one that has not occurred in a feasible task or in
+    `TRIES` infeasible ones. When none is due, or no task of the part with a due one is found, a new pass begins.
 
     Raises:
-        QueryError: there is nothing of that kind.
+        QueryError: `what` has another value.
     """
 
     what: What = "pairs"
@@ -75,7 +75,7 @@ class _Tasks:
         self.size = pool.part.size if pool.part is not None else sum(size for _, size in self._stretches)
 
     def word(self, number: int, seed: int) -> tuple[Word, Fraction]:
-        """Return the task of a number."""
+        """Return the task with a number."""
         if self._pool.part is not None:
             return self._pool.part.word(number), Fraction(1)
         length, rank = _found(self._stretches, number)
@@ -88,7 +88,7 @@ class _Skeletons:
     def __init__(self, pool: TaskPool):
         self._pool = pool
         self._samplers: dict[int, SkeletonSampler] = {}
-        for length in reversed(pool.lengths):  # what is explored for the longest holds for all
+        for length in reversed(pool.lengths):  # the exploration for the longest length covers all lengths
             sampler = pool.at(length).sampling(over="skeletons").sampler()
             assert isinstance(sampler, SkeletonSampler)
             self._samplers[length] = sampler
@@ -96,7 +96,7 @@ class _Skeletons:
         self.size = sum(size for _, size in self._stretches)
 
     def word(self, number: int, seed: int) -> tuple[Word, Fraction]:
-        """Return a task with the skeleton of a number, drawn by a seed, and its probability among all that have it."""
+        """Return a task with the skeleton of a number, sampled by a seed, and its probability among all with it."""
         length, rank = _found(self._stretches, number)
         letters, probability = self._samplers[length].of_rank(rank, SeededBits(seed), number)
         names = self._pool.at(length).action_texts()
@@ -104,12 +104,12 @@ class _Skeletons:
 
 
 def _stretches(pool: TaskPool, sizes: Sequence[int]) -> list[tuple[int, int]]:
-    """Return each length with how many there are of it."""
+    """Return each length with its number of tasks or skeletons."""
     return list(zip(pool.lengths, sizes, strict=True))
 
 
 def _found(stretches: Sequence[tuple[int, int]], number: int) -> tuple[int, int]:
-    """Return the length of a number, and its number there."""
+    """Return the length that a number falls in, and the number within that length."""
     for length, size in stretches:
         if number < size:
             return length, number
@@ -118,7 +118,7 @@ def _found(stretches: Sequence[tuple[int, int]], number: int) -> tuple[int, int]
 
 
 class PassSampler:
-    """Samples tasks or skeletons in passes: each once, in random order, before any comes again."""
+    """Samples tasks or skeletons in passes: each once, in random order, before any is repeated."""
 
     def __init__(self, things: _Tasks | _Skeletons, pool: TaskPool):
         self._things, self._pool = things, pool
@@ -129,7 +129,7 @@ class PassSampler:
         self._go_on(seed, 0)
 
     def propose(self) -> Proposal:
-        """Return the next task, with its probability given all before it."""
+        """Return the next task, with its probability given all tasks before it."""
         return self._pool.next_in_pool(self._next)
 
     def note_feasibility(self, word: Word, feasible: bool) -> None:
@@ -139,7 +139,7 @@ class PassSampler:
         """Ignore it."""
 
     def summary(self) -> Mapping[str, int | str]:
-        """Return the number of the pass, and how many of all were sampled in it."""
+        """Return the number of the pass, the samples in it, and the total."""
         times, place = divmod(self._drawn, self._things.size)
         return {"pass": times + 1, "drawn": str(place), "of": str(self._things.size)}
 
@@ -162,7 +162,7 @@ class PassSampler:
         return Proposal(draw.word, draw.probability)
 
     def _coming(self, seed: int, drawn: int) -> Iterator[Draw]:
-        """Yield the draws after the first `drawn`."""
+        """Yield the samples after the first `drawn`."""
         for number in count(drawn):
             times, place = divmod(number, self._things.size)
             own = derive_seed(seed, "pass", times)
@@ -193,7 +193,7 @@ class CoverageSampler:
         self._begin(self._all, {})
 
     def propose(self) -> Proposal:
-        """Return a task with something due, with its probability among all that have it."""
+        """Return a task with a due name or pair, with its probability among all such tasks."""
         try:
             return self._pool.next_in_pool(self._drawn, MISSED)
         except NotFound:
@@ -217,7 +217,7 @@ class CoverageSampler:
         """Ignore it."""
 
     def summary(self) -> Mapping[str, int | str]:
-        """Return how many of all are due."""
+        """Return the numbers of due names or pairs and of all."""
         return {"due": len(self._due), "of": len(self._all)}
 
     def state_dict(self) -> State:
@@ -240,7 +240,7 @@ class CoverageSampler:
                 stream.skip(taken)
 
     def _drawn(self) -> Proposal:
-        """Return a task with something due, in the pool or not."""
+        """Return a task with a due name or pair, in the pool or not."""
         stream = self._emphasized or self._usual
         for _ in range(MISSES):
             proposal = stream.take()
@@ -249,16 +249,16 @@ class CoverageSampler:
         raise NotFound(f"none of {MISSES} tasks drawn in a row has {self._what} that are due; give a larger space")
 
     def _has(self, word: Word) -> frozenset[str]:
-        """Return the names of a task, or its pairs."""
+        """Return the names or the pairs of a task."""
         names = self._keys.names(word)
         return frozenset(names if self._what == "names" else map(">".join, pairwise(names)))
 
     def _begin(self, due: Sequence[str], tries: Mapping[str, int]) -> None:
-        """Sample what is due from now on, by increased weights where it is rare; the share of tasks with it is exact.
+        """Begin to sample due names or pairs, with larger weights if rare; the share of tasks with them is exact.
 
-        The weight of all tasks is a polynomial in that of what is due whose constant term is the weight of those
-        without it; so the share of the others can come arbitrarily near to 1. The weight of a name that is also that of
-        a class or an entity cannot be increased: it is waited for.
+        The total weight of all tasks is a polynomial in the weight factor of the due names or pairs, and its constant
+        term is the weight of the tasks without them; so the share of the other tasks can approach 1. The weight of a
+        name that is also a class or an entity cannot be increased: the sampler waits for it.
         """
         self._due, self._tries, self._emphasized = frozenset(due), dict(tries), None
         spaces = map(self._pool.at, self._pool.space.lengths)

@@ -1,4 +1,4 @@
-"""Samples by fixed weights, under which the exact probability of any task is known."""
+"""Samples by fixed weights, with the exact probability of any task."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class ProposalStream:
         draws = pool.draws(seed=seed, weights=self._weights)
         self._symbols = {str(action): action for action in pool.space.domain.facts.actions}
         first = next(draws)
-        # The probability of a task is its weight over the total, so any sample gives the total.
+        # The probability of a task is its weight divided by the total, so any sample gives the total.
         self.total = self._weight_of(first.word) / first.probability
         self._draws = chain([first], draws)
         self.taken = 0
@@ -46,5 +46,5 @@ class ProposalStream:
 
 
 def scale_weights(weights: Mapping[str, Number], factors: Mapping[str, Fraction]) -> dict[str, Number]:
-    """Return weights, each multiplied by its factor where it has one."""
+    """Return weights, each multiplied by its factor, if any."""
     return {key: Fraction(weights.get(key, 1)) * factors.get(key, 1) for key in sorted({*weights, *factors})}

@@ -1,4 +1,4 @@
-"""Reverse curriculum: episodes begin near the goal first."""
+"""Reverse curriculum: the first episodes begin near the goal."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from prag_asp.space.weights.weights import Number
 class ReverseCurriculum:
     """Begin with the last subgoal of tasks, then with the last two, and so on back to whole tasks.
 
-    One more subgoal is added when a share of `threshold` of the last `window` episodes that began farthest back were
-    successful. A share of `review` of the episodes begins nearer to the goal, uniformly. The idea is that of Florensa,
+    One more subgoal is added when the success rate of the last `window` episodes that began farthest back reaches
+    `threshold`. A share `review` of the episodes begins nearer to the goal, uniformly. The idea is that of Florensa,
     Held, Wulfmeier, Zhang and Abbeel ("Reverse curriculum generation for reinforcement learning", 2017); here the
     initial states are those of witnesses.
 
@@ -59,7 +59,7 @@ class ReverseSampler:
         return stages - 1 - place, shares[place]
 
     def update(self, result: EpisodeResult) -> None:
-        """Go one subgoal farther back where enough episodes were successful."""
+        """Go one subgoal farther back if enough episodes were successful."""
         self._longest = max(self._longest, result.stages)
         if result.stages - result.first == self._back and self._mastery.add(result.success):
             self._back = min(self._back + 1, self._longest)

@@ -1,4 +1,4 @@
-"""The tasks that a curriculum samples: those of a space, or of a part of it."""
+"""The tasks that a curriculum samples: those of a space or of a part of a space."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ if TYPE_CHECKING:
 Word = tuple[str, ...]
 
 BATCH, CACHED, NOTED = 32, 256, 4096
-"""The largest batch of plans that become tasks at once, cached tasks, and plans whose batch is remembered."""
+"""The largest numbers of plans converted to tasks at once, of cached tasks, and of plans whose batch is remembered."""
 
 
 class Proposal(NamedTuple):
-    """A sampled task, as the texts of its actions, with its exact probability.
+    """A sampled task, given by the texts of its actions, with its exact probability.
 
     `passed` counts the samples before it that were rejected because they are not in the pool.
     """
@@ -51,13 +51,13 @@ class PoolPart(Protocol):
     def __contains__(self, word: Word) -> bool: ...
 
     def word(self, number: int) -> Word:
-        """Return the task of a number from 0 to size - 1."""
+        """Return the task with a number from 0 to size - 1."""
         ...
 
 
 @dataclass(frozen=True)
 class RankedPart:
-    """The tasks of some ranks of a space of one length."""
+    """The tasks with given ranks of a space of one length."""
 
     tasks: RankedTasks
     space: TaskSpace
@@ -71,13 +71,13 @@ class RankedPart:
         return self.tasks.ranks.place(self.space.index(word)) is not None
 
     def word(self, number: int) -> Word:
-        """Return the task of a number."""
+        """Return the task with a number."""
         return self.space.plan_at(self.tasks.ranks[number])
 
 
 @dataclass(frozen=True)
 class TaskPool:
-    """The tasks of a space that have an action; with a `part`, those of them alone that it has.
+    """The tasks of a space that have an action; with a `part`, only those in the part.
 
     Raises:
         QueryError: the pool would be empty.
@@ -107,7 +107,7 @@ class TaskPool:
         return lengths
 
     def at(self, length: int) -> TaskSpace:
-        """Return the space of one length."""
+        """Return the space of the tasks of one length."""
         return self.space.at(length)
 
     def has(self, word: Word) -> bool:
@@ -117,9 +117,9 @@ class TaskPool:
         return word in self.part
 
     def proposals(self, *, seed: int, length: int | None = None) -> Iterator[Proposal]:
-        """Yield independent tasks by the weights of the domain, without end; those of one length where it is given.
+        """Yield independent tasks by the weights of the domain, without end, of the given length if any.
 
-        The probability is that among all tasks of the space, or of those of the length.
+        The probability is that among all tasks of the space, or among those of the length.
 
         Raises:
             QueryError: there is no task.
@@ -142,7 +142,7 @@ class TaskPool:
             yield Proposal(draw.word, draw.probability)
 
     def next_in_pool(self, draw: Callable[[], Proposal], misses: int = MISSES) -> Proposal:
-        """Return the first sample that is in the pool, with the number of those before it.
+        """Return the first sample in the pool, with the number of samples before it.
 
         Raises:
             NotFound: `misses` samples in a row are not in the pool.
@@ -154,7 +154,7 @@ class TaskPool:
         raise NotFound(f"none of {misses} sampled tasks in a row is in the part; give a larger part")
 
     def batched(self, draws: Iterator[Draw]) -> Iterator[Draw]:
-        """Yield draws, and note their batches: where one task is needed, those of its whole batch are made."""
+        """Yield draws, and record their batches: when a task is needed, all tasks of its batch are made."""
         for batch in growing_batches(draws, BATCH):
             if len(self._batches) > NOTED:
                 self._batches.clear()
@@ -176,12 +176,12 @@ class TaskPool:
 
 
 def derive_seed(seed: int, *numbers: int | str) -> int:
-    """Return a seed that is derived from another one and some labels; samples by it are independent of all others."""
+    """Return a seed derived from another seed and labels; its samples are independent of all others."""
     return int.from_bytes(sha256(" ".join(map(str, (seed, *numbers))).encode()).digest()[:16], "big")
 
 
 def sample_index(shares: Sequence[Fraction], seed: int, *numbers: int | str) -> int:
-    """Return an index, sampled with exactly the probabilities in `shares`, which add up to 1."""
+    """Return an index sampled with exactly the probabilities in `shares`, which add up to 1."""
     scale = lcm(*(share.denominator for share in shares))
     number = SeededBits(derive_seed(seed, *numbers)).randrange(scale)
     for place, share in enumerate(shares):
@@ -192,7 +192,7 @@ def sample_index(shares: Sequence[Fraction], seed: int, *numbers: int | str) -> 
 
 
 def parse_share(what: str, number: Number | float, *, positive: bool = False) -> Fraction:
-    """Return a share from 0 to 1 as a fraction; a float is read by its decimal digits. `positive` excludes 0.
+    """Return a share from 0 to 1 as a fraction; a float counts as its decimal digits. `positive` excludes 0.
 
     Raises:
         QueryError: the number is not in this range.

@@ -19,7 +19,7 @@ State = dict[str, Any]
 
 
 class Attempt(NamedTuple):
-    """A subgoal that was pursued: its action, that before it in the task, and whether it was reached."""
+    """A pursued subgoal: its action, the action before it in the task, and whether the subgoal was reached."""
 
     action: Atom
     before: Atom | None
@@ -27,7 +27,7 @@ class Attempt(NamedTuple):
 
 
 class EpisodeResult(NamedTuple):
-    """The result of an episode: the number of subgoals of its task, the first one, and the attempts."""
+    """The result of an episode: the number of subgoals of its task, the initial subgoal, and the attempts."""
 
     stages: int
     first: int
@@ -36,22 +36,22 @@ class EpisodeResult(NamedTuple):
 
 
 class TaskSampler(Protocol):
-    """Samples tasks; the distribution may depend on the results of episodes."""
+    """Samples tasks; their distribution may depend on the results of episodes."""
 
     def seed(self, seed: int) -> None:
-        """Reset: no episode has ended, and all samples from now on depend on the seed and on the results alone."""
+        """Reset the sampler, with no results; all later samples depend only on the seed and on later results."""
 
     def propose(self) -> Proposal:
         """Return the next task, which may be infeasible."""
 
     def note_feasibility(self, word: Word, feasible: bool) -> None:
-        """Learn whether a proposed task is feasible."""
+        """Record whether a proposed task is feasible."""
 
     def update(self, result: EpisodeResult) -> None:
-        """Learn how an episode has ended."""
+        """Record the result of an episode."""
 
     def summary(self) -> Mapping[str, int | str]:
-        """Return the progress in a few numbers or words."""
+        """Return the progress as a few numbers or words."""
 
     def state_dict(self) -> State:
         """Return the state as values of JSON."""
@@ -61,7 +61,7 @@ class TaskSampler(Protocol):
 
 
 class SubgoalSampler(Protocol):
-    """Samples the subgoal with which an episode begins; the distribution may depend on the results of episodes."""
+    """Samples the initial subgoals of episodes; their distribution may depend on the results of episodes."""
 
     def seed(self, seed: int) -> None:
         """Reset the sampler."""
@@ -70,10 +70,10 @@ class SubgoalSampler(Protocol):
         """Return the initial subgoal of a task of `stages` subgoals, from 0, and its exact probability."""
 
     def update(self, result: EpisodeResult) -> None:
-        """Learn how an episode has ended."""
+        """Record the result of an episode."""
 
     def summary(self) -> Mapping[str, int | str]:
-        """Return the progress in a few numbers or words."""
+        """Return the progress as a few numbers or words."""
 
     def state_dict(self) -> State:
         """Return the state as values of JSON."""
@@ -89,7 +89,7 @@ class TaskCurriculum(Protocol):
         """Return a sampler of the tasks of a pool.
 
         Raises:
-            QueryError: the pool has nothing for it.
+            QueryError: the pool has no tasks for the curriculum.
         """
         ...
 
@@ -103,7 +103,7 @@ class StageCurriculum(Protocol):
 
 
 class DomainWeightsSampler:
-    """Samples tasks by the weights of the domain, whatever the results of episodes."""
+    """Samples tasks by the weights of the domain, regardless of the results of episodes."""
 
     def __init__(self, pool: TaskPool):
         self._pool = pool
@@ -147,7 +147,7 @@ def skip(proposals: Iterator[Proposal], count: int) -> None:
 
 @dataclass(frozen=True)
 class ActionKeys:
-    """The keys of weights that fit the actions of a domain: action names, pairs of names, and classes."""
+    """The weight keys for the actions of a domain: action names, pairs of names, and classes."""
 
     facts: Facts
 
@@ -166,14 +166,14 @@ class ActionKeys:
 
     @cached_property
     def weighable(self) -> frozenset[str]:
-        """The names, and the classes of which some action mentions an entity, that have no other meaning."""
+        """The unambiguous action names, and unambiguous classes with an entity in some action."""
         names_and_classes = self._known.values()
         names = {name for name, _ in names_and_classes} | {each for _, classes in names_and_classes for each in classes}
         return frozenset(names.difference(shared_names(self.facts)))
 
     @cached_property
     def _known(self) -> dict[str, tuple[str, frozenset[str]]]:
-        """For the text of each action its name, and the classes of the entities that it mentions."""
+        """The name of each action, by its text, and the classes of its entities."""
         facts = self.facts
         result = {}
         for action in facts.actions:

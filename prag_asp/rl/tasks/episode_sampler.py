@@ -24,13 +24,13 @@ from prag_asp.rl.tasks.task_sources import Assignment, SingleTask, TaskSource, W
 from prag_asp.task import Task
 
 CACHED = 512
-"""Checked witnesses and subgoals of tasks that are cached, so that the next episode with them begins quickly."""
+"""The number of cached tasks with checked witnesses and subgoals, with which episodes begin quickly."""
 
 Made = TypeVar("Made")
 
 
 class Probability(Fraction):
-    """An exact probability, which arrays hold as a number: recorders of episodes store `info` in such."""
+    """An exact probability that arrays store as a number: episode recorders store `info` in arrays."""
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[np.float64]:
         return np.array(float(self), dtype=dtype)
@@ -40,7 +40,7 @@ class Probability(Fraction):
 class EpisodeStart:
     """The task of an episode with its subgoals and texts, and the `stage`, the number of the initial subgoal.
 
-    `chance` is the probability of the stage where it was sampled; `named` is set where the options name it.
+    `chance` is the probability of the stage if it was sampled; `named` is set if the options name it.
     """
 
     assignment: Assignment
@@ -51,7 +51,7 @@ class EpisodeStart:
     named: bool
 
     def info(self) -> dict[str, Any]:
-        """Return the information that goes with each observation of the episode."""
+        """Return the info of each observation of the episode."""
         assignment, written = self.assignment, dict(self.texts.whole)
         levels = {level: written.get(level, written.get(PLAIN, "")) for level in LEVELS}
         return {
@@ -69,10 +69,10 @@ class EpisodeStart:
 
 
 class EpisodeSampler:
-    """Samples tasks and initial subgoals by the curricula, and updates these with the results of episodes.
+    """Samples tasks and initial subgoals by the curricula, and updates them with the results of episodes.
 
     Raises:
-        QueryError: a single task has no witness, or that of another task.
+        QueryError: a single task has no witness, or the witness of another task.
     """
 
     def __init__(
@@ -102,7 +102,7 @@ class EpisodeSampler:
         self.seeded = True
 
     def begin(self, options: Mapping[str, Any], rng: np.random.Generator) -> EpisodeStart:
-        """Return the start of an episode; what the options leave out is sampled.
+        """Return the start of an episode; values missing from the options are sampled.
 
         Raises:
             QueryError: the options name something that does not exist, or the task has no witness.
@@ -119,7 +119,7 @@ class EpisodeSampler:
         return EpisodeStart(assignment, subgoals, texts, *initial, stage is not None)
 
     def update(self, start: EpisodeStart, stage: int, *, success: bool) -> None:
-        """Update the curricula that chose an episode with its result; `stage` is the subgoal at which it ended."""
+        """Update the curricula that chose an episode with its result; the episode ended at the subgoal `stage`."""
         actions = start.assignment.task.actions
         attempts = [
             Attempt(actions[i], actions[i - 1] if i else None, i < stage or success)
@@ -143,13 +143,13 @@ class EpisodeSampler:
         }
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Continue from a state of `state_dict`; a malformed one raises an error of Python."""
+        """Continue from a state of `state_dict`; a malformed state raises a Python error."""
         self._source.load_state_dict(state["source"])
         if self._subgoals is not None:
             self._subgoals.load_state_dict(state["subgoals"])
 
     def _assign(self, task: object, witness: object) -> Assignment:
-        """Return a given task with its witness, which is searched for where it is not given.
+        """Return a given task with its witness, which is searched for if it is not given.
 
         Raises:
             QueryError: the task is not of the domain, or has no witness.
@@ -164,7 +164,7 @@ class EpisodeSampler:
         return self._once(lambda: assign_witness(task, witness, self._scene), task, witness)
 
     def _once(self, make: Callable[[], Made], *whose: object) -> Made:
-        """Return what `make` returns, cached by the identity of the values that it depends on."""
+        """Return the result of `make`, cached by the identity of the values that it depends on."""
         key = tuple(map(id, whose))
         if key not in self._cached:
             self._cached[key] = whose, make()
@@ -177,7 +177,7 @@ class EpisodeSampler:
     def _initial_stage(
         self, requested: int | str | None, count: int, rng: np.random.Generator
     ) -> tuple[int, Fraction | None]:
-        """Return the initial subgoal of `count` subgoals, and its probability where it is sampled."""
+        """Return the initial subgoal of `count` subgoals, and its probability if it is sampled."""
         if count == 0:
             raise QueryError("a task without actions has no subgoal; give another one")
         if requested is None and self._subgoals is not None:

@@ -1,4 +1,4 @@
-"""The origin of an environment's tasks from plain values, so that a text can name it."""
+"""The origin of an environment's tasks from plain values, so that a string can name it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Lengths = int | str | Iterable[int]
 Shares = Mapping[str, Number | float]
 
 SHARES: Shares = {"train": "0.8", "test": "0.2"}
-"""The shares of a space that is split without others."""
+"""The default shares of a split space."""
 
 
 @dataclass(frozen=True)
@@ -48,10 +48,10 @@ class SplitOptions:
         return Split(self.part, Division.parse(shares, skeletons=self.skeletons, hold_out=self.hold_out), self.seed)
 
     def require_default(self, reason: str) -> None:
-        """Check that no option says how a space is divided.
+        """Check that no option defines a division of a space.
 
         Raises:
-            QueryError: an option does; the message has the `reason` why it has no effect.
+            QueryError: an option does; the message has the `reason` why the option has no effect.
         """
         if self.shares is not None or self.skeletons or self.hold_out is not None or self.seed != 0:
             raise QueryError(f"shares, skeletons, hold_out and split_seed divide a space: {reason}")

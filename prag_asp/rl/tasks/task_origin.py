@@ -1,4 +1,4 @@
-"""The options that say where an environment's tasks come from, and the source that they define."""
+"""The options that define the origin of an environment's tasks, and the resulting source."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Curricula = Curriculum | Sequence[Curriculum] | None
 
 @dataclass(frozen=True)
 class Split:
-    """The part of a divided space that is used: that of a dataset with the same division and seed."""
+    """The part of a divided space to use: the same as in a dataset with the same division and seed."""
 
     part: str
     division: Division
@@ -110,7 +110,7 @@ class TaskOrigin:
 
     @property
     def title(self) -> str:
-        """A description in one line, the same in every process: it distinguishes the checkpoints of environments."""
+        """A one-line description, the same in every process, which distinguishes the checkpoints of environments."""
         tasks = self.space or (f"{self.dataset.count()} tasks of data" if self.dataset is not None else self.task)
         part = "".join(f", {part!r} of it" for part in (self.part, self.split) if part is not None)
         led = [repr(each) if is_dataclass(each) else type(each).__name__ for each in self._curricula]

@@ -23,14 +23,14 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 PATIENCE = 1000
-"""The maximum number of tasks in a row that are sampled without a witness."""
+"""The maximum number of consecutive sampled tasks without a witness."""
 
 
 class Assignment(NamedTuple):
-    """A task for the agent with a witness, and its rank among all of its length where that is known.
+    """A task for the agent with a witness, and its rank among all tasks of its length, if known.
 
-    `probability` is the exact probability of the sample, None where the task was not sampled; `rejected` counts the
-    samples since the last assignment that are not feasible, or not in the part. `texts` are those of a dataset.
+    `probability` is the exact probability of the sample, or None if the task was not sampled; `rejected` counts the
+    samples since the last assignment that are infeasible or not in the part. `texts` are those of a dataset.
     """
 
     task: Task
@@ -45,7 +45,7 @@ class TaskSource(Protocol):
     """Yields tasks with witnesses."""
 
     def seed(self, seed: int) -> None:
-        """Reset the source; all samples from now on depend on the seed and on the results of episodes alone."""
+        """Reset the source; all later samples depend only on the seed and on the results of episodes."""
 
     def draw(self) -> Assignment:
         """Return the next task.
@@ -55,14 +55,14 @@ class TaskSource(Protocol):
         """
 
     def ranked(self, rank: int) -> Assignment:
-        """Return the task of a rank.
+        """Return the task with a rank.
 
         Raises:
             QueryError: there is no such task, or the task has no witness.
         """
 
     def update(self, result: EpisodeResult) -> None:
-        """Learn how an episode has ended."""
+        """Record the result of an episode."""
 
     def summary(self) -> Mapping[str, int | str]:
         """Return the progress of its curriculum."""
@@ -75,24 +75,24 @@ class TaskSource(Protocol):
 
 
 class WitnessFinder:
-    """Finds witnesses of tasks by one validator, which is opened lazily."""
+    """Finds witnesses of tasks by a validator, which is opened lazily."""
 
     def __init__(self, scene: Scene, resources: ExitStack, budget: Budget | None):
         self.scene, self._resources, self._budget = scene, resources, budget
         self._validator: Validator | None = None
 
     def witness(self, task: Task, *, seed: int = 0, index: int = 0) -> Witness | None:
-        """Return a witness of a task, None where none is found; it depends on the arguments alone.
+        """Return a witness of a task, or None if none is found; the result depends only on the arguments.
 
         Raises:
-            SceneError: the task refers to something for which the scene has no shape.
+            SceneError: the task refers to an entity without a shape in the scene.
         """
         if self._validator is None:
             self._validator = self._resources.enter_context(open_validator(self.scene))
         return self._validator.validate(task, seed=seed, index=index, budget=self._budget).witness
 
     def forget(self) -> None:
-        """Forget the validator, which was closed."""
+        """Forget the validator, which is already closed."""
         self._validator = None
 
     def required(self, task: Task) -> Witness:
@@ -109,7 +109,7 @@ class WitnessFinder:
 
 @dataclass
 class SingleTask:
-    """Yields the same task again and again."""
+    """Yields the same task repeatedly."""
 
     assignment: Assignment
 
@@ -147,9 +147,9 @@ def assign_witness(task: Task, witness: Witness, scene: Scene) -> Assignment:
     """Return a task with a given witness, which is checked.
 
     Raises:
-        QueryError: the witness is of another task: a fact of a state does not hold in it, or it has too few or too many
-            states.
-        SceneError: the task refers to something for which the scene has no shape.
+        QueryError: the witness is for another task: a fact of a state does not hold in it, or its number of states is
+            wrong.
+        SceneError: the task refers to an entity without a shape in the scene.
     """
     states, moments = physical_task(task, scene).states, witness.moments
     if len(states) != len(moments):
@@ -191,7 +191,7 @@ class SpaceSource:
         """Return the next task that has a witness.
 
         Raises:
-            NotFound: `PATIENCE` samples in a row have none.
+            NotFound: `PATIENCE` samples in a row have no witness.
         """
         rejected = 0
         for _ in range(PATIENCE):
@@ -207,11 +207,11 @@ class SpaceSource:
         raise NotFound(f"none of {PATIENCE} sampled tasks in a row is feasible; take another space, or a larger budget")
 
     def ranked(self, rank: int) -> Assignment:
-        """Return the task of a rank, with a witness.
+        """Return the task with a rank, with a witness.
 
         Raises:
-            QueryError: there is no task of that rank, the task has no witness or is not in the part, or the space has
-                tasks of several lengths.
+            QueryError: no task has that rank, the task has no witness or is not in the part, or the space has tasks of
+                several lengths.
         """
         space = self._pool.space
         if not isinstance(space, TaskSpace):
@@ -240,7 +240,7 @@ class SpaceSource:
 
 
 class DatasetSource:
-    """Samples the tasks of a dataset, each from an initial state that it has a witness for."""
+    """Samples the tasks of a dataset, each from an initial state with a witness."""
 
     def __init__(self, dataset: Dataset):
         self._dataset, self._count = dataset, dataset.count()
@@ -253,10 +253,10 @@ class DatasetSource:
         self._rng = np.random.default_rng(seed)
 
     def draw(self) -> Assignment:
-        """Return a uniformly random task with an action, from one of its initial states.
+        """Return a uniformly random task with at least one action, from one of its initial states.
 
         Raises:
-            NotFound: `PATIENCE` samples in a row have none.
+            NotFound: `PATIENCE` samples in a row have no witness.
         """
         for rejected in range(PATIENCE):
             assignment = self._assignment(int(self._rng.integers(self._count)))
@@ -265,7 +265,7 @@ class DatasetSource:
         raise NotFound(f"{self._dataset.folder}: {PATIENCE} tasks in a row have no action; take another dataset")
 
     def ranked(self, rank: int) -> Assignment:
-        """Return the task of a number of the dataset.
+        """Return the task of the dataset with a number.
 
         Raises:
             QueryError: the dataset has no task of this number.

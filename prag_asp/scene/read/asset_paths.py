@@ -1,8 +1,8 @@
-"""Find the files that a model names, as PyBullet, ROS and model folders write their paths.
+"""Find the files that a model names, by the path conventions of PyBullet, ROS and model folders.
 
 A path is relative to the folder of the model or to one above it, the nearest first, as PyBullet resolves it. In
-``package://NAME/PATH`` and ``model://NAME/PATH`` the name is a folder too, or that of the package around the model,
-which may have another name here. Nothing outside the folder of the domain is found.
+``package://NAME/PATH`` and ``model://NAME/PATH``, NAME is also a folder, or the package that contains the model, whose
+folder may have another name here. Files outside the folder of the domain are not found.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def require_inside(path: Path, folder: Path) -> None:
 
 
 def _candidates(name: str, model: Path, folder: Path) -> Iterator[Path]:
-    """Yield the paths that a name can mean, the likeliest first."""
+    """Yield the possible paths of a name, the likeliest first."""
     scheme = next((scheme for scheme in SCHEMES if name.startswith(scheme)), "")
     plain = name.removeprefix(scheme).removeprefix(FILE)
     names = [plain] if not scheme else [plain, plain.partition("/")[2]]

@@ -1,4 +1,4 @@
-"""Make the shape of a rigid body of its solids and mass properties."""
+"""Make the shape of a rigid body from its solids and mass properties."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ Floats = NDArray[np.float64]
 def body_shape(
     kind: str, solids: Sequence[Solid], mass: MassProperties, settled: float = 0.0, looks: Iterable[Look] = ()
 ) -> Shape:
-    """Return the shape of a body of solids; the centre of their bounding box becomes the origin of its frame.
+    """Return the shape of a body made of solids; the centre of their bounding box becomes the origin of its frame.
 
-    `settled` is the angle in radians by which it tilted to come to rest; `looks` are its visual parts.
+    `settled` is the angle in radians by which the body tilted to come to rest; `looks` are its visual parts.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -56,7 +56,7 @@ def body_shape(
 
 
 def resting(shape: Shape) -> Shape | None:
-    """Return the shape of a body with a model as it comes to rest, None if it does not: the same if it stands.
+    """Return the shape of a body with a model at rest: unchanged if it stands, None if it does not come to rest.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -71,9 +71,9 @@ def resting(shape: Shape) -> Shape | None:
 
 
 def stable_rotations(points: Floats, centre: Floats) -> Iterator[tuple[float, Floats]]:
-    """Yield the height of the centre of mass in metres and the rotation (3, 3) of each pose in which a body rests.
+    """Yield each stable pose of a body: the height of the centre of mass in metres, and the rotation (3, 3).
 
-    It rests on a face of the convex hull of `points` (n, 3) of its surface, above which is its centre of mass (3,).
+    The body rests on a face of the convex hull of `points` (n, 3) of its surface that is below its centre of mass (3,).
     """
     hull = convex_hull(points)
     corners = np.unique(hull.reshape(-1, 3), axis=0)
@@ -87,7 +87,7 @@ def stable_rotations(points: Floats, centre: Floats) -> Iterator[tuple[float, Fl
 
 
 def _turned_down(normal: Floats) -> Floats:
-    """Return the rotation (3, 3) by the smallest angle that makes a unit vector point down."""
+    """Return the smallest rotation (3, 3) that makes a unit vector point down."""
     down = np.array([0.0, 0.0, -1.0])
     axis, cosine = np.cross(normal, down), float(normal @ down)
     if cosine < -1.0 + 1e-9:
@@ -98,7 +98,7 @@ def _turned_down(normal: Floats) -> Floats:
 
 
 def turned_shape(shape: Shape, rows: Floats, settled: float = 0.0) -> Shape:
-    """Return the shape of a body with a model after a rotation (3, 3), by which it may have `settled` in radians."""
+    """Return the shape of a body with a model after a rotation (3, 3); `settled` is its angle in radians, if any."""
     model = shape.model
     assert model is not None
     solids = [_turned(solid, rows) for solid in model.solids]
@@ -115,7 +115,7 @@ def _turned(solid: Solid, rows: Floats) -> Solid:
 
 
 def ends(solid: Solid) -> Iterator[Size]:
-    """Yield points that have the bounding box of a solid in the frame of its body.
+    """Yield points with the same bounding box as a solid, in the frame of its body.
 
     Raises:
         SceneError: a mesh cannot be read, or is too thin.
@@ -135,14 +135,14 @@ def ends(solid: Solid) -> Iterator[Size]:
 
 
 def too_thin(thickness: float) -> str:
-    """Return the problem of a solid that is too thin, and the remedy, in words."""
+    """Return the message for a solid that is too thin, with the remedy."""
     return f"{thickness:.3g} m thin; make it at least {SMALLEST:g} m thick"
 
 
 def solid_mass(solids: Iterable[Solid]) -> MassProperties:
     """Return the mass properties of solids of density 1 in the frame of their body.
 
-    A closed part of a mesh counts as what is inside, any other one as its convex hull.
+    A closed part of a mesh counts as its interior, any other part as its convex hull.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -155,7 +155,7 @@ def solid_mass(solids: Iterable[Solid]) -> MassProperties:
 
 
 def _triangles(solid: Solid) -> Iterator[Floats]:
-    """Yield the triangles of the parts of a solid in the frame of its body, as they collide."""
+    """Yield the collision triangles of each part of a solid in the frame of its body."""
     parts = _parts(solid) if solid.mesh else [convex_hull(np.array(list(own_points(solid))))]
     for part in parts:
         collides = part if not solid.mesh or can_decompose() or is_convex(part) else convex_hull(part.reshape(-1, 3))
@@ -198,7 +198,7 @@ def quaternion_of(rows: Floats) -> tuple[float, float, float, float]:
 def roll_pitch_yaw(rows: Floats) -> Size:
     """Return the roll, pitch and yaw about the fixed axes of a rotation matrix (3, 3), in radians."""
     pitch = math.asin(max(-1.0, min(1.0, -float(rows[2, 0]))))
-    if abs(rows[2, 0]) > 1.0 - 1e-12:  # roll and yaw have the same axis: all of the turn is roll
+    if abs(rows[2, 0]) > 1.0 - 1e-12:  # roll and yaw have the same axis: the whole rotation is roll
         return (math.atan2(-float(rows[0, 1]) * math.copysign(1.0, float(rows[2, 0])), float(rows[1, 1])), pitch, 0.0)
     return (math.atan2(rows[2, 1], rows[2, 2]), pitch, math.atan2(rows[1, 0], rows[0, 0]))
 

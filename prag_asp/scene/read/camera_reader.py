@@ -31,7 +31,7 @@ CLOSEST = 0.01
 """The smallest distance of a camera from its target, in metres."""
 
 ANGLES = (5.0, 150.0)
-"""The smallest and the largest field of view in degrees; that of a pinhole camera is less than 180."""
+"""The smallest and the largest field of view in degrees; a pinhole camera has less than 180."""
 
 PIXELS = (16, 2048)
 """The smallest and the largest side of an image in pixels: policies need no more, and the software renderer is slow."""
@@ -41,7 +41,7 @@ RANGE = (0.005, 100.0)
 
 
 def read_cameras(section: TableEntry, robots: Mapping[str, object]) -> dict[str, Camera]:
-    """Return the cameras without problems by their names; one can be mounted on any of the `robots`."""
+    """Return the valid cameras by name; a camera can be mounted on any of the `robots`."""
     cameras = {}
     for name, entry in section.entries():
         if not NAME.fullmatch(name):
@@ -54,7 +54,7 @@ def read_cameras(section: TableEntry, robots: Mapping[str, object]) -> dict[str,
 
 
 def _camera(entry: TableEntry, robots: Mapping[str, object]) -> Camera:
-    """Return one camera; defaults replace wrong values."""
+    """Return a camera; defaults replace wrong values."""
     usual = Camera((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     mount = entry.at("mount")
     if not mount.missing and str(mount.value) not in robots:

@@ -1,10 +1,10 @@
-"""Find the cavity of a body: the space that would fill with water in the rain.
+"""Find the cavity of a body: the space that rain would fill with water.
 
-Heights of the surface are measured on a grid from above. Water runs off at the border and through holes, and fills any
-other point up to the lowest rim over which it can run off: the smallest, over all paths to the border, of the largest
-height on the path (Barnes, Lehman and Mulla, "Priority-flood", 2014). Gaps and holes too narrow for things to fall
-through are closed first: a basket is a container. Parts over a cavity that do not close it, such as the handle of a
-basket, are ignored: the surface is also measured from several heights, without the parts above.
+The heights of the surface are measured on a grid from above. Water runs off at the border and through holes, and fills
+any other point up to the lowest rim over which it can run off: the minimum, over all paths to the border, of the
+greatest height on the path (Barnes, Lehman and Mulla, "Priority-flood", 2014). Gaps and holes too narrow for objects to
+fall through are closed first: a basket is a container. Parts over a cavity that do not close it, such as the handle of
+a basket, are ignored: the surface is also measured from several heights, without the parts above.
 """
 
 from __future__ import annotations
@@ -26,17 +26,17 @@ SHALLOW, NARROW = 0.012, 0.02
 """The smallest depth and the smallest width of a cavity in metres: nothing stands in a smaller one."""
 
 GAP = 0.008
-"""The width in metres of gaps and holes that are closed, about: a grid has whole cells."""
+"""The approximate width in metres of gaps and holes that are closed; the grid has whole cells."""
 
 LEVELS, OPEN = 12, 0.6
-"""Heights from which a body is looked at, and the least share of a cavity's floor that is seen from above everything.
+"""The number of heights from which a body is viewed, and the smallest share of a cavity's floor visible from above.
 """
 
 LEVEL = 0.004
-"""The height in metres of the points of a floor above its lowest one."""
+"""The largest height in metres of points of a floor above its lowest point."""
 
 UPRIGHT = 1e-12
-"""Twice the area in square metres, seen from above, below which a triangle is vertical."""
+"""Twice the projected area in square metres below which a triangle counts as vertical."""
 
 
 def find_cavity(triangles: Floats) -> Cavity | None:
@@ -52,7 +52,7 @@ def find_cavity(triangles: Floats) -> Cavity | None:
         _raise(heights, solid, cuts, triangle, xs, ys)
     found: list[tuple[float, Cavity]] = []
     for cut, seen, within in zip(cuts, heights, solid, strict=True):
-        # Without an overhang over a surface, the whole body shows as much.
+        # Without an overhang over a surface, the view of the whole body shows the same.
         if cut == np.inf or ((heights[-1] > cut) & (within <= 0) & (seen > -np.inf)).any():
             surface = _closed(np.where((within > 0) & (cut < np.inf), cut, seen), round(GAP / 2 / cell))
             found += _cavities(surface, heights[-1], float(low[2]), (xs, ys))
@@ -60,9 +60,9 @@ def find_cavity(triangles: Floats) -> Cavity | None:
 
 
 def _cavities(surface: Floats, top: Floats, low: float, grid: tuple[Floats, Floats]) -> Iterator[tuple[float, Cavity]]:
-    """Yield the cavities of a surface, given by its heights on a grid, with what each holds in cells times metres.
+    """Yield the cavities of a surface, given by its heights on a grid, each with its volume in cells times metres.
 
-    `top` is the surface seen from above everything, `low` the height of the lowest point of the body, in metres.
+    `top` is the surface of the whole body seen from above, `low` the height of its lowest point, in metres.
     """
     cell = float(grid[0][1] - grid[0][0])
     depths = _filled(surface) - np.maximum(surface, low)
@@ -83,10 +83,10 @@ def _cavities(surface: Floats, top: Floats, low: float, grid: tuple[Floats, Floa
 
 
 def _raise(heights: Floats, solid: NDArray[np.int_], cuts: Floats, triangle: Floats, xs: Floats, ys: Floats) -> None:
-    """Add a triangle (3, 3) to what is seen at the points of a grid from each of the heights `cuts`.
+    """Add a triangle (3, 3) to the views of a grid from each of the heights `cuts`.
 
-    `heights` are those of the highest surface below a cut, `solid` counts the solids that the cut is in: the surfaces
-    below it that face down, less those that face up.
+    `heights` are those of the highest surface below each cut; `solid` counts the solids that contain the cut: the
+    surfaces below it that face down, minus those that face up.
     """
     (ax, ay, az), (bx, by, bz), (cx, cy, cz) = triangle.tolist()
     area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
@@ -114,7 +114,7 @@ def _closed(heights: Floats, reach: int) -> Floats:
 
 
 def _filled(heights: Floats) -> Floats:
-    """Return the level of water at each point of a grid; it runs off at the border, and where there is no surface."""
+    """Return the water level at each point of a grid; water runs off at the border and where there is no surface."""
     levels, waits = np.full_like(heights, np.inf), np.ones(heights.shape, dtype=bool)
     last_row, last_column = heights.shape[0] - 1, heights.shape[1] - 1
     queue: list[tuple[float, tuple[int, ...]]] = []

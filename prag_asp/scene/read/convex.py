@@ -8,16 +8,16 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 ROUNDING = 1e-9
-"""Points within this share of the extent of all points from a face of the hull are on it."""
+"""The distance up to which a point is on a face of the hull, as a share of the extent of all points."""
 
 CONVEX = 0.02
-"""The share of a hull that may be empty, and of the smallest extent of a mesh by which its corners may be inside."""
+"""The share of the hull that may be empty, and the depth of corners inside it as a share of the smallest extent."""
 
 CHUNK = 1024
 """The number of points whose distances from all faces of a hull are computed at once, to bound the memory."""
 
 DENT = 0.0005
-"""The depth of a dent in metres that collisions cannot notice: PyBullet's contacts are less exact."""
+"""The depth of a dent in metres that does not affect collisions: PyBullet's contacts are less exact."""
 
 
 def convex_hull(points: Floats) -> Floats:
@@ -45,7 +45,7 @@ def convex_hull(points: Floats) -> Floats:
         outward = np.cross(two - one, three - one) @ (one - inner) > 0.0
         faces.append((start[a], start[b], start[c]) if outward else (start[a], start[c], start[b]))
     normals, offsets = planes(faces)
-    # Each point outside is kept with the face over which it is highest: only a face that is replaced moves its points.
+    # Each outside point is assigned to the face it is farthest above: only replaced faces reassign their points.
     numbers, following = np.arange(len(faces)), len(faces)
     heights = points @ normals.T - offsets
     owner, height = numbers[heights.argmax(1)], heights.max(1)
@@ -70,7 +70,7 @@ def convex_hull(points: Floats) -> Floats:
 
 
 def _tetrahedron(points: Floats) -> list[int]:
-    """Return the numbers of four points that span a tetrahedron: each the farthest from those before it."""
+    """Return the indices of four points that span a tetrahedron, each the farthest from those before it."""
     first = int(points[:, 0].argmin())
     second = int(np.linalg.norm(points - points[first], axis=1).argmax())
     along = (points[second] - points[first]) / np.linalg.norm(points[second] - points[first])
@@ -82,7 +82,7 @@ def _tetrahedron(points: Floats) -> list[int]:
 
 
 def is_closed(triangles: Floats) -> bool:
-    """Return whether triangles (n, 3, 3) bound a volume: each edge has one in either direction."""
+    """Return whether triangles (n, 3, 3) bound a volume: each edge has one triangle in each direction."""
     _, numbers = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
     faces = numbers.reshape(-1, 3)
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
@@ -93,7 +93,7 @@ def is_closed(triangles: Floats) -> bool:
 def is_convex(triangles: Floats) -> bool:
     """Return whether triangles (n, 3, 3) bound their convex hull, apart from small dents.
 
-    No corner may be deep within the hull, and what closed triangles bound must fill it.
+    No corner may be deep within the hull, and closed triangles must bound nearly its whole volume.
     """
     hull = convex_hull(triangles.reshape(-1, 3))
     points = np.unique(triangles.reshape(-1, 3), axis=0)

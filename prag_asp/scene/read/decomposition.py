@@ -1,6 +1,6 @@
 """The convex parts of a concave mesh, by CoACD (Wei et al., "Approximate convex decomposition", 2022).
 
-They depend on the mesh and the parameters alone, and are cached by both, because a decomposition takes seconds.
+They depend only on the mesh and the parameters, and are cached by both, because a decomposition takes seconds.
 """
 
 from __future__ import annotations
@@ -30,29 +30,29 @@ PARAMETERS = {
     "mcts_max_depth": 3,
     "seed": 0,
 }
-"""CoACD's own defaults, stated here because results depend on them; the threshold is a share of the mesh's size."""
+"""The defaults of CoACD, stated here because results depend on them; the threshold is a share of the mesh's size."""
 
 LONGEST = 300.0
-"""The time limit of a decomposition in seconds. Some 2,000 triangles take 9 s; CoACD has no bound of its own."""
+"""The time limit of a decomposition in seconds. About 2,000 triangles take 9 s; CoACD itself has no limit."""
 
 LARGEST = 64_000_000
 """The largest size of a cached decomposition in bytes."""
 
 FORMAT = 1
-"""Counts up when the content of cache files changes."""
+"""The version of the cache format; it increases when the content of cache files changes."""
 
 
 @cache
 def can_decompose() -> bool:
-    """Return whether the package that decomposes meshes is installed."""
+    """Return whether CoACD is installed."""
     return find_spec("coacd") is not None
 
 
 def decomposed(triangles: Floats) -> tuple[Floats, ...]:
-    """Return the triangles (n, 3, 3) of convex parts that make up a concave mesh, given by its own.
+    """Return the triangles (n, 3, 3) of the convex parts of a concave mesh, given by its triangles.
 
     Raises:
-        LimitReached: the decomposition takes more than `LONGEST` seconds, or more memory than available.
+        LimitReached: the decomposition takes more than `LONGEST` seconds, or more than the available memory.
     """
     key = sha256(json.dumps([FORMAT, PARAMETERS], sort_keys=True).encode() + np.round(triangles, 9).tobytes())
     folder = cache_folder()
@@ -67,7 +67,7 @@ def decomposed(triangles: Floats) -> tuple[Floats, ...]:
 
 
 def decompose(triangles: Floats) -> tuple[Floats, ...]:
-    """Return the convex parts of a mesh; called in a process of its own, because CoACD cannot be interrupted."""
+    """Return the convex parts of a mesh; called in a separate process, because CoACD cannot be interrupted."""
     import coacd  # type: ignore[import-untyped]  # noqa: PLC0415 - an extra, and heavy
 
     coacd.set_log_level("off")

@@ -1,4 +1,4 @@
-"""Read ``[scene.table]``, ``[scene.workspace]`` and ``[scene.fixed]``: the table, and places on it."""
+"""Read ``[scene.table]``, ``[scene.workspace]`` and ``[scene.fixed]``: the table, and positions on it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from prag_asp.tables.report import TableEntry
 
 PLACELESS = ("robot", "table")
 WORKSPACE = {"x": (0.3, 0.7), "y": (-0.4, 0.4)}
-"""The default workspace in metres: what an arm at the origin reaches from above."""
+"""The default workspace in metres: the area that an arm at the origin reaches from above."""
 
 
 def read_table(section: TableEntry) -> TableTop:
@@ -64,7 +64,7 @@ def read_fixed(section: TableEntry, names: DomainNames, shapes: Mapping[str, Sha
 
 
 def check_places(section: TableEntry, top: TableTop, shapes: Mapping[str, Shape], fixed: Mapping[str, Place]) -> None:
-    """Report fixed bodies that are not entirely on the table, and pairs of the others that overlap."""
+    """Report fixed bodies that are not entirely on the table, and overlapping pairs of the other fixed bodies."""
     (x, y), (size_x, size_y) = top.centre, top.size
     bodies = [entity for entity in fixed if shapes[entity].traits.body]
     for entity, place in fixed.items():

@@ -1,9 +1,9 @@
 """Read the triangles of a mesh, and divide it into convex parts.
 
-Wavefront .obj, and .stl as text or binary, are read here, other formats by trimesh.
+Wavefront .obj, and text or binary .stl, are read here, other formats by trimesh.
 
-The size of a mesh is exactly that of its faces: points that no face uses do not count, and it has no margin. Simulators
-get the triangles that this module reads, not the file, so that both have the same body.
+The size of a mesh is exactly that of its faces, without a margin: points that no face uses do not count. Simulators get
+the triangles that this module reads, not the file, so that both have the same body.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ LARGEST = 32_000_000
 """The largest size in bytes of a mesh file, or of a file that it refers to, such as a buffer of a .gltf."""
 
 FLATTEST = 0.0005
-"""The smallest thickness of a part of a mesh in metres: simulators do not collide with the hull of a flatter one."""
+"""The smallest thickness of a mesh part in metres: simulators do not collide with the hull of a flatter part."""
 
 HEADER, TRIANGLE = 84, 50
-"""The bytes of the header of a binary .stl, and of each triangle."""
+"""The sizes in bytes of the header of a binary .stl, and of each triangle."""
 
 SUFFIXES = (".obj", ".stl", ".ply", ".glb", ".gltf", ".dae", ".off")
 """The formats of meshes."""
@@ -47,8 +47,8 @@ Part = tuple[Triangle, ...]
 def mesh_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[Part, ...]:
     """Return the triangles of the convex parts of a mesh, multiplied by a scale along each axis.
 
-    A body collides as their convex hulls. A part of the file that is convex is one of them; any other one is decomposed
-    if CoACD is installed, and otherwise stands for its convex hull.
+    A body collides as their convex hulls. A convex part of the file is kept as it is; a concave part is decomposed if
+    CoACD is installed, and otherwise replaced by its convex hull.
 
     Raises:
         SceneError: as for `file_parts`.
@@ -58,7 +58,7 @@ def mesh_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[Part, ...]:
 
 @lru_cache(maxsize=64)
 def _convex_parts(path: str, scale: Point, _state: tuple[int, int]) -> tuple[Part, ...]:
-    """Return the convex parts of a mesh; the state of the file is a key of the cache."""
+    """Return the convex parts of a mesh; the state of the file is part of the cache key."""
     from prag_asp.scene.read.decomposition import can_decompose, decomposed  # noqa: PLC0415 - few domains have meshes
 
     parts: list[Part] = []
@@ -87,7 +87,7 @@ def is_concave(path: str, scale: Point = (1.0, 1.0, 1.0)) -> bool:
 
 
 def _concave(part: Part) -> bool:
-    """Return whether a part is concave; one that is too thin for a hull is not."""
+    """Return whether a part is concave; a part too thin for a hull is not."""
     from prag_asp.scene.read.convex import is_convex  # noqa: PLC0415 - few domains have meshes
 
     return thickness(_corners(part)) >= FLATTEST and not is_convex(np.array(part, dtype=float))
@@ -100,7 +100,7 @@ def file_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[Part, ...]:
     than `FLATTEST` metres, the mesh has only one part.
 
     Raises:
-        SceneError: the file cannot be read, is of another format, or has no faces or no finite points.
+        SceneError: the file cannot be read, has an unknown format, no faces, or a point that is not finite.
     """
     scaled = tuple(
         tuple((_scaled(one, scale), _scaled(two, scale), _scaled(three, scale)) for one, two, three in part)
@@ -137,14 +137,14 @@ def _scaled(point: Point, scale: Point) -> Point:
 
 
 def _parts(path: str) -> tuple[Part, ...]:
-    """Return the parts of a mesh in the unit of its file, which is read again only after a change."""
+    """Return the parts of a mesh in the unit of its file, which is reread only after a change."""
     if Path(path).suffix.lower() not in SUFFIXES:
         raise SceneError(f"{path}: a mesh of unknown format; known are {', '.join(SUFFIXES)}")
     return _read(path, *state_of(path))
 
 
 def state_of(path: str) -> tuple[int, int]:
-    """Return the time of the last change of a file in nanoseconds, and its size in bytes: they identify its contents.
+    """Return a file's modification time in nanoseconds and its size in bytes, which identify its contents.
 
     Raises:
         SceneError: the file cannot be read.
@@ -158,7 +158,7 @@ def state_of(path: str) -> tuple[int, int]:
 
 @lru_cache(maxsize=32)
 def _read(path: str, modified: int, size: int) -> tuple[Part, ...]:
-    """Return the parts of a mesh in the unit of its file; the state of the file is a key of the cache."""
+    """Return the parts of a mesh in the unit of its file; the state of the file is part of the cache key."""
     try:
         content = read_bytes(path, at_most=LARGEST)
         parts = _triangles(path, content)
@@ -186,7 +186,7 @@ def _triangles(path: str, content: bytes) -> list[list[Triangle]]:
 
 
 def _obj(content: bytes) -> list[list[Triangle]]:
-    """Return the triangles of each object and group of an .obj; a face with more corners becomes a fan of triangles."""
+    """Return the triangles of each object and group of an .obj; a face with more corners becomes a fan."""
     points: list[Point] = []
     parts: list[list[Triangle]] = [[]]
     text = content.decode("utf-8", "replace").replace("\\\r\n", " ").replace("\\\n", " ")
@@ -198,7 +198,7 @@ def _obj(content: bytes) -> list[list[Triangle]]:
                 if len(words) < CORNERS:
                     raise ValueError(f"a face of {len(words)} corners in line {number}")
                 corners = []
-                for word in words:  # such as 3/1/2: the number of the point, from 1 on, or from -1 back
+                for word in words:  # such as 3/1/2: the index of the point, forwards from 1 or backwards from -1
                     index = int(word.partition("/")[0])
                     if index == 0 or not -len(points) <= index <= len(points):
                         raise ValueError(f"a face with the corner {index} of {len(points)} points in line {number}")
@@ -210,7 +210,7 @@ def _obj(content: bytes) -> list[list[Triangle]]:
 
 
 def _stl(content: bytes) -> list[Triangle]:
-    """Return the triangles of an .stl; the length of a binary one fits the count in its header."""
+    """Return the triangles of an .stl; it is binary if its length matches the count in its header."""
     count = struct.unpack_from("<I", content, HEADER - 4)[0] if len(content) >= HEADER else -1
     if len(content) == HEADER + count * TRIANGLE:
         rows = (struct.unpack_from("<12f", content, HEADER + i * TRIANGLE) for i in range(count))
@@ -229,7 +229,7 @@ def _point(words: Sequence[str] | Sequence[float]) -> Point:
 
 
 class FilesBeside(Mapping[str, bytes]):
-    """The files in the folder of a mesh, by their names; they are read when they are looked up."""
+    """The files in the folder of a mesh, by name, each read on lookup."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -273,5 +273,5 @@ def trimesh_parts(path: str, content: bytes) -> list[Any]:
     try:
         scene = trimesh.load_scene(BytesIO(content), file_type=kind, resolver=FilesBeside(Path(path).parent))
         return [each for each in scene.dump() if isinstance(each, trimesh.Trimesh)]
-    except Exception as error:  # its readers raise whatever they meet in a broken file
+    except Exception as error:  # its readers raise arbitrary errors for a broken file
         raise ValueError(" ".join(str(error).split())[:200] or type(error).__name__) from error

@@ -1,4 +1,4 @@
-"""Read a shape of the kind ``mesh``: a body from a mesh file alone."""
+"""Read a shape of the kind ``mesh``: a body defined only by a mesh file."""
 
 from __future__ import annotations
 
@@ -26,28 +26,28 @@ UPWARD: Mapping[str, tuple[float, float, float]] = {
     "x": (0.0, -90.0, 0.0),
     "-x": (0.0, 90.0, 0.0),
 }
-"""The rotation about x, y and z in degrees that turns an axis of a file upwards."""
+"""The rotation about x, y and z in degrees that turns an axis of the file upwards."""
 
 RESTS = ("upright", "lying", "any")
 """The resting pose of a body: as in its file, on its side, or the one with the lowest centre of mass."""
 
 SIDEWAYS = math.cos(math.radians(45.0))
-"""The cosine of the smallest angle between the upward axes of a body that lies and of its file."""
+"""The cosine of the smallest angle between the upward axis of a body on its side and that of its file."""
 
 SCALES = (1e-6, 1e6)
-"""The smallest and the largest scale: from micrometres to parsecs nobody has models."""
+"""The smallest and the largest scale; no model needs one outside this range."""
 
 MASSES, DENSITIES = (1e-4, 100.0), (1.0, 25000.0)
 """The smallest and the largest mass of a body in kilograms, and density in kilograms per cubic metre."""
 
 
 def read_mesh_body(entry: TableEntry, folder: Path) -> Shape | None:
-    """Return the shape of a table of the kind ``mesh``, and report what is wrong with it.
+    """Return the shape that a table of the kind ``mesh`` defines, and report problems of the table.
 
-    With neither `mass` nor `density` its model has the mass of a density of 1 kg/m³.
+    Without `mass` and `density`, its model has a density of 1 kg/m³.
 
     Raises:
-        SceneError: the file is missing, outside of the folder, or not a mesh that a body can have.
+        SceneError: the file is missing, outside the folder, or not a valid mesh for a body.
     """
     path = folder / str(entry.value.get("path"))
     scale = entry.at("scale", 1.0)
@@ -103,7 +103,7 @@ def _lying(shape: Shape, anyhow: bool) -> Shape:
     if not sideways:
         raise SceneError('the body does not rest like that; give another rests, such as "upright"')
     height = min(height for height, _ in sideways)
-    # Of poses that are equally high the one nearest to the file is taken.
+    # Among equally high poses, the one nearest to the file is taken.
     return turned_shape(
         shape, max((rows for low, rows in sideways if low <= height + 1e-6), key=lambda rows: rows[2, 2])
     )

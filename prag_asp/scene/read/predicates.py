@@ -36,7 +36,7 @@ EXAMPLE = '"{0} {is} in the corner of {1}"'
 
 
 def read_own(section: TableEntry, names: DomainNames) -> dict[str, Own]:
-    """Return the predicates of a ``[scene.own]`` table by their names, without those that have problems."""
+    """Return the valid predicates of a ``[scene.own]`` table by name."""
     if not section.is_table("for each predicate, such as [scene.own.in_corner]"):
         return {}
     predicates = {}
@@ -50,7 +50,7 @@ def read_own(section: TableEntry, names: DomainNames) -> dict[str, Own]:
 
 
 def _predicate(entry: TableEntry, name: str, names: DomainNames) -> Own | None:
-    """Return one predicate, None if the table does not say which kind of definition it has."""
+    """Return a predicate, or None if the kind of its definition is not clear from the table."""
     if not entry.is_table("with arguments, and boxes or python"):
         return None
     if name in PREDICATE_ROLES or name == IGNORED:
@@ -73,7 +73,7 @@ def _predicate(entry: TableEntry, name: str, names: DomainNames) -> Own | None:
 
 
 def _composed(entry: TableEntry, name: str, roles: tuple[str, ...], names: DomainNames) -> Own:
-    """Return a predicate that boxes define."""
+    """Return a predicate defined by boxes."""
     arguments, around = entry.at("arguments"), entry.at("around")
     if roles and set(roles) != {"object"}:
         arguments.add(f"are {', '.join(roles)}, but a predicate of boxes takes only objects; define it in Python")
@@ -99,7 +99,7 @@ def _composed(entry: TableEntry, name: str, roles: tuple[str, ...], names: Domai
 
 
 def _box(entry: TableEntry) -> BoxBounds:
-    """Return a box; it is unbounded along an axis that it does not name, and an end may be infinite."""
+    """Return a box; it is unbounded along an axis that its table omits, and an end may be infinite."""
     if not isinstance(entry.value, Mapping) or not entry.value:
         entry.needs("a table like { x = [0.05, 0.12], y = [0, 0.1] }")
         return BoxBounds((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))

@@ -1,6 +1,6 @@
 """Read the ``[scene]`` table of a domain.
 
-Lengths are metres, angles in the file degrees.
+In the file, lengths are metres and angles are degrees.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ SCENE_KEYS = (
 )
 
 FACTORS = (0.05, 20.0)
-"""The smallest and the largest factor of friction and mass, which cover all materials."""
+"""The smallest and the largest factor for friction and for mass; this range covers all materials."""
 
 LARGEST_RANGES: Mapping[str, tuple[float, str]] = {
     "light": (80.0, "degrees"),
@@ -61,7 +61,7 @@ CLOSEST_BASES = 0.4
 """The smallest distance between the bases of two robots, in metres."""
 
 LARGEST_BALANCE = 0.1
-"""The largest margin of balance in metres: more than half of most objects."""
+"""The largest margin of balance in metres: more than half the width of most objects."""
 
 MATERIAL_LIMITS: Mapping[str, tuple[float, float, str]] = {
     "density": (1.0, 25000.0, "kilograms a cubic metre"),
@@ -73,14 +73,14 @@ MATERIAL_LIMITS: Mapping[str, tuple[float, float, str]] = {
 PALETTE = ("#e4572e", "#2e86ab", "#f2b134", "#3a9d5d", "#8e5bb5", "#d64577", "#4bb3b8", "#a0714f")
 CONTAINER_COLOR, FURNITURE_COLOR, ROBOT_COLOR = "#b9c4cc", "#b08457", "#edf0f2"
 AROUND = (CONTAINER_COLOR, FURNITURE_COLOR, TableTop().color, "#f7f9fc", "#40434a")
-"""The colours around objects: containers, furniture, the table, the sky, and the dark parts of robots."""
+"""The colours that surround objects: containers, furniture, the table, the sky, and the dark parts of robots."""
 
 DISTINCT = 20.0
 """The smallest Delta E in CIELAB at which people distinguish two colours."""
 
 
 def read_scene(root: TableEntry, names: DomainNames) -> Scene:
-    """Return the scene of a ``[scene]`` table; a wrong value is reported, and replaced by the default."""
+    """Return the scene of a ``[scene]`` table; wrong values are reported and replaced by their defaults."""
     report = root.report
     root.require_known(SCENE_KEYS)
     if not isinstance(root.value.get("shapes", {}), Mapping) or (*root.keys, "shapes") in report.misspelt:
@@ -121,7 +121,7 @@ def read_scene(root: TableEntry, names: DomainNames) -> Scene:
 def _check_bodies(root: TableEntry, scene: Scene, names: DomainNames) -> None:
     """Report bodies with an impossible place.
 
-    These are bodies larger than the table, fixed bodies off the table or overlapping each other or a robot, and
+    These are bodies larger than the table, fixed bodies that are off the table or overlap each other or a robot, and
     furniture without a place.
     """
     report, shapes, places = root.report, root.section("shapes"), root.section("fixed")
@@ -151,7 +151,7 @@ def _balance(entry: TableEntry) -> float:
 def _weighed(
     section: TableEntry, names: DomainNames, shapes: Mapping[str, Shape], materials: Mapping[str, Material]
 ) -> dict[str, Shape]:
-    """Return the shapes of meshes without a mass or a density: with that of their material, by their volume."""
+    """Return the shapes of meshes without a mass or a density, with the density of their material."""
     found = {}
     for entity, shape in shapes.items():
         owner = next(name for name in names.line(entity) if name in section.value)
@@ -165,7 +165,7 @@ def _weighed(
 def _resting(
     section: TableEntry, names: DomainNames, shapes: Mapping[str, Shape], fixed: Collection[str]
 ) -> dict[str, Shape]:
-    """Return the shapes of the bodies with a model that can move, as they come to rest; report those that roll on."""
+    """Return the shapes at rest of the movable bodies with a model; report the bodies that roll on."""
     models = {entity: shape for entity, shape in shapes.items() if shape.model is not None and entity not in fixed}
     if not models:
         return {}
@@ -221,7 +221,7 @@ def _ranges(section: TableEntry) -> Ranges:
 
 
 def _materials(section: TableEntry, names: DomainNames) -> dict[str, Material]:
-    """Return the material of every entity whose class or nearest ancestor has one; missing values are the default."""
+    """Return the material of every entity whose class or nearest ancestor has one; missing values have defaults."""
     by_class = {}
     for name, entry in section.entries():
         if names.has_class(entry, name):
@@ -236,7 +236,7 @@ def _materials(section: TableEntry, names: DomainNames) -> dict[str, Material]:
 
 
 def _colors(section: TableEntry, names: DomainNames, shapes: Mapping[str, Shape], top: str) -> dict[str, str]:
-    """Return the colour of every entity: its own, that of its class, or one that looks different from all others.
+    """Return the colour of every entity: its own, that of its class, or one that differs visibly from all others.
 
     `top` is the colour of the table.
     """
@@ -263,7 +263,7 @@ def _colors(section: TableEntry, names: DomainNames, shapes: Mapping[str, Shape]
 
 
 def _is_painted(shape: Shape) -> bool:
-    """Return whether a body has colours of its own."""
+    """Return whether a body has its own colours."""
     if shape.model is None or not shape.model.looks:
         return False
     from prag_asp.scene.read.looks.surfaces import is_painted  # noqa: PLC0415 - few domains have bodies with a model
@@ -272,9 +272,9 @@ def _is_painted(shape: Shape) -> bool:
 
 
 def _robots(section: TableEntry, shapes: Mapping[str, Shape], usual: str) -> dict[str, Mount]:
-    """Return the mount of each robot by its entity; a table without entries means one robot at the origin.
+    """Return the mount of each robot by its entity; an empty table means one robot at the origin.
 
-    `usual` is the kind of a robot whose table names none.
+    `usual` is the kind of a robot whose table does not name one.
     """
     entities = [entity for entity, shape in shapes.items() if shape.kind == "robot"]
     mounts = {}

@@ -13,7 +13,7 @@ from prag_asp.tables.report import TableEntry, is_number, shown
 from prag_asp.wording import did_you_mean, nearest
 
 SIZES = 8
-"""The number of sizes in a range: each has a body of its own, because making and removing bodies leaks memory."""
+"""The number of sizes in a range: each has its own body, because creating and removing bodies leaks memory."""
 
 LEAST = (0.12, 0.12, 0.06)
 """The smallest sides of furniture in metres: smaller furniture holds nothing, or has no room for a handle."""
@@ -22,11 +22,11 @@ WALL = 0.006
 """The default thickness of a container's walls and floor, in metres."""
 
 STAND_IN = (0.3, 0.3, 0.3)
-"""Replaces wrong sides, in metres, so that they cause no further reports."""
+"""The sides in metres that replace wrong ones, so that they cause no further reports."""
 
 
 def read_shapes(section: TableEntry, names: DomainNames) -> dict[str, tuple[Shape, ...]]:
-    """Return the possible shapes of every entity, the smallest first: those of its class or nearest ancestor."""
+    """Return the possible shapes of every entity, smallest first: those of its class or nearest ancestor."""
     by_class: dict[str, tuple[Shape, ...]] = {}
     for name, entry in section.entries():
         if names.has_class(entry, name):
@@ -105,7 +105,7 @@ def _sizes(entry: TableEntry, kind: str) -> tuple[Size, Size]:
         sides = lengths(entry.at("size"), 2) or (0.0, 0.0)
         return (sides[0], sides[1], 0.0), (sides[0], sides[1], 0.0)
     if "size" in keys:
-        # A list of three sides, or a table of the smallest and the largest.
+        # Either a list of three sides, or a table of the smallest and the largest.
         size, ends = entry.at("size"), [entry.at("size")]
         if isinstance(size.value, Mapping):
             size.require_known(("low", "high"))
@@ -122,7 +122,7 @@ def _sizes(entry: TableEntry, kind: str) -> tuple[Size, Size]:
 
 
 def _length(entry: TableEntry, least: float) -> tuple[float, float]:
-    """Return the smallest and the largest value of a length in metres: a number, or a list of two."""
+    """Return the smallest and the largest value of a length in metres, given as a number or a list of two."""
     if isinstance(entry.value, list) and len(entry.value) == 2:
         pair = lengths(entry, 2, least) or (0.0, 0.0)
         if pair[0] > pair[1]:

@@ -1,7 +1,7 @@
-"""The stability of a body from a file on the ground: whether it stands, and otherwise how it comes to rest.
+"""The stability on the ground of a body from a file: whether it stands, and if not, how it comes to rest.
 
-Its base is the convex hull of all its points within `CONTACT` of the lowest one. Boxes and meshes are sampled at their
-corners, cylinders and balls all around, balls also just above their lowest point.
+The base of a body is the convex hull of all its points within `CONTACT` of the lowest one. Boxes and meshes are sampled
+at their corners, cylinders and balls all around, balls also just above their lowest point.
 """
 
 from __future__ import annotations
@@ -22,27 +22,27 @@ Floats = NDArray[np.float64]
 
 Rows = tuple[Size, Size, Size]
 CONTACT = 0.002
-"""The height in metres up to which a body touches the ground: PyBullet has contacts between bodies that near."""
+"""The height in metres up to which a body touches the ground: PyBullet reports contacts up to this distance."""
 
 STABLE_DEPTH = 0.0025
 """The smallest distance of the centre of mass from the edge of the base, in metres: a little more than `CONTACT`."""
 
 GRAZING, ROLLS = 0.0002, 0.0003
-"""The height in metres up to which the lowest points of a body bear it, and how far beside them its centre of mass is
-when it rolls, as a lemon does until it lies on its belly: points of files are rounded."""
+"""The height in metres up to which the lowest points of a body support it, and the distance of its centre of mass from
+them beyond which it rolls, as a lemon does until it lies on its belly: points in files are rounded."""
 
 TOUCHING = 1e-7
 """The height in metres up to which a point is on the ground, apart from rounding errors."""
 
 MOST_STEPS = 500
-"""The number of edges over which a body tips: a ball that is sampled in 64 directions has 64 around."""
+"""The largest number of edges over which a body tips: a ball sampled in 64 directions has 64 around."""
 
 TURNS = tuple(2 * math.pi * i / 64 for i in range(64))
-"""The directions, in radians, in which the base and round surfaces are sampled: one every 5.6 degrees."""
+"""The directions, in radians, in which bases and round surfaces are sampled: one every 5.6 degrees."""
 
 
 def surface_points(solids: Sequence[Solid]) -> Floats:
-    """Return points (n, 3) of the surface of solids in the frame of their body, in metres.
+    """Return points (n, 3) on the surface of solids in the frame of their body, in metres.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -52,7 +52,7 @@ def surface_points(solids: Sequence[Solid]) -> Floats:
 
 
 def base_of(points: Floats, height: float = CONTACT) -> Outline:
-    """Return the convex outline, seen from above, of points (n, 3) up to a height in metres over the lowest one."""
+    """Return the convex outline, seen from above, of points (n, 3) up to a height in metres above the lowest one."""
     near = points[points[:, 2] <= points[:, 2].min() + height]
     return hull([(x, y) for x, y, _ in near.tolist()])
 
@@ -65,15 +65,16 @@ def crown_of(points: Floats) -> Outline:
 def falls(points: Floats, centre: Floats) -> bool:
     """Return whether a body, given by points (n, 3) of its surface, falls over as it stands.
 
-    It does if its `centre` of mass (3,) is outside its base or at its edge, or if it rolls: that is farther than
-    `ROLLS` outside of its lowest points alone. A round base of a primitive counts as if it were flat.
+    It does if its `centre` of mass (3,) is outside its base or at the edge of the base. It also does if it rolls: if
+    the centre is more than `ROLLS` outside the outline of its lowest points. The round base of a primitive counts as
+    flat.
     """
     at = (float(centre[0]), float(centre[1]))
     return inside_by(base_of(points), at) < STABLE_DEPTH or _beside(base_of(points, GRAZING), at) > ROLLS
 
 
 def _beside(base: Outline, at: Point) -> float:
-    """Return how far a point is outside of a convex outline in metres, which may be a line or a point; 0 within it."""
+    """Return the distance in metres of a point from a convex outline, which may be a line or a point; 0 inside."""
     if len(base) > 2 and inside_by(base, at) >= 0.0:
         return 0.0
     distances = []
@@ -86,11 +87,11 @@ def _beside(base: Outline, at: Point) -> float:
 
 
 def settle(points: Floats, centre: Floats) -> Floats | None:
-    """Return the rotation (3, 3) by which a body comes to rest on its convex hull, None if it rolls on.
+    """Return the rotation (3, 3) by which a body comes to rest on its convex hull, or None if it rolls on.
 
-    It tips over the edge of its base that is nearest to its centre of mass, until the next point of its surface
-    touches the ground, as a body does that loses no contact and has no momentum (Goldberg et al., "Part pose
-    statistics", 1999). Each step lowers the centre of mass, or starts from an edge on which the body cannot stay.
+    It tips over the edge of its base nearest to its centre of mass until the next point of its surface touches the
+    ground: the quasi-static motion of a body that keeps contact (Goldberg et al., "Part pose statistics", 1999). Each
+    step lowers the centre of mass, or starts from an edge on which the body cannot stay.
     """
     rows = np.eye(3)
     for _ in range(MOST_STEPS):
@@ -104,23 +105,23 @@ def settle(points: Floats, centre: Floats) -> Floats | None:
         (px, py), (dx, dy) = _pivot(base, (float(x), float(y)))
         ahead = (turned[:, 0] - px) * dx + (turned[:, 1] - py) * dy
         angles = np.arctan2(turned[:, 2] - lowest, ahead)
-        # What is on the ground ahead of the pivot is on the pivot, except for rounding errors.
+        # Points on the ground ahead of the pivot are on the pivot, except for rounding errors.
         angle = float(angles[~on_ground].min(initial=np.pi))
         rows = _tipping((dx, dy), angle) @ rows
     return None
 
 
 def _pivot(base: Outline, at: Point) -> tuple[Point, Point]:
-    """Return a point of a base around which a body tips, and the direction in which it tips: a unit vector.
+    """Return a point of the base around which a body tips, and the direction in which it tips, a unit vector.
 
-    `at` is below its centre of mass.
+    `at` is the point below its centre of mass.
     """
     nearest: tuple[float, Point, Point] | None = None
     for (ax, ay), (bx, by) in zip(base, base[1:] + base[:1], strict=True) if len(base) > 1 else ():
         length = math.hypot(bx - ax, by - ay)
         along = ((at[0] - ax) * (bx - ax) + (at[1] - ay) * (by - ay)) / length**2
         outside = ((at[0] - ax) * (by - ay) - (at[1] - ay) * (bx - ax)) / length
-        # Of a base that is only a line, either side is one; the other one comes with the edge back.
+        # If the base is only a line, each side of it is an edge; the loop visits the other side on the way back.
         if 0.0 <= along <= 1.0 and (len(base) > 2 or outside >= 0.0):
             found = (abs(outside), (ax, ay), ((by - ay) / length, (ax - bx) / length))
             nearest = found if nearest is None else min(nearest, found)
@@ -134,7 +135,7 @@ def _pivot(base: Outline, at: Point) -> tuple[Point, Point]:
 
 
 def _tipping(direction: Point, angle: float) -> Floats:
-    """Return the rotation (3, 3) that tips what is above the ground towards a direction, by an angle in radians."""
+    """Return the rotation (3, 3) that tips a body towards a horizontal direction by an angle in radians."""
     x, y = direction
     ahead, across, up = np.array([x, y, 0.0]), np.array([-y, x, 0.0]), np.array([0.0, 0.0, 1.0])
     cosine, sine = math.cos(angle), math.sin(angle)
@@ -144,7 +145,7 @@ def _tipping(direction: Point, angle: float) -> Floats:
 
 
 def own_points(solid: Solid) -> Iterator[Size]:
-    """Yield points of the surface of a solid in its own axes, in metres."""
+    """Yield points on the surface of a solid in its own frame, in metres."""
     x, y, z = (side / 2 for side in solid.size)
     circle = [(math.cos(turn), math.sin(turn)) for turn in TURNS]
     if solid.mesh:

@@ -1,8 +1,8 @@
 """Read a URDF of one rigid body: its collision solids, mass, centre of mass and inertia.
 
 Several links are one body if all their joints are fixed. The solids are boxes, cylinders, balls and meshes; visual
-elements are what is seen, others are ignored. No simulator is loaded, so that the linter can measure a body. Lengths
-are metres.
+elements define the appearance, other elements are ignored. No simulator is loaded, so that the linter can measure a
+body. Lengths are metres.
 """
 
 from __future__ import annotations
@@ -36,14 +36,14 @@ Floats = NDArray[np.float64]
 
 ZEROS = "0 0 0"
 LARGEST = 1_000_000
-"""The largest size of a URDF in bytes, ample for one rigid body."""
+"""The largest size of a URDF in bytes, ample for a rigid body."""
 
 MOST_SOLIDS = 1000
-"""The largest number of collision solids of a body: each takes time in every check of every pose."""
+"""The largest number of collision solids of a body: each adds time to every check of every pose."""
 
 
 PROLOGUE = re.compile(rb"((?:\xef\xbb\xbf|\s|<!--.*?-->)+)(<\?xml\s.*?\?>)", re.DOTALL)
-"""The characters that some files have before the XML declaration, although XML allows nothing there."""
+"""Characters that some files have before the XML declaration, where XML allows none."""
 
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 """The attributes of ``<inertia>``: the upper triangle of the matrix, by rows."""
@@ -57,14 +57,14 @@ class Frame(NamedTuple):
 
 
 def read_urdf(path: Path, folder: Path) -> Shape:
-    """Return the shape of the body that a URDF describes; the file and its meshes have to be inside a folder.
+    """Return the shape of the body that a URDF describes; the file and its meshes must be inside a folder.
 
     The centre of the bounding box of the solids becomes the origin. A link whose ``<inertial>`` has no ``<origin>`` has
-    its centre of mass in the centre of the volume of its solids; an inertia that no body of this size and mass has is
+    its centre of mass at the centroid of its solids; an inertia that is impossible for a body of this size and mass is
     replaced by that of uniform solids.
 
     Raises:
-        SceneError: a file is missing, outside or malformed, or does not describe one rigid body.
+        SceneError: a file is missing, malformed or outside the folder, or does not describe one rigid body.
     """
     require_inside(path, folder)
     root, lines = _parsed(path, folder)
@@ -95,7 +95,7 @@ def read_urdf(path: Path, folder: Path) -> Shape:
 def _looks(
     root: ElementTree.Element, frames: Mapping[ElementTree.Element, Frame | None], path: Path, folder: Path
 ) -> list[Look]:
-    """Return the visual parts of the links; nothing if one cannot be read, because half a body would be misleading."""
+    """Return the visual parts of the links, or none if one cannot be read, because half a body would be misleading."""
     named = {material.get("name", ""): material for material in root.iter("material") if len(material)}
     looks = []
     try:
@@ -113,7 +113,7 @@ def _looks(
 
 
 def _paint(material: ElementTree.Element | None, path: Path, folder: Path) -> tuple[str, str]:
-    """Return the colour and the path of the texture of a material; each may be empty."""
+    """Return the colour and the texture path of a material; each may be empty."""
     color = None if material is None else material.find("color")
     texture = None if material is None else material.find("texture")
     rgba = "" if color is None else hex_color(*_numbers(" ".join(color.get("rgba", "").split()[:3]), 3, "a colour"))
@@ -123,7 +123,7 @@ def _paint(material: ElementTree.Element | None, path: Path, folder: Path) -> tu
 def _frames(
     root: ElementTree.Element, lines: Mapping[ElementTree.Element, int], path: Path
 ) -> dict[ElementTree.Element, Frame | None]:
-    """Return the frame of each link in that of the first, which is None; all joints between them are fixed.
+    """Return the frame of each link relative to the first link, whose frame is None; all joints are fixed.
 
     Raises:
         SceneError: there is no link, a joint moves, or the joints do not connect the links.
@@ -168,7 +168,7 @@ def _frame(origin: ElementTree.Element | None) -> Frame:
 
 
 def _composed(outer: Frame, inner: Frame) -> Frame:
-    """Return the frame of what has a frame within another."""
+    """Return the composition of two frames, the second relative to the first."""
     return Frame(outer.rows @ inner.rows, outer.rows @ inner.at + outer.at)
 
 
@@ -182,7 +182,7 @@ def _moved(solid: Solid, frame: Frame) -> Solid:
 def _mass(
     link: ElementTree.Element, mass: ElementTree.Element, solids: list[Solid], frame: Frame | None, among_others: bool
 ) -> list[MassProperties]:
-    """Return the mass properties of a link in the frame of the body, none of a massless one `among_others`."""
+    """Return the mass properties of a link in the frame of the body, or none for a massless link `among_others`."""
     if among_others and _numbers(mass.get("value", ""), 1, "the value of <mass>")[0] == 0.0:
         return []
     kilograms = _lengths(mass, "value", 1)[0]
@@ -208,7 +208,7 @@ def _parsed(path: Path, folder: Path) -> tuple[ElementTree.Element, dict[Element
         content = read_bytes(path, within=folder, at_most=LARGEST)
     except OSError as error:
         raise SceneError(f"{path}: cannot be read: {error.strerror}") from error
-    # The declaration goes first; no line moves, because it is on one.
+    # The declaration is moved to the start; it is on one line, so no line number changes.
     before = PROLOGUE.match(content)
     if before is not None:
         content = before[2] + before[1].replace(b"\xef\xbb\xbf", b"") + content[before.end() :]
@@ -234,7 +234,7 @@ def _parsed(path: Path, folder: Path) -> tuple[ElementTree.Element, dict[Element
 
 @contextmanager
 def _errors_at(path: Path, line: int, what: str) -> Iterator[None]:
-    """Prefix errors that the block raises with the line of an element of a URDF and its name."""
+    """Prefix errors that the block raises with the line and name of a URDF element."""
     try:
         yield
     except SceneError as error:
@@ -261,7 +261,7 @@ def _solid(element: ElementTree.Element, path: Path, folder: Path) -> Solid:
 
 
 def _origin(origin: ElementTree.Element | None) -> tuple[Size, Size]:
-    """Return the position in metres, and roll, pitch and yaw in radians, of an origin; zeros without one."""
+    """Return the position in metres, and roll, pitch and yaw in radians, of an origin; zeros if it is missing."""
     at, turn = ((ZEROS if origin is None else origin.get(name, ZEROS)) for name in ("xyz", "rpy"))
     return _numbers(at, 3, "the xyz of <origin>"), _numbers(turn, 3, "the rpy of <origin>")
 

@@ -1,4 +1,4 @@
-"""The robots: one file each, with one description for the rest of physics."""
+"""The robots: one file each; the rest of physics uses the same description for all."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from prag_asp.scene.robots.robot import Hand, Joints, KinematicsSolver, Robot
 from prag_asp.scene.scene import Mount, Scene
 
 ROBOTS: Mapping[str, Robot] = {"panda": PANDA, "kuka": KUKA}
-"""Every robot by the name that it has in a scene. A new one needs a row here, and a file of its own."""
+"""The robots by their names in scenes. A new robot needs a row here, and its own file."""
 
 
 def robot_of(scene: Scene, name: str) -> Robot:

@@ -3,8 +3,8 @@
 Joint limits and speeds are KUKA's ("LBR iiwa 7 R800, LBR iiwa 14 R820: specification", axis data of the R820); the
 wheel's URDF has the limits too. The arm is a shoulder, an elbow and a wrist: the axes of joints 1 to 3 meet in one
 point, those of 5 to 7 in another. So its inverse kinematics is that of Shimizu, Kakuya, Yoon, Kitagaki and Kosuge
-("Analytical inverse kinematic computation for 7-DOF redundant manipulators with joint limits", 2008): wherever the
-flange is, the elbow may turn about the line from shoulder to wrist, and with this angle fixed each of the three has two
+("Analytical inverse kinematic computation for 7-DOF redundant manipulators with joint limits", 2008): for any flange
+pose, the elbow may turn about the line from shoulder to wrist, and for a fixed elbow angle each of the three has two
 configurations.
 """
 
@@ -24,7 +24,7 @@ from prag_asp.scene.scene import Shape
 Floats = NDArray[np.float64]
 
 SHOULDER, UPPER, FOREARM, WRIST = 0.36, 0.42, 0.40, 0.081
-"""Metres: the shoulder above the base, the elbow from it, the wrist from that, the flange link from that."""
+"""The link lengths in metres: base to shoulder, shoulder to elbow, elbow to wrist, wrist to flange link."""
 
 FACE = 0.045
 """The distance from the frame of the flange link to the face of the flange, in metres."""
@@ -32,7 +32,8 @@ FACE = 0.045
 PALM = (0.07, 0.14, 0.06)
 TOOL_OFFSET = FACE + PALM[2] + 0.045
 TURN = math.pi
-"""The gripper is mounted so that the arm, bent in one plane with joint 7 at 0, points the tool's x axis away."""
+"""The mounting angle of the gripper in radians: if the arm bends in a plane with joint 7 at 0, the tool's x axis points
+away."""
 
 LOW, HIGH = -1.0, 1.0
 SIGNS = np.array([(two, four, six) for two in (LOW, HIGH) for four in (LOW, HIGH) for six in (LOW, HIGH)])
@@ -44,7 +45,7 @@ TINY = 1e-9
 
 
 class KukaSolver:
-    """The kinematics of the iiwa; the angle that is left to choose turns the elbow, which is 0 upright."""
+    """The kinematics of the iiwa; the free parameter is the elbow angle, which is 0 upright."""
 
     last_resort: tuple[float, ...] = FINE
     weights: Joints = (1.0, 1.0, 1.5, 1.0, 1.0, 0.7, 0.3)
@@ -62,7 +63,7 @@ class KukaSolver:
         return pose
 
     def solutions(self, flange: Floats, near: Joints, angles: Sequence[float]) -> Iterator[Sequence[float]]:
-        """Yield joint angles that bring the flange to a pose: eight for each angle of the elbow, none beyond reach."""
+        """Yield joint angles for a pose of the flange: eight solutions for each elbow angle, none beyond reach."""
         wrist = flange[:3, 3] - WRIST * flange[:3, 2] - (0.0, 0.0, SHOULDER)
         length = float(np.linalg.norm(wrist))
         if not UPPER - FOREARM + TINY < length < UPPER + FOREARM + TINY:
@@ -76,7 +77,7 @@ class KukaSolver:
         yield from _joints(elbow, forearm, flange[:3, :3], np.tile(SIGNS, (len(angles), 1)), near).tolist()
 
     def sweeps(self, tool: Pose, near: Joints | None) -> Iterator[tuple[float, ...]]:
-        """Yield the angles of the elbow to try, the most promising first."""
+        """Yield the elbow angles to try, the most promising first."""
         if near is None:
             yield AROUND
             yield COARSE
@@ -107,12 +108,12 @@ def _joints(elbow: Floats, forearm: Floats, flange: Floats, signs: Floats, near:
 
 
 def _direction(y: Floats, x: Floats, otherwise: float) -> Floats:
-    """Return the angles of directions in a plane; where there is none, as for a straight joint, `otherwise`."""
+    """Return the angles of directions in a plane; `otherwise` where the angle is undefined, as for a straight joint."""
     return np.where(np.hypot(x, y) > TINY, np.arctan2(y, x), otherwise)
 
 
 def _frame(along: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return a direction, the most upright one perpendicular to it, and the one perpendicular to both."""
+    """Return a direction, the most upright direction perpendicular to it, and the direction perpendicular to both."""
     reference = np.array((0.0, 0.0, 1.0)) if abs(along[2]) < 1.0 - TINY else np.array((1.0, 0.0, 0.0))
     up = reference - (reference @ along) * along
     up /= np.linalg.norm(up)
@@ -153,8 +154,8 @@ KUKA = Robot(
     upper=LIMITS,
     torques=(320.0, 320.0, 176.0, 176.0, 110.0, 40.0, 40.0),
     speeds=tuple(math.radians(degrees) for degrees in (85, 85, 100, 75, 130, 135, 135)),
-    # KUKA publishes none. This is what the MoveIt configuration of the iiwa 14 allows each joint, joint_limits.yaml of
-    # iiwa14_moveit_config in github.com/lbr-stack/lbr_fri_ros2_stack.
+    # KUKA publishes no accelerations. These are the joint limits of the MoveIt configuration of the iiwa 14,
+    # joint_limits.yaml of iiwa14_moveit_config in github.com/lbr-stack/lbr_fri_ros2_stack.
     accelerations=(10.0,) * 7,
     home=(0.0, 0.2, 0.0, -1.9, 0.0, math.pi - 2.1, 0.0),
     posture=(0.0, 0.4, 0.0, -1.6, 0.0, math.pi - 2.0, 0.0),
@@ -172,7 +173,8 @@ KUKA = Robot(
     reach_height=0.35,
     payload=14.0,
     grip_force=12.0,
-    # Links that can meet; joint limits keep the other links apart, although not the convex hulls of 4 and 6.
+    # Pairs of links that can collide; joint limits prevent the other pairs, although not for the convex hulls of 4 and
+    # 6.
     self_pairs=tuple((low, high) for low in (-1, 0) for high in (4, 5, 6, 7, 8, 9)),
     finger_names=(("left_finger", 1.0), ("right_finger", -1.0)),
     finger_boxes=FINGER_BOXES,

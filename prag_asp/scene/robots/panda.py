@@ -1,8 +1,9 @@
 """The Franka Emika Panda with its hand.
 
-Joint limits are Franka's own (https://frankaemika.github.io/docs/control_parameters.html), which are narrower than
-those of PyBullet's URDF; so are speeds and accelerations. The inverse kinematics is the analytic one of He and Liu
-("Analytical inverse kinematics for Franka Emika Panda", 2021), which fixes joint 7 and finds up to four configurations.
+The limits of joints, speeds and accelerations are Franka's
+(https://frankaemika.github.io/docs/control_parameters.html); they are narrower than those of PyBullet's URDF. The
+inverse kinematics is the analytic one of He and Liu ("Analytical inverse kinematics for Franka Emika Panda", 2021),
+which fixes joint 7 and finds up to four configurations.
 """
 
 from __future__ import annotations
@@ -31,12 +32,12 @@ NARROW = tuple(np.linspace(-0.4, 0.4, 9).tolist())
 
 @cache
 def _frankik() -> ModuleType:
-    """Return the package of the kinematics, which what only reads of the robot's sizes does not need."""
+    """Return the kinematics package, imported lazily because the robot's dimensions do not need it."""
     return needed("frankik")
 
 
 class PandaSolver:
-    """The kinematics of the panda; the angle that is left to choose is that of joint 7."""
+    """The kinematics of the Panda; the free parameter is the angle of joint 7."""
 
     last_resort: tuple[float, ...] = FINE
     weights: Joints = (1.0, 1.0, 1.5, 1.0, 1.0, 0.7, 0.3)
@@ -49,7 +50,7 @@ class PandaSolver:
     def solutions(
         self, flange: NDArray[np.float64], near: Joints, angles: Sequence[float]
     ) -> Iterator[Sequence[float]]:
-        """Yield joint angles that bring the flange to a pose; a branch without a solution is NaN."""
+        """Yield joint angles for a pose of the flange; a branch without a solution is NaN."""
         actual, ik_full = np.array(near), _frankik().ik_full
         for angle in angles:
             yield from ik_full(flange, actual, angle).tolist()
@@ -98,7 +99,7 @@ PANDA = Robot(
     reach_height=0.35,
     payload=3.0,
     grip_force=12.0,
-    # Links that can meet; neighbours and pairs that the joint limits keep apart are left out.
+    # Pairs of links that can collide, without neighbours and pairs that the joint limits keep apart.
     self_pairs=tuple((low, high) for low in range(-1, 4) for high in (4, 5, 6, 8) if high - low > 2),
     finger_names=(("panda_leftfinger", 1.0), ("panda_rightfinger", -1.0)),
     finger_boxes=FINGER_BOXES,

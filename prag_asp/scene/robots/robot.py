@@ -1,7 +1,6 @@
 """The description of a robot for the rest of physics: an arm of seven joints with a parallel gripper.
 
-The tool is the point between the fingertips, its z axis the direction in which the fingers point, its y axis
-the one along which they open.
+The tool is the point between the fingertips; the fingers point along its z axis and open along its y axis.
 """
 
 from __future__ import annotations
@@ -30,10 +29,10 @@ FINGER_BOXES = (
 
 
 class KinematicsSolver(Protocol):
-    """The kinematics of an arm in closed form; one angle of its seven degrees of freedom is a parameter.
+    """The closed-form kinematics of an arm with seven degrees of freedom, one of which is a free angle.
 
-    `last_resort` are the angles to try where no others gave a solution, `weights` the costs of the joints'
-    distances from the robot's posture in the inverse kinematics.
+    `last_resort` has free angles to try if no others give a solution, `weights` the costs of the joints' distances from
+    the robot's posture in the inverse kinematics.
     """
 
     last_resort: tuple[float, ...]
@@ -45,13 +44,14 @@ class KinematicsSolver(Protocol):
     def solutions(
         self, flange: NDArray[np.float64], near: Joints, angles: Sequence[float]
     ) -> Iterator[Sequence[float]]:
-        """Yield joint angles that bring the flange to a pose, a homogeneous matrix; some may be NaN.
+        """Yield joint angles for a pose of the flange, a homogeneous matrix; some may be NaN.
 
-        None of them is checked against the limits. `near` are angles of which periodic ones may be the nearest.
+        Joint limits are not checked. `angles` has the free angles; joints that the pose leaves undetermined have their
+        angles in `near`.
         """
 
     def sweeps(self, tool: Pose, near: Joints | None) -> Iterator[tuple[float, ...]]:
-        """Yield angles to try for a tool pose, the most promising first: around joints `near` where given."""
+        """Yield free angles to try for a tool pose, the most promising first: around the joints `near`, if given."""
 
 
 class Hand(NamedTuple):
@@ -71,7 +71,7 @@ class Hand(NamedTuple):
 class Robot:
     """An arm of seven joints with a parallel gripper; metres and radians.
 
-    `footprint` is the area of the table under the base, by pieces that lie wholly within it, in the robot's frame.
+    `footprint` is the area of the table under the base, as pieces that lie wholly within it, in the robot's frame.
     `torques`, `speeds` and `accelerations` are the limits of the joints, in N m, rad/s and rad/s². `home` is the joint
     configuration of an idle arm; the inverse kinematics prefers configurations near `posture`. `tool_offset` is the
     distance from the flange to the tool, `tool_turn` the rotation of the tool about the flange's axis. `finger_depth`
@@ -115,7 +115,7 @@ class Robot:
 
     @property
     def driven(self) -> list[int]:
-        """The joints that motors drive: seven of the arm, two of the fingers."""
+        """The driven joints: seven of the arm, two of the fingers."""
         return [*self.arm_links, *self.finger_joints]
 
     def within_limits(self, joints: Sequence[float], tolerance: float = 0.0) -> bool:

@@ -1,4 +1,4 @@
-"""Read the surfaces of a Wavefront .obj and its libraries of materials."""
+"""Read the surfaces of a Wavefront .obj and its material libraries."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from prag_asp.scene.read.asset_paths import find_asset
 from prag_asp.scene.read.looks.surface import Floats, Surface, hex_color
 
 LARGEST_LIBRARY, LARGEST_TEXTURE = 1_000_000, 64_000_000
-"""The largest sizes of a library of materials and of a texture in bytes."""
+"""The largest sizes of a material library and of a texture in bytes."""
 
 TEXTURES = (".png", ".jpg", ".jpeg", ".bmp", ".tga")
-"""The formats of textures: those that PyBullet reads."""
+"""The texture formats that PyBullet reads."""
 
 Corner = tuple[int, int, int]
-"""The numbers of a corner's point, place in the texture and normal, from 0; -1 if it has none."""
+"""The indices of a corner's point, texture coordinates and normal, from 0; -1 for a missing one."""
 
 
 class ObjMaterial(NamedTuple):
@@ -34,7 +34,7 @@ class ObjMaterial(NamedTuple):
 
 
 def read_obj(content: bytes, path: Path, folder: Path) -> tuple[Surface, ...]:
-    """Return the surfaces of an .obj, one for each material; libraries and textures have to be inside a folder.
+    """Return the surfaces of an .obj, one for each material; libraries and textures must be inside a folder.
 
     Raises:
         ValueError: the file is malformed.
@@ -64,7 +64,7 @@ def read_obj(content: bytes, path: Path, folder: Path) -> tuple[Surface, ...]:
 
 
 def read_materials(name: str, model: Path, folder: Path) -> Mapping[str, ObjMaterial]:
-    """Return the materials of a library that a model names, none if it is missing or outside a folder."""
+    """Return the materials of a library that a model names, or none if the library is missing or outside a folder."""
     path = _beside(name, model, folder)
     if path is None:
         return {}
@@ -84,7 +84,7 @@ def read_materials(name: str, model: Path, folder: Path) -> Mapping[str, ObjMate
             color = hex_color(*parts) if len(parts) == 3 else ""
             materials[used] = materials[used]._replace(color=color)
         elif word == "map_Kd" and used in materials:
-            # Options such as -s 1 1 1 go before the name, which may have blanks.
+            # Options such as -s 1 1 1 precede the name, which may contain blanks.
             words = rest.strip() if not rest.strip().startswith("-") else rest.split()[-1]
             texture = _beside(words, path, folder)
             if texture is not None and texture.suffix.lower() in TEXTURES:
@@ -93,7 +93,7 @@ def read_materials(name: str, model: Path, folder: Path) -> Mapping[str, ObjMate
 
 
 def read_texture(path: str, folder: Path) -> bytes:
-    """Return the content of a texture, nothing if it is missing or outside a folder."""
+    """Return the content of a texture, or nothing if it is missing or outside a folder."""
     try:
         return read_bytes(path, within=folder, at_most=LARGEST_TEXTURE)
     except OSError:
@@ -101,7 +101,7 @@ def read_texture(path: str, folder: Path) -> bytes:
 
 
 def _beside(name: str, model: Path, folder: Path) -> Path | None:
-    """Return the file that a model or a library names, None if there is none in a folder."""
+    """Return the file that a model or a library names, or None if a folder has no such file."""
     try:
         return find_asset(PureWindowsPath(name).as_posix(), model, folder) if name else None
     except SceneError:
@@ -110,7 +110,7 @@ def _beside(name: str, model: Path, folder: Path) -> Path | None:
 
 
 def _corner(word: str, values: Mapping[str, list[list[float]]]) -> Corner:
-    """Return the numbers of a corner such as 3/1/2; they count from 1 on, or from -1 back."""
+    """Return the indices of a corner such as 3/1/2, which count forwards from 1 or backwards from -1."""
     numbers = []
     for text, table in zip([*word.split("/"), "", ""], values.values(), strict=False):
         number = int(text) if text else 0
@@ -121,7 +121,7 @@ def _corner(word: str, values: Mapping[str, list[list[float]]]) -> Corner:
 
 
 def _surface(triangles: NDArray[np.int64], tables: list[Floats], material: ObjMaterial, folder: Path) -> Surface:
-    """Return the surface of triangles (n, 3, 3) of numbers of points, places and normals."""
+    """Return the surface of triangles (n, 3, 3) of indices of points, texture coordinates and normals."""
     own = [None if (triangles[:, :, k] < 0).any() else tables[k][triangles[:, :, k]] for k in (1, 2)]
     content = read_texture(material.texture, folder) if material.texture and own[0] is not None else b""
     suffix = Path(material.texture).suffix.lower()
@@ -129,7 +129,7 @@ def _surface(triangles: NDArray[np.int64], tables: list[Floats], material: ObjMa
 
 
 def _floats(words: list[str]) -> list[float]:
-    """Return finite numbers, none if a word is none."""
+    """Return words as finite numbers, or an empty result if one is not a finite number."""
     try:
         numbers = [float(word) for word in words]
     except ValueError:

@@ -11,11 +11,11 @@ Floats = NDArray[np.float64]
 
 
 class Surface(NamedTuple):
-    """Triangles of one material; without a colour and a texture they have the colour of their entity.
+    """Triangles of one material; without a colour or a texture, they have the colour of their entity.
 
-    `corners` and `normals` have the shape (n, 3, 3), the `places` of the corners in the texture (n, 3, 2), from the
-    lower left at 0 to the upper right at 1; None if the file has none. `color` is ``#rrggbb``, `texture` the content of
-    an image file, and `suffix` that of its name.
+    `corners` and `normals` have the shape (n, 3, 3), `places`, the texture coordinates of the corners, (n, 3, 2), from
+    the lower left at 0 to the upper right at 1; None if the file has none. `color` is ``#rrggbb``, `texture` the
+    content of an image file, and `suffix` the suffix of its name.
     """
 
     corners: Floats
@@ -27,5 +27,5 @@ class Surface(NamedTuple):
 
 
 def hex_color(red: float, green: float, blue: float) -> str:
-    """Return a colour like ``#e4572e`` of its parts from 0 to 1."""
+    """Return a colour like ``#e4572e`` from its components between 0 and 1."""
     return "#" + "".join(f"{round(255 * min(1.0, max(0.0, part))):02x}" for part in (red, green, blue))

@@ -1,6 +1,6 @@
 """Read the visible surfaces of a mesh: its triangles with colours, textures and normals.
 
-Wavefront .obj with its library of materials is read here, other formats by trimesh; an .stl has no colours.
+Wavefront .obj with its material library is read here, other formats by trimesh; an .stl has no colours.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from prag_asp.scene.scene import Look, Shape
 
 
 def mesh_surfaces(path: str, folder: str) -> tuple[Surface, ...]:
-    """Return the visible surfaces of a mesh in the unit of its file; other files have to be inside a folder.
+    """Return the visible surfaces of a mesh in the unit of its file; the files that it names must be inside a folder.
 
-    A material whose texture is missing, outside or of unknown format has its plain colour.
+    A material whose texture is missing, outside the folder or of unknown format has its plain colour.
 
     Raises:
         SceneError: the file cannot be read.
@@ -32,7 +32,7 @@ def mesh_surfaces(path: str, folder: str) -> tuple[Surface, ...]:
 
 @lru_cache(maxsize=64)
 def _surfaces(path: str, folder: str, _state: tuple[int, int]) -> tuple[Surface, ...]:
-    """Return the surfaces of a mesh; the state of its file is a key of the cache."""
+    """Return the surfaces of a mesh; the state of its file is part of the cache key."""
     match Path(path).suffix.lower():
         case ".obj":
             try:
@@ -72,7 +72,7 @@ def look_surfaces(look: Look) -> tuple[Surface, ...]:
 
 
 def is_painted(shape: Shape) -> bool:
-    """Return whether something that is seen of a body has a colour or a texture of its own.
+    """Return whether a visual part of a body has its own colour or texture.
 
     Raises:
         SceneError: a file cannot be read.

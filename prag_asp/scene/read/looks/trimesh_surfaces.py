@@ -1,4 +1,4 @@
-"""Read the surfaces of a mesh by trimesh: textures and colours of materials, faces or vertices."""
+"""Read the surfaces of a mesh by trimesh: textures, and colours of materials, faces or vertices."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SMOOTH = (".glb", ".gltf", ".dae")
 """The formats that have normals."""
 
 MOST_COLOURS = 4096
-"""The number of colours of faces in the palette of a surface: a picture of 64 x 64 pixels."""
+"""The number of face colours in the palette of a surface: an image of 64 x 64 pixels."""
 
 
 def read_surfaces(path: str, content: bytes) -> tuple[Surface, ...]:
@@ -31,7 +31,7 @@ def read_surfaces(path: str, content: bytes) -> tuple[Surface, ...]:
 
 
 def _surface(mesh: Any, smooth: bool) -> Surface:
-    """Return the surface of a mesh of trimesh."""
+    """Return the surface of a trimesh mesh."""
     normals = np.asarray(mesh.vertex_normals, dtype=float)[mesh.faces] if smooth else None
     surface = Surface(np.asarray(mesh.triangles, dtype=float), normals)
     looks = mesh.visual
@@ -56,9 +56,9 @@ def _with_material(surface: Surface, looks: Any, faces: NDArray[np.int64]) -> Su
 
 
 def _with_palette(surface: Surface, colors: NDArray[np.uint8]) -> Surface:
-    """Return a surface with a colour (n, 3) for each triangle, as places in a picture of all colours.
+    """Return a surface with a colour (n, 3) for each triangle, as texture coordinates in an image of all colours.
 
-    PyBullet draws no colours of faces. If there are more than `MOST_COLOURS`, they are rounded.
+    PyBullet does not draw face colours. If there are more than `MOST_COLOURS`, they are rounded.
     """
     bits = 0
     while len(found := np.unique(colors >> bits, axis=0)) > MOST_COLOURS:
@@ -77,7 +77,7 @@ def _with_palette(surface: Surface, colors: NDArray[np.uint8]) -> Surface:
 
 
 def portable_picture(colors: NDArray[np.uint8]) -> bytes:
-    """Return an image file of the format Targa of pixels (height, width, 3), without a package of pictures."""
+    """Return a Targa image file of pixels (height, width, 3), without an imaging package."""
     height, width = colors.shape[:2]
     header = bytes([0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, width & 255, width >> 8, height & 255, height >> 8, 24, 32])
     return header + colors[:, :, ::-1].tobytes()
