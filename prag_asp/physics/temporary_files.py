@@ -1,7 +1,7 @@
 """Temporary files that exist only while PyBullet reads them.
 
-Worker processes are killed from outside and run no finalizers, which would leave a folder behind that exists as long as
-its process.
+Worker processes are killed from outside and run no finalizers, so a folder with the lifetime of its process would be
+left behind.
 """
 
 from __future__ import annotations

@@ -75,7 +75,7 @@ def check_numbered(
     workers: int = 1,
     staging: Staging | None = None,
 ) -> Generator[TierOutcome, None, None]:
-    """Yield the result in the tiers of a budget of each witness, given with its task and the task's index, in order.
+    """Yield the result of checking each witness by the tiers of a budget, in order; tasks come with their indices.
 
     Closing the iterator ends the workers at once.
 

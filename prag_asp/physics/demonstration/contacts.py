@@ -109,7 +109,7 @@ def unintended_contacts(touches: Iterable[Touch], intended: IntendedContacts) ->
 
 
 def excessive_contacts(touches: Iterable[Touch], intended: IntendedContacts, scene: Scene) -> list[Touch]:
-    """Return the strongest of the intended contacts of each pair of bodies that are too strong or too deep."""
+    """Return the strongest excessive contact of each pair of bodies: intended, but too strong or too deep."""
     excessive = []
     for touch, is_intended, moved in handled_contacts(touches, intended):
         heaviest = max((weight(scene, entity) for entity in moved if entity in scene.shapes), default=0.0)

@@ -115,7 +115,7 @@ class Demonstration:
         )
 
     def arms(self, frame: int) -> dict[str, Arm]:
-        """Return the arms in a frame by the names of their robots."""
+        """Return the arms in a frame by robot name."""
         rows = zip(self.robots, self.joints[frame].tolist(), self.widths[frame].tolist(), strict=True)
         return {name: Arm(tuple(angles), width) for name, angles, width in rows}
 
@@ -250,7 +250,7 @@ def _require_fitting(content: Mapping[str, NDArray[Any]]) -> None:
     """Check that the shapes and types of an episode's arrays match.
 
     Raises:
-        ValueError: an array has another shape or type than the others require.
+        ValueError: the shape or type of an array does not match the others.
     """
     for name in ("times", "forces", "ends", *LISTS):
         if content[name].ndim != 1:

@@ -53,7 +53,7 @@ def handling_faults(episode: Demonstration, scene: Scene) -> Iterator[HandlingFa
 
 
 def _in_hand(episode: Demonstration, robot: str) -> Iterator[tuple[int, int, str]]:
-    """Yield each period in which both fingers of a robot press on an object: its first and last frame, the object."""
+    """Yield the periods in which both fingers of a robot press on an object: first frame, last frame and object."""
     left, right = (episode.bodies.index(f"{part} of {robot}") for part in ROBOT_PARTS[1:])
     first_object = len(episode.bodies) - len(episode.objects)
     fingers: dict[tuple[int, int], set[int]] = {}

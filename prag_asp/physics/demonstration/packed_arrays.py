@@ -129,7 +129,7 @@ def read_packed(file: BinaryIO, names: Mapping[str, tuple[tuple[int, ...], str]]
 
     Raises:
         OSError: the file cannot be read.
-        BadArchive: an array is missing, has another shape or type, or is truncated.
+        BadArchive: an array is missing, truncated, or has a wrong shape or type.
     """
     try:
         with ZipFile(file) as archive:

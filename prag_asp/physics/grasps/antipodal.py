@@ -66,7 +66,7 @@ SLANTED, SIDEWAYS = 0.5, 1.2
 """The smallest angles between the tool's direction and straight down of slanted and of sideways grasps, in radians."""
 
 PARALLEL = 1e-15
-"""The triple product in m² of a triangle's sides and a unit vector below which this is parallel to the triangle."""
+"""The triple product in m² of a triangle's sides and a unit vector below which both count as parallel."""
 
 STEEP = -0.3
 """The tool's direction along z above which fingers are not lifted off the ground: they come from the side."""
@@ -316,7 +316,7 @@ def _soft_boxes(gripper: ParallelGripper, width: float) -> list[Box]:
 
 
 def _widest(points: Floats, gripper: ParallelGripper, width: float) -> float | None:
-    """Return the widest opening in metres at which points, in the hand's frame, are outside the hand; None if none."""
+    """Return the widest opening in metres at which points in the hand's frame are outside it, None if there is none."""
     openings = (gripper.opening, width + 4 * ROOM, width + 2 * ROOM)
     return next((wide for wide in openings if wide <= gripper.opening and _free(points, gripper.boxes(wide))), None)
 

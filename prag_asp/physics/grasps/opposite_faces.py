@@ -91,7 +91,7 @@ def _is_convex(part: Floats) -> bool:
 
 
 def _radii(triangles: Floats) -> Floats:
-    """Return the largest distance of each triangle's corners from its centroid in metres."""
+    """Return the maximum distance in metres of each triangle's corners from its centroid."""
     radii: Floats = np.linalg.norm(triangles - triangles.mean(1, keepdims=True), axis=2).max(1)
     return radii
 

@@ -54,7 +54,7 @@ def keeps_clear(start: Gaps, way: Sequence[Gaps], goal: Gaps) -> bool:
 
 
 def _uneased(end: Gaps, way: Sequence[Gaps]) -> list[set[tuple[str, str]]]:
-    """Return, for each point of a path, the pairs that are too close, except those that have been so since its end."""
+    """Return the pairs that are too close at each point of a path, except those that have been close since its end."""
     since, result = dict(end), []
     for here in way:
         since = {pair: gap for pair, gap in since.items() if pair in here}

@@ -52,7 +52,7 @@ def _violations(name: str, situation: Situation, arguments: Arguments) -> Iterat
 
 
 def _volume(name: str, situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the wedge on that side of the other body."""
+    """Return the wedge on the predicate's side of the other body."""
     subject, other = arguments
     side = SIDES[name].in_frame(situation.scene.frame)
     return wedge(situation, side, other, extents(situation.shape(subject), quaternion), GAP + MARGIN)
@@ -74,7 +74,7 @@ def wedge(situation: Situation, side: Direction, other: str, half: Vector, gap: 
 
 
 def _demands(name: str, scene: Scene, arguments: Arguments) -> Iterator[Demand]:
-    """Yield the least distance between the centres of the two bodies along the axis."""
+    """Yield the minimum distance between the centres of the two bodies along the axis."""
     axis, sign = SIDES[name].in_frame(scene.frame)
     low, high = arguments if sign < 0 else arguments[::-1]
     yield axis, Gap(centre(low), centre(high), thinnest(low, axis, scene) + thinnest(high, axis, scene) + GAP)

@@ -1,4 +1,4 @@
-"""``between``: a body lies between two others from above, at any heights.
+"""``between``: a body lies between two others seen from above, at any heights.
 
 The line segment between the centres of the two others passes through the body, and along that line the body is at
 least `GAP` metres away from both.

@@ -26,7 +26,7 @@ Z = 2
 
 
 class Gap(NamedTuple):
-    """The coordinate of `high` exceeds that of `low` by at least `least` metres, which may be negative."""
+    """The constraint that the coordinate of `high` exceeds that of `low` by at least `least` metres, maybe negative."""
 
     low: Node
     high: Node

@@ -58,8 +58,8 @@ def pad_friction(scene: Scene, entity: str) -> float:
 def finger_force(scene: Scene, entity: str | None, robot: str) -> float:
     """Return the force in newtons with which each finger of a robot presses on a held body.
 
-    The force on a light body with a model is lower, `LIGHTLY` times its weight: friction still bears the body's weight
-    about a hundred times.
+    The force on a light body with a model is lower, `LIGHTLY` times its weight: friction still bears a hundred times
+    the weight.
     """
     most = robot_of(scene, robot).grip_force
     if entity is None or scene.shapes[entity].model is None:

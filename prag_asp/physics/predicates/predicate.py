@@ -98,7 +98,7 @@ class Predicate:
     distance between the bounding boxes of the first two arguments, in metres. With `lies_between`, the subject is
     between the two others. `gripper` is the relation of a gripper that the predicate states.
 
-    For rewards: `way` is the length of a path to a situation that satisfies the predicate, if it exceeds the distance:
+    For rewards: `way` is the length of a path to a situation that satisfies the predicate, if longer than the distance:
     fingers, for instance, have to open before they close around an object.
 
     For the search: with `on_the_spot`, a rotation about z suffices to satisfy the predicate anywhere; with

@@ -74,7 +74,7 @@ def _run(file: str) -> Mapping[Any, Any]:
 
 
 def _place(file: str, error: BaseException) -> str:
-    """Return the last line of a file in the traceback of an error."""
+    """Return the position in a file, as ``file:line``, from the traceback of an error."""
     if isinstance(error, SyntaxError) and error.filename == file:
         return f"{file}:{error.lineno or 1}"
     lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename) == Path(file)]

@@ -187,7 +187,7 @@ def _lift(effect: ActionEffect, before: tuple[Fact, ...]) -> tuple[Fact, Fact, F
     A gripper may close around anything that it spans, but only lifting loads it. A witness lifts each object that it
     moves: the arm retreats straight up after a grasp, and comes straight down before a release.
 
-    Only in actions that move nothing but the object, and open nothing, does the place itself not move. An object in a
+    Only actions that move nothing but the object, and open nothing, keep the place itself still. An object in a
     handover may stay where it is.
     """
     entity = effect.grasps or effect.holds or effect.releases

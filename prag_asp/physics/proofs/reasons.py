@@ -36,7 +36,7 @@ def own_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
 
 
 def gap_reasons(true: Sequence[Fact]) -> Iterator[str]:
-    """Yield pairs of facts where one requires two objects to be closer than the other allows, in words."""
+    """Yield, in words, pairs of facts of which one requires two objects to be closer than the other allows."""
     close = [fact for fact in true if fact.predicate.apart[1] < math.inf]
     for fact in true if close else ():
         least = fact.predicate.apart[0]
@@ -90,7 +90,7 @@ def reach_reasons(true: Sequence[Fact], scene: Scene, gaps: Sequence[Iterable[Ga
 
 
 def _never_together(facts: Iterable[Fact]) -> str:
-    """Return the sentence that facts exclude each other."""
+    """Return the sentence which states that facts exclude each other."""
     *others, last = [fact.sentence() for fact in facts]
     return f"{', '.join(others)} and {last} exclude each other" if others else f"{last} is never so"
 

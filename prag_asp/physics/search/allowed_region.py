@@ -45,7 +45,7 @@ def yaw_ranges(situation: Situation, entity: str, facts: Iterable[Fact]) -> tupl
     """Return the ranges of yaws that facts allow for an object, None if they allow any yaw.
 
     Raises:
-        Failure: no yaw is left.
+        Failure: the facts allow no yaw.
     """
     volume = Volume()
     for fact in facts:

@@ -134,7 +134,7 @@ def _along(pose: Pose, axis: Vector, direction: Vector) -> float:
 def _from_above(search: Search, situation: Situation, entity: str) -> list[tuple[Pose, float]]:
     """Return tool poses from above that grasp an object, each with its opening in metres, the easiest first.
 
-    Boxes are grasped by opposite sides, round objects in four directions; first in the middle or as deep as the palm
+    Boxes are grasped at opposite sides, round objects in four directions; first in the middle or as deep as the palm
     allows, then at the top, where the palm clears nearby objects.
 
     Raises:

@@ -21,7 +21,7 @@ from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene
 
 BACKTRACKS = 12
-"""The number of backtracking steps in an initial state before it starts over."""
+"""The maximum number of backtracking steps in an initial state before the search starts over."""
 
 
 def sample_initial_state(search: Search, physical: PhysicalTask) -> Snapshot:

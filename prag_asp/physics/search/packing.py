@@ -57,7 +57,7 @@ ROUNDING = 1e-9
 
 
 def turned(points: NDArray[np.float64], yaw: float) -> NDArray[np.float64]:
-    """Return points of shape (n, 2), turned about the origin by a yaw in radians."""
+    """Return points of shape (n, 2), rotated about the origin by a yaw in radians."""
     cosine, sine = math.cos(yaw), math.sin(yaw)
     rotated: NDArray[np.float64] = points @ np.array(((cosine, sine), (-sine, cosine)))
     return rotated
@@ -185,8 +185,8 @@ def _fill(
     """Return a situation with all objects placed from a corner with a spacing, by backtracking.
 
     Raises:
-        Failure: there is no room for an object, or too many places were tried; the error names the object that was
-            reached last.
+        Failure: there is no room for an object, or too many places were tried; the error names the last object that
+            was reached.
     """
     situations, options, farthest = [still], list[Iterator[Pose]](), 0
     for _ in range(PLACED * len(order)):

@@ -131,7 +131,7 @@ def _tops(situation: Situation, others: Iterable[str]) -> Iterable[tuple[str, fl
 def _surfaces(situation: Situation, support: str) -> list[float]:
     """Return the heights in metres of a body's top and of a container's floor; a ball has neither.
 
-    A body from a file with a cavity has both: things can stand in it, or on its rim.
+    A body from a file with a cavity has both: objects can stand in it, or on its rim.
     """
     shape = situation.shape(support)
     floors = [floor_height(situation, support)] if shape.hollow else []
