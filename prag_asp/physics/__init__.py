@@ -1,7 +1,7 @@
 """Physical feasibility of tasks: spatial predicates, witnesses, and the search for them in PyBullet.
 
-The names below are loaded when they are first used. Those that compute no motion need neither PyBullet nor frankik; the
-others raise `PhysicsMissingError` if these are not installed.
+The names below are loaded on first use. Names that compute no motion need neither PyBullet nor frankik; the others
+raise `PhysicsMissingError` if these packages are not installed.
 """
 
 from __future__ import annotations
@@ -114,7 +114,7 @@ __getattr__ = names_from(__name__, _HOMES)
 
 
 def require_physics(reason: str = "") -> None:
-    """Load PyBullet, before work that needs it starts; `reason` says what needs it, for the message.
+    """Load PyBullet before work that needs it starts; `reason` tells the user what needs it.
 
     Raises:
         PhysicsMissingError: PyBullet is not installed, or cannot be loaded.

@@ -1,4 +1,4 @@
-"""PyBullet, loaded when it is first used; its C++ output is kept off standard output, where results go."""
+"""PyBullet, loaded on first use; its C++ output is kept off standard output, which is for results."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ _LOCK = Lock()
 _MUTED: dict[int, tuple[int, int]] = {}
 """For each muted descriptor: how many contexts mute it, and a duplicate of the original.
 
-Threads mute concurrently: if each saved what it found, the last one to leave would restore the null device.
+Threads mute concurrently: if each saved the descriptor that it found, the last to leave would restore the null device.
 """
 
 
 @contextmanager
 def mute_output(*descriptors: int) -> Iterator[None]:
-    """Discard what is written to file descriptors within the block, including the buffered output of C."""
+    """Discard output to file descriptors within the block, including the buffered output of C."""
     flush()
     for descriptor in descriptors:
         with _LOCK:
@@ -46,7 +46,7 @@ def mute_output(*descriptors: int) -> Iterator[None]:
 
 
 def redirect_to_null(descriptor: int) -> None:
-    """Discard what is written to a file descriptor for the rest of the process."""
+    """Discard output to a file descriptor for the rest of the process."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, descriptor)
     os.close(nowhere)

@@ -20,7 +20,7 @@ TABLE_THICKNESS = 0.04
 
 
 class Body(NamedTuple):
-    """An object's pose, and the half-extents, corners and centre of its axis-aligned bounding box; metres."""
+    """An object's pose, and the half-extents, corners and centre of its axis-aligned bounding box, in metres."""
 
     pose: Pose
     half: Vector
@@ -31,10 +31,10 @@ class Body(NamedTuple):
 
 @dataclass(frozen=True)
 class Situation:
-    """The poses of the objects, and the arms by the names of their robots.
+    """The poses of the objects, and the arms by robot name.
 
-    `openings` say how far furniture is open, in metres or radians; 0 by default. `tools` are the tool poses (of the
-    point between the fingertips) according to a simulator; others are computed from the joint angles.
+    `openings` are those of furniture, in metres or radians; 0 by default. `tools` are the tool poses (of the point
+    between the fingertips) according to a simulator; others are computed from the joint angles.
 
     `measured` caches the bounding boxes of poses; situations made from one another share it.
     """
@@ -50,7 +50,7 @@ class Situation:
         """Return the arm of a robot.
 
         Raises:
-            SceneError: the situation has no robot of that name.
+            SceneError: the situation has no arm of that robot.
         """
         arm = self.arms.get(robot)
         if arm is None:
@@ -61,7 +61,7 @@ class Situation:
         """Return the tool pose of a robot: that of the point between its fingertips.
 
         Raises:
-            SceneError: its arm is not here.
+            SceneError: the situation has no arm of that robot.
         """
         return self.tools.get(robot) or tool_pose(self.robot(robot), self.arm(robot).joints)
 
@@ -69,7 +69,7 @@ class Situation:
         """Return a robot by its name.
 
         Raises:
-            SceneError: the scene has none of that name.
+            SceneError: the scene has no robot of that name.
         """
         return robot_of(self.scene, name)
 
@@ -77,7 +77,7 @@ class Situation:
         """Return the shape of an entity.
 
         Raises:
-            SceneError: the scene gives its class no shape.
+            SceneError: the scene assigns no shape to the entity's class.
         """
         shape = self.scene.shapes.get(entity)
         if shape is None:
@@ -93,7 +93,7 @@ class Situation:
         return self.shape(entity).traits.surface
 
     def pose(self, entity: str) -> Pose:
-        """Return the pose of an object or a zone; the table's is the centre of its top.
+        """Return the pose of an object or a zone; for the table, that of the centre of its top.
 
         Raises:
             SceneError: the entity has no shape, or does not take part in this situation.
@@ -188,7 +188,7 @@ class Situation:
         return Situation(self.scene, self.poses, {**self.arms, robot: arm}, self.openings, tools, self.measured)
 
     def with_opening(self, entity: str, opening: float) -> Situation:
-        """Return the situation with another opening of furniture; what is in it stays where it is."""
+        """Return the situation with another opening of furniture, whose contents do not move."""
         measured = {other: body for other, body in self.measured.items() if other != entity}
         openings = {**self.openings, entity: opening}
         return Situation(self.scene, self.poses, self.arms, openings, self.tools, measured)

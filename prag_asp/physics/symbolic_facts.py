@@ -15,11 +15,11 @@ from prag_asp.task import State, Task
 from prag_asp.wording import plural
 
 BORDER = 1e-12
-"""The distance from the border of a predicate to where it does not hold, in metres or radians."""
+"""The distance from the border of a predicate to where it no longer holds, in metres or radians."""
 
 
 class Fact(NamedTuple):
-    """A spatial predicate that is known to hold, or known not to hold, of some entities."""
+    """A spatial predicate that is known to hold, or known not to hold, for some entities."""
 
     predicate: Predicate
     arguments: tuple[str, ...]
@@ -30,18 +30,19 @@ class Fact(NamedTuple):
         return self.predicate.holds(situation, self.arguments) == self.value
 
     def distance(self, situation: Situation) -> float:
-        """Return the signed distance of a situation to satisfying the fact, in metres or radians; at most 0 if it does.
+        """Return the signed distance of a situation from satisfying the fact, in metres or radians.
 
-        If the fact is satisfied, it is minus the margin. For a predicate that must not hold, it is the depth of the
-        situation within the predicate: no less than the motion needed, and more than 0 on the border.
+        It is at most 0 if the fact is satisfied, and its absolute value is then the margin. For a predicate that must
+        not hold, it is the depth of the situation within the predicate: at least the motion needed, and more than 0 on
+        the border.
         """
         signed = self.predicate.signed_distance(situation, self.arguments)
         return signed if self.value else (-signed or BORDER)
 
     def way(self, situation: Situation) -> float:
-        """Return the length of the way to a situation that satisfies the fact, in metres or radians.
+        """Return the length of a path to a situation that satisfies the fact, in metres or radians.
 
-        It is the distance, or more if the direct way is barred; at most 0 if and only if the fact is satisfied.
+        It is the distance, or more if the direct path is blocked; at most 0 if and only if the fact is satisfied.
         """
         return self.predicate.signed_way(situation, self.arguments) if self.value else self.distance(situation)
 
@@ -54,12 +55,13 @@ class Fact(NamedTuple):
 class ActionEffect:
     """The physical effect of an action.
 
-    `grasps`, `releases` and `visits` name the object that the gripper grasps, releases or moves to, `over` the one that
-    it moves over. `holds` is the object held before and after. The gripper is that of `robot`; `giver` is the other
-    robot in a handover. `leaves` means that the gripper leaves its object, `lifts` that a grasped object leaves its
-    support, `stays` that the gripper remains at a released object. `moved` are the objects that the action makes the
-    subject of a relation, `turns` is the furniture that it opens or closes, `closes` means that it closes the gripper.
-    `after` are the facts of the state `number` that results, `fresh` those of them that the state before does not have.
+    `grasps`, `releases` and `visits` name the object that the gripper grasps, releases or moves to; `over` names the
+    one that it moves over. `holds` is the object held before and after. The gripper is that of `robot`; `giver` is the
+    other robot in a handover. `leaves` means that the gripper leaves its object, `lifts` that a grasped object leaves
+    its support, `stays` that the gripper remains at a released object. `moved` are the objects that the action makes
+    the subject of a relation, `turns` is the furniture that it opens or closes, `closes` means that it closes the
+    gripper.
+    `after` are the facts of the resulting state `number`, `fresh` those that are not in the state before.
     """
 
     action: Atom
@@ -159,7 +161,7 @@ def _fact(scene: Scene, atom: Atom, value: bool) -> Fact | None:
             table = "rotations" if role == "rotation" else "shapes"
             raise SceneError(f"{atom} names {entity}, which has no entry under [scene.{table}]")
     if not value and len(set(atom.arguments)) < len(atom.arguments):
-        return None  # nothing is in a relation to itself
+        return None  # no object is in a relation to itself
     own = scene.own.get(name)
     around = () if own is None or own.around is None else (own.around,)
     return Fact(predicate_of(scene, name), (*atom.arguments, *around), value)
@@ -171,7 +173,7 @@ def of_robot(state: Iterable[Fact], robot: str | None) -> list[Fact]:
 
 
 def _acting(scene: Scene, subgoal: tuple[Fact, ...]) -> str | None:
-    """Return the robot that an action moves: the one that grasps something, else the first of the subgoal.
+    """Return the robot that an action moves: the one that grasps an object, else the first one in the subgoal.
 
     None if the subgoal concerns no gripper and there are several robots.
     """
@@ -182,7 +184,7 @@ def _acting(scene: Scene, subgoal: tuple[Fact, ...]) -> str | None:
 
 
 def _giver(subgoal: Iterable[Fact], robot: str | None, thing: str | None, all_held: Mapping[str, str]) -> str | None:
-    """Return the other robot that releases the object which one grasps, None if there is none."""
+    """Return the other robot that releases the object which a robot grasps, None if there is none."""
     for fact in subgoal:
         other = fact.arguments[0]
         lets_go = fact.predicate.gripper is Gripper.HOLDS and not fact.value and fact.arguments[1] == thing
@@ -199,7 +201,7 @@ def _effect(
     states: Sequence[tuple[Fact, ...]],
     all_held: Mapping[str, str],
 ) -> ActionEffect:
-    """Return the effect of an action, which leads to the state of a number from 1, from its subgoal and the states."""
+    """Return the effect of the action that leads to state `number` (from 1), from its subgoal and the states."""
     before, after = set(states[number - 1]), states[number]
     robot = _acting(scene, all_of_subgoal)
     held = None if robot is None else all_held.get(robot)

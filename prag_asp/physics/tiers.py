@@ -1,6 +1,6 @@
-"""The pipeline of tiers, in order of cost, for the witnesses that the validator finds and for those checked again.
+"""The pipeline of tiers, in order of cost, for witnesses that the validator finds and for those to check again.
 
-The first tier, kinematics, is what a search for a witness satisfies by construction, and what `check_witness` checks.
+A witness that a search finds satisfies the first tier, kinematics, by construction; `check_witness` checks it.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from prag_asp.task import Task
 class TierOutcome(NamedTuple):
     """The result of a witness in the tiers: its first fault, None if it passes all, and the episode of the last tier.
 
-    The `witness` has the transit waypoints that the tier of transit added.
+    The `witness` has the transit waypoints that the transit tier added.
     """
 
     witness: Witness
@@ -37,9 +37,9 @@ class TierOutcome(NamedTuple):
 
 
 class TierPipeline:
-    """Passes witnesses of one scene through the tiers above kinematics; each opens its world when it is first needed.
+    """Passes witnesses of one scene through the tiers above kinematics; each tier opens its world on first use.
 
-    The `simulator` has to hold the bodies in the sizes of the witness (`Simulator.use`). `resources` closes the worlds.
+    The bodies of the `simulator` need the sizes of the witness (`Simulator.use`). `resources` closes the worlds.
     """
 
     def __init__(self, scene: Scene, simulator: Simulator, resources: ExitStack):
@@ -52,7 +52,7 @@ class TierPipeline:
     ) -> TierOutcome:
         """Return the result of a witness in the tiers of a budget; transit waypoints are added if it has none.
 
-        `staging` states how the witness is demonstrated; `seeds` determine the random variation.
+        `staging` has the options of the demonstration; `seeds` determine the random variation.
         """
         if budget.includes(Tier.SETTLING):
             if self._settling is None:
@@ -82,11 +82,11 @@ class TierPipeline:
 def open_tier_check(
     scene: Scene, budget: Budget, staging: Staging | None = None, seed: int = 0
 ) -> Iterator[Callable[..., TierOutcome]]:
-    """Open simulators and yield a function that checks witnesses by the tiers of a budget; close them afterwards.
+    """Open simulators, yield a function that checks witnesses by the tiers of a budget, and close them afterwards.
 
     The function takes a task, a witness and the index of the task, on which variations depend (0 by default).
-    `staging` says how witnesses are demonstrated. A witness without transit waypoints gets some if the budget includes
-    the tier of transit.
+    `staging` has the options of demonstrations. A witness without transit waypoints gets some if the budget includes
+    the transit tier.
 
     Raises:
         SceneError: the scene cannot be built.

@@ -30,11 +30,11 @@ def validate_tasks(
     budget: Budget | None = None,
     staging: Staging | None = None,
 ) -> Generator[Verdict, None, None]:
-    """Yield the verdict on each task, in the order of the tasks, which may be endless; they are numbered from 0.
+    """Yield the verdict on each task, in the order of the tasks, which may be infinite; they are numbered from 0.
 
-    `staging` says how tasks are demonstrated if the budget includes that tier. One worker runs in this process, more
-    run in processes of their own; the verdicts do not depend on it. The tasks of a killed worker are done again by a
-    new one. Closing the iterator ends the workers at once.
+    `staging` has the options of demonstrations, if the budget includes that tier. A single worker runs in this process,
+    several run in separate processes; the verdicts do not depend on their number. A new worker repeats the tasks of a
+    killed one. Closing the iterator ends the workers at once.
 
     Raises:
         QueryError: the number of workers is not positive, or the scene lacks a camera.
@@ -56,7 +56,7 @@ def validate_numbered(
     """Yield the verdict on each task with its index; it depends on the seed and the index, not on the order.
 
     Raises:
-        PragError: as `validate_tasks` does.
+        PragError: see `validate_tasks`.
     """
     if workers < 1:
         raise QueryError(f"validation needs at least 1 worker; got {workers}")
@@ -75,7 +75,7 @@ def check_numbered(
     workers: int = 1,
     staging: Staging | None = None,
 ) -> Generator[TierOutcome, None, None]:
-    """Yield how far the witness of each task with its index passes the tiers of a budget, in order.
+    """Yield the result of checking each witness by the tiers of a budget, in order; tasks come with their indices.
 
     Closing the iterator ends the workers at once.
 

@@ -26,10 +26,10 @@ from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 
 ACTIVITY = "checking tasks by physics"
-"""The name of validation in progress displays."""
+"""The name of the activity in progress displays."""
 
 LISTED = 8
-"""Details of failed attempts that a verdict has at most."""
+"""The maximum number of details of failed attempts in a verdict."""
 
 
 class Validator:
@@ -46,11 +46,11 @@ class Validator:
     ) -> Verdict:
         """Return the verdict on a task; it depends on the arguments and the scene alone.
 
-        `staging` says how the task is demonstrated, if the budget includes that tier.
+        `staging` has the options of the demonstration, if the budget includes that tier.
 
         Raises:
             SceneError: the task names an entity that has no shape.
-            QueryError: the scene has no camera of a name that `staging` has.
+            QueryError: the scene lacks a camera that `staging` names.
         """
         budget = budget or Budget()
         stage(ACTIVITY)
@@ -87,7 +87,7 @@ class Validator:
             status,
             budget,
             *seeds,
-            # The cause that was met first breaks ties.
+            # The cause that occurred first breaks ties.
             reason="" if witness is not None else counted.most_common(1)[0][0],
             causes={cause: counted[cause] for cause in CAUSES if counted[cause]},
             restarts=restarts,
@@ -124,7 +124,7 @@ def validate_task(
     budget: Budget | None = None,
     staging: Staging | None = None,
 ) -> Verdict:
-    """Return the verdict on one task; `open_validator` is for many.
+    """Return the verdict on one task; use `open_validator` for many tasks.
 
     Raises:
         SceneError: the task names an entity that has no shape.

@@ -15,11 +15,11 @@ from prag_asp.tables.json_fields import Whole, read, require_complete
 Status = Literal["feasible", "not_found", "infeasible"]
 
 LONGEST = 9
-"""Digits of a number of restarts or samples in a text, at most."""
+"""The maximum number of digits of restarts or samples in a text."""
 
 
 class Tier(str, Enum):
-    """A tier of checks, in order of cost; each includes those before it, and equals its name."""
+    """A tier of checks, in order of cost; each includes the tiers before it, and equals its name."""
 
     KINEMATICS = "kinematics"
     SETTLING = "settling"
@@ -38,9 +38,9 @@ TIERS = tuple(Tier)
 class Budget:
     """The effort of the search for a witness, and the checks that the witness has to pass.
 
-    `restarts` are the initial states tried for a task, `samples` the attempts at each action. Where objects lack room,
-    a few further restarts pack them tightly. `tier` is the most expensive tier of checks, as a `Tier` or its name;
-    those before it in `TIERS` are included.
+    `restarts` is the number of initial states to try for a task, `samples` that of attempts at each action. If objects
+    lack room, a few further restarts pack them tightly. `tier` is the most expensive tier of checks, as a `Tier` or its
+    name; the tiers before it in `TIERS` are included.
 
     Raises:
         QueryError: a number is not positive, or the tier is unknown.
@@ -52,10 +52,10 @@ class Budget:
 
     @classmethod
     def parse(cls, text: str, tier: Tier = Tier.KINEMATICS) -> Budget:
-        """Return the budget of a text such as ``10x10``: restarts, and samples.
+        """Return the budget of a text such as ``10x10``: restarts and samples.
 
         Raises:
-            QueryError: the text has another form.
+            QueryError: the text has a wrong format.
         """
         restarts, _, samples = text.partition("x")
         if not all(each.isdecimal() and len(each) <= LONGEST and int(each) for each in (restarts, samples)):
@@ -74,7 +74,7 @@ class Budget:
         return f"{self.restarts} x {self.samples}, {self.tier}"
 
     def includes(self, tier: Tier) -> bool:
-        """Return whether a tier of checks is this budget's, or cheaper."""
+        """Return whether a tier of checks is that of this budget, or a cheaper one."""
         return TIERS.index(tier) <= TIERS.index(self.tier)
 
     def to_json(self) -> dict[str, Any]:
@@ -86,8 +86,8 @@ class Budget:
 class Detail:
     """The common features of several attempts that failed for the same cause.
 
-    `fact` is a spatial predicate with its arguments that should have the `value`, which `text` says in words; if no
-    fact is to blame, it is "" and the value None. `entities` are the bodies and robots concerned.
+    `fact` is a spatial predicate with its arguments that should have the `value`; `text` states it in words. If no fact
+    is to blame, it is "" and the value None. `entities` are the bodies and robots involved.
     """
 
     cause: str
@@ -107,13 +107,13 @@ class Detail:
 
 @dataclass(frozen=True)
 class Verdict:
-    """The result of validating a task, and how hard physics searched.
+    """The result of validating a task, and the effort of the search.
 
-    `reason` says why a task is proved infeasible, or the cause for which most attempts failed; `causes` counts the
-    failed attempts by their cause (one of `CAUSES`), and `details` say of which facts and bodies; `restarts` is the
-    number of initial states tried, those that were packed tightly included. `seed` and `index` together repeat the
-    search. `demonstration` is there if the budget includes one; it is too large for JSON, and has a separate file.
-    `nearest` says in words how far the best attempts at a task came that was not found; it is not part of JSON either.
+    `reason` is the reason why a task is proved infeasible, or the cause of most failed attempts; `causes` counts the
+    failed attempts by cause (one of `CAUSES`), and `details` has their facts and bodies; `restarts` is the number of
+    initial states tried, including those packed tightly. `seed` and `index` together reproduce the search.
+    `demonstration` is present if the budget includes one; it is too large for JSON, and has a separate file. `nearest`
+    says in words how far the best attempts came if no witness was found; it is not part of the JSON either.
     """
 
     status: Status
@@ -135,7 +135,7 @@ class Verdict:
 
     @property
     def detail(self) -> str:
-        """In words, the fact or the bodies to blame most often for the reason of a task that was not found."""
+        """The fact or bodies, in words, most often to blame for the `reason` if no witness was found."""
         return next((str(detail) for detail in self.details if detail.cause == self.reason), "")
 
     def to_json(self) -> dict[str, Any]:
@@ -157,7 +157,7 @@ class Verdict:
         """Return the verdict that `to_json` wrote.
 
         Raises:
-            QueryError: the data are of another form; the message names the field by its path.
+            QueryError: the data have a wrong format; the message names the field by its path.
         """
         verdict = read({**data, "witness": None, "demonstration": None}, cls, "verdict")
         require_complete(data, verdict.to_json(), "verdict")

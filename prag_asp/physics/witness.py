@@ -1,4 +1,4 @@
-"""A witness: how a task can be done, as values that round-trip to JSON."""
+"""A witness: an execution of a task, as values that round-trip to JSON."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ if TYPE_CHECKING:
     from prag_asp.scene.robots import Joints
 
 VERSION = 2
-"""The version of the form in which witnesses and episodes are written."""
+"""The version of the format of witnesses and episodes."""
 
 ROBOT_PARTS = ("arm", "left finger", "right finger")
-"""The bodies of a robot whose contacts an episode records: each of them `of` a robot."""
+"""The bodies of a robot whose contacts an episode records, named like ``arm of panda``."""
 
 TRANSIT = "transit"
-"""The name of waypoints on the collision-free path between two waypoints at which something happens."""
+"""The name of waypoints on the collision-free path between two waypoints of an action."""
 
 if TYPE_CHECKING:
     JointAngles = Joints
-else:  # as msgspec checks it
+else:  # the type that msgspec checks
     JointAngles = tuple[Number, Number, Number, Number, Number, Number, Number]
 
 BoxSize = tuple[Number, Number, Number]
@@ -34,7 +34,7 @@ BoxSize = tuple[Number, Number, Number]
 
 @dataclass(frozen=True)
 class Arm:
-    """The state of an arm: its joint angles, how far its gripper is open in metres, what it holds and how.
+    """The state of an arm: its joint angles, the opening of its gripper in metres, the held object and its grasp.
 
     `grasp` is the pose of the `held` object in the frame of the tool.
     """
@@ -54,8 +54,8 @@ class Arm:
 class Moment:
     """One state of a witness.
 
-    `poses` are those of all objects, `arms` the arms by the names of their robots, `openings` how far furniture is
-    open, in metres or radians.
+    `poses` are those of all objects, `arms` the arms by robot name, `openings` those of furniture, in metres or
+    radians.
     """
 
     poses: Mapping[str, Pose]
@@ -82,9 +82,9 @@ class Moment:
 class Waypoint:
     """A joint configuration that the arm of a `robot` passes during an action.
 
-    `name` is approach (above the object), at, lift, carry, pull, retreat, move (empty) or stay; transit on the path
-    there. `held` is the body in the gripper there; if that is the handle of furniture, `opening` is its opening, in
-    metres or radians.
+    `name` is approach (above the object), at, lift, carry, pull, retreat, move (empty) or stay; it is transit on the
+    path to one of these. `held` is the body in the gripper; if the gripper holds the handle of furniture, `opening` is
+    the opening of the furniture, in metres or radians.
     """
 
     name: str
@@ -110,7 +110,7 @@ class Waypoint:
 class Witness:
     """An execution of a task: a moment for every state, and the waypoints from each moment to the next.
 
-    `sizes` are those of the objects whose size was drawn.
+    `sizes` are those of the objects whose size was sampled.
     """
 
     moments: tuple[Moment, ...]
@@ -119,11 +119,11 @@ class Witness:
 
     @property
     def has_transit(self) -> bool:
-        """Whether it has the paths of the arm between the waypoints at which something happens."""
+        """Whether the witness has the paths of the arm between the waypoints of actions."""
         return any(waypoint.name == TRANSIT for motion in self.motions for waypoint in motion)
 
     def to_json(self) -> dict[str, Any]:
-        """Return the witness as JSON-able data, without `sizes` if none was drawn."""
+        """Return the witness as JSON-able data, without `sizes` if none was sampled."""
         data: dict[str, Any] = {
             "version": VERSION,
             "moments": [moment.to_json() for moment in self.moments],
@@ -138,7 +138,7 @@ class Witness:
         """Return the witness that `to_json` wrote; the paths of fields in messages begin with `name`.
 
         Raises:
-            QueryError: the data are of another form; the message names the field by its path.
+            QueryError: the data have a wrong format; the message names the field by its path.
         """
         if isinstance(data, Mapping) and "version" not in data:
             raise QueryError(f"{name}.version: is missing")

@@ -1,23 +1,23 @@
-"""Search for witnesses of a task: what is chosen, in what order, and what is undone.
+"""Search for witnesses of a task: the choices, their order, and the choices to undo.
 
-1. Sizes with a range, then the openings of furniture and the place of every object in the initial state, large objects
-   before small ones and supports before what they bear. Places leave room for what is put beside or between objects
-   later. If there is none for an object, those before it are placed again.
-2. The actions in their order. The attempts at one are its choices: a grasp of the object, those that differ in
-   direction first; or a random place for what is put down, moved or carried. Each attempt is checked as a whole, with
-   the arm at the object and 10 cm before it.
-3. If all attempts at an action fail, what came after the latest earlier action that may be to blame is undone, and that
-   action continues with its next attempt. To blame are the grasp of the object that is moved or put down now, and what
-   moved or put down a body that a failed attempt names, or any body where there was no room. If that action has no
+1. Choose sizes with a range, then the openings of furniture and the place of every object in the initial state, large
+   objects before small ones and supports before the objects on them. Places leave room for objects that are put beside
+   or between others later. If there is no place for an object, those before it are placed again.
+2. Try the actions in order. The attempts at an action are its choices: grasps of the object, those that differ in
+   direction first; or random places for the object that is put down, moved or carried. Each attempt is checked as a
+   whole, with the arm at the object and 10 cm before it.
+3. If all attempts at an action fail, undo all actions after the latest earlier one that may be to blame, and continue
+   there with its next attempt. Actions to blame are the grasp of the object that is moved or put down now, and those
+   that moved or put down a body named by a failed attempt, or any body if there was no room. If that action has no
    attempt left, the search returns further, to the latest action that either of the two blames (conflict-directed
    backjumping: Prosser, "Hybrid algorithms for the constraint satisfaction problem", 1993). So a grasp is chosen
-   together with the put, and a place together with all later actions that it spoils.
+   together with the later placement, and a place together with all later actions that it affects.
 4. If no action is to blame, or after twice as many returns as there are attempts, the search restarts with step 1.
 
-Tasks that move primitive bodies alone restart instead of step 3, which is faster as they have few grasps. If no restart
-of the budget finds a witness, a few further ones return as in step 3, if a held object could not be put down, and pack
-objects tightly, if only room was missing. If a witness fails a more expensive check, the next one begins with other
-grasps of bodies with a model.
+Tasks that only move primitive bodies restart instead of step 3, which is faster because they have few grasps. If no
+restart of the budget finds a witness, a few further restarts return as in step 3, if a held object could not be put
+down, and pack objects tightly, if only room was missing. If a witness fails a more expensive check, the next one begins
+with other grasps of bodies with a model.
 """
 
 from __future__ import annotations
@@ -48,19 +48,19 @@ from prag_asp.scene.scene import Scene, Size
 Result = TypeVar("Result")
 
 CROWDED = frozenset((EMPTY_VOLUME, OBJECTS_COLLIDE))
-"""The causes of failed attempts that are a lack of room, for which tight packing may help."""
+"""The causes of failed attempts that indicate a lack of room, where tight packing may help."""
 
 PACKED = 4
-"""Further restarts, at most, and at most half of the budget's: each returns or backtracks on its own."""
+"""The maximum number of further restarts, and at most half of the budget's: each returns or backtracks itself."""
 
 RETURNS = 2
-"""Returns to earlier actions in one restart, for each attempt that an action has."""
+"""The maximum number of returns to earlier actions in one restart, per attempt at an action."""
 
 
 def witnesses(
     physical: PhysicalTask, scene: Scene, search: Search, budget: Budget, log: FailureLog
 ) -> Iterator[tuple[int, Witness | None]]:
-    """Yield the number of each restart, from 1, with its witness in a scene if it finds one."""
+    """Yield the number of each restart, from 1, with its witness in a scene, None if it finds none."""
     ranges = {entity: scene.ranges[entity] for entity in physical.objects if entity in scene.ranges}
     search = replace(search, returns=any(scene.shapes[each].model is not None for each in _handled(physical)))
     begun, found, further = False, 0, min(budget.restarts // 2, PACKED)
@@ -135,11 +135,11 @@ def _follow(
 
 
 def actions_to_blame(physical: PhysicalTask, k: int, faults: Iterable[PhysicsFault]) -> set[int]:
-    """Return the actions before action `k` that may be the reason why its attempts failed with some faults."""
+    """Return the actions before action `k` that may have caused the faults of its attempts."""
     faults = list(faults)
     effect, grasped = physical.effects[k], _grasped_before(physical, k)
     bodies = {name for fault in faults for name in fault.entities} | {effect.grasps, effect.visits}
-    # Whatever was put down may be in the way of a body that finds no room.
+    # Any body that was put down may block a body that finds no room.
     crowded = any(fault.cause in CROWDED and len(fault.entities) == 1 for fault in faults)
     moved = []
     for i, earlier in enumerate(physical.effects[:k]):
@@ -159,7 +159,7 @@ def _grasped_before(physical: PhysicalTask, k: int) -> int | None:
 
 @dataclass(frozen=True)
 class _Trial(Generic[Result]):
-    """Attempts: the number of the one that succeeded and its result, or None; and the faults of the others."""
+    """Attempts at an action: the number and the result of the successful one, or None, and the faults of the others."""
 
     number: int
     result: Result | None
@@ -167,9 +167,9 @@ class _Trial(Generic[Result]):
 
 
 def _retry(numbers: tuple[int, int], log: FailureLog, done: int, attempt: Callable[[int], Result]) -> _Trial[Result]:
-    """Return the first success of an attempt, which gets its number, from the first to before the last of two.
+    """Return the first success of an attempt, called with each number of the range of two `numbers` in turn.
 
-    `done` is the number of actions before.
+    `done` is the number of earlier actions.
     """
     faults = list[PhysicsFault]()
     for number in range(*numbers):

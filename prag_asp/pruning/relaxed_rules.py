@@ -128,7 +128,7 @@ class RelaxedRules:
         while omitted:
             self._written -= omitted
             self._heads = [each for each in self._heads if each[0].signature in self._written]
-            omitted = {  # the relaxed body has to bind all variables of the head
+            omitted = {  # the relaxed body must bind all variables of the head
                 atom.signature
                 for atom, rule in self._heads
                 if not (self._is_plain(atom, rule) and _variables(atom.arguments[:-1]) <= _variables(self._body(rule)))
@@ -194,7 +194,7 @@ class RelaxedRules:
         literals = [(plain, text) for node, text in rule.literals if (plain := _read_atom(node, text))]
         positive = [atom for atom, _ in literals if not atom.negated]
         elements: Sequence[AST] = getattr(rule.node.head, "elements", ())
-        if len(elements) == 1:  # its condition has to hold
+        if len(elements) == 1:  # its condition must hold
             inner = elements[0].condition if rule.node.head.ast_type == ASTType.HeadAggregate else elements[0]
             conditions = (_read_atom(literal, str(literal)) for literal in inner.condition)
             positive += (atom for atom in conditions if atom and not atom.negated)
@@ -266,7 +266,7 @@ def _read_atom(literal: AST, text: str) -> AtomNode | None:
 
 
 def _open_variables(comparison: AST, bound: Collection[str]) -> set[str]:
-    """Return the variables that have to be bound before a comparison: ``X = Y+1`` binds X if Y is bound."""
+    """Return the variables that must be bound before a comparison: ``X = Y+1`` binds X if Y is bound."""
     first, guards = comparison.atom.term, comparison.atom.guards
     sides = [str(each) for each in (first, *(guard.term for guard in guards))]
     if not comparison.sign and len(guards) == 1 and guards[0].comparison == ComparisonOperator.Equal:

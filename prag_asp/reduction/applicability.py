@@ -2,8 +2,8 @@
 
 The author's statements must treat alike all entities that they do not name, and no rule may depend on an entity that
 its atoms do not name. The allowed fragment is narrow, and the proof, in docs/explanations/small_model_reduction.md,
-uses each restriction: only rules of the base part, plain and stratified, no predicates of the encodings except those of
-the contract, and no order among terms, except to state only one of two mirror images of an invariant.
+uses each restriction: only rules of the base part, plain and stratified, no predicates of the encodings outside the
+contract, and no order among terms, except to state only one of two mirror images of an invariant.
 """
 
 from __future__ import annotations

@@ -222,8 +222,8 @@ def _bounds(
 ) -> dict[Group, EntityBound]:
     """Return the bounds of the groups that are larger than their bounds.
 
-    A measured bound equals that of the whole program if the measured program has `least` entities of each group: up to
-    renaming, it then has all facts of the whole program that a rule reads.
+    A measured bound is also the bound of the whole program if the measured program has `least` entities of each group:
+    up to renaming, it then has all facts of the whole program that a rule reads.
     """
     rules = [[atom.signature for atom in rule.body if not atom.negated] for rule in deriving_rules(statements)]
     predicates = {("fluent", 1), ("action", 1), *INVARIANTS, *chain(*rules)}

@@ -1,7 +1,7 @@
 """Sampling without replacement: distinct tasks in an order whose prefixes are the samples of each size.
 
 The order depends only on the request and the seed. Uniform sampling shuffles ranks, so that the k-th task can be
-computed alone. Sampling by weight chooses each task by its weight among the remaining ones (successive sampling).
+computed alone. Sampling by weight chooses each task by its weight among the remaining tasks (successive sampling).
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ MISSES = 50_000
 
 
 class RankedDraw(NamedTuple):
-    """A task as the texts of its actions, its rank in its length, and the probability of a single draw."""
+    """A task as the texts of its actions, its rank within its length, and the probability of a single draw."""
 
     word: Letters
     rank: int
@@ -58,7 +58,7 @@ class TaskOrder(Protocol):
 class UniformOrder:
     """Tasks in uniformly random order with random access.
 
-    `order` numbers the words of `sets`, one set for each length; ranks are those of the same words in `whole`.
+    `order` numbers the words of `sets`, one set for each length; ranks are the ranks of these words in `whole`.
     """
 
     whole: Sequence[WordSet]
@@ -147,7 +147,7 @@ class WeightedOrder:
                 return
 
     def _remaining(self, seen: set[Letters]) -> Iterator[tuple[int, Draw]]:
-        """Yield the tasks that remain after those seen.
+        """Yield the tasks that have not been seen.
 
         Words that were seen or are not accepted are removed when they are sampled, at most once.
         """

@@ -1,9 +1,9 @@
 """Counts with the small-model reduction (see `prag_asp.reduction`).
 
-Tasks and skeletons are those of the reduced program. A task whose plan names j of a group of m interchangeable entities
-stands for m (m - 1) ... (m - j + 1) plans. The numbers of plans that name j entities, for all j, are the digits of a
-single weighted count: each entity that a plan uses weighs a power of two above all counts (Kronecker substitution).
-These weights are symmetric in the entities, so that states still merge. The proof is in
+The tasks and skeletons are the same as in the reduced program. A task whose plan names j of a group of m
+interchangeable entities stands for m (m - 1) ... (m - j + 1) plans. The numbers of plans that name j entities, for all
+j, are the digits of a single weighted count: each entity that a plan uses weighs a power of two above all counts
+(Kronecker substitution). These weights are symmetric in the entities, so that states still merge. The proof is in
 docs/explanations/small_model_reduction.md.
 """
 

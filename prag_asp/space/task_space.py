@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from prag_asp.space.weights.temperature import Temperature
 
 GivenWeights = Mapping[str, Number] | Weights | None
-"""Weights by action names, pairs (``grasp>move``), entities and classes; None means those of the domain."""
+"""Weights by action names, pairs (``grasp>move``), entities and classes; None means the weights of the domain."""
 
 
 class TaskSpace:
@@ -153,7 +153,7 @@ class TaskSpace:
     def part(self, condition: str | Condition) -> TaskSpace:
         """Return the tasks that satisfy a condition invariant under renamings, up to the renamings of this space.
 
-        `where` may make more entities interchangeable: if one entity is on b and one on a, then a and b become so.
+        `where` may make more entities interchangeable: for example a and b, if one entity is on each.
         """
         return self._restricted([condition], self)
 

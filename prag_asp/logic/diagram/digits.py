@@ -84,7 +84,7 @@ def find_digits(transition: Transition, look: Callable[[], None]) -> Digits:
 
 
 def _walked(transition: Transition, look: Callable[[], None]) -> Rows:
-    """Return the states of random walks from the start, with a fixed seed."""
+    """Return the states of random walks from the initial state, with a fixed seed."""
     generator = np.random.default_rng(0)
     rows = np.repeat(transition.initial, WALKERS, axis=0)
     passed = [rows[:1]]

@@ -134,7 +134,7 @@ class CountBeside:
         self._running.close()
 
     def __call__(self) -> int | None:
-        """Return the number of models once it is known; the first call after `patience` seconds starts the counter."""
+        """Return the number of models once known; the first call after `patience` seconds starts the counter."""
         due = self._due is not None and monotonic() >= self._due
         try:
             if self._child is not None and ready_workers([self._child], 0):

@@ -19,7 +19,7 @@ from prag_asp.program.predicates import OCCURS
 from prag_asp.program.sources import Program
 
 Occurring = Sequence[tuple[clingo.Symbol, int]]
-"""Actions, each with the number of a step, from 1."""
+"""Actions, each with a step number, from 1."""
 
 
 def has_plan(program: Program, length: int, occurring: Occurring | None = None) -> bool:

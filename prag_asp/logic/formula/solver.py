@@ -19,7 +19,7 @@ class Solver:
         from pysat.solvers import Glucose4  # noqa: PLC0415
 
         self._solver: Any = Glucose4()
-        self._solver.add_clause([-variables, variables])  # a model has all variables, even those of no clause
+        self._solver.add_clause([-variables, variables])  # a model has all variables, even unused ones
         for clause in clauses:
             self._solver.add_clause(clause)
 

@@ -43,7 +43,7 @@ FAR, MOST_FORESEEN = 32, 25_000
 step for this many atoms takes half a minute."""
 
 PART = re.compile(r"(#program\s+)(base|step)\b")
-"""Finds the program parts that an extension has."""
+"""Pattern that finds the program parts of an extension."""
 
 CONTRACT = {HOLDS, OCCURS}
 
@@ -149,7 +149,7 @@ def _unsupported(ground: GroundStep, seeds: Seeds) -> set[int]:
 
 
 class _Bounds(NamedTuple):
-    """The numbers of steps and atoms from which a carried predicate counts as endless, and of steps between tests."""
+    """The numbers of steps and atoms from which a predicate counts as endless, and the steps between tests."""
 
     steps: int = MOST_ATOMS
     atoms: int = MOST_ATOMS

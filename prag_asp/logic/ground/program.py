@@ -78,7 +78,7 @@ def canonical_program(domain: Domain, groups: Groups, joint: Joint = ()) -> Prog
 def canonical_extension(
     domain: Domain, groups: Groups, joint: Joint = ()
 ) -> tuple[Program, list[clingo.Symbol]] | None:
-    """Return what `canonical_program` adds to `whole_program`, and the atoms that it carries from step to step.
+    """Return what `canonical_program` adds to `whole_program`, and the atoms carried from step to step.
 
     The result is None if a file of the domain reads an added predicate, because its rules have to be ground with the
     added facts.
@@ -103,7 +103,7 @@ def _canonical_rules(domain: Domain, joint: Joint) -> tuple[Source, ...]:
 
 
 def _order_facts(groups: Groups, joint: Joint) -> list[str]:
-    """Return the facts that order the entities of groups, and those for the units of joint groups and their order."""
+    """Return the facts that order the entities of groups, and that state and order the units of joint groups."""
     facts = [SUCCESSOR.fact(d, e) for group in groups for d, e in pairwise(group)]
     for number, units in enumerate(joint):
         for place, unit in enumerate(units):
@@ -121,7 +121,7 @@ def _rules(domain: Domain, name: str) -> tuple[Source, ...]:
 
 
 def _added_facts(facts: Facts, program: Program) -> list[str]:
-    """Return the facts that the library adds, without those that no file reads, because there can be thousands.
+    """Return the facts that the library adds, except unread facts, because there can be thousands.
 
     User rules may also read them for actions that never occur.
     """
@@ -136,7 +136,7 @@ def _added_facts(facts: Facts, program: Program) -> list[str]:
 
 
 def _read(program: Program, predicate: EncodingPredicate) -> bool:
-    """Return whether a file other than those of `DESCRIBING` mentions a predicate."""
+    """Return whether a file outside `DESCRIBING` mentions a predicate."""
     files = (each.text for each, own in owned(program) if own or each.path.name not in DESCRIBING)
     return any(refers_to(text, predicate) for text in files)
 

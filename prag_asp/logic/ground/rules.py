@@ -1,4 +1,4 @@
-"""Ground rules, and the observer that records what clingo grounds."""
+"""Ground rules, and the observer that records the statements that clingo grounds."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ BASE = "base"
 """The name of the program part that is ground first."""
 
 Condition = tuple[int, ...]
-"""Literals that have to be true together."""
+"""Literals that must all be true."""
 
 
 class Unsupported(Enum):
@@ -26,7 +26,7 @@ class Unsupported(Enum):
 class Rule(NamedTuple):
     """A ground rule: some head follows if the weights of the true body literals reach `bound`.
 
-    Literals are atoms, negative if negated. Without `weights`, all literals of the body have to be true.
+    Literals are atoms, negative if negated. Without `weights`, all literals of the body must be true.
     """
 
     heads: tuple[int, ...]
@@ -44,10 +44,10 @@ class Rule(NamedTuple):
 class GroundRecorder(clingo.Observer):
     """Records the ground statements of a control; its methods are called by clingo.
 
-    `rules` are those of each program part; the caller sets the `part` before it is ground. Without `base_facts`, facts
-    of the base part are not recorded. `shown` are the conditions under which a symbol is shown, `projected` the atoms
-    of ``#project``, or None without such a statement. `externals` has the last value of each external atom, `minimized`
-    the weighted literals of each priority.
+    `rules` has the rules of each program part; the caller sets the `part` before it is ground. Without `base_facts`,
+    facts of the base part are not recorded. `shown` are the conditions under which a symbol is shown, `projected` the
+    atoms of ``#project``, or None without such a statement. `externals` has the last value of each external atom,
+    `minimized` the weighted literals of each priority.
     """
 
     def __init__(self, *, base_facts: bool = True) -> None:

@@ -49,9 +49,9 @@ class Obstacle:
 class StepReads:
     """The predicates that the rules of a step read.
 
-    `timed` are the predicates with a time, `previous` those read at step t-1, and `last` those that the check after the
-    last step reads. `growing` are the timed predicates that may take new values without end. `obstacles` are the
-    reasons why the step is not a function of the state and the action.
+    `timed` are the predicates with a time, `previous` the predicates read at step t-1, and `last` the predicates that
+    the check after the last step reads. `growing` are the timed predicates that may take new values without end.
+    `obstacles` are the reasons why the step is not a function of the state and the action.
     """
 
     timed: frozenset[Signature]
@@ -79,7 +79,7 @@ class _TimedRule:
         return self.statement.heads
 
     def atoms(self) -> Iterator[AtomNode]:
-        """Yield all atoms, including those of conditions."""
+        """Yield all atoms, including the atoms of conditions."""
         yield from self.statement.heads
         yield from self.statement.body
 

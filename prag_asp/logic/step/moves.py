@@ -80,7 +80,7 @@ def compile_move(rules: StepRules, action: int) -> Move:
 def _left_of_rules(
     rules: StepRules, action: int, affected: set[int], constants: Constants
 ) -> tuple[dict[int, tuple[RuleBody, ...]], list[Stratum]]:
-    """Return the partially evaluated bodies of the affected atoms and their strata; add to the constants."""
+    """Return the partially evaluated bodies of the affected atoms and their strata; extend the constants."""
     bodies: dict[int, tuple[RuleBody, ...]] = {}
     strata = []
     for place in sorted({rules.order[atom] for atom in affected}):

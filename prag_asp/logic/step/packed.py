@@ -13,7 +13,7 @@ LITTLE = np.dtype("<u8")
 
 
 def words_for(bits: int) -> int:
-    """Return the number of words, at least one, that hold a number of bits."""
+    """Return the number of words, at least one, that hold a given number of bits."""
     return max(-(-bits // WORD), 1)
 
 

@@ -1,6 +1,6 @@
 """A test of whether a domain states the same invariants for all entities of a class.
 
-If it does not, the invariants of single entities may follow from the rest, so that entities differ in syntax alone.
+If it does not, the invariants of single entities may follow from the rest, so that entities differ only in syntax.
 `rules/closed_invariants.lp` states all entailed invariants, which do not depend on how the invariants are stated.
 """
 

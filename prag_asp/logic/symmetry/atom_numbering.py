@@ -31,7 +31,7 @@ SpelledLiteral = tuple[int, int, int]
 """The number of an atom, whether it is negated (1) or not (0), and its weight."""
 
 SpelledBody = tuple[bool, int, frozenset[SpelledLiteral]]
-"""Whether the head is a choice, the sum that the body has to reach, and its literals."""
+"""Whether the head is a choice, the sum that the body must reach, and the body's literals."""
 
 Key = Shaped | frozenset[SpelledBody] | int
 """The identity of an atom: its shape with its entities, its rules if it is unnamed, or otherwise itself."""
@@ -45,7 +45,7 @@ START, COMPONENT = 2**32, 2**33
 
 
 class SpelledRule(NamedTuple):
-    """A rule in numbers; `last` is true if it belongs to the check after the last step."""
+    """A rule in terms of atom numbers; `last` is true if it belongs to the check after the last step."""
 
     heads: frozenset[int]
     body: SpelledBody
@@ -202,7 +202,7 @@ class Atoms:
         return self._defined(frozenset(map(self._body, rules)))
 
     def _body(self, rule: Rule) -> SpelledBody:
-        """Return the body of a rule in numbers, each literal once."""
+        """Return the body of a rule in terms of atom numbers, each literal once."""
         if not rule.weights:
             plain = frozenset((self.number(abs(literal)), int(literal < 0), 1) for literal in rule.body)
             return rule.choice, len(plain), plain

@@ -14,7 +14,7 @@ has no atom `mentioned`; it is permuted as soon as all others are mentioned, bec
 
 Units. Units of a joint group that contain no other group are permuted like entities: here a unit *is* an entity, and an
 atom that names a member names the unit. `rules/joint_names.lp` has atoms `unit_named` for them. Units that contain
-other groups are not permuted; only those groups are, because a unit stays named once an entity of the group is named.
+other groups are not permuted, but those groups are, because a unit stays named once an entity of the group is named.
 
 Twins are entities whose swap does not change a state. An action and its renamings by twins lead to renamings of one
 state, so that one of them is expanded and counted with the number of renamings.

@@ -9,10 +9,10 @@ from functools import cached_property
 from prag_asp.logic.symmetry.atom_numbering import START, SpelledRule
 
 SignedAtom = tuple[int, int]
-"""An atom by its number, and whether it is negated (1) or not (0)."""
+"""The number of an atom, and whether it is negated (1) or not (0)."""
 
 REMEMBERED = 1_000_000
-"""The number of remembered literals and sums of `Consequences`, some 200 MB."""
+"""The maximum number of cached literals and sums of `Consequences`; they take some 200 MB."""
 
 
 class Consequences:
@@ -71,7 +71,7 @@ class Consequences:
         return self._remembered[literal]
 
     def _follow(self, literals: Iterable[SignedAtom], below: _Closure | None) -> _Closure | None:
-        """Return the consequences of some literals and those `below`, or None if they contradict the rules."""
+        """Return the consequences of some literals and of those `below`, or None if they contradict the rules."""
         closure = _Closure({literal for literal in literals if below is None or not below.has(literal)}, {}, below)
         waiting = list(closure.literals)
         while waiting:
@@ -93,9 +93,9 @@ class Consequences:
 
 @dataclass(frozen=True)
 class _Closure:
-    """The consequences of some literals, with the sums that they reach in the bodies of rules, by numbers of rules.
+    """The consequences of some literals, and the sums that they reach in rule bodies, by rule number.
 
-    Each has only what differs from the closure `below`.
+    Both have only the differences from the closure `below`.
     """
 
     literals: set[SignedAtom]

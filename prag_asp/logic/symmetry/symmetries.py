@@ -3,7 +3,7 @@
 Two kinds of swaps generate all renamings: swaps of two entities of a group, and swaps of two aligned units of a joint
 group, which exchange the i-th entities of both for all i. Each group or joint group lies within one unit or outside all
 units: a tray has its own cups, and each cup its own saucer. Hence the renamings of one joint group permute its units in
-all ways, and those of all groups are a product of wreath products.
+all ways, and the renamings of all groups are a product of wreath products.
 """
 
 from __future__ import annotations

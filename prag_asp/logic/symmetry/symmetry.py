@@ -30,7 +30,7 @@ from prag_asp.program.entity_names import action_name
 from prag_asp.program.facts import Facts
 
 WITNESSES = 4
-"""The number of rules that are remembered because swaps do not keep them."""
+"""The maximum number of rules that are cached because swaps do not preserve them."""
 
 
 def find_symmetries(facts: Facts, ground: GroundStep, bare: Callable[[], GroundStep] | None = None) -> Symmetries:
@@ -111,7 +111,7 @@ def _stated(facts: Facts) -> dict[clingo.Symbol, Hashable]:
 
 @dataclass(frozen=True)
 class _Terms:
-    """Terms that renamings have to map onto themselves, and the test for them; `naming` has the terms by entity."""
+    """Terms that renamings must map onto themselves, and the test for them; `naming` has the terms by entity."""
 
     exact: Collection[Shaped]
     naming: Mapping[int, Sequence[Shaped]]
@@ -145,7 +145,7 @@ class _Rules:
     others: Callable[[], _Rules] | None = None
     _consequences: dict[bool, Consequences] = field(default_factory=dict)
     _witnesses: list[tuple[SpelledRule, int, int]] = field(default_factory=list)
-    """Rules that swaps of two entities do not keep, each with the entities; the last that helped is first."""
+    """Rules that swaps of two entities do not preserve, each with the entities; the latest useful rule comes first."""
 
     @cached_property
     def _others(self) -> _Rules | None:
@@ -154,7 +154,7 @@ class _Rules:
     def kept_by(self, first: int, second: int) -> bool:
         """Return whether the swap of two entities maps the rules onto themselves, up to entailed rules.
 
-        Most pairs differ in one of the first atoms, or in a rule like one that an earlier pair differs in, which makes
+        Most pairs differ in one of the first atoms, or in a rule like one in which an earlier pair differs, which makes
         the test cheap.
         """
         names = {first: second, second: first}
@@ -168,7 +168,7 @@ class _Rules:
         return self._others is None or self._others.kept_by(first, second)
 
     def _differ_as_before(self, first: int, second: int) -> bool:
-        """Return whether the swap of two entities fails on a rule like those on which earlier swaps failed."""
+        """Return whether the swap of two entities fails on a rule similar to one on which an earlier swap failed."""
         for place, (rule, one, other) in enumerate(self._witnesses):
             like = self.atoms.renamed(rule, {one: first, other: second})
             if like in self._deriving and not self._says(like, {first: second, second: first}):
@@ -190,7 +190,7 @@ class _Rules:
             yield from self._others.broken(names)
 
     def _broken(self, names: Mapping[int, int]) -> Iterator[SpelledRule]:
-        """Yield those of these rules whose image is neither a rule nor entailed."""
+        """Yield the rules, without `others`, whose image is neither a rule nor entailed."""
         renamed = self.atoms.under(names)
         for table in self._tables:
             for rule, image in table.missing(renamed, names):

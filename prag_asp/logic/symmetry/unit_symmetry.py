@@ -43,7 +43,7 @@ class MissingImage:
 
 
 class Renamed(Protocol):
-    """A structure that renamings have to map onto itself."""
+    """A structure that renamings must map onto itself."""
 
     @property
     def exact(self) -> Iterable[Shaped]:

@@ -1,7 +1,6 @@
-"""Check how an arm grasps and releases: where the object is, and that it approaches and retreats straight above.
+"""Check how an arm grasps and releases: the object is at the gripper, and the approach and retreat are straight.
 
-The names of waypoints are not trusted except for `TRANSIT`, and on its way an arm neither takes, lets go nor
-stays.
+Names of waypoints are not trusted, except for `TRANSIT`: in transit an arm must not grasp, release or stop.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from prag_asp.scene.robots import Joints
 
 
 class Stop(NamedTuple):
-    """A stop of an arm: its joints and tool, whether it is at an object there, whether it pulls a handle."""
+    """A stop of an arm: its joints and tool pose, whether it is at an object, and whether it pulls a handle."""
 
     joints: Joints
     tool: Pose
@@ -31,7 +30,7 @@ class Stop(NamedTuple):
 
 
 class End(NamedTuple):
-    """A state at an end of a motion, with its facts."""
+    """The state before or after a motion, with its facts."""
 
     moment: Moment
     facts: Sequence[Fact]
@@ -40,7 +39,7 @@ class End(NamedTuple):
 def approach_problems(
     motion: Sequence[Waypoint], tools: Sequence[Pose], before: End, after: End, simulator: Simulator
 ) -> Iterator[str]:
-    """Yield grasps and releases of objects that are elsewhere, and motions that are not straight above an object.
+    """Yield grasps and releases of objects that are elsewhere, and motions to or from an object that are not straight.
 
     `tools` are the poses of the tool at the waypoints. Grips of handles are left to `handling_problems`.
     """
@@ -74,7 +73,7 @@ def approach_problems(
 
 
 def _end(end: End, robot: str, simulator: Simulator) -> Stop:
-    """Return the stop of an arm in a state; it is down at an object by a fact, or with a held object on a support."""
+    """Return the stop of an arm in a state; it is down if a fact has it at an object, or if its object is supported."""
     situation = situation_of(simulator, end.moment.poses, end.moment.openings, end.moment.arms)
     arm = end.moment.arms[robot]
     if arm.held is not None:
@@ -85,7 +84,7 @@ def _end(end: End, robot: str, simulator: Simulator) -> Stop:
 
 
 def _not_above(passed: Sequence[Stop]) -> Iterator[str]:
-    """Yield the stops before and after one at an object that are not straight above it, except along a handle."""
+    """Yield approaches to and departures from an object that are not straight, except while a handle is pulled."""
     stops = []
     for _, same in groupby(passed, key=lambda stop: stop.joints):
         together = list(same)
@@ -101,5 +100,5 @@ def _not_above(passed: Sequence[Stop]) -> Iterator[str]:
 
 
 def _straight_off(off: Pose, low: Pose) -> bool:
-    """Return whether one pose of the tool is `LIFT` straight above another, or back along the fingers."""
+    """Return whether one pose of the tool is `LIFT` straight above another, or behind it along the fingers."""
     return near(off, raised(low, LIFT)) or near(off, backed(low))

@@ -21,7 +21,7 @@ Openings = Mapping[str, float]
 
 
 def opening_problems(moment: Moment, physical: PhysicalTask, scene: Scene) -> Iterator[str]:
-    """Yield furniture without an opening or beyond its limits, and openings of other entities."""
+    """Yield furniture whose opening is missing or beyond its limits, and openings of other entities."""
     furniture = {entity for entity in physical.objects if scene.shapes[entity].traits.furniture}
     for entity in sorted(furniture):
         opening = moment.openings.get(entity, math.nan)
@@ -48,7 +48,7 @@ def carried_along(poses: Mapping[str, Pose], before: Openings, after: Openings, 
 def handling_problems(
     motion: Sequence[Waypoint], tools: Sequence[Pose], before: Moment, after: Moment, scene: Scene
 ) -> Iterator[str]:
-    """Yield where the gripper is off the handle, where furniture jumps, and where its last opening is wrong.
+    """Yield waypoints at which the gripper is off the handle or furniture jumps, and wrong final openings.
 
     `tools` are the poses of the tool at the waypoints.
     """

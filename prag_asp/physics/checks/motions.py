@@ -19,7 +19,7 @@ from prag_asp.scene.geometry import Pose, compose, invert
 
 
 def motion_problems(motion: tuple[Waypoint, ...], start: End, end: End, simulator: Simulator) -> Iterator[str]:
-    """Yield impossible waypoints, approaches that are not straight above, and a wrong end."""
+    """Yield impossible waypoints, approaches that are not straight, and a wrong final configuration."""
     before, after = start.moment, end.moment
     if not motion:
         yield "it has no waypoint"
@@ -65,7 +65,7 @@ def _waypoint_collision(
 ) -> str | None:
     """Return the bodies that collide at a waypoint, or None.
 
-    Furniture is checked and, if the arm is `moving`, what it carries.
+    Furniture is checked, and so is the held object if the arm is `moving`.
     """
     before, after = around
     poses = carried_along(before.poses, before.openings, openings, simulator.scene)

@@ -16,7 +16,7 @@ LIMIT_TOLERANCE = 1e-9
 
 
 def count_mismatch(witness: Witness, actions: int) -> str | None:
-    """Return that the numbers of states and motions of a witness do not match those of a task, None if they do."""
+    """Return how the numbers of states and motions of a witness differ from those of a task, None if they match."""
     for name, count, expected in (
         ("motion", len(witness.motions), actions),
         ("state", len(witness.moments), actions + 1),
@@ -31,7 +31,7 @@ def broken_numbers(
 ) -> Iterator[str]:
     """Yield missing objects, numbers that are not finite, and violated limits of the robots.
 
-    `tolerance` is that of joint limits in radians, and of the opening of a gripper in metres.
+    `tolerance` applies to joint limits in radians, and to gripper openings in metres.
     """
     for entity in physical.objects:
         if entity not in moment.poses:

@@ -33,7 +33,7 @@ LARGEST_SPEED = 0.03
 
 
 Rest = tuple[Mapping[str, Pose], Mapping[str, float], tuple[str, ...]]
-"""The poses of objects after settling, the openings of furniture in metres or radians, and what has moved."""
+"""The poses of objects after settling, the openings of furniture in metres or radians, and the entities that moved."""
 
 
 class Settling:
@@ -44,7 +44,7 @@ class Settling:
         self._client = client
 
     def fault(self, physical: PhysicalTask, witness: Witness) -> PhysicsFault | None:
-        """Return why a state of a witness is not stable, None if all are.
+        """Return why a state of a witness is not stable, None if all states are.
 
         An object may move by `LARGEST_MOVE`, turn by `LARGEST_TURN` and end with a speed of `LARGEST_SPEED`;
         then every fact of the state has to pass its predicate's own check.
@@ -92,7 +92,7 @@ class Settling:
             entity
             for entity, pose in settled.items()
             if math.hypot(*speeds[entity]) > LARGEST_SPEED
-            or not math.dist(moment.poses[entity].position, pose.position) <= LARGEST_MOVE  # also if it is not a number
+            or not math.dist(moment.poses[entity].position, pose.position) <= LARGEST_MOVE  # also true for NaN
             or not turn_between(moment.poses[entity].quaternion, pose.quaternion) <= LARGEST_TURN
             or abs(openings.get(entity, 0.0) - moment.openings.get(entity, 0.0)) > LARGEST_MOVE
         ]
@@ -107,7 +107,7 @@ def open_settling(scene: Scene) -> Iterator[Settling]:
 
 
 def settle(task: Task, witness: Witness, scene: Scene) -> str | None:
-    """Return why a state of a witness is not stable (one of `CAUSES`), None if all are.
+    """Return why a state of a witness is not stable (one of `CAUSES`), None if all states are.
 
     Raises:
         SceneError: the task names an entity that has no shape.

@@ -59,9 +59,9 @@ def state_problems(moment: Moment, physical: PhysicalTask, k: int, simulator: Si
 
 
 def _grip_problems(situation: Situation, robot: str, held: str) -> Iterator[str]:
-    """Yield violations of what proofs assume about a grasp: from above, of an upright body that the gripper spans.
+    """Yield violations of the assumptions of proofs: grasps are from above, of upright bodies that the gripper spans.
 
-    A body with a model is held in any direction: whether both pads touch it is what `holding` says.
+    A body with a model may be held from any direction; the predicate `holding` checks that both pads touch it.
     """
     if weight(situation.scene, held) > situation.robot(robot).payload:
         yield f"{held} is heavier than the gripper carries"
@@ -91,7 +91,7 @@ def tilt(quaternion: Quaternion, direction: Vector) -> float:
 def situation_of(
     simulator: Simulator, poses: Mapping[str, Pose], openings: Mapping[str, float], arms: Mapping[str, Arm]
 ) -> Situation:
-    """Return a situation with the tool poses of the simulator's own forward kinematics."""
+    """Return a situation with tool poses from the simulator's own forward kinematics."""
     tools = {}
     for name, arm in arms.items():
         simulator.turn_to(name)
@@ -101,7 +101,7 @@ def situation_of(
 
 
 def tool_in(simulator: Simulator) -> Pose:
-    """Return the pose of the acting tool by the simulator's own forward kinematics."""
+    """Return the pose of the acting tool from the simulator's own forward kinematics."""
     robot = simulator.robot
     offset = Pose((0.0, 0.0, robot.tool_offset), yaw_quaternion(robot.tool_turn))
     return compose(simulator.flange(), offset)

@@ -18,11 +18,11 @@ from prag_asp.task import Task
 
 
 def check_witness(task: Task, witness: Witness, scene: Scene) -> list[str]:
-    """Return what is wrong with a witness of a task, nothing if it passes; `open_witness_check` is for many.
+    """Return the problems of a witness of a task, none if it passes; use `open_witness_check` for many witnesses.
 
-    Every state is loaded into a fresh simulator: all numbers are finite, joints within their limits, the
-    facts that are known to hold do and the others do not, nothing collides or falls, the simulator's own
-    forward kinematics agrees with the grasp of the held object, and only what an action moves has moved.
+    Every state is loaded into a fresh simulator: all numbers are finite, joints are within their limits, facts
+    have their required truth values, nothing collides or falls, the simulator's own forward kinematics agrees
+    with the grasp of the held object, and only the bodies that an action moves have moved.
 
     Raises:
         SceneError: the task names an entity that has no shape.
@@ -33,15 +33,15 @@ def check_witness(task: Task, witness: Witness, scene: Scene) -> list[str]:
 
 @contextmanager
 def open_witness_check(scene: Scene) -> Iterator[Callable[[Task, Witness], list[str]]]:
-    """Yield a function like `check_witness` for tasks of one scene, which checks them all in one simulator."""
+    """Yield a function like `check_witness`, which checks all tasks of one scene in one simulator."""
     with open_simulator(scene) as simulator:
         yield lambda task, witness: witness_problems(task, witness, simulator, scene)
 
 
 def witness_problems(task: Task, witness: Witness, simulator: Simulator, scene: Scene) -> list[str]:
-    """Return what is wrong with a witness of a task, nothing if it passes, as `check_witness` does.
+    """Return the problems of a witness of a task, none if it passes, like `check_witness`.
 
-    The `simulator` of the scene is left with the bodies in the sizes of the witness.
+    Afterwards, the bodies in the `simulator` of the scene have the sizes of the witness.
     """
     physical = physical_task(task, scene)
     unfit = count_mismatch(witness, len(physical.effects))

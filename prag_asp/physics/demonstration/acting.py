@@ -23,10 +23,10 @@ SQUEEZE = 0.008
 """The difference in metres between the width of a held object and the target opening of the gripper."""
 
 LONGEST_REST = 0.5
-"""The longest time to wait for objects to come to rest, in seconds: a ball may roll on."""
+"""The longest time to wait for objects to come to rest, in seconds: a ball may keep rolling."""
 
 FINGER_SPEED = 0.16
-"""The speed of opening or closing a gripper, in metres a second."""
+"""The speed of opening or closing a gripper, in metres per second."""
 
 
 class PerformanceFailed(Exception):
@@ -51,7 +51,7 @@ class Actor:
         recorder.frame(self._commands)
 
     def rest(self) -> None:
-        """Simulate until nothing moves, at most `LONGEST_REST`; a frame ends then."""
+        """Simulate until nothing moves, for at most `LONGEST_REST`, and stop at the end of a frame."""
         for _ in range(round(LONGEST_REST / TIME_STEP / FRAME_STEPS)):
             self._step()
             while self._steps % FRAME_STEPS:
@@ -63,7 +63,7 @@ class Actor:
         """Execute an action.
 
         Raises:
-            PerformanceFailed: a path is not free.
+            PerformanceFailed: no collision-free path is found.
         """
         ways: list[Angles] = []
         robot = ""
@@ -81,7 +81,7 @@ class Actor:
                 self._drive(robot, ways)
                 self._arms[robot] = replace(arm, held=waypoint.held)
                 squeeze = SQUEEZE if waypoint.held is not None else 0.0
-                # Fingers that let go squeeze until they are as wide open as the object.
+                # Fingers that release an object squeeze it until they are as wide open as it is.
                 self._forces[robot] = finger_force(self._world.scene, waypoint.held or arm.held, robot)
                 self._move_fingers(robot, waypoint.width - squeeze)
                 self._forces[robot] = finger_force(self._world.scene, waypoint.held, robot)
@@ -108,7 +108,7 @@ class Actor:
         """Return the joint angles of every time step on the path to a waypoint, shape (steps, 7).
 
         Raises:
-            PerformanceFailed: there is no collision-free path.
+            PerformanceFailed: no such path is found.
         """
         waypoint, world = leg.waypoint, self._world
         self._planner.turn_to(waypoint.robot)

@@ -1,12 +1,12 @@
 """The contacts that a task intends, and the unintended ones in an episode.
 
-Checked are the contacts of a robot, and of what it moves: bodies that a finger touches, and what rests on those. A task
-intends contacts between
+The check covers the contacts of robots and of moved bodies: those that a finger touches, and those that rest on them. A
+task intends contacts between
 
 - the fingers of a gripper and the object that it holds, grasps, releases or is at, before or after the action, or the
   furniture that the action opens or closes;
-- what the robot moves and what that rests on, or what rests on it, in the state before the action or after it;
-- two bodies that rest on what the robot moves.
+- a moved body and its support, or a body that rests on it, in the state before the action or after it;
+- two bodies that rest on moved bodies.
 
 Any other contact is a fault if its force exceeds `GENTLE`. An intended one is a fault if it is deeper than `DEEPEST` or
 its force exceeds a bound for the object that the robot moves: `FIRM`, and `FACTOR` times its weight.
@@ -32,9 +32,9 @@ GENTLE = 1.0
 """The largest force of an unintended contact, in newtons."""
 
 FIRM, FACTOR = 20.0, 10.0
-"""The largest force of an intended contact: newtons, and a multiple of the weight of the object that is moved.
+"""The largest force of an intended contact: newtons, plus a multiple of the weight of the moved object.
 
-A stiff arm that puts down 50 g a millimetre too low presses with 25 N; heavy objects press by their weight alone.
+A stiff arm that puts down 50 g a millimetre too low presses with 25 N; heavy objects press with their weight alone.
 """
 
 DEEPEST = 0.002
@@ -48,7 +48,7 @@ Pair = tuple[str, str]
 class Touch(NamedTuple):
     """A contact of two bodies in a frame: the largest force in newtons and depth in metres since the frame before.
 
-    The depth is 0 where it is not known, as in recordings.
+    The depth is 0 if it is unknown, as in recordings.
     """
 
     frame: int
@@ -76,9 +76,9 @@ class IntendedContacts:
 
 
 def intended_contacts(physical: PhysicalTask, number: int, *around: Situation) -> IntendedContacts:
-    """Return the contacts that a task intends during an action, counted from 1; 0 is before the first.
+    """Return the contacts that a task intends during an action; actions count from 1, and 0 is before the first one.
 
-    `around` are the situations before and after it.
+    `around` are the situations before and after the action.
     """
     states = physical.states[max(0, number - 1) : number + 1]
     effect = physical.effects[number - 1] if number else None
@@ -103,13 +103,13 @@ def intended_contacts(physical: PhysicalTask, number: int, *around: Situation) -
 
 
 def unintended_contacts(touches: Iterable[Touch], intended: IntendedContacts) -> list[Touch]:
-    """Return the unintended contacts of an action, for each pair of bodies the strongest one."""
+    """Return the strongest unintended contact of each pair of bodies during an action."""
     handled = handled_contacts(touches, intended)
     return _strongest(each.touch for each in handled if not each.intended and each.touch.force > GENTLE)
 
 
 def excessive_contacts(touches: Iterable[Touch], intended: IntendedContacts, scene: Scene) -> list[Touch]:
-    """Return the intended contacts of an action that are too strong or too deep, for each pair the strongest one."""
+    """Return the strongest excessive contact of each pair of bodies: intended, but too strong or too deep."""
     excessive = []
     for touch, is_intended, moved in handled_contacts(touches, intended):
         heaviest = max((weight(scene, entity) for entity in moved if entity in scene.shapes), default=0.0)
@@ -119,7 +119,7 @@ def excessive_contacts(touches: Iterable[Touch], intended: IntendedContacts, sce
 
 
 class HandledContact(NamedTuple):
-    """A contact of a robot or of what it moves, whether the task intends it, and which of both bodies is `moved`."""
+    """A contact of a robot or a moved body, whether the task intends it, and which of the two bodies are `moved`."""
 
     touch: Touch
     intended: bool
@@ -127,7 +127,7 @@ class HandledContact(NamedTuple):
 
 
 def handled_contacts(touches: Iterable[Touch], intended: IntendedContacts) -> Iterator[HandledContact]:
-    """Yield the contacts of robots and of what they move: bodies that fingers touch, and what rests on these."""
+    """Yield the contacts of robots and moved bodies: those that fingers touch, and those that rest on them."""
     frames: dict[int, list[Touch]] = {}
     for touch in touches:
         frames.setdefault(touch.frame, []).append(touch)
@@ -155,9 +155,9 @@ def _strongest(touches: Iterable[Touch]) -> list[Touch]:
 
 
 def _is_intended(pair: Pair, touched: set[str], moved: set[str], intended: IntendedContacts) -> bool:
-    """Return whether a contact of a robot, or of what it moves, is intended.
+    """Return whether a contact of a robot or a moved body is intended.
 
-    `moved` are the bodies that robots move: those `touched` by fingers, and what rests on these.
+    `moved` are the bodies `touched` by fingers, and those that rest on them.
     """
     (part, robot), (other_part, other_robot) = map(_part, pair)
     if part and other_part:
@@ -170,7 +170,7 @@ def _is_intended(pair: Pair, touched: set[str], moved: set[str], intended: Inten
 
 
 def _part(body: str) -> tuple[str, str]:
-    """Return the part and the robot of a body, two empty strings if it belongs to no robot."""
+    """Return the part and the robot of a body, or two empty strings if it belongs to no robot."""
     part, _, robot = body.partition(" of ")
     return (part, robot) if part in ROBOT_PARTS else ("", "")
 

@@ -41,7 +41,7 @@ ARRAYS: Mapping[str, type[np.number[Any]]] = {
 LISTS, TEXTS = ("robots", "bodies", "objects", "furniture"), ("cause", "detail")
 
 VARIED = "varied"
-"""The name of the variation, as text, which most episodes do not have."""
+"""The name of the array with the variation as text, which most episodes lack."""
 
 LARGEST_FILE, LARGEST = 1_000_000_000, 256_000_000
 """The largest size in bytes of an episode's file, and of its arrays without camera images, which stay compressed."""
@@ -56,12 +56,12 @@ class Demonstration:
     `times` (T,) are in seconds; `joints` (T, R, 7) in radians, in the order of `robots`; `widths` (T, R) the openings
     of their grippers in metres; `commands` (T, R, 8) the targets of the motors, joint angles and opening. `sizes` (O,
     3) are the sides in metres of the bounding boxes of `objects`, `poses` (T, O, 7) their x, y, z in metres and a
-    quaternion x, y, z, w; `openings` (T, F) how far `furniture` is open in metres or radians. `contacts` (C, 3) are a
-    frame and the indices of two bodies in `bodies`, `forces` (C,) the largest normal force between them since the frame
-    before, in newtons. `ends` has for each state of the task that was reached the frame in which its facts were
-    checked, the initial state first. `cause` is empty if the task succeeded, otherwise one of `CAUSES`, and `detail`
-    says what went wrong when. `footage` is what cameras saw, if any filmed, and `variation` how the world was varied,
-    if it was.
+    quaternion x, y, z, w; `openings` (T, F) are those of `furniture` in metres or radians. `contacts` (C, 3) are a
+    frame and the indices of two bodies in `bodies`, `forces` (C,) the largest normal force between them since the
+    previous frame, in newtons. `ends` has, for each state of the task that was reached, the frame in which its facts
+    were checked, the initial state first. `cause` is empty if the task succeeded, otherwise one of `CAUSES`, and
+    `detail` says what went wrong and when. `footage` has the camera images, if there were cameras, and `variation` the
+    changes of the world, if it was varied.
     """
 
     robots: tuple[str, ...]
@@ -98,7 +98,7 @@ class Demonstration:
         """Return a scene with the sizes of the objects and the variation of the episode.
 
         Raises:
-            SceneError: the scene does not allow one of them.
+            SceneError: the scene does not allow a size or the variation.
         """
         pairs = zip(self.objects, self.sizes.tolist(), strict=True)
         sized = scene.with_sizes({entity: (x, y, z) for entity, (x, y, z) in pairs if entity in scene.ranges})
@@ -115,7 +115,7 @@ class Demonstration:
         )
 
     def arms(self, frame: int) -> dict[str, Arm]:
-        """Return the arms in a frame by the names of their robots."""
+        """Return the arms in a frame by robot name."""
         rows = zip(self.robots, self.joints[frame].tolist(), self.widths[frame].tolist(), strict=True)
         return {name: Arm(tuple(angles), width) for name, angles, width in rows}
 
@@ -166,7 +166,7 @@ class Demonstration:
         If the path comes from an untrusted source, `within` is the folder in which the file has to lie.
 
         Raises:
-            QueryError: the file cannot be read, holds something else, or too much, or lies elsewhere.
+            QueryError: the file cannot be read, is not an episode, is too large, or lies outside `within`.
         """
         names = ("version", *ARRAYS, *LISTS, *TEXTS)
         with _open_episode(path, within) as file:
@@ -190,7 +190,7 @@ def _open_episode(path: str | Path, within: str | Path | None) -> Iterator[Binar
     """Open the file of an episode.
 
     Raises:
-        QueryError: the file cannot be read, or what is done with it finds that it holds something else.
+        QueryError: the file cannot be read, or the block finds that it is not an episode.
     """
     try:
         with open_binary(path, within=within, at_most=LARGEST_FILE) as file:
@@ -202,10 +202,10 @@ def _open_episode(path: str | Path, within: str | Path | None) -> Iterator[Binar
 
 
 def read_variation(path: str | Path, *, within: str | Path | None = None) -> Variation | None:
-    """Return the variation of the episode in a file, None if it has none; nothing else is read.
+    """Return the variation of the episode in a file, None if it has none, without reading anything else.
 
     Raises:
-        QueryError: the file cannot be read, or holds something else.
+        QueryError: the file cannot be read, or is not an episode.
     """
     with _open_episode(path, within) as file:
         return _variation(read_arrays(file, (VARIED,), LARGEST).get(VARIED))
@@ -215,7 +215,7 @@ def _variation(text: NDArray[Any] | None) -> Variation | None:
     """Return the variation of an episode from its text, None if there is none.
 
     Raises:
-        ValueError: the text has another form.
+        ValueError: the text has a wrong format.
     """
     if text is None:
         return None
@@ -232,7 +232,7 @@ def situation_of(
 ) -> Situation:
     """Return a situation from the poses of objects, shape (O, 7), and the states of the arms.
 
-    `openings` say how far furniture is open, in metres or radians.
+    `openings` are those of furniture, in metres or radians.
     """
     from prag_asp.physics.situation import Situation  # noqa: PLC0415 - verdicts are read without predicates
 
@@ -250,7 +250,7 @@ def _require_fitting(content: Mapping[str, NDArray[Any]]) -> None:
     """Check that the shapes and types of an episode's arrays match.
 
     Raises:
-        ValueError: an array has another shape or type than the others require.
+        ValueError: the shape or type of an array does not match the others.
     """
     for name in ("times", "forces", "ends", *LISTS):
         if content[name].ndim != 1:

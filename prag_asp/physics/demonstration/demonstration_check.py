@@ -12,10 +12,10 @@ from prag_asp.task import Task
 
 
 def check_demonstration(task: Task, demonstration: Demonstration, scene: Scene) -> list[str]:
-    """Return the facts of the task that do not hold in the episode, and what is wrong with its contacts and motions.
+    """Return the facts of the task that do not hold in the episode, and the faults of its contacts and motions.
 
-    These are unintended and excessive contacts, objects that slip or turn in the hand, and accelerations beyond the
-    limits of joints. Nothing is returned if it passes.
+    Faults are unintended and excessive contacts, objects that slip or turn in the hand, and accelerations beyond the
+    limits of joints. The result is empty if the episode passes.
 
     Raises:
         SceneError: the task names an entity that has no shape.

@@ -13,7 +13,7 @@ from prag_asp.array_archive import BadArchive, read_arrays
 from prag_asp.physics.demonstration.packed_arrays import Packed, read_packed
 
 RGB, DEPTH = "u1", "<f2"
-"""The types of stored images: a depth has eleven significant bits, which is half a millimetre at 1 m."""
+"""The types of stored images: a depth has eleven significant bits, a precision of half a millimetre at 1 m."""
 
 BYTES = 256
 
@@ -39,7 +39,7 @@ def are_equal(one: Any, other: Any) -> bool:
 class CameraImage(NamedTuple):
     """A camera image: `rgb` (H, W, 3), `depth` (H, W) in metres, `segmentation` (H, W).
 
-    The depth is along the axis of the camera, 0 if there is nothing; the segmentation has indices into the legend.
+    The depth is along the axis of the camera, 0 for the background; the segmentation has indices into the legend.
     """
 
     rgb: NDArray[np.uint8]
@@ -95,7 +95,7 @@ class CameraVideo:
 
 @dataclass(frozen=True, eq=False)
 class Footage:
-    """The videos of an episode, by the names of the cameras, and the motion of its R robots at each of the N images.
+    """The videos of an episode by camera name, and the motion of its R robots at each of the N images.
 
     `frames` (N,) are the recorded frames of the episode; `tools` (N, R, 7) the tool poses as x, y, z in metres and a
     quaternion x, y, z, w; `deltas` (N, R, 6) the motion of the tools until the next image: a translation in metres and
@@ -112,7 +112,7 @@ class Footage:
     videos: Mapping[str, CameraVideo]
 
     def __eq__(self, other: object) -> bool:
-        """Return whether two footages are equal, bit by bit."""
+        """Return whether two instances are equal, bit by bit."""
         return are_equal(self, other) if isinstance(other, Footage) else NotImplemented
 
     __hash__ = None  # type: ignore[assignment]
@@ -137,11 +137,11 @@ class Footage:
 def read_footage(file: BinaryIO, frames: int, robots: int, at_most: int) -> Footage | None:
     """Return the footage of an episode with a number of frames and robots, None if it has none.
 
-    `at_most` limits the bytes of the arrays without images.
+    `at_most` limits the size in bytes of the arrays without images.
 
     Raises:
         OSError: the file cannot be read.
-        BadArchive: the videos have another form.
+        BadArchive: the videos have a wrong format.
         ValueError: the footage does not match the episode.
     """
     lists = read_arrays(file, LISTS, at_most)
@@ -176,7 +176,7 @@ def _video(file: BinaryIO, camera: str, count: int, segmented: str, at_most: int
     """Return the video of one camera.
 
     Raises:
-        BadArchive: an array of the video is missing or has another form.
+        BadArchive: an array of the video is missing or has a wrong format.
         ValueError: the video does not match the others.
     """
     names = [f"{camera}/{name}" for name in OF_CAMERA]
@@ -196,11 +196,11 @@ def _video(file: BinaryIO, camera: str, count: int, segmented: str, at_most: int
 
 
 def require_arrays(content: Mapping[str, NDArray[Any]], required: Mapping[str, tuple[tuple[int, ...], str]]) -> None:
-    """Check the shapes and types of arrays; a type is one of some kinds of NumPy.
+    """Check the shapes and types of arrays; a type is given by its possible NumPy kinds.
 
     Raises:
         BadArchive: an array is missing.
-        ValueError: an array has another shape or type.
+        ValueError: an array has a wrong shape or type.
     """
     for name, (shape, kinds) in required.items():
         if name not in content:

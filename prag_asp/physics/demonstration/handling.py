@@ -1,7 +1,7 @@
-"""Check how an episode handles objects: whether they stay in the hand as grasped, and joints within their limits.
+"""Check how an episode handles objects: held objects must not slip, and joints must stay within their limits.
 
 An object is in the hand while both fingers press on it. It should stay where it was when the arm began to move; a
-turn or a slip shows a grasp that friction does not bear.
+turn or a slip shows that friction does not bear the load.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ MOST_SLIP, MOST_TURN = 0.005, math.radians(5.0)
 """The maximum slip and rotation of an object in the hand, in metres and radians."""
 
 STANDSTILL = 1e-6
-"""The largest difference between two commands of a joint in radians, or of the fingers in metres, that is none."""
+"""The largest difference between two commands that counts as zero: of a joint in radians, of the fingers in metres."""
 
 
 class HandlingFault(NamedTuple):
@@ -53,7 +53,7 @@ def handling_faults(episode: Demonstration, scene: Scene) -> Iterator[HandlingFa
 
 
 def _in_hand(episode: Demonstration, robot: str) -> Iterator[tuple[int, int, str]]:
-    """Yield the first and the last frame of each time in which both fingers of a robot press on an object."""
+    """Yield the periods in which both fingers of a robot press on an object: first frame, last frame and object."""
     left, right = (episode.bodies.index(f"{part} of {robot}") for part in ROBOT_PARTS[1:])
     first_object = len(episode.bodies) - len(episode.objects)
     fingers: dict[tuple[int, int], set[int]] = {}
@@ -72,7 +72,7 @@ def _in_hand(episode: Demonstration, robot: str) -> Iterator[tuple[int, int, str
 
 
 def _slip(episode: Demonstration, scene: Scene, arm: int, frames: tuple[int, int], entity: str) -> HandlingFault | None:
-    """Return that an object moves in the hand of an arm, from when that moves until it opens; None if it stays."""
+    """Return the fault if an object moves in the hand between the arm's first motion and the release, else None."""
     first, last = frames
     commands: NDArray[np.float64] = np.abs(np.diff(episode.commands[first : last + 1, arm].astype(float), axis=0))
     moving = np.flatnonzero(commands[:, :7].max(axis=1, initial=0.0) > STANDSTILL)

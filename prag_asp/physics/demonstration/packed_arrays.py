@@ -23,10 +23,10 @@ from prag_asp.array_archive import SUFFIX, BadArchive
 from prag_asp.errors import QueryError
 
 LEVEL = 1
-"""The level of compression: level 6 makes images a fifth smaller, and takes four times as long."""
+"""The level of compression: level 6 makes images a fifth smaller, but takes four times as long."""
 
 RAW = -15
-"""The window size for a raw zlib stream without a header, as archives have them."""
+"""The window size for a raw zlib stream without a header, as in archives."""
 
 LOCAL, CENTRAL, END = struct.Struct("<4s5H3L2H"), struct.Struct("<4s6H3L5H2L"), struct.Struct("<4s4H2LH")
 VERSION, UTF8, DEFLATED, FIRST_DAY = 20, 1 << 11, 8, 33
@@ -103,10 +103,10 @@ class Packer:
 
 
 def with_packed(archive: bytes, arrays: Mapping[str, Packed]) -> bytes:
-    """Return an archive with more arrays, by their names.
+    """Return an archive with more arrays, given by name.
 
     Raises:
-        ValueError: the archive would exceed the limit of such archives, 4 GB.
+        ValueError: the archive would exceed 4 GB, the limit of the format.
     """
     signature, disc, first, _, entries, size, begin, _ = END.unpack(archive[-END.size :])
     head, directory = archive[:begin], archive[begin : begin + size]
@@ -129,7 +129,7 @@ def read_packed(file: BinaryIO, names: Mapping[str, tuple[tuple[int, ...], str]]
 
     Raises:
         OSError: the file cannot be read.
-        BadArchive: an array is missing, has another shape or type, or is truncated.
+        BadArchive: an array is missing, truncated, or has a wrong shape or type.
     """
     try:
         with ZipFile(file) as archive:
@@ -167,7 +167,7 @@ def _head(shape: tuple[int, ...], kind: np.dtype[Any]) -> bytes:
 
 
 def _unpacked(packed: Packed, head: int, length: int) -> Iterator[bytes]:
-    """Yield the header of an array's stream, then its rows, each of a length in bytes.
+    """Yield the header of an array's stream, then its rows, each of a given length in bytes.
 
     Raises:
         QueryError: the stream is truncated or has changed.

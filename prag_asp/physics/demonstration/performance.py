@@ -36,9 +36,9 @@ class Performer:
     def perform(self, physical: PhysicalTask, witness: Witness, variation: Variation | None = None) -> Demonstration:
         """Return the episode of executing a task from the initial state of a witness, in a varied world if requested.
 
-        There must be no unintended contacts and no excessive ones, and after every action each fact of the state has to
-        hold; otherwise the episode ends there, with the cause. A complete episode fails if an object slips or turns in
-        the hand, or a joint exceeds its acceleration.
+        There must be no unintended or excessive contacts, and after every action each fact of the state has to hold;
+        otherwise the episode ends there, with the cause. A complete episode fails if an object slips or turns in the
+        hand, or if a joint exceeds its acceleration limit.
         """
         scene, first = self._scene.with_sizes(witness.sizes), witness.moments[0]
         self._planner.use(scene)
@@ -78,7 +78,7 @@ class Performer:
 
 @contextmanager
 def open_performer(scene: Scene, planner: Simulator) -> Iterator[Performer]:
-    """Open a simulation to execute witnesses, and close it afterwards; `planner` is used to plan paths."""
+    """Open a simulation to execute witnesses, and close it afterwards; `planner` plans the paths."""
     with open_dynamics(scene) as world:
         yield Performer(world, planner)
 

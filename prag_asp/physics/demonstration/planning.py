@@ -1,7 +1,7 @@
 """Plan the paths of an arm between the waypoints of a witness from the actual poses of the objects.
 
-The robot knows where the objects are: it grasps each as in the witness, at its actual pose, and places it where the
-witness has it, whatever its actual grasp. So small errors do not accumulate.
+The robot knows where the objects are: it grasps each as in the witness, but at its actual pose, and places it at its
+pose in the witness, whatever the actual grasp. So small errors do not accumulate.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ LARGEST_TURN = 0.3
 
 @dataclass(frozen=True)
 class Action:
-    """An action of a witness: its effect, the moments before and after it, and the waypoints between."""
+    """An action of a witness: its effect, the moments before and after it, and the waypoints between them."""
 
     effect: ActionEffect
     before: Moment
@@ -48,7 +48,7 @@ class Action:
 
 @dataclass(frozen=True)
 class Leg:
-    """A part of an action: a waypoint, the transit path to it in the witness, and the object that the arm goes to.
+    """A part of an action: a waypoint, the transit path to it in the witness, and the object that the arm approaches.
 
     `start` are the joint angles of the arm in the witness when the leg begins.
     """
@@ -73,9 +73,9 @@ def action_legs(action: Action) -> Iterator[Leg]:
 
 
 def plan_path(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, action: Action) -> Angles | None:
-    """Return the joint angles of every time step on a path, shape (steps, 7); None if no free one is found.
+    """Return the joint angles of every time step on a path, shape (steps, 7); None if no free path is found.
 
-    The path is straight up or down or along the fingers, that of the witness, or another free one; a heavy object is
+    The path is straight (up, down or along the fingers), that of the witness, or another free one; a heavy object is
     accelerated less. `situation` is the actual one, `arm` the target of the motors.
     """
     robot, waypoint = planner.robot, leg.waypoint
@@ -89,7 +89,7 @@ def plan_path(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, acti
     tool = _corrected(leg, tool_pose(robot, waypoint.joints), situation, action)
     goal = adjust_joints(robot, tool, waypoint.joints) or waypoint.joints
     if leg.way:
-        # The path of the witness, with the differences of its ends from the actual ones interpolated.
+        # The path of the witness, shifted by the interpolated differences between its ends and the actual ones.
         first, last = np.subtract(arm.joints, leg.start), np.subtract(goal, waypoint.joints)
         shares = np.linspace(0.0, 1.0, len(leg.way) + 2)[1:-1, None]
         between = np.array(leg.way) + (1 - shares) * first + shares * last
@@ -105,7 +105,7 @@ def plan_path(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, acti
 
 
 def _moved_on(robot: Robot, leg: Leg, joints: Joints) -> Pose:
-    """Return the pose of a tool after the straight motion of a leg, up or down or along the fingers."""
+    """Return the pose of a tool after the straight motion of a leg: up, down or along the fingers."""
     first, last, now = (tool_pose(robot, each) for each in (leg.start, leg.waypoint.joints, joints))
     if is_vertical(robot, leg.start, leg.waypoint.joints):
         return raised(now, last.position[2] - first.position[2])
@@ -123,15 +123,15 @@ def plan_pull(planner: Simulator, situation: Situation, arm: Arm, furniture: str
 
 
 def _measured_grasp(situation: Situation, robot: str, held: str | None) -> Pose | None:
-    """Return the grasp of the object that a gripper holds as it is in a situation, None if it holds none."""
+    """Return the actual grasp of the object that a gripper holds in a situation, None if it holds none."""
     return None if held is None else compose(invert(situation.tool(robot)), situation.poses[held])
 
 
 def _corrected(leg: Leg, planned: Pose, situation: Situation, action: Action) -> Pose:
     """Return the tool pose at a waypoint, `planned` in the witness, corrected for the actual poses of objects.
 
-    A held object comes to its pose in the witness; relative to an object that it goes to, the tool has the pose of the
-    witness.
+    A held object is moved to its pose in the witness; a free tool is moved to its pose in the witness relative to the
+    object that it approaches.
     """
     waypoint, before = leg.waypoint, action.before
     arms = (moment.arms[waypoint.robot] for moment in (before, action.after))
@@ -155,6 +155,6 @@ def _corrected(leg: Leg, planned: Pose, situation: Situation, action: Action) ->
 
 
 def _turn(one: Pose, two: Pose) -> tuple[float, float, float, float]:
-    """Return the rotation about z from the heading of one pose to that of another, none if it is not small."""
+    """Return the rotation about z from the heading of one pose to that of another; the identity if it is not small."""
     angle = wrap(yaw_of(two.quaternion) - yaw_of(one.quaternion))
     return yaw_quaternion(angle if abs(angle) < LARGEST_TURN else 0.0)

@@ -14,11 +14,11 @@ from prag_asp.physics.witness import Arm
 from prag_asp.physics.world.dynamics import NO_PRESSING, TIME_STEP, ArmCommand, Dynamics, Pressing
 
 FRAME_STEPS = 6
-"""Time steps of a frame: 20 frames a second."""
+"""Time steps per frame, for 20 frames per second."""
 
 
 class Recorder:
-    """Collects the frames of one episode, each as the numbers that will be in the file."""
+    """Collects the frames of one episode, as the numbers for the file."""
 
     def __init__(self, world: Dynamics, objects: Sequence[str]):
         self._world = world
@@ -34,7 +34,7 @@ class Recorder:
         self._ends: list[int] = []
 
     def step(self) -> None:
-        """Collect contact forces and depths after a time step; the next frame has the largest ones."""
+        """Collect contact forces and depths after a time step; the next frame records the largest ones."""
         for pair, (force, depth) in self._world.contacts().items():
             before = self._pressing.get(pair, NO_PRESSING)
             if force > before.force or depth > before.depth:
@@ -55,7 +55,7 @@ class Recorder:
         self._openings.append(list(self._world.openings().values()))
 
     def touches(self) -> list[Touch]:
-        """Return the recorded contacts between the ends of the last two states."""
+        """Return the contacts recorded between the ends of the last two states."""
         first = self._ends[-2] + 1 if len(self._ends) > 1 else 0
         begun = bisect_left(self._contacts, (first, 0, 0))
         forces = np.array(self._forces[begun:], dtype=np.float32).tolist()

@@ -27,11 +27,11 @@ CELLS = 6
 """The number of clusters along the longest side of a small part."""
 
 SMALLEST = 0.012
-"""Smaller parts of a mesh, in metres, are left out: screws and lamps."""
+"""The size in metres below which parts of a mesh are omitted: screws and lamps."""
 
 DARK_BELOW, WHITE_ABOVE = 0.5, 0.9
 DARK, WHITE = (0.25, 0.26, 0.28), (0.93, 0.94, 0.95)
-"""The colours of the Panda, which its URDF has in a texture."""
+"""The colours of the Panda, which are in a texture of its URDF."""
 
 Colour = tuple[float, float, float]
 
@@ -55,7 +55,7 @@ def low_files(kind: str) -> Mapping[str, bytes]:
     root = ElementTree.fromstring(robot_file(ROBOTS[kind]))
     named: dict[str, Colour] = {}
     for material in root.iter("material"):
-        color = material.find("color")  # None if the material only names one that is defined elsewhere
+        color = material.find("color")  # None if the material only refers to one that is defined elsewhere
         if color is not None:
             red, green, blue = map(float, color.get("rgba", "1 1 1 1").split()[:3])
             named[material.get("name", "")] = (red, green, blue)
@@ -74,8 +74,8 @@ def _simplified(
 ) -> dict[str, bytes]:
     """Replace the visual mesh of a link by simplified ones, one for each colour, and return their files.
 
-    Their names begin with a stem that is unique to the robot, because PyBullet caches meshes by their paths. `named`
-    are the colours of the robot's materials.
+    File names begin with a stem that is unique to the robot, because PyBullet caches meshes by path. `named` are the
+    colours of the robot's materials.
     """
     mesh, origin = visual.find("geometry/mesh"), visual.find("origin")
     assert mesh is not None
@@ -119,7 +119,7 @@ def _by_colour(source: Path, default: Colour) -> dict[Colour, list[Mesh]]:
 
 
 def read_parts(text: str) -> dict[str, Mesh]:
-    """Return the triangles of an .obj by material; all share the vertices of the file.
+    """Return the triangles of an .obj file by material; all share the vertices of the file.
 
     Raises:
         ValueError: the text is not in the format of .obj files.
@@ -140,7 +140,7 @@ def read_parts(text: str) -> dict[str, Mesh]:
 
 
 def _colours(text: str) -> Mapping[str, Colour]:
-    """Return the colours of a library of materials by their names."""
+    """Return the colours of a material library by name."""
     colours: dict[str, Colour] = {}
     name = ""
     for line in text.splitlines():
@@ -154,7 +154,7 @@ def _colours(text: str) -> Mapping[str, Colour]:
 
 
 def cluster_corners(mesh: Mesh, cell: float) -> Mesh:
-    """Return a mesh in which the vertices in a cell of a grid are merged at their mean; `cell` is its side in metres.
+    """Return a mesh in which the vertices of each grid cell are merged at their mean; `cell` is its side in metres.
 
     Degenerate and duplicate triangles are removed.
     """
@@ -174,7 +174,7 @@ def cluster_corners(mesh: Mesh, cell: float) -> Mesh:
 
 
 def _lines(meshes: Sequence[Mesh]) -> Iterator[str]:
-    """Yield the lines of an .obj of meshes, with vertex normals averaged over triangles by area."""
+    """Yield the lines of an .obj file of meshes, whose vertex normals are area-weighted means over triangles."""
     before = 1
     for corners, triangles in meshes:
         edges = corners[triangles]

@@ -1,6 +1,6 @@
 """Render the table, its zones and the background by one ray per pixel.
 
-They are large, and the time of TinyRenderer grows with the pixels of a triangle.
+They are large, and TinyRenderer's time grows with the number of pixels in a triangle.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ SKY, GROUND = (247, 249, 252), (214, 221, 230)
 AMBIENT, DIFFUSE, SPECULAR = 0.62, 0.42, 0.12
 UPWARDS = 2
 AROUND = 0
-"""The number of the background."""
+"""The number that marks the background."""
 
 LEVEL = np.float32(1e-7)
-"""The minimum component of a ray, so that nothing is divided by zero."""
+"""The minimum component of a ray, which avoids division by zero."""
 
 Floats = NDArray[np.float32]
 
 
 class Backdrop(NamedTuple):
-    """The image behind the robots and the objects: colours (H, W, 3), depths in metres and numbers (H, W).
+    """The image behind the robots and the objects: colours (H, W, 3), depths in metres and entity numbers (H, W).
 
     The depth of the background is infinite.
     """
@@ -43,7 +43,7 @@ class Backdrop(NamedTuple):
 
 
 class LevelPatch(NamedTuple):
-    """A level rectangle: its centre and half-extents in metres, its yaw, colour and number.
+    """A horizontal rectangle: its centre and half-extents in metres, its yaw, colour and entity number.
 
     `z` is its height above the table in metres.
     """
@@ -72,7 +72,7 @@ def patches(scene: Scene, numbers: Mapping[str, int]) -> list[LevelPatch]:
 
 
 def has_still_floor(scene: Scene, entity: str) -> bool:
-    """Return whether an entity is a container fixed on the table, so that its floor needs no triangles."""
+    """Return whether an entity is a container fixed on the table, whose floor needs no triangles."""
     shape = scene.shapes[entity]
     return shape.kind == "container" and shape.model is None and entity in scene.fixed
 
@@ -84,7 +84,7 @@ def floors(scene: Scene, numbers: Mapping[str, int]) -> list[LevelPatch]:
 
 
 def _patch(scene: Scene, entity: str, numbers: Mapping[str, int], wall: float = 0.0) -> LevelPatch:
-    """Return the rectangle of a fixed entity to the middle of its walls, as high above the table as they are thick."""
+    """Return the rectangle of a fixed entity up to the middle of its walls, at a height equal to their thickness."""
     (x, y, yaw), (half_x, half_y, _) = scene.fixed[entity], scene.shapes[entity].half
     half = (half_x - wall / 2, half_y - wall / 2)
     return LevelPatch(x, y, half, yaw, scene.color(entity), numbers[entity], wall)
@@ -99,7 +99,7 @@ def backdrop(
     light: Vector,
     raised: Sequence[LevelPatch] = (),
 ) -> Backdrop:
-    """Return the image of the table, the zones, what is `raised` above it and the background for a camera pose.
+    """Return the image of the table, the zones, the rectangles `raised` above it and the background for a camera pose.
 
     `table` is the number of the table; `light` is the direction to the light.
     """
@@ -147,7 +147,7 @@ def _within(x: Floats, y: Floats, zone: LevelPatch) -> NDArray[np.bool_]:
 
 @lru_cache(maxsize=8)
 def sky(size: tuple[int, int]) -> NDArray[np.uint8]:
-    """Return the background, a gradient, in the size of an image."""
+    """Return a background of the given size, a gradient."""
     width, height = size
     share = np.linspace(0.0, 1.0, height)[:, None]
     rows = np.asarray(SKY) * (1 - share) + np.asarray(GROUND) * share
@@ -160,5 +160,5 @@ def _shade(axis: int, side: float, light: Vector) -> float:
 
 
 def _shaded(color: str, shade: float) -> NDArray[np.uint8]:
-    """Return the RGB values of a colour like ``#e4572e``, from 0 to 255, in a shade."""
+    """Return the RGB values, from 0 to 255, of a colour like ``#e4572e`` at a brightness."""
     return np.array([min(255.0, part * shade) for part in rgb(color)]).astype(np.uint8)

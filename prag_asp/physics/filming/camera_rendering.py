@@ -26,12 +26,12 @@ from prag_asp.scene.variation import USUAL_LIGHT
 
 
 def render_cameras(demonstration: Demonstration, scene: Scene, staging: Staging) -> Demonstration:
-    """Return an episode with camera images; light, colours and cameras are those of its variation.
+    """Return an episode with camera images; its variation determines light, colours and cameras.
 
     Each image is compressed when it is taken: memory holds one uncompressed image of each camera.
 
     Raises:
-        QueryError: the scene has no such camera.
+        QueryError: the scene lacks one of the cameras.
         SceneError: the scene does not allow the size of an object, or a robot cannot be loaded.
     """
     frames = range(0, len(demonstration.times), FRAMES_A_SECOND // staging.rate)

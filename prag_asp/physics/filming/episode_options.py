@@ -1,4 +1,4 @@
-"""The options of demonstrations: which cameras record them, and what varies between them."""
+"""The options of demonstrations: the cameras that record them, and the properties that vary between them."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from prag_asp.scene.variation import KINDS, Variation, draw_variation
 from prag_asp.wording import did_you_mean
 
 RATES = tuple(rate for rate in range(1, FRAMES_A_SECOND + 1) if FRAMES_A_SECOND % rate == 0)
-"""The frame rates that divide that of episodes."""
+"""The frame rates that divide the frame rate of episodes."""
 
 
 @dataclass(frozen=True)
 class Staging:
     """The cameras of a scene that record demonstrations, and the properties that vary: some of `KINDS`.
 
-    `size` is the width and height of images in pixels, by default that of each camera; `rate` is in images a second.
+    `size` is the width and height of images in pixels, by default that of each camera; `rate` is in images per second.
 
     Raises:
         QueryError: a camera is named twice, a size or a rate is invalid, or a kind of variation is unknown.
@@ -48,14 +48,14 @@ class Staging:
             raise QueryError(f"a camera's picture has {low} to {high} pixels a side; got {width}x{height}")
 
     def sample_variation(self, scene: Scene, objects: Sequence[str], seeds: Sequence[int]) -> Variation | None:
-        """Return a random variation for a demonstration with some objects, None if nothing varies."""
+        """Return a random variation for a demonstration with the given objects, None if nothing varies."""
         return draw_variation(scene, self.vary, objects, seeds) if self.vary else None
 
     def cameras_of(self, scene: Scene) -> dict[str, Camera]:
         """Return the cameras that record in a scene by name, with the requested image size.
 
         Raises:
-            QueryError: the scene has no such camera.
+            QueryError: the scene lacks one of the cameras.
         """
         for name in self.cameras:
             if name not in scene.cameras:

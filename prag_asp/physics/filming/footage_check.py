@@ -18,12 +18,12 @@ NUMBERS = 1e-4
 ROUNDED = ("tools", "deltas", "grippers")
 EXACT = ("subgoals", "legend")
 COLOUR, DEPTH, SHARE = 8, 0.01, 0.02
-"""The tolerances of a pixel's colour, of 255, and of its depth in metres, and the share of pixels that may exceed them,
+"""The tolerances of a pixel's colour (0 to 255) and depth in metres, and the share of pixels that may exceed them,
 because machines round differently."""
 
 
 def check_footage(demonstration: Demonstration, scene: Scene) -> list[str]:
-    """Return what in the footage of an episode differs from what the cameras of the scene see; nothing if all is right.
+    """Return the differences between the footage of an episode and the views of the scene's cameras; none if it passes.
 
     Raises:
         SceneError: the scene does not allow the size of an object, or a robot cannot be loaded.
@@ -56,7 +56,7 @@ def check_footage(demonstration: Demonstration, scene: Scene) -> list[str]:
 
 
 def _faults(camera: str, one: CameraVideo, two: CameraVideo) -> Iterator[str]:
-    """Yield the differences of a video: in its numbers, and in its first wrong image."""
+    """Yield the differences of a video: in its camera parameters, and in its first wrong image."""
     for name in OF_CAMERA:
         if not np.allclose(getattr(one, name), getattr(two, name), rtol=0.0, atol=NUMBERS):
             yield f"{camera}/{name} is not that of the camera"

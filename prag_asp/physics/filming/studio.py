@@ -1,6 +1,6 @@
 """A world for rendering: robots with simplified meshes, the objects of an episode, and cameras.
 
-TinyRenderer draws robots and objects; table, zones, the floors of fixed containers and the background come from
+TinyRenderer draws robots and objects; the table, zones, floors of fixed containers and the background come from
 `backdrop` and are merged by depth.
 """
 
@@ -44,13 +44,13 @@ from prag_asp.scene.variation import USUAL_LIGHT, table_of
 
 LIGHT_DISTANCE = 3.0
 FLIPPED = np.diag((1.0, -1.0, -1.0, 1.0))
-"""From camera axes to those of OpenGL, with y up and z backwards."""
+"""The transformation from camera axes to those of OpenGL, with y up and z backwards."""
 
 BODY, LINK = (1 << 24) - 1, 24
-"""The mask of the body number in a pixel, and the first bit of the link number, which counts from -1."""
+"""The mask of the body number in a pixel, and the first bit of the link number plus one."""
 
 RESTING = 0.002
-"""The tolerance in depth by which an object hides the table below it, in metres."""
+"""The depth tolerance in metres within which an object hides the table below it."""
 
 
 class Studio:
@@ -110,7 +110,7 @@ class Studio:
             set_opening(self._client, self._bodies[entity], opening)
 
     def pose(self, camera: Camera) -> NDArray[np.float64]:
-        """Return the present pose of a camera as a homogeneous matrix, with x to the right, y down and z ahead."""
+        """Return the current pose of a camera as a homogeneous matrix, with x to the right, y down and z ahead."""
         if camera not in self._poses:
             self._poses[camera] = camera.pose
         if not camera.mount:
@@ -118,7 +118,7 @@ class Studio:
         return matrix(tool_pose(self._robots[camera.mount], self._joints[camera.mount])) @ self._poses[camera]
 
     def take(self, camera: Camera) -> CameraImage:
-        """Return the present image of a camera."""
+        """Return the current image of a camera."""
         pose = self.pose(camera)
         behind = None if camera.mount else self._fixed.get(camera)
         if behind is None:
@@ -137,9 +137,9 @@ class Studio:
         )
 
     def counts(self, camera: Camera) -> Counter[str]:
-        """Return the number of pixels of each object (of furniture, of its moving part) and of each robot's hand.
+        """Return the number of pixels of each object (for furniture, of its moving part) and of each robot's hand.
 
-        Hands are listed by the names of their robots.
+        Hands are listed under the names of their robots.
         """
         flags = pybullet.ER_SEGMENTATION_MASK_OBJECT_AND_LINKINDEX
         _, _, numbers = self._drawn(camera, self.pose(camera), flags)
@@ -178,7 +178,7 @@ class Studio:
 def matrices(camera: Camera, pose: NDArray[np.float64]) -> tuple[list[float], list[float]]:
     """Return the view and projection matrices in column order, for TinyRenderer.
 
-    As measured, it samples the lower left corner of a pixel, so the projection is shifted by half a pixel.
+    Measurements show that it samples the lower left corner of a pixel, so the projection is shifted by half a pixel.
     """
     width, height = camera.size
     view = FLIPPED @ np.linalg.inv(pose)
@@ -193,7 +193,7 @@ def open_studio(scene: Scene, objects: Sequence[str], light: Vector = USUAL_LIGH
     """Open a world for rendering some objects of a scene, and close it afterwards.
 
     Raises:
-        SceneError: a robot cannot be loaded, PyBullet refuses a body, or an object has none.
+        SceneError: a robot cannot be loaded, PyBullet refuses a body, or an object has no body.
     """
     with open_client() as client:
         with mute_output(STDOUT):

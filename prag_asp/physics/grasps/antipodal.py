@@ -1,9 +1,9 @@
 """Antipodal grasps of a parallel gripper on the surface of a body.
 
 A grasp is antipodal if the line between its two contacts lies in both friction cones; with soft fingers it is then in
-force closure (Nguyen, "Constructing force-closure grasps", 1988). Candidates are sampled: a point of the surface, the
-line through it against its normal, each place where that line leaves the body, and tool directions around the line.
-Each is then judged by what the pads touch when they close, exactly (`ParallelGripper.contact`).
+force closure (Nguyen, "Constructing force-closure grasps", 1988). Candidates are sampled: a point of the surface, a
+line through it within its friction cone, each point where the line leaves the body, and tool directions around it.
+Each candidate is then judged by the exact contact of the closed pads (`ParallelGripper.contact`).
 """
 
 from __future__ import annotations
@@ -23,29 +23,29 @@ from prag_asp.scene.surfaces import in_frame
 Floats = NDArray[np.float64]
 
 POINTS = 400
-"""Points of the surface at which grasps are sampled."""
+"""The number of points of the surface at which grasps are sampled."""
 
 DENSE = 4000
-"""Points of the surface that must not be inside the hand: one every 4 mm on an object of 150 mm."""
+"""The number of points of the surface that must not be inside the hand: one every 4 mm on an object of 150 mm."""
 
 TILTS = (0.0, 0.35, 0.7, 1.05, 1.4)
-"""The angles in radians between the tool's direction and straight down that are tried: from above to the side."""
+"""The angles to try between the tool's direction and straight down, in radians: from above to the side."""
 
 CONE_SHARE = 0.6
-"""The share of the friction angle that a sampled contact may use: the rest bears what lifting accelerates."""
+"""The share of the friction angle that a sampled contact may use: the rest is for accelerations when lifting."""
 
 FLATTER = (0.5, 0.95)
-"""The shares of the cone by which an axis is turned from the normal to the horizontal."""
+"""The shares of the cone's angle by which an axis is turned from the normal towards the horizontal."""
 
 UPRIGHT = 1e-3
 """The slope in radians below which a normal is horizontal, and the cosine below which it is vertical."""
 
 SMALLEST_PATCH = 6e-6
-"""The minimum area of a contact in m²: 2 x 3 mm, a corner of a pad."""
+"""The minimum area of a contact in m²: 2 mm x 3 mm, a corner of a pad."""
 
 OPPOSITE = 0.004
-"""The maximum distance in metres between the centres of both contacts along the pads, so that they do not turn the
-body."""
+"""The maximum distance in metres between the centres of both contacts, parallel to the pads, so that they do not turn
+the body."""
 
 ROOM = 0.003
 """The distance in metres between open fingers and the body on each side when the hand descends."""
@@ -57,16 +57,16 @@ BELOW = 0.0005
 """The minimum distance of the fingertips from the plane on which the body stands, in metres."""
 
 ENOUGH_POINTS, UNSURE = 8, 0.15
-"""Points between the pads from which a contact is judged before it is computed, and the error of that cosine."""
+"""The minimum number of points between the pads to judge a contact before it is computed, and its error in cosine."""
 
 MOST = (40, 40, 24)
-"""Grasps that are kept of a body, the best of those that differ: from above, at a slant, and from the side."""
+"""The maximum numbers of distinct grasps to keep, the best of a body: from above, at a slant, and from the side."""
 
 SLANTED, SIDEWAYS = 0.5, 1.2
-"""The angles in radians between the tool's direction and straight down from which it is at a slant, and sideways."""
+"""The smallest angles between the tool's direction and straight down of slanted and of sideways grasps, in radians."""
 
 PARALLEL = 1e-15
-"""The volume in m³ of a triangle's sides and a unit vector below which this is parallel to the triangle."""
+"""The triple product in m² of a triangle's sides and a unit vector below which both count as parallel."""
 
 STEEP = -0.3
 """The tool's direction along z above which fingers are not lifted off the ground: they come from the side."""
@@ -75,12 +75,12 @@ LONG_LEVER, TILT_COST = 0.05, 0.3
 """The lever arm of the centre of mass in metres that lowers a score by 1, and the cost of a radian of tilt."""
 
 ENOUGH_SLACK, WIDE_CONTACT = 0.01, 0.005
-"""The room at a finger, and the radius of a contact, in metres, beyond which more does not raise the score."""
+"""The room at a finger, and the radius of a contact, above which the score no longer rises, in metres."""
 
 APART, TURNED = (0.008, 0.008, 0.03), (0.25, 0.25, 0.4)
-"""Grasps of each of these kinds differ if their tools are this far apart in metres, or their axes in radians.
+"""The minimum distance in metres, or angle in radians, between the tools of distinct grasps of each of these kinds.
 
-From the side a hand has the least room, so that those in all directions are worth more than many in one.
+A hand has the least room from the side, where grasps from all directions are worth more than many from one.
 """
 
 
@@ -157,7 +157,7 @@ def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Gra
 
 
 def _surface_points(parts: Sequence[Floats], number: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
-    """Return points of the surface, evenly by area, and their outward normals; those inside another part left out."""
+    """Return points of the surface, evenly by area, and their outward normals, without those inside another part."""
     owners = np.concatenate([np.full(len(part), i) for i, part in enumerate(parts)])
     triangles = np.concatenate(parts)
     crossed = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
@@ -181,7 +181,7 @@ def _surface_points(parts: Sequence[Floats], number: int, rng: np.random.Generat
 def _antipodal_pairs(
     points: Floats, normals: Floats, triangles: Floats, friction: float, opening: float
 ) -> Iterator[tuple[Floats, Floats, Floats]]:
-    """Yield points of the surface, points opposite to them, and the unit vectors from these to those."""
+    """Yield points of the surface, the points opposite to them, and the unit vectors from the latter to the former."""
     least = math.cos(CONE_SHARE * math.atan(friction))
     corner, one, two = triangles[:, 0], triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
     facing = np.cross(one, two)
@@ -191,7 +191,7 @@ def _antipodal_pairs(
         # Möller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997.
         crossed = np.cross(-normal, two)
         scale = np.einsum("ij,ij->i", one, crossed)
-        # What is parallel to the line is not hit: the distance along it is then 0.
+        # A triangle parallel to the line is not hit: the distance along the line is then 0.
         scale[np.abs(scale) < PARALLEL] = math.inf
         offset = point - corner
         u = np.einsum("ij,ij->i", offset, crossed) / scale
@@ -204,9 +204,9 @@ def _antipodal_pairs(
 
 
 def _axes(normal: Floats, least: float) -> Iterator[Floats]:
-    """Yield axes to close along at a contact: its normal, and flatter ones within the cone of cosine `least`.
+    """Yield closing axes at a contact: its normal, and flatter axes within the cone of cosine `least`.
 
-    The flatter the axis, the farther is the hand, which is broad along it, from the ground.
+    The hand is broad along this axis: the flatter the axis, the farther the hand is from the ground.
     """
     yield normal
     flat, slope = math.hypot(normal[0], normal[1]), math.asin(max(-1.0, min(1.0, float(normal[2]))))
@@ -221,7 +221,7 @@ def _axes(normal: Floats, least: float) -> Iterator[Floats]:
 
 
 def _tools(axis: Floats) -> Iterator[tuple[float, Floats]]:
-    """Yield directions of the tool around an axis of opening: the angle to straight down, and the axes as columns."""
+    """Yield directions of the tool around an opening axis: the angle to straight down, and the axes as columns."""
     down = np.array([0.0, 0.0, -1.0])
     side = down - (down @ axis) * axis
     length = float(np.linalg.norm(side))
@@ -245,9 +245,9 @@ def _tools(axis: Floats) -> Iterator[tuple[float, Floats]]:
 
 
 def _above_ground(gripper: ParallelGripper, triangles: Floats, middle: Floats, rotation: Floats) -> Pose | None:
-    """Return the pose of a tool with its fingertips above the ground, moved back as far as that needs.
+    """Return the pose of a tool with its fingertips above the ground, moved back as far as necessary.
 
-    None if the tool comes from the side and its fingers would be in the ground, or if the palm would be.
+    None if the fingers of a tool from the side, or the palm, would be in the ground.
     """
     tips = min(
         z * rotation[2, 2] - np.abs(rotation[2]) @ (x_half, y + y_half + gripper.opening / 2, z_half)
@@ -266,9 +266,9 @@ def _above_ground(gripper: ParallelGripper, triangles: Floats, middle: Floats, r
 
 
 def _promises(points: Floats, facing: Floats, gripper: ParallelGripper, friction: float) -> bool:
-    """Return whether a place may be a grasp, judged by points of the surface in its frame, to spare exact contacts.
+    """Return whether surface points, in the frame of a tool, allow a grasp: a filter before the exact contact.
 
-    `facing` are the components of the normals at the points along the axis of the fingers.
+    `facing` are the components of the points' normals along the axis of the fingers.
     """
     if not _free(points, (gripper.palm,)):
         return False
@@ -287,20 +287,20 @@ def _promises(points: Floats, facing: Floats, gripper: ParallelGripper, friction
 
 
 def dense_points(parts: Sequence[Floats]) -> Floats:
-    """Return points of the surface of a body that must not be inside the hand, shape (n, 3) in its frame, metres."""
+    """Return points of the surface of a body that must not be inside the hand, shape (n, 3), in its frame in metres."""
     return _surface_points(parts, DENSE, np.random.default_rng(0))[0]
 
 
 def open_width(points: Floats, gripper: ParallelGripper, tool: Pose, width: float) -> float | None:
-    """Return the widest opening in metres at which the hand at a tool is free of a body, None if there is none.
+    """Return the widest opening in metres at which the hand at a tool pose is free of a body, None if there is none.
 
-    `points` are those of `dense_points`, `width` is that of the material between the pads.
+    `points` are those of `dense_points`; `width` is that of the material between the pads.
     """
     return _widest(in_frame(points[None], tool)[0], gripper, width)
 
 
 def hand_is_free(points: Floats, gripper: ParallelGripper, tool: Pose, width: float) -> bool:
-    """Return whether the hand at a tool, with the pads `width` metres apart, is in a body by `SOFT` at most.
+    """Return whether the hand at a tool pose, with the pads `width` metres apart, penetrates a body by `SOFT` at most.
 
     `points` are those of `dense_points`.
     """
@@ -308,7 +308,7 @@ def hand_is_free(points: Floats, gripper: ParallelGripper, tool: Pose, width: fl
 
 
 def _soft_boxes(gripper: ParallelGripper, width: float) -> list[Box]:
-    """Return the boxes of the hand with the pads `width` metres apart, smaller by `SOFT` on every side."""
+    """Return the boxes of the hand with the pads `width` metres apart, shrunk by `SOFT` on every side."""
     return [
         (centre, (max(x - SOFT, 0.0), max(y - SOFT, 0.0), max(z - SOFT, 0.0)))
         for centre, (x, y, z) in gripper.boxes(width)
@@ -316,7 +316,7 @@ def _soft_boxes(gripper: ParallelGripper, width: float) -> list[Box]:
 
 
 def _widest(points: Floats, gripper: ParallelGripper, width: float) -> float | None:
-    """Return the widest opening in metres at which the hand is free of points in its frame, None if there is none."""
+    """Return the widest opening in metres at which points in the hand's frame are outside it, None if there is none."""
     openings = (gripper.opening, width + 4 * ROOM, width + 2 * ROOM)
     return next((wide for wide in openings if wide <= gripper.opening and _free(points, gripper.boxes(wide))), None)
 
@@ -324,14 +324,14 @@ def _widest(points: Floats, gripper: ParallelGripper, width: float) -> float | N
 def _judged(
     problem: GraspProblem, gripper: ParallelGripper, triangles: Floats, dense: Floats, place: Pose, tilt: float
 ) -> Grasp | None:
-    """Return the grasp with the pads around a place of the body, None if there is none."""
+    """Return the grasp with the pads at a place on the body, None if there is none."""
     contact = gripper.contact(in_frame(triangles, place))
     if contact is None or contact.width > gripper.opening - 2 * ROOM or not _holds(contact, problem.friction):
         return None
     tool = compose(place, Pose((0.0, (contact.low + contact.high) / 2, 0.0)))
     points = in_frame(dense[None], tool)[0]
     approach = _widest(points, gripper, contact.width)
-    # What the fingers pass when they close may be in their way beside the pads.
+    # Material beside the pads may block the fingers when they close.
     if approach is None or not _free(points, _soft_boxes(gripper, contact.width)):
         return None
     arm, radius = lever_of(problem.centre, tool, contact), contact.radius
@@ -354,7 +354,7 @@ def lever_of(centre: tuple[float, float, float], tool: Pose, contact: PadContact
 
 
 def _holds(contact: PadContact, friction: float) -> bool:
-    """Return whether both pads touch enough, in their friction cones, and opposite to each other."""
+    """Return whether both contacts are large enough, within their friction cones, and opposite to each other."""
     one, two = contact.patches
     least = math.cos(CONE_SHARE * math.atan(friction))
     apart = math.hypot(one.centre[0] - two.centre[0], one.centre[1] - two.centre[1])
@@ -364,13 +364,13 @@ def _holds(contact: PadContact, friction: float) -> bool:
 def _free(points: Floats, boxes: Sequence[Box]) -> bool:
     """Return whether no point is in one of the boxes, all in the frame of the tool.
 
-    The hand comes along its own direction, so what its fingers pass is what they and the palm take up at the end.
+    The hand approaches along its own direction, so the fingers sweep only the space of the fingers and the palm.
     """
     return not any(bool((np.abs(points - centre) < half).all(1).any()) for centre, half in boxes)
 
 
 def _quaternion(rotation: Floats) -> tuple[float, float, float, float]:
-    """Return a rotation matrix as a quaternion, by the largest of its parts (Shepperd, 1978)."""
+    """Return a rotation matrix as a quaternion, computed from its largest component (Shepperd, 1978)."""
     trace = rotation.trace()
     squares = [1 + 2 * rotation[i, i] - trace for i in range(3)] + [1 + trace]
     k = int(np.argmax(squares))
@@ -390,7 +390,7 @@ def _quaternion(rotation: Floats) -> tuple[float, float, float, float]:
 
 
 def _differ(one: Pose, two: Pose, kind: int) -> bool:
-    """Return whether two tools differ in place or direction, as is enough for a kind of grasps.
+    """Return whether two tools differ enough in position or orientation for a kind of grasp.
 
     Half a turn about the tool's own axis does not count as a difference.
     """

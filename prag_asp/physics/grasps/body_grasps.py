@@ -27,16 +27,16 @@ from prag_asp.scene.scene import Shape
 from prag_asp.scene.surfaces import in_frame, mesh_states, part_surfaces, surface
 
 FORM = 4
-"""The version of the search and of its files: cached grasps of another one are not read."""
+"""The version of the search and of its files: cached grasps of other versions are not read."""
 
 LARGEST_FILE = 1_000_000
-"""The largest size of a file of grasps in bytes, ample for all that are kept of a body."""
+"""The largest size of a file of grasps in bytes, ample for all grasps of a body."""
 
 SUFFIX = ".grasps"
 
 
 def body_grasps(shape: Shape, gripper: ParallelGripper, friction: float) -> tuple[Grasp, ...]:
-    """Return the grasps of a body with a model in its own frame, the best first; `friction` is that of the pads on it.
+    """Return the grasps of a body with a model in its frame, the best first; `friction` is that between pad and body.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -47,7 +47,7 @@ def body_grasps(shape: Shape, gripper: ParallelGripper, friction: float) -> tupl
 class GraspTable(NamedTuple):
     """The grasps of a body as arrays: poses of the tool as matrices (n, 4, 4) and quaternions (4, n), and scores (n,).
 
-    `loads` (n,) are the factors by which the lever of each raises its load, as of `grip_load`.
+    `loads` (n,) are the factors by which their levers raise their loads, see `grip_load`.
     """
 
     frames: NDArray[np.float64]
@@ -77,9 +77,9 @@ def pad_contact(shape: Shape, gripper: ParallelGripper, tool: Pose) -> PadContac
 
 
 def free_opening(shape: Shape, gripper: ParallelGripper, tool: Pose, width: float) -> float | None:
-    """Return the widest opening of the fingers around what they hold at which they are free of the body; metres.
+    """Return the widest opening in metres at which the fingers around a held body are free of it.
 
-    None if there is none: then they cannot let it go. `width` is that of the material between the pads.
+    None if there is none: they cannot release it. `width` is that of the material between the pads.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -88,9 +88,9 @@ def free_opening(shape: Shape, gripper: ParallelGripper, tool: Pose, width: floa
 
 
 def is_hand_free(shape: Shape, gripper: ParallelGripper, tool: Pose, width: float) -> bool:
-    """Return whether no finger is in what a gripper holds, nor the palm, by more than the rubber of the pads gives way.
+    """Return whether no finger, nor the palm, penetrates the held body deeper than the rubber of the pads yields.
 
-    `tool` is the pose of the tool in the frame of the body, `width` the distance of the pads in metres.
+    `tool` is the pose of the tool in the frame of the body, `width` the distance between the pads in metres.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -102,7 +102,7 @@ def is_hand_free(shape: Shape, gripper: ParallelGripper, tool: Pose, width: floa
 def _grasps(
     shape: Shape, gripper: ParallelGripper, friction: float, files: tuple[tuple[int, int], ...]
 ) -> tuple[Grasp, ...]:
-    """Return the grasps of a body; the states of its files are a key of the cache."""
+    """Return the grasps of a body; the states of its files are part of the cache key."""
     problem, folder = _problem(shape, friction), cache_folder()
     if folder is None:
         return sampled_grasps(problem, gripper)
@@ -120,7 +120,7 @@ def _grasps(
 
 @lru_cache(maxsize=256)
 def _table(shape: Shape, gripper: ParallelGripper, friction: float, files: tuple[tuple[int, int], ...]) -> GraspTable:
-    """Return the grasps of a body as arrays; the states of its files are a key of the cache."""
+    """Return the grasps of a body as arrays; the states of its files are part of the cache key."""
     grasps = _grasps(shape, gripper, friction, files)
     levers = [grasp.lever / grasp.radius if grasp.radius > 0.0 else np.inf for grasp in grasps]
     return GraspTable(
@@ -157,7 +157,7 @@ def _centre(shape: Shape) -> tuple[float, float, float]:
 
 @lru_cache(maxsize=64)
 def _dense_points(shape: Shape, files: tuple[tuple[int, int], ...]) -> NDArray[np.float64]:
-    """Return the points of a body that must not be in the hand; the states of its files are a key of the cache."""
+    """Return the points of a body that must not be in the hand; the states of its files are part of the cache key."""
     return dense_points(part_surfaces(shape))
 
 
@@ -165,5 +165,5 @@ def _dense_points(shape: Shape, files: tuple[tuple[int, int], ...]) -> NDArray[n
 def _contact(
     shape: Shape, gripper: ParallelGripper, tool: Pose, files: tuple[tuple[int, int], ...]
 ) -> PadContact | None:
-    """Return the contact of the pads; the states of the body's files are a key of the cache."""
+    """Return the contact of the pads; the states of the body's files are part of the cache key."""
     return gripper.contact(in_frame(surface(shape), tool))

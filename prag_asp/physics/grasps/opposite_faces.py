@@ -1,14 +1,14 @@
 """A bound on the width of every grasp of a body, for proofs that a gripper cannot hold it.
 
-Theorem. Let the pads touch a body of convex parts, on either side some face in its friction cone. Let a be the axis
-along which they close and w their distance. The angle between a and the outward normal of one face is at most the angle
-of friction phi, and so is that between -a and the normal of the other: so the first normal and the opposite of the
-second are at most 2 phi apart. Points p and q of both faces are at most w apart along a, and at most the diagonal d of
-a pad across it. So |p - q|² <= w² + d². If all pairs of faces within 2 phi of opposite are farther apart than
-sqrt(o² + d²), no grasp has w <= o.
+Theorem. Let each pad touch a face of a body of convex parts within its friction cone. Let a be the axis along which the
+pads close and w the distance between them. The angle between a and the outward normal of one face is at most the
+friction angle phi, and so is the angle between -a and the normal of the other face: so the angle between the first
+normal and the opposite of the second is at most 2 phi. Contact points p and q of the two faces are at most w apart
+along a, and across it at most the diagonal d of a pad. So |p - q|² <= w² + d². If all pairs of faces within 2 phi of
+opposite are farther apart than sqrt(o² + d²), no grasp has w <= o.
 
-The distance of two triangles is at least that of their centroids less both radii. Triangles are divided until this
-bound decides, which takes few steps unless the body is close to the limit.
+The distance between two triangles is at least the distance between their centroids minus both radii. Triangles are
+divided until this bound decides, which takes few steps unless the body is close to the limit.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ from prag_asp.scene.surfaces import mesh_states, part_surfaces
 Floats = NDArray[np.float64]
 
 MOST_PAIRS = 100_000
-"""The number of pairs of faces that are looked at; a body that needs more is not decided."""
+"""The maximum number of pairs of faces to examine; a body that needs more remains undecided."""
 
 FLAT = 1e-6
-"""The distance in metres up to which a corner may be outside a face of a convex part, because files are rounded."""
+"""The distance in metres by which a corner of a convex part may be outside a face, because files are rounded."""
 
 
 def is_never_spanned(shape: Shape, gripper: ParallelGripper, friction: float) -> bool:
-    """Return whether it is proved that a gripper cannot close around a body, as `exceeds_opening` does; cached.
+    """Return whether `exceeds_opening` proves that a gripper cannot close around a body; cached.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -44,15 +44,15 @@ def is_never_spanned(shape: Shape, gripper: ParallelGripper, friction: float) ->
 
 @lru_cache(maxsize=256)
 def _decided(shape: Shape, gripper: ParallelGripper, friction: float, files: tuple[tuple[int, int], ...]) -> bool:
-    """Return the result for a body; the states of its files are a key of the cache."""
+    """Return the result for a body; the states of its files are part of the cache key."""
     return exceeds_opening(part_surfaces(shape), gripper, friction)
 
 
 def exceeds_opening(parts: Sequence[Floats], gripper: ParallelGripper, friction: float) -> bool:
-    """Return whether it is proved that no grasp of a body is as narrow as the gripper opens.
+    """Return whether it is proved that every grasp of a body is wider than the gripper opens.
 
     `parts` are the triangles of its convex parts, shape (n, 3, 3) in metres; `friction` is the coefficient between pad
-    and body. False says nothing: the body may be close to the limit, of too many faces, or of parts that are not
+    and body. False proves nothing: the body may be close to the limit, have too many faces, or have parts that are not
     convex.
     """
     if not all(map(_is_convex, parts)):
@@ -82,7 +82,7 @@ def exceeds_opening(parts: Sequence[Floats], gripper: ParallelGripper, friction:
 
 
 def _is_convex(part: Floats) -> bool:
-    """Return whether no corner of a part is outside of one of its faces."""
+    """Return whether no corner of a part is outside any of its faces."""
     normals = np.cross(part[:, 1] - part[:, 0], part[:, 2] - part[:, 0])
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     corners = np.unique(part.reshape(-1, 3), axis=0)
@@ -91,13 +91,13 @@ def _is_convex(part: Floats) -> bool:
 
 
 def _radii(triangles: Floats) -> Floats:
-    """Return the largest distance of each triangle's corners from its centroid in metres."""
+    """Return the maximum distance in metres of each triangle's corners from its centroid."""
     radii: Floats = np.linalg.norm(triangles - triangles.mean(1, keepdims=True), axis=2).max(1)
     return radii
 
 
 def _quarters(triangles: Floats) -> Floats:
-    """Return four triangles of half the size for each, of shape (4 n, 3, 3)."""
+    """Return the four triangles of half the size in each triangle, shape (4 n, 3, 3)."""
     a, b, c = triangles.transpose(1, 0, 2)
     ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
     return np.concatenate([np.stack(each, 1) for each in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])

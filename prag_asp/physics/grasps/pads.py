@@ -1,6 +1,6 @@
-"""The pads and fingers of a parallel gripper, and the material that is between them, in the frame of the tool.
+"""The pads and fingers of a parallel gripper, and the material between them, in the frame of the tool.
 
-The tool's origin is the point between the pads, z points along the fingers towards their tips, y is the axis along
+The tool's origin is the point between the pads, z points along the fingers towards their tips, and y is the axis along
 which they open.
 """
 
@@ -24,11 +24,11 @@ TOUCH = 0.001
 
 
 TINY = 1e-15
-"""Sums below it count as zero: areas in m² and lengths of normals."""
+"""The threshold below which sums count as zero: of areas in m² and lengths of normals."""
 
 
 class PadContact(NamedTuple):
-    """The contact of two pads when they close: the interval of the material along y in metres, and both patches."""
+    """The contact of the two closed pads: the interval of the material along y in metres, and both patches."""
 
     low: float
     high: float
@@ -41,7 +41,7 @@ class PadContact(NamedTuple):
 
     @property
     def radius(self) -> float:
-        """The smaller radius of gyration of both patches in metres: the lever arm of friction about their line."""
+        """The smaller radius of gyration of the patches in metres: the lever arm of friction about the line of both."""
         return min(patch.gyration for patch in self.patches)
 
 
@@ -58,9 +58,9 @@ class PadPatch(NamedTuple):
 
 
 class ParallelGripper(NamedTuple):
-    """The sizes of a parallel gripper in metres: half a pad along x, the ends of a pad along z, the opening.
+    """The dimensions of a parallel gripper in metres: half a pad along x, the ends of a pad along z, the opening.
 
-    `fingers` are the boxes of the finger on the side of positive y when the gripper is closed, `palm` is that of the
+    `fingers` are the boxes of the finger on the side of positive y when the gripper is closed, `palm` is the box of the
     hand; all in the frame of the tool.
     """
 
@@ -97,7 +97,7 @@ class ParallelGripper(NamedTuple):
         """Return the contact of the pads when they close on a body; None if there is nothing between them.
 
         `triangles`, shape (n, 3, 3), are the surface of the body in the frame of the tool, in metres. The interval is
-        exact for that surface: its triangles are clipped to the prism that the pads sweep.
+        exact for this surface: its triangles are clipped to the prism that the pads sweep.
         """
         low = np.array([-self.half_x, -self.opening / 2, self.low_z])
         high = np.array([self.half_x, self.opening / 2, self.high_z])
@@ -139,7 +139,7 @@ class Polygons(NamedTuple):
         )
 
     def patch(self, end: float, side: float) -> PadPatch:
-        """Return the patch of a pad on one side: the surface that faces it and is within `TOUCH` of the outermost."""
+        """Return the patch of a pad on one side: the surface that faces it, within `TOUCH` of the outermost point."""
         corners, normals = self.cut(1, -side, TOUCH - side * end)
         facing = side * normals[:, 1]
         flat, facing = corners[facing > 0.0][:, :, [0, 2]], facing[facing > 0.0]

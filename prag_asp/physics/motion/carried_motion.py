@@ -1,7 +1,7 @@
-"""Accelerate a held object only as far as the friction of the pads bears.
+"""Limit the acceleration of a held object to what the friction of the pads bears.
 
 The pads hold an object of mass m by friction: they bear at most 2 mu F, with the force F of a finger and the
-coefficient mu of friction (Coulomb). Gravity and an acceleration a of the tool need at most m (g + |a|) of that.
+coefficient mu of friction (Coulomb). Gravity and an acceleration a of the tool need at most m (g + |a|).
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ FRICTION_SHARE = 0.95
 """The share of the friction of the pads that is used: the motors have tracking errors."""
 
 LEAST, MOST = 0.5, 40.0
-"""Accelerations in m/s²: with less an arm hardly moves, and no arm accelerates its tool by more."""
+"""Accelerations in m/s²: an arm hardly moves with less, and no arm accelerates its tool by more."""
 
 SHARE = 0.98
-"""The share of the acceleration to which a motion is slowed down: corners are rounded otherwise at another speed."""
+"""The share of the acceleration to which a motion is slowed down, because the rounding of corners depends on speed."""
 
 SLOWDOWNS = 20
 """The maximum number of times that a motion is slowed down; once or twice is usual."""
@@ -35,7 +35,7 @@ SLOWDOWNS = 20
 def bearable_acceleration(scene: Scene, entity: str, robot: str) -> float:
     """Return the largest acceleration of the tool at which a held object does not slip, in m/s²; at least `LEAST`.
 
-    Furniture, of which a robot moves a part, is not carried.
+    Furniture is not carried, because a robot moves only a part of it.
     """
     if scene.shapes[entity].traits.furniture:
         return MOST
@@ -45,7 +45,7 @@ def bearable_acceleration(scene: Scene, entity: str, robot: str) -> float:
 def time_carried(
     robot: Robot, path: Sequence[Joints], time_step: float, limits: JointLimits, most: float
 ) -> NDArray[np.float64]:
-    """Return what `time_path` does, slowed down until the tool accelerates by at most `most` m/s²."""
+    """Return the result of `time_path`, slowed down until the tool accelerates by at most `most` m/s²."""
     angles = time_path(path, time_step, limits)
     for _ in range(SLOWDOWNS if most < MOST else 0):
         peak = peak_acceleration(robot, path[0], angles, time_step)

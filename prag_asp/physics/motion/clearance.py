@@ -1,4 +1,4 @@
-"""The clearance of an arm, and what it carries, on a path: `CLEARANCE` from all that its ends are not close to."""
+"""The clearance of an arm and its load on a path: `CLEARANCE` from all bodies that are not close at one of its ends."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from prag_asp.physics.world.simulator import COLLISION, Simulator
 from prag_asp.scene.boxes import Corners, around, touch, widened
 
 CLEARANCE = 0.01
-"""The distance in metres that an arm and what it carries keep from what the arm does not handle."""
+"""The distance in metres that an arm and its load keep from bodies that the arm does not handle."""
 
 SLACK = 0.0005
-"""The distance in metres by which a body may come closer to something than at an end of the path."""
+"""The distance in metres by which a body may come closer to another one than at an end of the path."""
 
 ARM, TABLE = "the arm", "the table"
 Gaps = Mapping[tuple[str, str], float]
-"""The distances in metres of pairs of bodies that are closer than `CLEARANCE`, by their names."""
+"""The distances in metres between bodies that are closer than `CLEARANCE`, by pairs of names."""
 
 
 class ArmPassage(NamedTuple):
-    """A point on the path of the acting arm: the situation, the state of the arm, and what moves with the gripper."""
+    """A point on the path of the acting arm: the situation, the arm's state, and the bodies moving with the gripper."""
 
     situation: Situation
     arm: Arm
@@ -32,9 +32,9 @@ class ArmPassage(NamedTuple):
 
 
 def gaps(simulator: Simulator, passage: ArmPassage) -> Gaps:
-    """Return the distances of the acting arm, and what it carries, to all else and to each other.
+    """Return the distances of the acting arm and its load to each other and to all other bodies.
 
-    Contacts of the fingers with what they hold are ignored, and so are the base, which never moves, and pairs of links
+    Contacts of the fingers with a held object are ignored, and so are the base, which never moves, and pairs of links
     of one arm that cannot collide.
     """
     distances: dict[tuple[str, str], float] = {}
@@ -45,16 +45,16 @@ def gaps(simulator: Simulator, passage: ArmPassage) -> Gaps:
 
 
 def keeps_clear(start: Gaps, way: Sequence[Gaps], goal: Gaps) -> bool:
-    """Return whether a path keeps clear: what it is close to, it is close to from its start on, or until its goal.
+    """Return whether a path keeps clear: it is close to a body only from its start on, or until its goal.
 
-    The arm comes no closer to bodies than it is at these ends.
+    There, the arm comes no closer to the body than it is at this end.
     """
     since, until = _uneased(start, way), reversed(_uneased(goal, way[::-1]))
     return all(one.isdisjoint(two) for one, two in zip(since, until, strict=True))
 
 
 def _uneased(end: Gaps, way: Sequence[Gaps]) -> list[set[tuple[str, str]]]:
-    """Return for each point of a path the pairs that are too close, except for those close since its end."""
+    """Return the pairs that are too close at each point of a path, except those that have been close since its end."""
     since, result = dict(end), []
     for here in way:
         since = {pair: gap for pair, gap in since.items() if pair in here}
@@ -95,7 +95,7 @@ def _near(simulator: Simulator, passage: ArmPassage) -> Iterator[tuple[str, str,
 def _near_arm(
     simulator: Simulator, passage: ArmPassage, name: str, other: Arm, boxes: Mapping[int, Corners]
 ) -> Iterator[tuple[str, str, float]]:
-    """Yield the distances of the acting arm, and what it carries, to another arm."""
+    """Yield the distances of the acting arm and its load to another arm."""
     there = simulator.arms[name]
     whole = dict(zip(there.robot.links, there.link_boxes(other.joints, other.width), strict=True))
     there.pose(other.joints, other.width)
@@ -117,7 +117,7 @@ def _distances(
     links: Iterable[int] | None = None,
     other_link: int | None = None,
 ) -> Iterator[tuple[str, str, float]]:
-    """Yield names with the distances below `CLEARANCE`, in metres, from some or all links of one body to another."""
+    """Yield names and distances below `CLEARANCE`, in metres, from some or all links of one body to another."""
     ends = {} if other_link is None else {"linkIndexB": other_link}
     chosen = [ends] if links is None else [{"linkIndexA": link, **ends} for link in links]
     for each in chosen:
@@ -126,7 +126,7 @@ def _distances(
 
 
 def _beside(corners: Corners, boxes: Mapping[int, Corners]) -> list[int]:
-    """Return the links whose bounding boxes are within `CLEARANCE` of another."""
+    """Return the links whose bounding boxes are within `CLEARANCE` of another box."""
     return [link for link, each in boxes.items() if _wide(corners, each)]
 
 

@@ -1,4 +1,4 @@
-"""Find collision-free paths of the arm with what it holds."""
+"""Find collision-free paths of the arm and its load."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from prag_asp.scene.robots import Joints, Robot
 
 HEIGHTS = (0.08, 0.16, 0.24)
 STRIDE = 0.06
-"""Radians between the waypoints of a path."""
+"""The distance between the waypoints of a path in radians."""
 
 LOOK = 0.02
 """The sum of all joint motions between two points at which a path is checked, in radians.
 
-No part of an arm at the table, or of what it carries, is more than 1 m from a joint's axis. So nothing moves by more
-than 2 cm between two points: what is `CLEARANCE` away at both does not touch in between.
+No part of an arm at the table, or of its load, is more than 1 m from a joint's axis. So nothing moves by more than 2 cm
+between two points: bodies that are `CLEARANCE` apart at both do not touch in between.
 """
 
 RUNGS = 4
@@ -39,26 +39,26 @@ STRAIGHT = 1e-3
 
 
 def grasp_of(held: str | None, *arms: Arm) -> Pose | None:
-    """Return the grasp of the first of some states of an arm that hold an object, None if none does."""
+    """Return the grasp of the first of the arm states that hold an object, None if none does."""
     return next(
         (arm.grasp for arm in arms if arm.held is not None and arm.held == held and arm.grasp is not None), None
     )
 
 
 def carry_object(arm: Arm, width: float, held: str | None, grasp: Pose | None) -> Arm:
-    """Return an arm with a gripper opening in metres and the object that it holds, none if the grasp is not known."""
+    """Return an arm with a gripper opening in metres and the held object, or no object if the grasp is unknown."""
     return Arm(arm.joints, width, None if grasp is None else held, grasp)
 
 
 def is_vertical(robot: Robot, one: Joints, two: Joints) -> bool:
-    """Return whether two configurations have tool poses straight above each other with the same orientation."""
+    """Return whether the tool poses of two configurations are straight above each other with the same orientation."""
     (x, y, _), turn = tool_pose(robot, one)
     (other_x, other_y, _), other_turn = tool_pose(robot, two)
     return max(abs(x - other_x), abs(y - other_y)) < STRAIGHT and turn_between(turn, other_turn) < STRAIGHT
 
 
 def is_straight(robot: Robot, one: Joints, two: Joints) -> bool:
-    """Return whether two configurations are straight above each other, or apart along the direction of the fingers."""
+    """Return whether `is_vertical` holds for two configurations, or their tools are in line along the fingers."""
     if is_vertical(robot, one, two):
         return True
     offset, turn = compose(invert(tool_pose(robot, one)), tool_pose(robot, two))
@@ -86,7 +86,7 @@ def straight_path(robot: Robot, start: Joints, goal: Joints) -> list[Joints] | N
 def pull_path(
     robot: Robot, situation: Situation, furniture: str, grip: Pose, goal: float, start: Joints
 ) -> list[Joints]:
-    """Return a path on which the tool follows the handle of furniture from its present opening to a goal.
+    """Return a path on which the tool follows the handle of furniture from its current opening to a goal.
 
     `grip` is the pose of the tool in the frame of the moving part; `goal` is in metres or radians. Poses that the arm
     cannot reach are skipped.
@@ -120,8 +120,8 @@ def checked_path(
 ) -> tuple[Joints, ...] | None:
     """Return waypoints of a collision-free path from the state of the arm to a goal, a stride apart.
 
-    The ends are left out, and joints move linearly from one to the next. Between configurations in line with each other
-    only the straight path is tried. None if none is found.
+    The ends are omitted, and joints move linearly between waypoints. If the ends are in line with each other, only the
+    straight path is tried. None if none is found.
     """
     start = arm.joints
     if is_straight(simulator.robot, start, goal):
@@ -143,7 +143,7 @@ def checked_path(
 
 
 def _candidate_paths(simulator: Simulator, start: Joints, goal: Joints) -> Iterator[Sequence[Joints]]:
-    """Yield candidate paths, the shortest first: direct, then over the objects around."""
+    """Yield candidate paths, the shortest first: direct, then over nearby objects."""
     yield start, goal
     for height in HEIGHTS:
         over_start, over_goal = _above(simulator, start, height), _above(simulator, goal, height)
@@ -158,12 +158,12 @@ def _candidate_paths(simulator: Simulator, start: Joints, goal: Joints) -> Itera
 
 
 def _above(simulator: Simulator, joints: Joints, height: float) -> Joints | None:
-    """Return a close configuration with the tool higher, None if there is none."""
+    """Return a nearby configuration with the tool higher, None if there is none."""
     return next(inverse(simulator.robot, raised(tool_pose(simulator.robot, joints), height), near=joints), None)
 
 
 def _is_free(simulator: Simulator, situation: Situation, arm: Arm, path: NDArray[np.float64]) -> bool:
-    """Return whether the arm and what it holds keep clear on a path, shape (points, 7), apart from its ends."""
+    """Return whether the arm and its load keep clear on a path, shape (points, 7), except at its ends."""
     held, grasp, poses = arm.held, arm.grasp, situation.poses
     carried = [] if held is None else [held, *riders(situation, held, [each for each in poses if each != held])]
 
@@ -174,7 +174,7 @@ def _is_free(simulator: Simulator, situation: Situation, arm: Arm, path: NDArray
             there = situation.with_poses({**poses, **{entity: compose(delta, poses[entity]) for entity in carried}})
         return gaps(simulator, ArmPassage(there, Arm(joints, arm.width, held), carried))
 
-    # Between two of the checked points, the joint motions sum up to at most `LOOK`.
+    # Between two checked points, the joint motions add up to at most `LOOK`.
     reached = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(path, axis=0)).sum(axis=1))])
     places = np.linspace(0.0, reached[-1], math.ceil(reached[-1] / LOOK) + 1)
     rows = np.column_stack([np.interp(places, reached, column) for column in path.T]).tolist()

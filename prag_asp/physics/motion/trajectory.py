@@ -25,22 +25,22 @@ SPEED_SHARE, ACCELERATION_SHARE = 0.9, 0.85
 """The shares of a joint's limits that are used: its motor has tracking errors, of up to a tenth of the acceleration."""
 
 LOADED_ACCELERATION = 6.0
-"""The largest acceleration of a joint with an object in the gripper, which should not slip or rotate; rad/s².
+"""The largest acceleration of a joint in rad/s² with an object in the gripper, which should not slip or rotate.
 
-It does not on straight vertical paths. With 8 or 10 on other paths one task of `prag` in fifteen fails.
+It does not on straight vertical paths. With 8 or 10 on other paths, one in fifteen tasks of `prag` fails.
 """
 
 ROUNDING = 0.1
-"""Seconds over which a motion is averaged."""
+"""The time in seconds over which a motion is averaged."""
 
 GRAIN = 0.02
-"""Radians between the points at which the speed along a path is computed."""
+"""The distance in radians between the points at which the speed along a path is computed."""
 
 STILL = 1e-12
-"""Radians below which a piece of a path counts as no motion, because of rounding."""
+"""The length in radians below which a piece of a path counts as no motion, because of rounding."""
 
 SLOWDOWNS = 30
-"""The number of times that parts of a path are slowed down before the whole path is."""
+"""The number of times that parts of a path are slowed down before the whole path is slowed down."""
 
 TOLERANCE = 1e-6
 """The share by which a joint may exceed its limits, because of rounding."""
@@ -67,7 +67,7 @@ class JointLimits(NamedTuple):
 
 
 def joint_limits(robot: Robot, loaded: bool = False) -> JointLimits:
-    """Return the limits used for the joints of a robot, lower if the gripper is `loaded`."""
+    """Return the limits to use for the joints of a robot, which are lower if the gripper is `loaded`."""
     accelerations = ACCELERATION_SHARE * np.array(robot.accelerations)
     if loaded:
         accelerations = np.minimum(accelerations, LOADED_ACCELERATION)
@@ -87,7 +87,7 @@ def time_path(path: Sequence[Joints], time_step: float, limits: JointLimits) -> 
     for slowdown in count(1):
         reached, places = _passed(cells, time_step)
         angles = np.column_stack([np.interp(places, cells.corners, column) for column in points.T])
-        # The average over the window, by which the motion becomes longer.
+        # The average over the window, which lengthens the motion.
         padded = np.concatenate([np.repeat(points[:1], window, axis=0), angles, np.repeat(points[-1:], window, axis=0)])
         sums = np.concatenate([np.zeros((1, padded.shape[1])), np.cumsum(padded, axis=0)])
         angles = ((sums[window:] - sums[:-window]) / window)[1:]
@@ -96,7 +96,7 @@ def time_path(path: Sequence[Joints], time_step: float, limits: JointLimits) -> 
         if excess.max() <= 1.0 + TOLERANCE:
             break
         caps = cells.caps.copy()
-        # Slow down in the averaging windows in which a joint exceeds its limits, at last on the whole path.
+        # Slow down in the averaging windows in which a joint exceeds its limits, and finally on the whole path.
         for step in np.flatnonzero(excess > 1.0).tolist() if slowdown <= SLOWDOWNS else ():
             first, last = np.searchsorted(reached, (step - window - 1, step + 1))
             part = slice(max(0, int(first) - 1), int(last) + 1)
@@ -109,7 +109,7 @@ class _Cells(NamedTuple):
     """A path cut into straight cells: the path lengths at their ends (n + 1,) and at the corners of the path.
 
     `rates` (n,) are the largest accelerations along the path in each cell, `caps` (n + 1,) the highest speeds at their
-    ends. Lengths are radians of the joint that moves most.
+    ends. Lengths are in radians of the joint that moves most.
     """
 
     lengths: Angles
@@ -132,7 +132,7 @@ def _cells(points: Angles, limits: JointLimits) -> _Cells | None:
         rates = (limits.accelerations / np.abs(directions)).min(axis=1)
         turns = np.abs(np.diff(directions, axis=0))
         passing = (limits.accelerations * ROUNDING / turns).min(axis=1)
-    counts = np.maximum(np.ceil(lengths[moving] / GRAIN).astype(int), 2)  # with one, both ends at rest, nothing moves
+    counts = np.maximum(np.ceil(lengths[moving] / GRAIN).astype(int), 2)  # one cell would rest at both ends
     steps = np.repeat(lengths[moving] / counts, counts)
     cell_speeds = np.repeat(speeds, counts)
     caps = np.minimum(np.append(cell_speeds, np.inf), np.append(np.inf, cell_speeds))
@@ -143,7 +143,7 @@ def _cells(points: Angles, limits: JointLimits) -> _Cells | None:
 
 
 def _passed(cells: _Cells, time_step: float) -> tuple[Angles, Angles]:
-    """Return when the ends of cells are reached, shape (n + 1,), in time steps, and how far one is at each step."""
+    """Return the times at the ends of cells, shape (n + 1,), in time steps, and the path length at each step."""
     gained = np.concatenate([[0.0], np.cumsum(2.0 * cells.rates * np.diff(cells.lengths))])
     squared = cells.caps**2
     squared = np.minimum.accumulate(squared - gained) + gained
@@ -163,8 +163,8 @@ def _passed(cells: _Cells, time_step: float) -> tuple[Angles, Angles]:
 def blend_paths(ways: Sequence[Angles], start: Joints, time_step: float, limits: JointLimits) -> Angles:
     """Return the joint angles of every time step along consecutive paths, shape (steps, 7).
 
-    Each path begins during the last `ROUNDING` of the one before, as far as the joint limits allow: while one
-    decelerates at a constant rate and the other accelerates, the sum does not exceed the limit of one.
+    Each path begins during the last `ROUNDING` of the one before, as far as the joint limits allow: while one path
+    decelerates at a constant rate and the other accelerates, the sum does not exceed the limit for one path.
     """
     whole, origin = ways[0], np.array(start)
     for way in ways[1:]:

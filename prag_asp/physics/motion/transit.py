@@ -1,4 +1,4 @@
-"""Add the collision-free paths of the arm between the waypoints of a witness, which then shows the whole motion."""
+"""Add collision-free paths of the arm between the waypoints of a witness, so that it contains the whole motion."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from prag_asp.task import Task
 def with_transit(simulator: Simulator, physical: PhysicalTask, witness: Witness) -> Witness | None:
     """Return a witness with waypoints of collision-free paths added, None if a path is not found.
 
-    Neither the arm nor what it carries collides on these paths. Transit waypoints of the witness are replaced.
+    Neither the arm nor its load collides on these paths. Transit waypoints of the witness are replaced.
     """
     motions = []
     for k, effect in enumerate(physical.effects):
@@ -52,7 +52,7 @@ def _motion(
     waypoints_so_far: list[Waypoint] = []
     arms, poses, openings = dict(before.arms), before.poses, before.openings
     if (effect.grasps, effect.releases, effect.holds) == (None, None, None):
-        poses = after.poses  # what no gripper moves has moved before the arm does
+        poses = after.poses  # bodies that no gripper moves have moved before the arm does
     for waypoint in own:
         robot = waypoint.robot
         grasp = grasp_of(waypoint.held, arms[robot], after.arms[robot])

@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from PIL import Image
 
 OVERSAMPLING = 2
-"""The factor by which a picture is rendered larger, so that scaling it down smooths its edges."""
+"""The factor by which a picture is rendered larger than needed; scaling it down smooths its edges."""
 
 
 def picture(simulator: Simulator, moment: Moment, size: tuple[int, int], view: View) -> Image.Image:
-    """Return a picture of a moment in `size` pixels; the simulator must have been opened with `visual`."""
+    """Return a picture of a moment, `size` pixels large; the simulator must have been opened with `visual`."""
     image_type = pillow()
     simulator.show(moment)
     width, height = size[0] * OVERSAMPLING, size[1] * OVERSAMPLING
@@ -51,7 +51,7 @@ def picture(simulator: Simulator, moment: Moment, size: tuple[int, int], view: V
 
 
 def pillow() -> Any:
-    """Return Pillow's module of images.
+    """Return Pillow's image module.
 
     Raises:
         PicturesMissingError: Pillow is not installed.

@@ -32,13 +32,13 @@ if TYPE_CHECKING:
     from PIL import Image
 
 RATE = 10
-"""The frame rate of animations, in frames a second."""
+"""The frame rate of animations, in frames per second."""
 
 LAST_PAUSE = 1500
 """The pause at the end of an animation, in milliseconds."""
 
 GIVE = 0.005
-"""The tolerance of measured joint angles and openings beyond their limits, in radians and metres."""
+"""The tolerance by which measured joint angles and openings may exceed their limits, in radians and metres."""
 
 START_FACTS = 4
 """The number of facts in the caption of an initial state."""
@@ -57,15 +57,15 @@ def film_strip(
     headings: Sequence[str | None] | None = None,
     captions: Sequence[tuple[str, str]] | None = None,
 ) -> Image.Image:
-    """Return a picture of the states of a witness or a demonstration, or of `frames` of them with first and last.
+    """Return a picture of the states of a witness or a demonstration, or of `frames` of them, including first and last.
 
     They are arranged in rows of at most `columns`; `size` is that of one picture in pixels. Below each are the action
-    and its positive effects in plain words. `headings` replace the words for the actions, except those that are None;
-    `captions` replace all words by a heading and a text for each state.
+    and its positive effects in plain words. `headings` that are not None replace the words for the actions; `captions`
+    replace all words by a heading and a text for each state.
 
     Raises:
         PicturesMissingError: Pillow is not installed.
-        QueryError: there are fewer than two frames or no columns, or what is shown does not belong to the task.
+        QueryError: there are fewer than two frames or no columns, or `shown` does not belong to the task.
     """
     if (frames is not None and frames < 2) or columns < 1:
         raise QueryError(f"a film strip needs at least 2 frames and 1 column; got {frames} and {columns}")
@@ -90,7 +90,7 @@ def still(
 
     Raises:
         PicturesMissingError: Pillow is not installed.
-        QueryError: the task has no such state, or what is shown does not belong to the task.
+        QueryError: the task has no such state, or `shown` does not belong to the task.
     """
     moments = _moments(task, shown)
     if not 0 <= state < len(moments):
@@ -114,8 +114,8 @@ def animate(
 ) -> None:
     """Write an animation of a demonstration, `speed` times as fast, as a .gif or .webp according to the suffix.
 
-    It shows `RATE` frames a second in `size` pixels, with the current action below. `progress` is called with the
-    number of rendered frames and their total.
+    It shows `RATE` frames per second, each `size` pixels large, with the current action below. `progress` is called
+    with the number of rendered frames and their total.
 
     Raises:
         PicturesMissingError: Pillow is not installed.
@@ -213,7 +213,7 @@ def make_captions(
     headings: Sequence[str | None] | None,
     captions: Sequence[tuple[str, str]] | None = None,
 ) -> list[tuple[str, str]]:
-    """Return heading and text of some states; the first explains left and right if they are the robot's."""
+    """Return heading and text of some states; the first text explains left and right if they are the robot's."""
     texts = [captions[k] if captions is not None else _caption(task, scene, k, headings) for k in chosen]
     if scene.frame == "viewer" or not any(SIDES.search(text) for pair in texts for text in pair):
         return texts
@@ -223,7 +223,7 @@ def make_captions(
 
 
 def _fact_words(candidates: Sequence[Fact], most: int = 2) -> str:
-    """Return the facts of the lowest caption ranks in words; those of user-defined predicates come first."""
+    """Return the facts with the lowest caption ranks in words; facts of user-defined predicates come first."""
     worth = (fact for fact in candidates if fact.predicate.caption_rank < math.inf)
     ranked = sorted(worth, key=lambda fact: fact.predicate.caption_rank)
     return ", ".join(fact.sentence() for fact in ranked[:most] or candidates[:1])

@@ -38,7 +38,7 @@ def sheet(panels: Sequence[Panel], columns: int, *, lines: int = 1) -> Image.Ima
     written = [(wrap(panel.heading, large, width - 2), wrap(panel.text, small, width - 2)) for panel in panels]
     columns = math.ceil(len(panels) / math.ceil(len(panels) / columns))
     rows = [range(begin, min(begin + columns, len(panels))) for begin in range(0, len(panels), columns)]
-    # The height of a caption, and the largest of each row, in pixels.
+    # The height of each caption, and the largest height in each row, in pixels.
     heights = [
         ABOVE + HEADING_LINE * max(lines, len(heading)) + (BETWEEN + TEXT_LINE * len(text) if text else 0)
         for heading, text in written

@@ -1,4 +1,4 @@
-"""Choose the view of a task in which the acting hands and the objects of its actions are visible."""
+"""Choose the view of a task that best shows the acting hands and the objects of its actions."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 
 AZIMUTHS, HEIGHTS = (-22.7, 50.0, -50.0, 75.0, -75.0), (0.6, 1.1)
-"""Directions to the camera: degrees from the axis that points away from the robot, so that left and right stay those of
-a viewer who faces it; and heights relative to the horizontal distance."""
+"""Directions to the camera: degrees from the axis that points away from the robot, so that left and right remain those
+of a viewer who faces the robot; and heights relative to the horizontal distance."""
 
 DIRECTIONS = (
     TOWARDS_EYE,
     *((math.cos(math.radians(a)), math.sin(math.radians(a)), height) for a, height in product(AZIMUTHS, HEIGHTS)),
 )
-"""The directions to the camera that are tried, the default one first."""
+"""The directions to the camera to try, the default one first."""
 
 FAVOUR = 1.1
-"""The factor by which another view has to be better than the default one."""
+"""The factor by which another view has to score higher than the default one."""
 
 SMALL, FAR = 96, 10.0
 """The longer side in pixels of the images by which views are compared, and their far plane in metres."""
@@ -42,9 +42,9 @@ def best_view(
 ) -> View:
     """Return the view that shows the actions of a task best; `size` is that of a picture in pixels.
 
-    A view scores, for each state, the entities of its action and subgoal and the acting hand, each by the ratio of its
-    visible pixels to the most in any view: the mean and the minimum of the ratios. `moments` are all states; `states`
-    are the drawn ones, by default all.
+    For each state, the entities of its action and subgoal and the acting hand get the ratio of their visible pixels to
+    the most in any view; a view scores the mean and the minimum of the ratios. `moments` are all states; `states` are
+    the drawn ones, by default all.
     """
     aspect = size[0] / size[1]
     views = [view_from(scene, aspect, towards) for towards in DIRECTIONS]
@@ -85,7 +85,7 @@ def acting(task: Task, scene: Scene, state: int) -> set[str]:
 def view_from(scene: Scene, aspect: float, towards: Vector = TOWARDS_EYE) -> View:
     """Return the closest view in a direction that shows the workspace, the robots and the fixed objects.
 
-    The aspect of the picture is its width by its height.
+    `aspect` is the ratio of the picture's width to its height.
     """
     low_x, high_x, low_y, high_y = scene.workspace
     corners = [(x, y, z) for x in (low_x, high_x) for y in (low_y, high_y) for z in (0.0, ABOVE_TABLE)]

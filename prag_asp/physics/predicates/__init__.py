@@ -1,4 +1,4 @@
-"""The registry of spatial predicates, and those that a domain adds.
+"""The registry of spatial predicates, and the predicates that a domain adds.
 
 Each module of this package, like a Python file of a domain, maps the names of one or more predicates to their
 definitions in `PREDICATES`. A new predicate needs a module, and a row in `prag_asp.scene.predicate_names`.
@@ -29,7 +29,7 @@ NAMED: Mapping[str, Predicate] = {
     for name, predicate in PREDICATES.items()
     if predicate.robot_sentence is not None
 }
-"""Predicates whose sentences name the gripper, for scenes with several robots."""
+"""The same predicates with sentences that name the gripper, for scenes with several robots."""
 
 
 def predicate_of(scene: Scene, name: str) -> Predicate:
@@ -38,7 +38,7 @@ def predicate_of(scene: Scene, name: str) -> Predicate:
     In scenes with several robots its sentence names the gripper.
 
     Raises:
-        SceneError: there is no such predicate, or its Python file is not trusted or fails.
+        SceneError: the scene has no such predicate, or its Python file is not trusted or fails.
     """
     shared = NAMED.get(name) if scene.shared else None
     shared = shared or PREDICATES.get(name)
@@ -65,7 +65,7 @@ def own_predicates(scene: Scene) -> Mapping[str, Predicate]:
     """Return the user-defined predicates of a scene, by name.
 
     Raises:
-        SceneError: the Python file of one is not trusted or fails.
+        SceneError: the Python file of a predicate is not trusted or fails.
     """
     return {name: predicate_of(scene, name) for name in scene.own}
 

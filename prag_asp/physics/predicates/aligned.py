@@ -21,12 +21,12 @@ QUARTER = math.pi / 2
 
 
 def _parallel(situation: Situation, arguments: Arguments) -> bool:
-    """Return whether both bodies have sides, so that these can be parallel."""
+    """Return whether both bodies have sides that can be parallel."""
     return not any(situation.shape(entity).traits.round for entity in arguments)
 
 
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield the distance in metres from the nearest row, and the angle in radians by which they are not parallel."""
+    """Yield by how many metres the bodies miss the nearest row, and by how many radians they miss parallel yaws."""
     one, two = situation.body(arguments[0]), situation.body(arguments[1])
     apart = [abs(a - b) for a, b in zip(one.centre[:2], two.centre[:2], strict=True)]
     close = [one.half[axis] + two.half[axis] + GAP for axis in (0, 1)]

@@ -30,7 +30,7 @@ SIDES = {
     "in_front_of": Direction(X, -1.0),
     "behind": Direction(X, 1.0),
 }
-"""The direction of the subject from the other body, as the robot sees it."""
+"""The direction from the other body to the subject, as the robot sees it."""
 
 WORDING = {
     "left_of": ("to the left of", "right_of", 90),
@@ -52,14 +52,14 @@ def _violations(name: str, situation: Situation, arguments: Arguments) -> Iterat
 
 
 def _volume(name: str, situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the wedge on that side of the other body."""
+    """Return the wedge on the predicate's side of the other body."""
     subject, other = arguments
     side = SIDES[name].in_frame(situation.scene.frame)
     return wedge(situation, side, other, extents(situation.shape(subject), quaternion), GAP + MARGIN)
 
 
 def wedge(situation: Situation, side: Direction, other: str, half: Vector, gap: float) -> Volume:
-    """Return the region on a side of a body for the centre of a box with half-extents `half`, `gap` metres away."""
+    """Return the region on one side of a body for the centre of a box with half-extents `half`, `gap` metres away."""
     axis, sign = side
     at = situation.body(other).centre
     edge = at[axis] + sign * (half[axis] + situation.half(other)[axis] + gap)
@@ -74,7 +74,7 @@ def wedge(situation: Situation, side: Direction, other: str, half: Vector, gap: 
 
 
 def _demands(name: str, scene: Scene, arguments: Arguments) -> Iterator[Demand]:
-    """Yield the least distance between the centres of the two bodies along the axis."""
+    """Yield the minimum distance between the centres of the two bodies along the axis."""
     axis, sign = SIDES[name].in_frame(scene.frame)
     low, high = arguments if sign < 0 else arguments[::-1]
     yield axis, Gap(centre(low), centre(high), thinnest(low, axis, scene) + thinnest(high, axis, scene) + GAP)

@@ -1,4 +1,4 @@
-"""``between``: a body lies between two others from above, at any heights.
+"""``between``: a body lies between two others seen from above, at any heights.
 
 The line segment between the centres of the two others passes through the body, and along that line the body is at
 least `GAP` metres away from both.
@@ -20,7 +20,7 @@ MARGIN = 0.003
 
 
 def _half_along(situation: Situation, entity: str, quaternion: Quaternion, direction: Vector) -> float:
-    """Return half the width of a body along a direction in metres, for furniture that of its bounding box."""
+    """Return half the width of a body along a direction in metres; for furniture, that of its bounding box."""
     if situation.shape(entity).traits.furniture:
         half_x, half_y, _ = situation.half(entity)
         return abs(direction[0]) * half_x + abs(direction[1]) * half_y
@@ -37,7 +37,7 @@ def _line(situation: Situation, arguments: Arguments) -> tuple[float, Vector]:
 def _room(
     situation: Situation, arguments: Arguments, quaternion: Quaternion, line: tuple[float, Vector]
 ) -> tuple[float, float, float]:
-    """Return the range of the body's centre along the line, and its largest distance from the line.
+    """Return the range of the body's centre along the line, and its maximum distance from the line.
 
     The range is in metres from the centre of the first of the two others.
     """

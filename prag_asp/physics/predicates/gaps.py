@@ -1,7 +1,7 @@
 """Constraints of predicates on the positions of bodies: lower bounds on differences of coordinates.
 
-The predicate has to imply each constraint for any orientation of the bodies. Along x and y constraints compare the
-centres of bodies, along z the bottoms and tops of their bounding boxes.
+The predicate has to imply each constraint for any orientation of the bodies. Along x and y, constraints compare the
+centres of bodies; along z, the bottoms and tops of their bounding boxes.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from prag_asp.scene.geometry import extents, yaw_quaternion
 from prag_asp.scene.scene import Scene, Shape
 
 ROUNDING = 1e-9
-"""Lengths that differ by less are considered equal, in metres."""
+"""The difference in metres below which lengths are considered equal."""
 
 Node = tuple[str, str]
 """A body, a robot (for its tool) or the origin, and the part of it whose coordinate is constrained."""
@@ -26,7 +26,7 @@ Z = 2
 
 
 class Gap(NamedTuple):
-    """The coordinate of `high` exceeds that of `low` by at least `least` metres, which may be negative."""
+    """The constraint that the coordinate of `high` exceeds that of `low` by at least `least` metres, maybe negative."""
 
     low: Node
     high: Node
@@ -63,13 +63,13 @@ def top(entity: str) -> Node:
 
 
 def thinnest(entity: str, axis: int, scene: Scene) -> float:
-    """Return the smallest half-side of the bounding box of a body along an axis in any orientation, in metres."""
+    """Return the smallest half-extent of a body's bounding box along an axis over all orientations, in metres."""
     shape, place = scene.shapes[entity], scene.fixed.get(entity)
     return min(shape.half) if place is None else extents(shape, yaw_quaternion(place[2]))[axis]
 
 
 def above(scene: Scene, entity: str, support: str, half: tuple[float, float]) -> Iterator[Demand]:
-    """Yield that the centre of a body is above a rectangle, or the circle in it, around the centre of another."""
+    """Yield constraints that a body's centre is above a rectangle, or the circle in it, around another's centre."""
     place = scene.fixed.get(support)
     round_top = scene.shapes[support].traits.round
     for axis in (0, 1):

@@ -1,4 +1,4 @@
-"""The friction of two pads: whether it bears the weight of a body, and its torque if held off its centre of mass."""
+"""The friction of two pads: whether it bears the weight of a body, and its torque about an off-centre grip."""
 
 from __future__ import annotations
 
@@ -16,36 +16,36 @@ from prag_asp.scene.scene import Scene
 from prag_asp.scene.solids import weight
 
 FINGER_FRICTION = 1.4
-"""The coefficient of friction of the rubber pads, which PyBullet multiplies by that of the object."""
+"""The friction coefficient of the rubber pads, which PyBullet multiplies by that of the object."""
 
 GRAVITY = 9.81
-"""In m/s²."""
+"""The acceleration of gravity in m/s²."""
 
 LIGHTLY = 50.0
-"""The largest force of a finger on a body with a model, as a multiple of its weight.
+"""The largest force of a finger on a body with a model, as a multiple of the body's weight.
 
-PyBullet's solver does not keep fingers out of a body that is squeezed with much more: a paper cup of 8 g gives way to
-12 N by all of its wall, and to 4 N not at all. Friction bears the torque of a lever of some 15 cm then.
+PyBullet's solver does not keep fingers out of a body that they squeeze much harder: they penetrate the whole wall of an
+8 g paper cup with 12 N, but not at all with 4 N. Friction then bears the torque of a lever of about 15 cm.
 """
 
 SLIPS = 1.05
-"""A body slips out of a gripper, or turns in it, if its load exceeds the friction at rest by this factor.
+"""The factor by which a load has to exceed the static friction, so that a body slips or turns in the gripper.
 
 The robot also accelerates the object, so it may drop lighter bodies; a proof needs this margin.
 """
 
 
 def grasps_in_body(situation: Situation, entity: str, robot: str) -> tuple[Grasp, ...]:
-    """Return the grasps of a body with a model in its own frame, the best first."""
+    """Return the grasps of a body with a model in its frame, the best first."""
     gripper = ParallelGripper.of(situation.robot(robot))
     return body_grasps(situation.shape(entity), gripper, pad_friction(situation.scene, entity))
 
 
 def bearable(scene: Scene, entity: str, robot: str) -> float:
-    """Return the largest mass in kilograms that the fingers of a robot hold by friction, for the material of a body.
+    """Return the largest mass in kilograms of a body's material that the fingers of a robot hold by friction.
 
-    By Coulomb's law it is 2 mu F / g, with the force F of a finger and the product mu of both coefficients, as PyBullet
-    combines them.
+    By Coulomb's law it is 2 mu F / g, with the force F of a finger and the product mu of both friction coefficients, as
+    PyBullet combines them.
     """
     return 2 * pad_friction(scene, entity) * robot_of(scene, robot).grip_force / GRAVITY
 
@@ -56,9 +56,10 @@ def pad_friction(scene: Scene, entity: str) -> float:
 
 
 def finger_force(scene: Scene, entity: str | None, robot: str) -> float:
-    """Return what each finger presses with around what a robot holds, in newtons: its grip force.
+    """Return the force in newtons with which each finger of a robot presses on a held body.
 
-    A light body with a model gets less, `LIGHTLY` times its weight: friction still bears a hundred times that.
+    The force on a light body with a model is lower, `LIGHTLY` times its weight: friction still bears a hundred times
+    the weight.
     """
     most = robot_of(scene, robot).grip_force
     if entity is None or scene.shapes[entity].model is None:
@@ -67,7 +68,7 @@ def finger_force(scene: Scene, entity: str | None, robot: str) -> float:
 
 
 def slips(scene: Scene, entity: str, robot: str) -> str | None:
-    """Return the reason, in words, why a body slips out of a gripper that lifts it; None if it may not slip."""
+    """Return the reason, in words, why a body slips out of a gripper that lifts it; None if this is not proved."""
     heavy, most = weight(scene, entity), bearable(scene, entity, robot)
     if heavy > SLIPS * most:
         lifts = f"{gripper_words(scene, robot)} lifts {most:.3g} kg by its friction"
@@ -81,11 +82,11 @@ def gripper_words(scene: Scene, robot: str) -> str:
 
 
 def grip_load(scene: Scene, entity: str, robot: str, lever_arm: float, radius: float) -> float:
-    """Return the load of a grip as a share of what its friction bears; above 1 the body slips or turns.
+    """Return the load of a grip as a share of the load that friction bears; above 1 the body slips or turns.
 
-    Gravity pulls at the centre of mass, `lever_arm` metres beside the axis through both pads, and turns the body about
-    that axis. With a uniform pressure each pad bears the force mu F, or the torque mu F r with the mean distance r of
-    its points from its middle, `radius` in metres. Both together follow an ellipse (Howe and Cutkosky, "Practical
+    Gravity pulls at the centre of mass, `lever_arm` metres from the axis through both pads, and turns the body about
+    that axis. With uniform pressure each pad bears the force mu F, or the torque mu F r with the mean distance r of its
+    points from its centre, `radius` in metres. Both together follow an ellipse (Howe and Cutkosky, "Practical
     force-motion models for sliding manipulation", 1996).
     """
     most = 2 * pad_friction(scene, entity) * robot_of(scene, robot).grip_force
@@ -96,8 +97,8 @@ def grip_load(scene: Scene, entity: str, robot: str, lever_arm: float, radius: f
 def held_load(situation: Situation, entity: str, robot: str) -> float:
     """Return the `grip_load` of a body that a gripper holds in the air; 0 if there is nothing between the pads.
 
-    The pads lie on a body with their whole area; on one with a model only a part may touch, and its radius of gyration
-    stands for the mean distance, which is up to 7 % smaller for a rectangle like a pad.
+    The whole area of the pads touches a primitive. Only a part may touch a body with a model; its radius of gyration
+    replaces the mean distance, which is up to 7 % smaller for a rectangle like a pad.
     """
     shape, tool = situation.shape(entity), situation.tool(robot)
     if shape.model is not None:
@@ -114,7 +115,7 @@ def held_load(situation: Situation, entity: str, robot: str) -> float:
 
 
 def mean_radius(a: float, b: float) -> float:
-    """Return the mean distance of the points of a rectangle from its middle, for sides in metres."""
+    """Return the mean distance in metres of the points of a rectangle from its centre."""
     diagonal = math.hypot(a, b)
     ends = a * a / (2 * b) * math.log((b + diagonal) / a) + b * b / (2 * a) * math.log((a + diagonal) / b)
     return (diagonal + ends) / 6

@@ -1,4 +1,4 @@
-"""The fit of a gripper around a body: the opening that holds it, and the heights of such a grasp."""
+"""The fit of a gripper around a body: the opening that holds the body, and the heights of a grasp."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ CLEARANCE = 0.006
 """The smallest difference between the opening of a gripper and the width of an object that it grasps, in metres."""
 
 TIP_ROOM = 0.002
-"""The clearance of the fingertips above the bottom of a grasped object, in metres, unless that is flat."""
+"""The clearance of the fingertips above the bottom of a grasped object that is not flat, in metres."""
 
 FLAT_TIP_ROOM = 0.0005
-"""The clearance of the fingertips above the bottom of a flat object, in metres: more than what arms are off."""
+"""The clearance of the fingertips above the bottom of a flat object, in metres: more than the error of arms."""
 
 PAD_OVERLAP = 0.002
-"""The minimum height of the part of an object that is between the pads, in metres."""
+"""The minimum height of the part of an object between the pads, in metres."""
 
 SLANT = 1e-9
 """The cosine below which a side counts as parallel to the opening direction of the gripper."""
 
 
 def grip_width(situation: Situation, entity: str, robot: str) -> float:
-    """Return the opening with which a gripper holds an object in the present orientation of the tool, in metres.
+    """Return the opening with which a gripper holds an object in the current orientation of the tool, in metres.
 
-    For a rotated box, only the part between the pads counts; for a body with a model, what is between them where the
-    tool is. If there is nothing, it is 0.
+    For a rotated box, only the part between the pads counts; for a body with a model, only the material between them at
+    the tool's pose. The opening is 0 if there is none.
     """
     if situation.shape(entity).model is not None:
         contact = contact_at(situation, entity, robot)
@@ -58,7 +58,7 @@ def contact_at(situation: Situation, entity: str, robot: str) -> PadContact | No
 
 
 def lowest_grip(robot: Robot, height: float) -> float:
-    """Return the least height of the tool above the bottom of an object that it grasps, in metres.
+    """Return the minimum height of the tool above the bottom of a grasped object, in metres.
 
     An object that is lower than the fingers usually reach is flat: they close on its edges just above its support.
     """
@@ -66,25 +66,25 @@ def lowest_grip(robot: Robot, height: float) -> float:
 
 
 def is_flat(robot: Robot, height: float) -> bool:
-    """Return whether an object of a height in metres is lower than the fingers of a robot usually reach."""
+    """Return whether an object of a given height in metres is lower than the fingers of a robot usually reach."""
     return height < robot.fingertip + TIP_ROOM - ROUNDING
 
 
 def rise_over_flat(robot: Robot, height: float) -> float:
-    """Return the maximum height in metres of the tool above the top of a grasped object; 0 unless that is flat."""
+    """Return the maximum height in metres of the tool above the top of a grasped object; 0 for one that is not flat."""
     return max(0.0, min(TIP_ROOM + robot.fingertip - height, robot.fingertip - PAD_OVERLAP))
 
 
 def lowest_body() -> float:
-    """Return the least height of an object that is held, in metres."""
+    """Return the minimum height of a held object, in metres."""
     return FLAT_TIP_ROOM + PAD_OVERLAP
 
 
 def pad_reach(robot: Robot) -> float:
-    """Return the maximum distance in metres of the tool from the box around a body with a model that it holds.
+    """Return the maximum distance in metres of the tool from the bounding box of a held body with a model.
 
-    Both contacts are in the box and so is the middle between them, which is off the tool by at most the reach of a pad
-    across the axis of the fingers, and by `GRIP_TOLERANCE` along it.
+    Both contacts are in the box, and so is their midpoint, whose offset from the tool is at most the reach of a pad
+    across the axis of the fingers, and `GRIP_TOLERANCE` along it.
     """
     gripper = ParallelGripper.of(robot)
     return math.hypot(gripper.half_x, max(-gripper.low_z, gripper.high_z)) + GRIP_TOLERANCE

@@ -43,24 +43,24 @@ OPEN_TOLERANCE = 0.001
 MARGIN, OVER_MARGIN = 0.001, 0.003
 """The margins in metres of sampled tools and widths to the tolerances, and of tools over a body to its sides.
 
-Kinematics are not exact, so that samples on a bound could violate it.
+Kinematics is not exact, so samples on a bound could violate it.
 """
 
 RISE, ROOM, AJAR = 0.04, 0.03, 2.0
-"""The height of the tool above an object over which it moves, and the room between the fingers and the object, both in
+"""The height of the tool above an object that it passes over, and the room between the fingers and the object, both in
 metres; and the largest ratio of either to the distance by which the tool misses the grasp."""
 
 NOTHING_BETWEEN = 0.02
-"""The violation of `holding` in metres if there is nothing between the pads, at the box around a body."""
+"""The violation of `holding` in metres if the tool is at the bounding box of a body, with nothing between the pads."""
 
 LEVER = 0.05
-"""The distance in metres that a rotation of the tool by one radian counts for: that of the fingertips."""
+"""The distance in metres that is equivalent to a rotation of the tool by one radian: that of the fingertips."""
 
 
 def _tool_violations(situation: Situation, arguments: Arguments, even: bool) -> Iterator[float]:
     """Yield the distances in metres of the tool from the height of the object, and from its centre.
 
-    An `even` body, a box, can be held anywhere except at its edges: a long one, for instance, near its end.
+    An `even` body, a box, can be held anywhere except at its edges: a long box, for instance, near its end.
     """
     robot, entity = arguments
     shape, body = situation.shape(entity), situation.body(entity)
@@ -82,7 +82,7 @@ def _tool_violations(situation: Situation, arguments: Arguments, even: bool) -> 
 
 
 def _contact_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how much the pads miss opposite sides of a body with a model: metres, and radians of their friction."""
+    """Yield by how much the pads miss opposite sides of a body with a model: metres, radians to the friction cone."""
     robot, entity = arguments
     contact = contact_at(situation, entity, robot)
     if contact is None:
@@ -112,9 +112,9 @@ def _at_volume(situation: Situation, arguments: Arguments, quaternion: Quaternio
 
 
 def _holding_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres the tool misses the object, and the opening misses its width.
+    """Yield by how many metres the tool misses the object, and the opening misses the object's width.
 
-    The width is not compared if the tool is so far away that its error cannot be the largest.
+    The width is not compared if the tool is so far away that the error of the width cannot be the largest.
     """
     robot, entity = arguments
     if situation.shape(entity).model is not None:
@@ -136,8 +136,8 @@ def _holding_violations(situation: Situation, arguments: Arguments) -> Iterator[
 def _holding_way(situation: Situation, arguments: Arguments) -> float:
     """Return the distance in metres that the tool and the fingers have to move to hold the object.
 
-    The tool has to approach from above, and the fingers have to be wider open than the object. Both requirements grow
-    with the distance of the tool from the grasp, so that the length is continuous.
+    The tool has to approach from above, and the opening has to be wider than the object. Both requirements grow with
+    the distance of the tool from the grasp, so that the result is continuous.
     """
     robot, entity = arguments
     if situation.shape(entity).model is not None:
@@ -177,7 +177,7 @@ def _holding_volume(situation: Situation, arguments: Arguments, quaternion: Quat
 
 
 def _over_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres the tool is below the top of a zone or an object, and beside it."""
+    """Yield by how many metres the tool is below the top of a zone or an object, and beyond its sides."""
     robot, entity = arguments
     x, y, z = situation.tool(robot).position
     yield situation.top(entity) - z
@@ -194,7 +194,7 @@ def _over_volume(situation: Situation, arguments: Arguments, quaternion: Quatern
 
 
 def _at_demands(scene: Scene, arguments: Arguments, near: float = CENTRE_TOLERANCE) -> Iterator[Demand]:
-    """Yield that the tool is at the height of a body, at most `near` metres from its centre along each axis."""
+    """Yield constraints that the tool is at a body's height, at most `near` metres from its centre along each axis."""
     robot, entity = arguments
     if scene.shapes[entity].model is not None:
         beyond = pad_reach(robot_of(scene, robot))
@@ -206,16 +206,16 @@ def _at_demands(scene: Scene, arguments: Arguments, near: float = CENTRE_TOLERAN
         return
     for axis in (0, 1):
         yield from along(axis, between(centre(entity), centre(robot), -near, near))
-    # However it is turned, a body is at least as high as its shortest side.
+    # In any orientation, a body is at least as high as its shortest side.
     rise = rise_over_flat(robot_of(scene, robot), min(scene.shapes[entity].size))
     yield Z, Gap(bottom(entity), centre(robot), -BELOW)
     yield Z, Gap(centre(robot), top(entity), -rise)
 
 
 def _holding_impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
-    """Yield that a body is too wide for the gripper, too low for the fingers, or too heavy.
+    """Yield the reasons why a body is too wide for the gripper, too low for the fingers, or too heavy.
 
-    A body with a model can be narrow and high in parts, so the box around it proves nothing about it.
+    A body with a model can be narrow and high in parts, so its bounding box proves nothing.
     """
     robot, entity = arguments
     able, gripper, shape = robot_of(scene, robot), gripper_words(scene, robot), scene.shapes[entity]
@@ -236,7 +236,7 @@ def _holding_impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
 
 
 def _holding_excludes(scene: Scene, arguments: Arguments, other: Predicate, others: Arguments) -> str | None:
-    """Return that the gripper would hold two things, or be open while it holds one."""
+    """Return the reason if the gripper would hold two objects, or be open while it holds one, else None."""
     robot, entity = arguments
     if others[0] != robot:
         return None

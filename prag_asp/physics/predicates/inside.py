@@ -25,11 +25,11 @@ FLOOR_BAND = 0.01
 HOVER = 0.2
 MARGIN = 0.003
 ROUNDING = 1e-6
-"""Metres off the walls at which a body is inside in spite of rounding errors."""
+"""The distance from the walls in metres at which a body is inside despite rounding errors."""
 
 
 def hollow(situation: Situation, container: str) -> tuple[Pose, Vector]:
-    """Return a pose that is at the centre of a cavity from above, and its inner sides and depth in metres."""
+    """Return a pose at the centre of a cavity seen from above, and the cavity's inner sides and depth in metres."""
     shape = situation.shape(container)
     elsewhere = shape.traits.furniture or shape.model is not None
     middle = situation.floor(container) if elsewhere else situation.pose(container)
@@ -62,7 +62,7 @@ def _half_within(situation: Situation, subject: str, container: str, quaternion:
 
 
 def _lateral(situation: Situation, subject: str, container: str) -> Iterator[float]:
-    """Yield how far the bounding box of a body extends beyond the container, in the container's frame; metres."""
+    """Yield by how many metres the bounding box of a body extends beyond the container, in the container's frame."""
     pose, (outer, inner) = situation.pose(subject), hollow(situation, container)
     dx, dy = to_local(outer, pose.position[0], pose.position[1])
     yield abs(dx) - inner[0] / 2
@@ -78,7 +78,7 @@ def _height(situation: Situation, subject: str, container: str) -> float:
 
 
 def _inside_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres a body misses the floor of the container; a body on another body is not inside."""
+    """Yield by how many metres a body misses the container's floor; one that stands on another body is not inside."""
     height = _height(situation, *arguments)
     yield -TOLERANCE - height
     yield height - FLOOR_BAND
@@ -88,7 +88,7 @@ def _inside_violations(situation: Situation, arguments: Arguments) -> Iterator[f
 def _located_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
     """Yield by how many metres a body misses the space in the container or on the table, and up to `HOVER` above it.
 
-    The space over the table excludes what is over hollow bodies.
+    The space over the table excludes the space over hollow bodies.
     """
     subject, place = arguments
     if situation.is_table(place):
@@ -116,7 +116,7 @@ def _hollow_others(situation: Situation, subject: str) -> list[str]:
 def _room(
     situation: Situation, arguments: Arguments, quaternion: Quaternion, height: float, margin: float = MARGIN
 ) -> Volume:
-    """Return the region for the centre of a body in a cavity, from where it stands to `height` metres above that."""
+    """Return the region for the centre of a body in a cavity, from the floor it stands on to `height` metres higher."""
     subject, container = arguments
     pose, inner = hollow(situation, container)
     half = _half_within(situation, subject, container, quaternion)
@@ -129,7 +129,7 @@ def _room(
 
 
 def _spare(room: float, margin: float) -> float:
-    """Return the largest offset of a body from the centre, given the room to either side, off the walls; metres."""
+    """Return the largest offset in metres of a body from the centre, off the walls, given the room on either side."""
     return room - margin if room >= margin else room / 2
 
 
@@ -149,7 +149,7 @@ def _located_volume(situation: Situation, arguments: Arguments, quaternion: Quat
 
 
 def _impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
-    """Yield that there is no cavity, or that it is too small for the body in any orientation."""
+    """Yield the reason if there is no cavity, or if it is too small for the body in any orientation."""
     entity, container = arguments
     shape, (inner_x, inner_y, _) = scene.shapes[entity], cavity(scene.shapes[container])
     # The width of a projection is at least the smallest side of the body, and its area at least that of the smallest
@@ -163,15 +163,15 @@ def _impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
 
 
 def _located_demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
-    """Yield that a body is in another or above it; there are no constraints for the table."""
+    """Yield constraints that a body is in another or above it; there are none for the table."""
     if scene.shapes[arguments[1]].kind != "table":
         yield from _cavity_demands(scene, arguments, cavity(scene.shapes[arguments[1]])[2] + HOVER)
 
 
 def _cavity_demands(scene: Scene, arguments: Arguments, room: float) -> Iterator[Demand]:
-    """Yield that a body is in the cavity of another, at most `room` metres above its floor.
+    """Yield constraints that a body is in the cavity of another, at most `room` metres above its floor.
 
-    There are none for a body from a file, whose cavity may be anywhere in it.
+    There are none for a container from a file, whose cavity may be anywhere in it.
     """
     entity, container = arguments
     if scene.shapes[container].model is not None:

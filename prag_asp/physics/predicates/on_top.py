@@ -1,4 +1,4 @@
-"""``on_top``: a body stands on another, its centre above the top of that; nothing rests on a ball."""
+"""``on_top``: a body stands on another, with its centre above the other's top; nothing rests on a ball."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MARGIN = 0.004
 
 
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres the body is above or below the top, and its centre beyond the edge."""
+    """Yield by how many metres the body is above or below the top, and its centre is beyond the edge."""
     subject, support = arguments
     above, below = situation.body(subject), situation.body(support)
     yield abs(above.low[2] - below.high[2]) - TOLERANCE
@@ -32,7 +32,7 @@ def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
 
 
 def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the support's top, at the height of the centre of a body that stands on it."""
+    """Return the region above the support's top, at the height of the centre of a body that stands on it."""
     subject, support = arguments
     pose, half = situation.pose(support), situation.own_half(support)
     z = situation.top(support) + extents(situation.shape(subject), quaternion)[2]
@@ -44,13 +44,13 @@ def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) 
 
 
 def _impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
-    """Yield that the support is a ball."""
+    """Yield the reason if the support is a ball."""
     if not scene.shapes[arguments[1]].traits.flat:
         yield f"nothing rests on {words(arguments[1])}, which is a ball"
 
 
 def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
-    """Yield that a body stands on another, its centre above it."""
+    """Yield constraints that a body stands on another, with its centre above it."""
     entity, support = arguments
     shape = scene.shapes[support]
     if shape.traits.surface:

@@ -1,6 +1,6 @@
 """``is_open`` and ``is_closed``: the position of the joint of a drawer (metres) or of a door (radians).
 
-Furniture is open from the share `OPEN` of the joint's range on, and closed up to the share `CLOSED`.
+Furniture is open at the share `OPEN` of the joint's range or above, and closed at the share `CLOSED` or below.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The type of spatial predicates, which placement, checks, rewards, proofs and captions have in common."""
+"""The type of spatial predicates, which placement, checks, rewards, proofs and captions share."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Arguments = tuple[str, ...]
 
 
 ViolationsFunction = Callable[[Situation, Arguments], Iterator[float]]
-"""Yields how far a situation is from each condition of a predicate, the cheapest first; at most 0 if it holds."""
+"""Yields the distance of a situation from each condition of a predicate, the cheapest first; at most 0 if it holds."""
 
 WayFunction = Callable[[Situation, Arguments], float]
 """Returns the length of a path to a situation that satisfies a predicate, around obstacles."""
@@ -31,7 +31,7 @@ It does not depend on the pose of the subject in the situation. A sample of the 
 """
 
 DemandsFunction = Callable[[Scene, Arguments], Iterator[Demand]]
-"""Yields constraints on the positions of bodies, none of them furniture, which a predicate implies."""
+"""Yields constraints on the positions of bodies that a predicate implies; no argument is furniture."""
 
 ImpossibleFunction = Callable[[Scene, Arguments], Iterator[str]]
 """Yields the reasons, in words, why a predicate cannot hold for some entities of a scene in any pose."""
@@ -42,19 +42,19 @@ ExcludesFunction = Callable[[Scene, Arguments, "Predicate", Arguments], str | No
 NowhereFunction = Callable[[Scene, Arguments, Point, Point], bool]
 """Returns whether a predicate cannot hold while the centre of its subject is over a rectangle.
 
-The rectangle is given by its lowest and its highest corner, which may be at infinity.
+The rectangle is given by the corners with its lowest and highest coordinates, which may be infinite.
 """
 
 
 class SentenceFunction(Protocol):
-    """Returns a sentence which states that a predicate holds for some entities, or does not."""
+    """Returns a sentence which states that a predicate holds for some entities, or does not hold."""
 
     def __call__(self, arguments: Arguments, value: bool = True) -> str:
         """Return the sentence."""
 
 
 class Gripper(Enum):
-    """The relation of the gripper of a predicate's first argument, except for `OPEN` to its second argument."""
+    """The relation of the first argument's gripper to the second argument, which `OPEN` lacks."""
 
     HOLDS = "holds"
     AT = "is at"
@@ -70,7 +70,7 @@ class Direction(NamedTuple):
     sign: float
 
     def in_frame(self, frame: str) -> Direction:
-        """Return the direction in the frame of the robot; that of a viewer, who faces the robot, is opposite."""
+        """Return the direction in the frame of the robot; a direction of a viewer, who faces the robot, is opposite."""
         return self if frame == "robot" else self.opposite
 
     @property
@@ -81,29 +81,29 @@ class Direction(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Predicate:
-    """A spatial predicate with all its properties; other modules read these, and never test for its name.
+    """A spatial predicate with all its properties; other modules read these, and never test its name.
 
     Definition: `violations` are the distances of a situation from each condition, in metres or radians. `subject` is
     the index of the argument that moves to make the predicate true. `volume` is the region of the gripper if
     `of_gripper`, the range of the joint of furniture if `of_joint`, otherwise the region of the subject; with `turns`
     it has ranges of yaws. `inverse` names the predicate that then holds for the swapped arguments, which is the same
-    for a symmetric one. With `looks_around`, the violations may depend on bodies that are not arguments.
+    one if it is symmetric. With `looks_around`, the violations may depend on bodies that are not arguments.
 
     Words: `sentence` states the predicate, `robot_sentence` does so in scenes with several robots. Captions state
     predicates in the order of `caption_rank`, and those of infinite rank only if there are no others.
 
     Relations: with `supports`, the last argument carries the subject; with `places`, it is the place where the subject
-    rests or is held above; with `rests_on_other`, the subject may stand on or in it. `direction` is that from the
+    rests or is held above; with `rests_on_other`, the subject may stand on or in it. `direction` points from the
     second argument to the subject in the frame of the robot. `apart` has the smallest and the largest horizontal
     distance between the bounding boxes of the first two arguments, in metres. With `lies_between`, the subject is
-    between the two others. `gripper` is what the predicate states about a gripper.
+    between the two others. `gripper` is the relation of a gripper that the predicate states.
 
-    For rewards: `way` is the length of a path to the predicate, if that exceeds the distance: fingers, for instance,
-    have to open before they close around an object.
+    For rewards: `way` is the length of a path to a situation that satisfies the predicate, if longer than the distance:
+    fingers, for instance, have to open before they close around an object.
 
     For the search: with `on_the_spot`, a rotation about z suffices to satisfy the predicate anywhere; with
     `seen_close`, people recognise the relation only between near bodies. A sample of the volume `otherwise` violates
-    the predicate. The `tight_volume` has no margin to its border: it is for objects that are packed.
+    the predicate. The `tight_volume` has no margin to its border: it is for packing objects.
 
     For proofs, which have to be valid for all poses of the bodies: the reasons why it is `impossible`, its `demands` on
     positions, the reason why it `excludes` another predicate, and whether it holds `nowhere` over a rectangle.
@@ -145,7 +145,7 @@ class Predicate:
     def signed_distance(self, situation: Situation, arguments: Arguments) -> float:
         """Return the largest violation, in metres or radians; it is at most 0 if and only if the predicate holds.
 
-        It is then minus the margin. It changes by at most as much as the subject moves.
+        In that case, its absolute value is the margin. It changes by at most the distance that the subject moves.
         """
         return max(self.violations(situation, arguments))
 

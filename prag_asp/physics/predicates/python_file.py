@@ -1,7 +1,7 @@
 """Predicates that a domain defines in a Python file, which runs only if the user trusts the domain.
 
-Like the modules of this package, the file defines `PREDICATES`, a mapping from names to predicates. All its errors
-become a `SceneError` with the file and the line.
+Like the modules of this package, the file defines `PREDICATES`, a mapping from names to predicates. Every error in it
+becomes a `SceneError` with the file and the line.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ def _run(file: str) -> Mapping[Any, Any]:
 
 
 def _place(file: str, error: BaseException) -> str:
-    """Return the last line of a file in the traceback of an error."""
+    """Return the position in a file, as ``file:line``, from the traceback of an error."""
     if isinstance(error, SyntaxError) and error.filename == file:
         return f"{file}:{error.lineno or 1}"
     lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename) == Path(file)]
@@ -88,7 +88,7 @@ def _error_line(error: BaseException) -> str:
 
 
 def _guarded(own: Own, part: str, function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function of the file that raises a scene error for an error or an invalid result."""
+    """Return a function of the file, wrapped to raise a `SceneError` for an error or an invalid result."""
     fine, needed, yielded = RESULTS[part]
     inner = unwrap(function)
     while isinstance(inner, partial):
@@ -121,7 +121,7 @@ def _is_volume(result: object) -> bool:
 
 
 def _are_numbers(result: list[Any]) -> bool:
-    """Return whether there are values, and all are numbers: a predicate without violations would always hold."""
+    """Return whether there are values, all of them numbers: a predicate without violations would always hold."""
     return bool(result) and all(isinstance(value, Real) and not math.isnan(value) for value in result)
 
 

@@ -37,7 +37,7 @@ def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) 
 
 
 def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
-    """Yield that a body is within the square around the ring of the gripper's reach, and not too high."""
+    """Yield constraints that a body is within the square around the ring of the gripper's reach, and not too high."""
     robot, entity = robot_of(scene, arguments[0]), arguments[1]
     for axis in (0, 1):
         base, reach = robot.base.position[axis], robot.reach[1]

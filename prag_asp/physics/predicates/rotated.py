@@ -17,10 +17,10 @@ MARGIN = math.radians(0.5)
 
 
 def target_yaw(situation: Situation, rotation: str) -> float:
-    """Return the yaw in radians that the scene gives to a rotation.
+    """Return the yaw in radians that the scene assigns to a rotation.
 
     Raises:
-        SceneError: the scene gives the rotation no yaw.
+        SceneError: the scene assigns no yaw to the rotation.
     """
     yaw = situation.scene.rotations.get(rotation)
     if yaw is None:
@@ -29,13 +29,13 @@ def target_yaw(situation: Situation, rotation: str) -> float:
 
 
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield the error of the yaw beyond the tolerance in radians."""
+    """Yield by how many radians the error of the yaw exceeds the tolerance."""
     yaw = yaw_of(situation.pose(arguments[0]).quaternion)
     yield abs(wrap(yaw - target_yaw(situation, arguments[1]))) - TOLERANCE
 
 
 def _excludes(scene: Scene, arguments: Arguments, other: Predicate, others: Arguments) -> str | None:
-    """Return that the body would have two different yaws."""
+    """Return the reason if the body would have two different yaws, else None."""
     if other.name != "rotated" or others[0] != arguments[0]:
         return None
     entity, one, two = *arguments, others[1]

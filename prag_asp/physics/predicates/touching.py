@@ -1,9 +1,9 @@
-"""``touching``: the gap between two bodies is at most `TOLERANCE`, and so is their penetration.
+"""``touching``: the gap between two bodies is at most `TOLERANCE`, and so is their penetration depth.
 
 The gap is the distance between the bodies; if they overlap, it is minus the penetration depth. It is exact for
 upright boxes, cylinders and balls with any yaw. Other bodies, and bodies with a tilt of more than `LEAN`, count as
-their bounding boxes, so that a body inside a container overlaps it and does not touch it. A body that stands on another
-or leans against its side touches it. The predicate is symmetric.
+their bounding boxes, so that a body inside a container overlaps it and does not touch it. A body touches another if it
+stands on it or leans against its side. The predicate is symmetric.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Core(NamedTuple):
     """A body as the Minkowski sum of a core, a rectangle or a point in the x-y plane, and a disc or a ball.
 
     The `corners` of the core are counter-clockwise, and it extends from `low` to `high`. `disc` is the radius of a
-    cylinder, `ball` that of a ball, 0 otherwise. Metres.
+    cylinder, `ball` that of a ball, 0 otherwise. All lengths are in metres.
     """
 
     corners: Outline
@@ -94,7 +94,8 @@ def gap(situation: Situation, arguments: Arguments) -> float:
 def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return the regions beside the other body, on it and below it.
 
-    They do not include positions of a ball that touches an edge, except on the floor on which the other body stands.
+    They do not include positions of a ball that touches an edge, unless it is on the floor on which the other body
+    stands.
     """
     subject, other = arguments
     shape, there = situation.shape(subject), _placed(situation, other)
@@ -105,7 +106,7 @@ def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) 
     near, far = ball + MARGIN, ball + TOLERANCE - MARGIN
     regions = [*_around(ways, disc + near, disc + far, (low + MARGIN, high - MARGIN))]
     floor = there.low - there.ball - own.low + own.ball
-    # On one floor the core of one may be higher than that of the other: two balls of different sizes meet at an angle.
+    # On the same floor, the cores may have different heights: two balls of different sizes meet at an angle.
     aslant = max(low - floor, floor - high)
     if ball > 0.0 and aslant > -MARGIN:
         near, far = (math.sqrt(reach**2 - max(0.0, aslant) ** 2) for reach in (near, far))
@@ -122,9 +123,9 @@ def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) 
 
 
 def _around(outline: Outline, near: float, far: float, heights: Heights) -> Iterator[Volume]:
-    """Yield regions whose union is the ring between two distances from a convex outline, in metres, at some heights.
+    """Yield regions that form the ring between two distances from a convex outline, in metres, in a range of heights.
 
-    It does not include the sectors at the corners of a rectangle if they are smaller than the tolerance.
+    They omit the sectors at the corners of a rectangle that are smaller than the tolerance.
     """
     if heights[0] > heights[1]:
         return
@@ -152,7 +153,7 @@ def _outward(one: Point, two: Point) -> Point:
 
 
 def _sector(corner: Point, ends: tuple[float, float], near: float, far: float) -> tuple[Side, ...]:
-    """Return the half planes of a sector of a ring around a corner between two headings, from a chord to a tangent."""
+    """Return the half-planes of a sector of a ring around a corner between two headings, from a chord to a tangent."""
     (x, y), (begin, end) = corner, ends
     middle, chord = (begin + end) / 2, near * math.cos((end - begin) / 2)
     return tuple(
@@ -167,7 +168,7 @@ def _sector(corner: Point, ends: tuple[float, float], near: float, far: float) -
 
 
 def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
-    """Yield that the bodies overlap or nearly do along each axis; there are no constraints for the table and zones."""
+    """Yield constraints that the bodies (almost) overlap along each axis; there are none for the table and zones."""
     one, two = arguments
     if not all(scene.shapes[entity].traits.body for entity in arguments):
         return
@@ -179,7 +180,7 @@ def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
 
 
 def _broadest(entity: str, axis: int, scene: Scene) -> float:
-    """Return the greatest half-side of the bounding box of a body along an axis, over all orientations; metres."""
+    """Return the largest half-extent of a body's bounding box along an axis over all orientations, in metres."""
     shape, place = scene.shapes[entity], scene.fixed.get(entity)
     if place is not None:
         return extents(shape, yaw_quaternion(place[2]))[axis]

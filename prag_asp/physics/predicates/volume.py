@@ -13,13 +13,13 @@ from prag_asp.scene.forms import Outline
 from prag_asp.scene.geometry import cut, inside_by, wrap
 
 RING_TRIES = 20
-"""The number of positions to sample until one is in the rings and not in the holes."""
+"""The maximum number of positions to sample until one is in the rings and not in the holes."""
 
 EVERYWHERE = (-math.inf, -math.inf, -math.inf), (math.inf, math.inf, math.inf)
 
 
 class Side(NamedTuple):
-    """A half-plane in the x-y plane, ``a x + b y <= c`` with ``(a, b)`` of unit length; metres."""
+    """A half-plane in the x-y plane, ``a x + b y <= c`` in metres, with ``(a, b)`` of unit length."""
 
     a: float
     b: float
@@ -54,12 +54,12 @@ class Yaws(NamedTuple):
 
 
 class Volume(NamedTuple):
-    """A region for the centre of a predicate's subject, and ranges of its yaws; or of a gripper, or of furniture.
+    """A region for the centre of a predicate's subject and ranges of its yaws, or ranges for a gripper or furniture.
 
-    The region is the intersection of a box along the axes from `low` to `high`, half planes, rings, and the union of
-    the volumes in each of the `unions`, without the `holes`, which are convex and counter-clockwise from above. By
+    The region is the intersection of an axis-aligned box from `low` to `high`, half-planes, rings, and the union of the
+    volumes in each of the `unions`, without the `holes`, which are convex and counter-clockwise seen from above. By
     default it is infinite; `yaws` are unrestricted if None. `width` is the range of a gripper's width, `opening` that
-    of the joint of furniture. Metres and radians.
+    of the joint of furniture. Units are metres and radians.
     """
 
     low: Vector = EVERYWHERE[0]
@@ -96,7 +96,7 @@ class Volume(NamedTuple):
         )
 
     def parts(self) -> tuple[Volume, ...]:
-        """Return volumes without unions, and not known to be empty, whose union is this volume."""
+        """Return volumes without unions, none known to be empty, whose union is this volume."""
         if not self.unions:
             return (self,)
         volumes = [self._replace(unions=())]
@@ -106,7 +106,7 @@ class Volume(NamedTuple):
         return tuple(volumes)
 
     def miss_distance(self, point: Vector) -> float:
-        """Return by how many metres at most a point violates a constraint on the region; 0 within the region."""
+        """Return the largest violation in metres of the region's constraints by a point; 0 within the region."""
         x, y, _ = point
         missed = [low - value for low, value in zip(self.low, point, strict=True)]
         missed += [value - high for high, value in zip(self.high, point, strict=True)]
@@ -119,7 +119,7 @@ class Volume(NamedTuple):
         return max(0.0, *missed)
 
     def floor(self, room: float = 0.0) -> Floor | None:
-        """Return the region from above, except for its rings and holes; None if it is empty.
+        """Return the region seen from above, ignoring its rings and holes; None if it is empty.
 
         It keeps a margin of `room` metres, or a third of the box if that is less, from the borders. The box has to be
         finite along x and y.
@@ -128,7 +128,7 @@ class Volume(NamedTuple):
         return tuple(patches) if patches else None
 
     def patch(self, room: float) -> FloorPatch | None:
-        """Return the polygon of a region without unions from above; None if it is empty."""
+        """Return the polygon of a region without unions, seen from above; None if it is empty."""
         if self.empty:
             return None
         (ax, ay, _), (bx, by, _) = self.low, self.high
@@ -145,7 +145,7 @@ class Volume(NamedTuple):
 
     @staticmethod
     def sample(floor: Floor, uniform: Callable[[float, float], float]) -> Vector | None:
-        """Sample a point uniformly over a `floor`, and its height; None if the rings and holes reject all tries."""
+        """Return a uniform sample over a `floor`, with its height; None if the rings and holes reject all tries."""
         sums = list(accumulate(patch.areas[-1] for patch in floor))
         for _ in range(RING_TRIES):
             patch = floor[0]
@@ -175,7 +175,7 @@ class Volume(NamedTuple):
 
 
 class FloorPatch(NamedTuple):
-    """A convex polygon to sample from, the cumulative areas of its triangle fan, and its volume; metres."""
+    """A convex polygon in metres to sample from, the cumulative areas of its triangle fan, and its volume."""
 
     polygon: Outline
     areas: tuple[float, ...]
@@ -183,7 +183,7 @@ class FloorPatch(NamedTuple):
 
     def sample(self, uniform: Callable[[float, float], float]) -> tuple[float, float]:
         """Sample a point of the polygon uniformly: a triangle of the fan by area, then a point in it."""
-        # Rounding errors fall to the last triangle.
+        # The last triangle absorbs rounding errors.
         i = bisect_left(self.areas, uniform(0.0, self.areas[-1]), 0, len(self.areas) - 1)
         (ax, ay), (bx, by), (cx, cy) = self.polygon[0], self.polygon[i + 1], self.polygon[i + 2]
         s, t = uniform(0.0, 1.0), uniform(0.0, 1.0)
@@ -193,7 +193,7 @@ class FloorPatch(NamedTuple):
 
 
 Floor = tuple[FloorPatch, ...]
-"""A region from above, except for its rings and holes, as patches that may overlap."""
+"""A region seen from above, ignoring its rings and holes, as patches that may overlap."""
 
 
 def _meet_yaws(first: tuple[Yaws, ...] | None, second: tuple[Yaws, ...] | None) -> tuple[Yaws, ...] | None:

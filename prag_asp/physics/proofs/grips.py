@@ -1,4 +1,4 @@
-"""Warnings about bodies that a domain allows to be held, but that no gripper can hold."""
+"""Warnings about bodies that may be held according to the domain, but that no gripper can hold."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from prag_asp.scene.scene import Scene
 from prag_asp.scene.solids import weight
 
 LIFTED = 0.85
-"""The share of the load borne by friction at rest that a robot can lift, as measured: lifting accelerates it."""
+"""The measured share of the load borne by static friction that a robot can lift: lifting accelerates the load."""
 
 
 def never_gripped(domain: Domain, scene: Scene) -> Iterator[Problem]:
     """Yield a warning for each shape of holdable bodies that no gripper can hold in any of its sizes.
 
-    Grasps are from above, so the least width of a body seen from above counts.
+    Grasps are from above, so the smallest width of a body seen from above counts.
     """
     shapes_by_line: dict[tuple[str, int, str], list[str]] = {}
     for fluent in map(atom_of, domain.facts.fluents):
@@ -41,7 +41,7 @@ def never_gripped(domain: Domain, scene: Scene) -> Iterator[Problem]:
 
 
 def _faults(scene: Scene, name: str, entity: str) -> Iterator[tuple[str, str, str]]:
-    """Yield why a robot cannot hold a body in its easiest size: the name of the warning, its table, and its text."""
+    """Yield the reasons why a robot cannot hold a body in its easiest size: name of the warning, table and text."""
     robot, shapes = robot_of(scene, name), scene.ranges.get(entity, (scene.shapes[entity],))
     limit = (robot.opening - CLEARANCE) * 1000
     opens = f"the gripper opens {robot.opening * 1000:.3g} mm; it never closes around more than {limit:.3g} mm"
@@ -69,7 +69,7 @@ def _faults(scene: Scene, name: str, entity: str) -> Iterator[tuple[str, str, st
 
 
 def _line(domain: Domain, table: str, entity: str) -> int:
-    """Return the line of domain.toml with an entity's entry in a table of the scene, or else with its shape."""
+    """Return the line of domain.toml with an entity's entry in a table of the scene, else the line with its shape."""
     facts = domain.facts
     line = ancestors(facts.entity_names[entity], facts.class_names)
     for each in (table, "shapes"):

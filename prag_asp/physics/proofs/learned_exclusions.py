@@ -1,7 +1,7 @@
 """Exclusions that physics proves: single fluents that never hold, and pairs that never hold together.
 
-They come from proofs alone and only forbid that fluents hold, so they are Horn clauses, as all invariants of a domain
-are: they exclude exactly those plans of which some state is known to satisfy a proof, and each of these is proved
+They come from proofs alone and only forbid that fluents hold, so they are Horn clauses, like all invariants of a
+domain: they exclude exactly the plans with a state that is known to satisfy a proof, and each of these plans is proved
 infeasible. Exclusions of three or more fluents stay in physics: in partially known states, clauses of three literals
 cannot be propagated exactly.
 """
@@ -23,10 +23,10 @@ from prag_asp.program.invariants import Graph, conflict, entailed, invariant_gra
 from prag_asp.scene.scene import Scene
 
 Fluents = tuple[Atom, ...]
-"""One fluent, or two, in the order of the domain."""
+"""One or two fluents, in the order of the domain."""
 
 Proofs = Mapping[Fluents, str | None]
-"""Why fluents cannot hold together; None if the domain itself excludes them."""
+"""The reasons why fluents cannot hold together; None if the domain itself excludes them."""
 
 
 def prove_exclusions(domain_facts: Facts, scene: Scene, tell: Callable[[str], None] = lambda words: None) -> Proofs:
@@ -67,7 +67,7 @@ def prove_exclusions(domain_facts: Facts, scene: Scene, tell: Callable[[str], No
 
 
 def unproved_exclusions(domain: Domain, scene: Scene) -> Iterator[Fluents]:
-    """Yield the learned exclusions of a domain that physics does not prove, such as after a change of the scene.
+    """Yield the learned exclusions of a domain that physics does not prove, for example after a change of the scene.
 
     Raises:
         SceneError: the scene lacks the shape or the yaw of an entity in a spatial fluent.
@@ -80,5 +80,5 @@ def unproved_exclusions(domain: Domain, scene: Scene) -> Iterator[Fluents]:
 
 
 def _excluded(graph: Graph, *fluents: clingo.Symbol) -> bool:
-    """Return whether the invariants of a domain exclude that fluents hold together."""
+    """Return whether the invariants of a domain prevent fluents from holding together."""
     return conflict(entailed([(fluent, True) for fluent in fluents], graph)) is not None

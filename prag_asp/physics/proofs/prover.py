@@ -2,9 +2,9 @@
 
 A proof assumes the definitions of the predicates, the poses of the fixed bodies, and six rules of every scene: a
 gripper holds one body at a time, it is not open while it holds one, nothing rests on a ball, a primitive is held from
-above while it stands upright, the fingertips stay above its bottom, and a gripper lifts what it moves, which needs
-enough friction. The check of a witness enforces the last three, too. The workspace limits where the search places
-bodies, not where they can be, so no proof uses it. Proofs are monotonic: what is proved of some facts holds for any
+above while it stands upright, the fingertips stay above its bottom, and a gripper lifts each body that it moves, which
+needs enough friction. The check of a witness enforces the last three, too. The workspace limits where the search places
+bodies, not where they can be, so no proof uses it. Proofs are monotonic: a proof for some facts is valid for any
 superset of them.
 """
 
@@ -34,7 +34,7 @@ from prag_asp.physics.symbolic_facts import ActionEffect, Fact, PhysicalTask
 from prag_asp.scene.scene import Scene
 
 REMEMBERED = 1 << 14
-"""The number of groups of facts whose results a prover caches."""
+"""The maximum number of groups of facts whose results a prover caches."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Impossibility:
     """A proof that a state is impossible or cannot be reached: the reason in words, and the facts that imply it.
 
     The set of facts is minimal. `state` counts from 0, the initial state; `after` is the action that leads to the
-    state, None for the initial one. If the action itself is impossible, the facts include some of the state before.
+    state, None for the initial one. If the action itself is impossible, the facts include some of the previous state.
     """
 
     reason: str
@@ -63,7 +63,7 @@ class Constraints(NamedTuple):
 
 
 class Prover:
-    """Proves states of one scene impossible; it caches what it finds about facts."""
+    """Proves that states of one scene are impossible; it caches results about facts."""
 
     def __init__(self, scene: Scene):
         self._scene = scene
@@ -91,7 +91,7 @@ class Prover:
         return None
 
     def refutation(self, facts: Sequence[Fact]) -> str | None:
-        """Return why some facts cannot hold together, None if nothing is proved."""
+        """Return the reason why some facts cannot hold together, None if nothing is proved."""
         return next(self._reasons(facts, facts), None)
 
     def fewest(self, facts: Sequence[Fact]) -> tuple[Fact, ...]:
@@ -104,7 +104,7 @@ class Prover:
         return tuple(left)
 
     def _reasons(self, facts: Sequence[Fact], fresh: Collection[Fact]) -> Iterator[str]:
-        """Yield why facts cannot hold together; only reasons that involve some of the `fresh` ones are needed."""
+        """Yield reasons why facts cannot hold together; only reasons that involve a `fresh` fact are needed."""
         for fact in fresh:
             if fact not in self._alone:
                 by_size = [next(own_reasons(fact, sized), None) for sized in self._sized(fact)]
@@ -146,7 +146,7 @@ class Prover:
         return [frozenset(members) for _, members in groups]
 
     def _together(self, group: frozenset[Fact]) -> str | None:
-        """Return why there are no positions for the bodies of some facts, None if nothing is proved; cached."""
+        """Return the reason why the bodies of some facts have no positions, None if nothing is proved; cached."""
         if group not in self._known:
             true = sorted(group, key=lambda fact: (fact.predicate.name, fact.arguments))
             gaps: tuple[dict[Gap, None], ...] = ({}, {}, {})
@@ -160,7 +160,7 @@ class Prover:
         return self._known[group]
 
     def _constrain(self, fact: Fact) -> Constraints:
-        """Return the constraints of a fact, each with the weakest bound of all sizes of its bodies; cached."""
+        """Return the constraints of a fact, each with the weakest bound over all sizes of its bodies; cached."""
         if fact not in self._constraints:
             bounds = []
             for sized in self._sized(fact):
@@ -184,10 +184,10 @@ class Prover:
 def _lift(effect: ActionEffect, before: tuple[Fact, ...]) -> tuple[Fact, Fact, Fact] | None:
     """Return the facts that an object is at a place, that it is held, and that it is no longer there; None if it stays.
 
-    A gripper may close around anything that it spans, but only lifting loads it. A witness lifts what it moves: the arm
-    retreats straight up from where it grasps an object, and comes straight down to where it releases it.
+    A gripper may close around anything that it spans, but only lifting loads it. A witness lifts each object that it
+    moves: the arm retreats straight up after a grasp, and comes straight down before a release.
 
-    Only actions that move nothing but the object, and open nothing, leave the place itself still. An object in a
+    Only actions that move nothing but the object, and open nothing, keep the place itself still. An object in a
     handover may stay where it is.
     """
     entity = effect.grasps or effect.holds or effect.releases

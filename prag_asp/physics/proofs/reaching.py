@@ -19,10 +19,10 @@ from prag_asp.scene.scene import Scene
 
 
 def out_of_reach(domain: Domain, scene: Scene) -> Iterator[Problem]:
-    """Yield a warning for each fixed place beyond all reach on or in which actions place objects.
+    """Yield a warning for each fixed place, on or in which actions place objects, that no gripper reaches.
 
-    Reach is that of `reachable`, the ring around a robot's base in which its gripper reaches everything from above.
-    For objects in a drawer, the drawer is taken to be open.
+    The reach is that of `reachable`, the ring around a robot's base in which its gripper reaches everything from above.
+    For objects in a drawer, the drawer is assumed to be open.
     """
     facts = domain.facts
     stated = [
@@ -42,7 +42,7 @@ def out_of_reach(domain: Domain, scene: Scene) -> Iterator[Problem]:
 
 
 def _beyond(scene: Scene, place: str) -> str:
-    """Return why no gripper reaches a place, and what to do; "" if one does."""
+    """Return the reason why no gripper reaches a place, and what to do; "" if a gripper reaches it."""
     top, height = _top(scene, place)
     if scene.shapes[place].traits.surface and not scene.shared:
         low_x, high_x, low_y, high_y = scene.workspace
@@ -81,7 +81,7 @@ def _top(scene: Scene, place: str) -> tuple[Outline, float]:
 
 
 def _distances(outline: Outline, robot: Robot) -> tuple[float, float]:
-    """Return the least and the greatest distance of a convex outline from a robot's base, in metres."""
+    """Return the smallest and the largest distance of a convex outline from a robot's base, in metres."""
     x, y, _ = robot.base.position
     near, far = math.inf, max(math.dist((x, y), corner) for corner in outline)
     if inside_by(outline, (x, y)) >= 0.0:

@@ -20,7 +20,7 @@ AXES = ("x", "y", "z")
 
 
 def own_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
-    """Yield why a fact can never hold."""
+    """Yield reasons why a fact can never hold."""
     predicate = fact.predicate
     if fact.value and len(set(fact.arguments)) < len(fact.arguments):
         yield f"it cannot be that {fact.sentence()}, for nothing is in a relation to itself"
@@ -36,7 +36,7 @@ def own_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
 
 
 def gap_reasons(true: Sequence[Fact]) -> Iterator[str]:
-    """Yield pairs of facts of which one requires two objects to be closer than the other allows."""
+    """Yield, in words, pairs of facts of which one requires two objects to be closer than the other allows."""
     close = [fact for fact in true if fact.predicate.apart[1] < math.inf]
     for fact in true if close else ():
         least = fact.predicate.apart[0]
@@ -50,7 +50,7 @@ def gap_reasons(true: Sequence[Fact]) -> Iterator[str]:
 
 
 def exclusions(true: Sequence[Fact], scene: Scene) -> Iterator[str]:
-    """Yield why two facts exclude each other according to the predicate of one, for any poses."""
+    """Yield reasons why two facts exclude each other for any poses, according to the predicate of one fact."""
     for fact in true:
         if fact.predicate.excludes is not None:
             for other in true:
@@ -75,7 +75,7 @@ def room_reasons(true: Sequence[Fact], axis: int, gaps: Sequence[Gap]) -> Iterat
 
 
 def reach_reasons(true: Sequence[Fact], scene: Scene, gaps: Sequence[Iterable[Gap]]) -> Iterator[str]:
-    """Yield that a body has no position, such as one within reach of a gripper, that the facts allow."""
+    """Yield the reasons why the facts allow a body no position, for example within reach of a gripper."""
     if not any(fact.predicate.places and fact.arguments[-1] in scene.fixed for fact in true):
         return
     least = [lowest(gaps[axis], ORIGIN) for axis in (0, 1)]
@@ -90,7 +90,7 @@ def reach_reasons(true: Sequence[Fact], scene: Scene, gaps: Sequence[Iterable[Ga
 
 
 def _never_together(facts: Iterable[Fact]) -> str:
-    """Return the sentence that facts exclude each other."""
+    """Return the sentence which states that facts exclude each other."""
     *others, last = [fact.sentence() for fact in facts]
     return f"{', '.join(others)} and {last} exclude each other" if others else f"{last} is never so"
 
@@ -98,7 +98,7 @@ def _never_together(facts: Iterable[Fact]) -> str:
 def impossible_row(gaps: Sequence[Gap]) -> tuple[Node, ...]:
     """Return a cycle of positive length: nodes, each of which has to be above the one before; () if there is none.
 
-    The cycle begins at the origin if it passes it.
+    The cycle begins at the origin if it contains the origin.
     """
     heights = dict.fromkeys((node for gap in gaps for node in gap[:2]), 0.0)
     last: dict[Node, Gap] = {}
@@ -111,7 +111,7 @@ def impossible_row(gaps: Sequence[Gap]) -> tuple[Node, ...]:
                 heights[high], last[high], node, changed = heights[low] + least, gap, high, True
         if not changed:
             return ()
-    # The last gaps lead back from the node that was raised last into a cycle.
+    # From the node that was raised last, the last gaps lead back into a cycle.
     for _ in heights:
         if node not in last:
             return ()
@@ -129,7 +129,7 @@ def impossible_row(gaps: Sequence[Gap]) -> tuple[Node, ...]:
 
 
 def lowest(gaps: Iterable[Gap], start: Node) -> Mapping[Node, float]:
-    """Return lower bounds on the differences of coordinates from that of `start`, as far as gaps imply any.
+    """Return the lower bounds that gaps imply on the differences of coordinates from that of `start`.
 
     The gaps have to be satisfiable.
     """

@@ -1,7 +1,7 @@
 """Generalise proofs about single entities to rules about their classes.
 
-A rule may be as general as all its instances are proved for the same reason; an instance that the domain excludes
-anyway does no harm.
+A rule may be generalised as long as all its instances are proved for the same reason; instances that the domain
+excludes anyway do no harm.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ from prag_asp.program.facts import Facts
 VARIABLES = "XYZVWUTSRQ"
 LINE = 120
 ANYTHING = ""
-"""The kind of all entities, where other kinds are classes."""
+"""The kind that stands for all entities, where other kinds are classes."""
 
 Shape = tuple[tuple[str, tuple[str, ...]], ...]
-"""The fluents of a proof with variables in place of entities: name and arguments of each."""
+"""The fluents of a proof with variables in place of entities: the name and arguments of each."""
 
 Entities = tuple[str, ...]
-"""The entities for the variables of a shape, all different."""
+"""The entities for the variables of a shape, all distinct."""
 
 
 @dataclass(frozen=True)
 class ExclusionRule:
     """A rule that excludes fluents; `kinds` has an entity, a class or `ANYTHING` for each variable.
 
-    `different` are pairs of variables that must be different entities. `proofs` are those that the rule covers.
+    `different` are pairs of variables that must be different entities. `proofs` are the proofs that the rule covers.
     """
 
     shape: Shape
@@ -67,7 +67,7 @@ class _InstanceTable(NamedTuple):
 
 
 def rules(proofs: Proofs, stated: Facts) -> list[ExclusionRule]:
-    """Return rules that cover all proofs and nothing else, each proof once, in the order of the first of each."""
+    """Return rules that cover all proofs and nothing else, each proof once, in the order of their first proofs."""
     folding = _Folding(proofs, stated)
     result: list[ExclusionRule] = []
     covered = set[Fluents]()
@@ -113,7 +113,7 @@ class _Folding:
             for instance, why in table.reasons.items()
             if why is None or _kind(_in_variables(why, instance)) == masked
         }
-        options = []  # the kinds that each variable could have, the most general first, the entity itself last
+        options = []  # the possible kinds of each variable, the most general first, the entity itself last
         for entity in entities:
             classes = [kind for kind, members in self._members.items() if kind != ANYTHING and entity in members]
             options.append([ANYTHING, *sorted(classes, key=lambda kind: -len(self._members[kind])), entity])
@@ -173,7 +173,7 @@ class _Folding:
         )
 
     def _could_be(self, shape: Shape, one: str, two: str, entity: str) -> bool:
-        """Return whether fluents of a shape can have an entity for two variables at once."""
+        """Return whether fluents of a shape can have the same entity for two variables."""
         both = [(name, arguments) for name, arguments in shape if one in arguments and two in arguments]
         return all(
             any(
@@ -186,7 +186,7 @@ class _Folding:
 
 
 def _in_variables(reason: str, entities: Entities) -> str:
-    """Return a reason with variables in place of the names of entities."""
+    """Return a reason with variables in place of entity names."""
     variables = {words(entity): variable for variable, entity in zip(VARIABLES, entities, strict=False)}
     names = sorted(map(re.escape, variables), key=len, reverse=True)  # cube 2 before cube
     return re.sub(rf"\b({'|'.join(names)})\b", lambda match: variables[match[0]], reason) if names else reason

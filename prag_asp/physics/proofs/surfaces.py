@@ -1,7 +1,7 @@
-"""Proofs about the table's top and its zones: a body stands on exactly those that its centre is over.
+"""Proofs about the table's top and its zones: a body stands on exactly the surfaces that its centre is over.
 
 A surface is a convex region of one plane, and a body stands on it if it stands on the plane with its centre over the
-region. So a body that is known to stand on several of them has its centre over their intersection.
+region. So a body that is known to stand on several surfaces has its centre over their intersection.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from prag_asp.scene.geometry import cut, inside_by
 from prag_asp.scene.scene import Scene
 
 FLUSH = 1e-8
-"""The tolerance for one region to lie within another, in metres, because coordinates are rounded."""
+"""The tolerance in metres within which one region lies in another, because coordinates are rounded."""
 
 
 def surface_reasons(facts: Iterable[Fact], fresh: Iterable[Fact], scene: Scene) -> Iterator[str]:
-    """Yield why bodies cannot stand on some surfaces and not on others."""
+    """Yield reasons why bodies cannot stand on some surfaces and not on others."""
     bodies = dict.fromkeys(fact.arguments[0] for fact in fresh if _of_surface(fact, scene))
     about = [fact for fact in facts if _of_surface(fact, scene)] if bodies else []
     for entity in bodies:

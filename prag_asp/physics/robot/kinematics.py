@@ -1,7 +1,7 @@
-"""Forward and inverse kinematics of the robots, every solution verified.
+"""Forward and inverse kinematics of the robots; every solution is verified.
 
 Each robot's inverse kinematics is closed-form except for one redundant angle, which is swept lazily: first around its
-value for an arm bent in one plane (or around the current one), then coarsely over its range, finely if that finds
+value for an arm bent in one plane (or around the current one), then coarsely over its range, and finely if that finds
 nothing.
 """
 
@@ -53,8 +53,8 @@ def tool_pose(robot: Robot, joints: Joints) -> Pose:
 def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> Iterator[Joints]:
     """Yield at most `MAX_SOLUTIONS` joint configurations that bring the tool to a pose, the best first.
 
-    The best are those nearest to `near`, by default to the robot's posture turned towards the target. Each is within
-    the joint limits, and forward kinematics puts it within 0.01 mm of the target. Nothing is yielded if there is none.
+    The best are nearest to `near`, by default to the robot's posture turned towards the target. Each is within the
+    joint limits, and forward kinematics puts the tool within 0.01 mm of the target.
     """
     tool, solver = _from_base(robot, tool), robot.solver
     from_tool = Pose((0.0, 0.0, -robot.tool_offset), yaw_quaternion(-robot.tool_turn))
@@ -73,7 +73,7 @@ def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> Iterator[Jo
     for angles in sweeps():
         ranked = []
         for row in solver.solutions(flange, start, angles):
-            # A branch without a solution is NaN, for which no comparison holds.
+            # A branch without a solution is NaN, which fails every comparison.
             if robot.within_limits(row):
                 ranked.append((math.dist(tuple(map(mul, row, weights)), origin), tuple(row)))
         for _, joints in sorted(ranked):
@@ -87,9 +87,9 @@ def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> Iterator[Jo
 
 
 def adjust_joints(robot: Robot, tool: Pose, near: Joints) -> Joints | None:
-    """Return a joint configuration close to `near` that brings the tool to a pose close by, None if none is found.
+    """Return a joint configuration close to `near` that brings the tool to a nearby pose, None if none is found.
 
-    Uses damped least squares, which, unlike a sweep, changes the posture no more than necessary.
+    It uses damped least squares which, unlike a sweep, changes the posture no more than necessary.
     """
     forward, target, joints = robot.solver.forward, matrix(_from_base(robot, tool)), np.array(near)
     for _ in range(ADJUSTMENTS):
@@ -110,7 +110,7 @@ def nudge_joints(
     """Return joint angles that move the tool by approximately a small twist in the world frame; shape (7,).
 
     `here` is the pose of the tool at `joints`, in the frame of the base as a homogeneous matrix; `twist` has the shape
-    (6,): metres, then radians about the axes. It is one step of damped least squares (Wampler,
+    (6,): metres, then radians about the axes. The method is one step of damped least squares (Wampler,
     "Manipulator inverse kinematic solutions based on vector formulations and damped least-squares methods", 1986), so
     the arm does not jump near singularities. The null space is used to move the arm towards the robot's posture.
     """
@@ -132,7 +132,7 @@ def nudge_joints(
 
 
 def _twist(one: NDArray[np.float64], two: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the twist from one pose to another one close by, shape (6,): metres, then radians."""
+    """Return the twist from one pose to a nearby pose, shape (6,): metres, then radians."""
     turn = two[:3, :3] @ one[:3, :3].T
     vector = (turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1])
     return np.concatenate([two[:3, 3] - one[:3, 3], np.array(vector) / 2])

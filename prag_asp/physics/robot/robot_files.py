@@ -1,9 +1,9 @@
 """The URDF files of the robots: those of PyBullet's wheel, with a gripper made of exact boxes.
 
 In the wheel's URDF each finger of the Panda is one convex hull, which fills the recess above the fingertips and is 1 mm
-thicker than the finger. Boxes for the pad and the shank have the true sizes of Franka's finger, so the opening of the
-gripper is the distance between its pads. The contact stiffness and damping of the rubber pads are kept. An arm without
-a gripper gets one, whose fingers have the same stiffness.
+thicker than the finger. Boxes for the pad and the shank have the true dimensions of Franka's finger, so the opening of
+the gripper is the distance between its pads. The contact stiffness and damping of the rubber pads are kept. An arm
+without a gripper gets one, whose fingers have the same stiffness.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Apply the effect of one action to a snapshot; the effect comes from facts, not from the name of the action."""
+"""Apply the effect of one action to a snapshot; facts determine the effect, not the name of the action."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def take_place(search: Search, snapshot: Snapshot, entity: str, closed: bool) ->
     """Return a snapshot of an initial state in which the gripper is at an object, or holds it.
 
     Raises:
-        Failure: the gripper cannot reach it.
+        Failure: the gripper cannot reach the object.
     """
     options = grasps(search, snapshot.situation, entity)
     choice = 0 if search.rng.random() < 0.5 else int(search.rng.integers(len(options)))
@@ -110,7 +110,7 @@ def _visit(search: Search, snapshot: Snapshot, entity: str, attempt: int) -> Sna
 
 
 def _close(search: Search, snapshot: Snapshot, entity: str) -> Snapshot:
-    """Close the gripper on the object at which it is."""
+    """Close the gripper on the object that it is at."""
     situation = snapshot.situation
     if weight(situation.scene, entity) > search.robot.payload:
         raise Failure(NO_GRASP, entity)

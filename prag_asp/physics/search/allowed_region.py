@@ -1,4 +1,4 @@
-"""The region that the facts of a state allow one object: volumes, yaw ranges, and the facts left to check."""
+"""The region that the facts of a state allow for one object: volumes, yaw ranges, and the facts left to check."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ AIM = 0.6
 
 
 def relevant_facts(facts: Iterable[Fact], entity: str, situation: Situation) -> list[Fact]:
-    """Return the facts about an object whose other bodies are placed already, without those about grippers."""
+    """Return the facts about an object whose other bodies are already placed, except those about grippers."""
     shapes, placed = situation.scene.shapes, {*situation.poses, entity}
     return [
         fact
@@ -33,7 +33,7 @@ def shapes_volume(fact: Fact, entity: str) -> bool:
 
 
 def allowed_volume(situation: Situation, fact: Fact, entity: str, quaternion: Quaternion) -> Volume:
-    """Return the volume that a fact allows an object with its orientation; the fact has to satisfy `shapes_volume`."""
+    """Return the volume that a fact allows for an oriented object; the fact has to satisfy `shapes_volume`."""
     predicate, arguments = fact.predicate, fact.arguments
     if arguments[predicate.subject] == entity:
         return predicate.volume(situation, arguments, quaternion)
@@ -42,10 +42,10 @@ def allowed_volume(situation: Situation, fact: Fact, entity: str, quaternion: Qu
 
 
 def yaw_ranges(situation: Situation, entity: str, facts: Iterable[Fact]) -> tuple[Yaws, ...] | None:
-    """Return the ranges of yaws that facts allow an object, None if any yaw will do.
+    """Return the ranges of yaws that facts allow for an object, None if they allow any yaw.
 
     Raises:
-        Failure: no yaw is left.
+        Failure: the facts allow no yaw.
     """
     volume = Volume()
     for fact in facts:

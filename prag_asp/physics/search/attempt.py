@@ -1,4 +1,4 @@
-"""The state of the search for a witness, and the causes for which an attempt fails."""
+"""The state of the search for a witness, and the causes of failed attempts."""
 
 from __future__ import annotations
 
@@ -61,9 +61,9 @@ CAUSES = (
 
 
 class PhysicsFault(NamedTuple):
-    """Why an attempt or a witness failed: the cause, the bodies concerned, and the fact that does not hold, or a text.
+    """Why an attempt or a witness failed: the cause, the bodies involved, and the fact that does not hold, or a text.
 
-    The cause is one of `CAUSES`, or what is wrong with a witness that is checked again.
+    The cause is one of `CAUSES`, or a problem of a witness that is checked again.
     """
 
     cause: str
@@ -73,7 +73,7 @@ class PhysicsFault(NamedTuple):
 
 
 class Failure(Exception):
-    """An attempt of the search failed, for one of `CAUSES`; the search catches it.
+    """An attempt of the search failed for one of `CAUSES`; the search catches this exception.
 
     `missed` is the amount by which it failed, in metres, or in radians for a fact about a rotation; 0 if unknown.
     """
@@ -85,7 +85,7 @@ class Failure(Exception):
 
 
 class Exhausted(Exception):
-    """Nothing of this action is random, so there are no further attempts; the validator catches it."""
+    """An action has no random choices, so there are no further attempts; the validator catches this exception."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ class Search:
     """The inputs of a search: the simulator, the task's objects and random generator, and the room for later actions.
 
     If it `packs`, it places objects tightly, for tasks that random placement does not solve. If it `returns`, it undoes
-    actions, down to one that may be to blame, when all attempts at an action fail. The best `passed_over` grasps of
+    actions, back to one that may be to blame, when all attempts at an action fail. The best `passed_over` grasps of
     bodies with a model are tried last: witnesses with them failed a later check.
     """
 
@@ -125,8 +125,8 @@ class Search:
 class Snapshot:
     """One state of the search: the situation, the acting robot, and the grippers that are lowered to an object.
 
-    `lowered` has the joint configuration straight above the object for each of these. `waypoints` are those of the
-    present action.
+    `lowered` maps each of these grippers to the joint configuration straight above the object. `waypoints` are those of
+    the current action.
     """
 
     situation: Situation
@@ -155,7 +155,7 @@ class Snapshot:
         return Moment(dict(situation.poses), dict(situation.arms), dict(situation.openings))
 
     def turned_to(self, robot: str | None) -> Snapshot:
-        """Return the snapshot with another acting robot; None keeps the present one."""
+        """Return the snapshot with another acting robot; None keeps the current one."""
         return self if robot is None else replace(self, acting=robot)
 
     def with_arm(self, arm: Arm, above: Joints | None = None) -> Snapshot:

@@ -20,7 +20,7 @@ from prag_asp.scene.furniture import cavity
 from prag_asp.scene.geometry import Pose, compose, invert, multiply, raised, yaw_of, yaw_quaternion
 
 OVER_RIM = 0.03
-"""The height of a carried object above the rim of what it goes into, in metres."""
+"""The height of a carried object above the rim of its container, in metres."""
 
 
 def release(search: Search, snapshot: Snapshot, effect: ActionEffect) -> Snapshot:
@@ -54,7 +54,7 @@ def release(search: Search, snapshot: Snapshot, effect: ActionEffect) -> Snapsho
 
 
 def _free_width(search: Search, snapshot: Snapshot, entity: str) -> float:
-    """Return the opening of the fingers that releases an object, in metres.
+    """Return the opening of the fingers in metres that releases an object.
 
     Raises:
         Failure: the fingers touch the object at every opening.
@@ -69,7 +69,7 @@ def _free_width(search: Search, snapshot: Snapshot, entity: str) -> float:
 
 
 def carry(search: Search, snapshot: Snapshot, entity: str, effect: ActionEffect) -> Snapshot:
-    """Move the held object as the facts require, clear of what is below."""
+    """Move the held object as the facts require, clear of everything below."""
     situation, arm = snapshot.situation, snapshot.arm
     assert arm.grasp is not None
     required = [fact for fact in effect.fresh if fact.value and fact.arguments[0] == entity]

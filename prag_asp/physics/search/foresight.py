@@ -1,4 +1,4 @@
-"""Room for later objects: an object beside which another is placed later is kept off the border of the workspace.
+"""Room for later objects: an object is kept off the workspace's border if another is placed beside it later.
 
 This only guides sampling; all checks stay the same.
 """
@@ -14,13 +14,13 @@ from prag_asp.physics.symbolic_facts import Fact, PhysicalTask
 from prag_asp.scene.scene import Scene
 
 Foresight = Mapping[tuple[int, str], tuple[Volume, ...]]
-"""Volumes for an object that is placed in a state, in which it leaves ample room, then just enough."""
+"""The volumes in which an object, placed in a state, leaves ample room and just enough room, by state and object."""
 
 Rooms = dict[Direction, float]
 
 
 def foresee(physical: PhysicalTask, scene: Scene) -> Foresight:
-    """Return the volumes for the objects of a task that leave room for what is placed beside them later."""
+    """Return the volumes for the objects of a task that leave room for objects placed beside them later."""
     volumes_by_object: dict[tuple[int, str], tuple[Volume, ...]] = {}
     begun = [_named(effect.fresh) for effect in physical.effects]
     for k in range(len(physical.states)):
@@ -34,7 +34,7 @@ def foresee(physical: PhysicalTask, scene: Scene) -> Foresight:
 
 
 def _named(facts: Iterable[Fact]) -> set[str]:
-    """Return the objects of facts that have a direction."""
+    """Return the objects of facts whose predicates have a direction."""
     return {entity for fact in facts if fact.value and fact.predicate.direction for entity in fact.arguments}
 
 
@@ -53,9 +53,9 @@ def _rooms(physical: PhysicalTask, scene: Scene, k: int, entity: str, wide: bool
 
 
 def _later(physical: PhysicalTask, scene: Scene, k: int, entity: str) -> Iterator[tuple[int, str, Direction]]:
-    """Yield what is placed beside an object that rests since state `k`: the state, the object and the direction.
+    """Yield each object placed beside an object that rests since state `k`: its state, the object and its direction.
 
-    After the initial state, what an action moves onto or into another object takes no room beside it.
+    After the initial state, an object that is moved onto or into another one takes no room beside it.
     """
     if k == 0:
         yield from ((0, *beside) for beside in _beside(physical.initial, entity))
@@ -74,7 +74,7 @@ def _later(physical: PhysicalTask, scene: Scene, k: int, entity: str) -> Iterato
 
 
 def _beside(facts: Iterable[Fact], entity: str) -> Iterator[tuple[str, Direction]]:
-    """Yield the objects that facts place beside one, and their directions from it, as the robot sees them."""
+    """Yield the objects that facts place beside an object, and their directions from it, as the robot sees them."""
     for fact in facts:
         direction = fact.predicate.direction
         if fact.value and direction is not None and entity in fact.arguments:
@@ -83,7 +83,7 @@ def _beside(facts: Iterable[Fact], entity: str) -> Iterator[tuple[str, Direction
 
 
 def _volume(scene: Scene, rooms: Rooms) -> Volume:
-    """Return the part of the workspace that leaves the room."""
+    """Return the part of the workspace that leaves the given room."""
     low, high = [-math.inf] * 3, [math.inf] * 3
     for (axis, sign), room in rooms.items():
         if sign > 0:

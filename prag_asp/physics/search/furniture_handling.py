@@ -31,22 +31,22 @@ from prag_asp.scene.geometry import IDENTITY, Pose, compose, invert, multiply, w
 from prag_asp.scene.robots import Joints
 
 SLIDE_STRIDE, TURN_STRIDE = 0.05, 0.2
-"""The motion of furniture between two checks, in metres or radians."""
+"""The motion of furniture between two checks: of a drawer in metres, of a door in radians."""
 
 POST_WIDTH = 2 * POST
 ENDS = (IS_OPEN, IS_CLOSED)
-"""The states of furniture of which nothing is known."""
+"""The possible states of furniture about which nothing is known."""
 
 
 def sample_openings(search: Search, situation: Situation, facts: Iterable[Fact]) -> dict[str, float]:
-    """Return random openings of all furniture of a situation, as facts require; metres or radians."""
+    """Return random openings of all furniture in a situation, in metres or radians, as facts require."""
     all_facts = list(facts)
     furniture = [entity for entity in situation.poses if situation.shape(entity).traits.furniture]
     return {entity: sample_opening(search, situation, entity, all_facts) for entity in furniture}
 
 
 def sample_opening(search: Search, situation: Situation, furniture: str, facts: Iterable[Fact]) -> float:
-    """Return a random opening of furniture in metres or radians, as facts require; without any, open or closed.
+    """Return a random opening of furniture in metres or radians, as facts require; open or closed without facts.
 
     Raises:
         Failure: the facts allow no opening.
@@ -77,7 +77,7 @@ def turn(search: Search, snapshot: Snapshot, furniture: str, facts: Iterable[Fac
     goal = sample_opening(search, situation, furniture, facts)
     begun, shape = situation.opening(furniture), situation.shape(furniture)
     handle, slides = mechanism(shape).handle, mechanism(shape).slides
-    # The grip is in the frame of the moving part; the easiest one faces the robot when the part is halfway.
+    # Grips are in the frame of the moving part; the easiest one faces the robot when the part is halfway.
     halfway = part_pose(shape, situation.pose(furniture), (begun + goal) / 2)
     x, y, _ = compose(halfway, Pose(handle)).position
     base_x, base_y, _ = search.robot.base.position
@@ -97,7 +97,7 @@ def turn(search: Search, snapshot: Snapshot, furniture: str, facts: Iterable[Fac
 
 
 def open_furniture(situation: Situation, furniture: str, opening: float, objects: Iterable[str]) -> Situation:
-    """Return a situation with another opening of furniture, in which what lies in a drawer has moved with it."""
+    """Return a situation with another opening of furniture; the contents of a drawer move with it."""
     after = situation.with_opening(furniture, opening)
     if not mechanism(situation.shape(furniture)).slides:
         return after
@@ -110,7 +110,7 @@ def open_furniture(situation: Situation, furniture: str, opening: float, objects
 def _pull(
     search: Search, snapshot: Snapshot, furniture: str, openings: Sequence[float], grip: Pose, low: Joints
 ) -> Snapshot:
-    """Return a snapshot after furniture was moved through openings, in metres or radians.
+    """Return a snapshot after furniture has moved through openings, in metres or radians.
 
     `grip` is the tool pose in the frame of the moving part, `low` the joint configuration at the handle.
 
@@ -147,10 +147,10 @@ def _pull(
 
 
 def _above(search: Search, situation: Situation, low: Joints, furniture: str) -> Joints:
-    """Return a collision-free joint configuration straight above one at a handle, with the gripper open.
+    """Return a collision-free joint configuration with the open gripper straight above its pose at a handle.
 
     Raises:
-        Failure: there is no such configuration, or the one at the handle collides.
+        Failure: there is no such configuration, or the arm collides at the handle.
     """
     query = CollisionQuery(situation, search.robot.opening, furniture)
     require_clear(search, low, query)

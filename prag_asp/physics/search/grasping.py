@@ -1,4 +1,4 @@
-"""Grasps in a scene, and joint configurations at an object and before it."""
+"""Grasps in a scene, and joint configurations at an object and at the start of the approach."""
 
 from __future__ import annotations
 
@@ -37,24 +37,24 @@ TOP_GRIP = 0.01
 """The distance of the highest grasp below the top of an object, in metres."""
 
 HAIR = 1e-5
-"""The minimum distance of every grasp below the top of an object, in metres, because kinematics are not exact."""
+"""The minimum distance of every grasp below the top of an object, in metres, because kinematics is not exact."""
 
 LONG, FROM_END = 0.08, 0.03
 """With several robots, a box of at least twice `LONG` is grasped at the distance `FROM_END` from its end, in metres."""
 
 LARGEST_STEP = 1.2
-"""The largest turn of a joint between a grasp and `LIFT` above it, in radians: no other branch of the kinematics."""
+"""The largest turn of a joint between a grasp and `LIFT` above it, in radians, on one branch of the kinematics."""
 
 DOWN = (1.0, 0.0, 0.0, 0.0)
 EASE = 0.3
 """The bonus in a grasp's score if the arm approaches from its own side."""
 
 SECTOR, SIDEWAYS = math.pi / 4, 0.7
-"""Grasps are of a kind if their axes are in one sector, in radians, and both or none come from the side: the cosine of
-a tool's slope below which it does."""
+"""Grasps are of the same kind if their axes are in the same sector, in radians, and both or neither come from the side,
+where the cosine of the tool's angle to straight down is below the second number."""
 
 STRAIGHT_DOWN = 1e-7
-"""The tolerance of the cosine of a tool's slope below 1: about half a milliradian."""
+"""The tolerance below 1 of the cosine of a tool's angle to straight down: about half a milliradian."""
 
 
 class CollisionQuery(NamedTuple):
@@ -66,7 +66,7 @@ class CollisionQuery(NamedTuple):
 
 
 class GraspOption(NamedTuple):
-    """A tool pose that grasps an object, and how far the fingers are open in metres when the hand comes."""
+    """A tool pose that grasps an object, and the opening of the fingers in metres on the approach."""
 
     tool: Pose
     approach: float
@@ -76,7 +76,7 @@ def grasps(search: Search, situation: Situation, entity: str) -> list[GraspOptio
     """Return the ways to grasp an object, the easiest first.
 
     Raises:
-        Failure: there is no grasp, or in all of them the object would twist in the gripper.
+        Failure: there is no grasp, or the object would twist in the gripper in every grasp.
     """
     if situation.shape(entity).model is not None:
         return _sampled(search, situation, entity)
@@ -84,7 +84,7 @@ def grasps(search: Search, situation: Situation, entity: str) -> list[GraspOptio
 
 
 def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOption]:
-    """Return the grasps of a body with a model at its pose, the best first; each is turned to where the arm comes from.
+    """Return the grasps of a body with a model at its pose, the best first, each turned towards the arm's side.
 
     Raises:
         Failure: there is no grasp, or none in which friction bears the weight and the torque of the body.
@@ -98,14 +98,14 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
     frames = matrix(pose) @ table.frames
     away = frames[:, :2, 3] - search.robot.base.position[:2]
     outward = away / np.maximum(np.linalg.norm(away, axis=1), HAIR)[:, None]
-    # The palm's x axis points away from the base, and so does a slanted tool: the wrist is then on the arm's side.
+    # The palm's x axis points away from the base, and so does a slanted tool, so the wrist is on the arm's side.
     forward, slope = ((frames[:, :2, axis] * outward).sum(1) for axis in (0, 2))
     ease = np.abs(forward) + 2 * np.minimum(0.0, slope)
     order = np.argsort(-(EASE * ease + table.scores), kind="stable")
     sectors = np.round(np.arctan2(frames[:, 1, 1], frames[:, 0, 1]) / SECTOR) % round(math.pi / SECTOR)
     kinds = list(zip(sectors.tolist(), (frames[:, 2, 2] > -SIDEWAYS).tolist(), strict=True))
     bearing = (grip_load(search.scene, entity, acting, 0.0, 1.0) * table.loads <= SLIPS).tolist()
-    # The best of each kind come first, then the second ones: what one cannot do, the next may.
+    # The best grasps of each kind come first, then the second best: where one kind fails, another may succeed.
     counts, ranked = Counter[tuple[float, bool]](), list[tuple[int, int]]()
     for i in order.tolist():
         if bearing[i]:
@@ -127,15 +127,15 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
 
 
 def _along(pose: Pose, axis: Vector, direction: Vector) -> float:
-    """Return the cosine of the angle between an axis of a pose and a direction, both of length one."""
+    """Return the cosine of the angle between an axis of a pose and a direction, both unit vectors."""
     return sum(a * b for a, b in zip(rotate(pose.quaternion, axis), direction, strict=True))
 
 
 def _from_above(search: Search, situation: Situation, entity: str) -> list[tuple[Pose, float]]:
     """Return tool poses from above that grasp an object, each with its opening in metres, the easiest first.
 
-    Boxes are grasped by opposite sides, round objects in four directions; first at the middle or as deep as the palm
-    allows, then at the top, where the palm clears the objects around.
+    Boxes are grasped at opposite sides, round objects in four directions; first in the middle or as deep as the palm
+    allows, then at the top, where the palm clears nearby objects.
 
     Raises:
         Failure: the object is too wide for the gripper, or too low.
@@ -153,7 +153,7 @@ def _from_above(search: Search, situation: Situation, entity: str) -> list[tuple
     round_body = shape.traits.round
     first = heading if round_body else yaw_of(pose.quaternion)
     turns = [first + turn * math.pi / (4 if round_body else 2) for turn in range(8 if round_body else 4)]
-    # Half a turn gives the same grasp, so the nearer one of each pair of opposite headings is enough.
+    # Half a turn gives the same grasp, so the nearer of two opposite headings is enough.
     yaws = sorted(turns, key=lambda angle: -math.cos(angle - heading))[: len(turns) // 2]
     candidates, limit, widths = [], search.robot.opening - CLEARANCE, []
     for yaw in yaws:
@@ -200,7 +200,7 @@ def configure(search: Search, tool: Pose, query: CollisionQuery, near: Joints | 
 def descend(
     search: Search, tool: Pose, at: CollisionQuery, above: CollisionQuery, back: bool = False
 ) -> tuple[Joints, Joints]:
-    """Return collision-free joint configurations at a tool pose and, near to it, `LIFT` straight above.
+    """Return collision-free joint configurations at a tool pose and, close to the first, `LIFT` straight above.
 
     With `back`, the second is `LIFT` back along the direction of the fingers instead.
 
@@ -226,9 +226,9 @@ def descend(
 def raise_joints(
     search: Search, low: Joints, tool: Pose, query: CollisionQuery, tries: int | None = None
 ) -> Joints | None:
-    """Return a collision-free joint configuration close to one at a tool pose, with the tool straight above.
+    """Return a collision-free joint configuration with the tool `LIFT` above a pose, close to one at that pose.
 
-    None if none of the first configurations, `tries` or all, is both.
+    None if none of the first `tries` configurations, by default of all, is collision-free and close.
     """
     return near_joints(search, low, raised(tool, LIFT), query, tries)
 
@@ -238,9 +238,9 @@ def near_joints(
 ) -> Joints | None:
     """Return a collision-free joint configuration for a tool pose that is close to another configuration.
 
-    None if none of the first configurations, `tries` or all, is both.
+    None if none of the first `tries` configurations, by default of all, is collision-free and close.
     """
-    # The elbow swings more at a slant; the least change of all joints keeps the way between both straight.
+    # The elbow swings more at a slant; the least change of all joints keeps the path between both straight.
     adjusted = None if is_downward(tool) else adjust_joints(search.robot, tool, low)
     for high in chain(() if adjusted is None else (adjusted,), islice(inverse(search.robot, tool, near=low), tries)):
         turn = max(abs(a - b) for a, b in zip(low, high, strict=True))
@@ -255,7 +255,7 @@ def backed(tool: Pose) -> Pose:
 
 
 def is_downward(tool: Pose) -> bool:
-    """Return whether the fingers of a tool point straight down, so that back is up."""
+    """Return whether the fingers of a tool point straight down, so that moving back means moving up."""
     return _along(tool, (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)) > 1.0 - STRAIGHT_DOWN
 
 

@@ -1,4 +1,4 @@
-"""Sample the initial state of a task: each object gets a pose that the facts allow; unknown fluents are free."""
+"""Sample the initial state of a task: each object gets a pose that the facts allow; unknown fluents are arbitrary."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene
 
 BACKTRACKS = 12
-"""The number of backtracking steps in an initial state before it starts over."""
+"""The maximum number of backtracking steps in an initial state before the search starts over."""
 
 
 def sample_initial_state(search: Search, physical: PhysicalTask) -> Snapshot:
     """Return a snapshot that satisfies the facts of the initial state.
 
     Raises:
-        Failure: this attempt placed the objects or the arms so that a fact is violated or bodies collide.
+        Failure: a fact is violated or bodies collide in this attempt.
     """
     scene = search.scene
     poses = {entity: fixed_pose(scene, entity) for entity in scene.fixed if entity in physical.objects}
@@ -48,7 +48,7 @@ def sample_initial_state(search: Search, physical: PhysicalTask) -> Snapshot:
 
 
 def _about(physical: PhysicalTask, entity: str, situation: Situation) -> tuple[Fact, ...]:
-    """Return the facts that the pose of an object has to satisfy: those of the initial state.
+    """Return the facts of the initial state that the pose of an object has to satisfy.
 
     An object that a robot holds in the air is first placed below its gripper, and grasped there.
     """
@@ -62,13 +62,13 @@ def _about(physical: PhysicalTask, entity: str, situation: Situation) -> tuple[F
 
 
 def _in_the_air(physical: PhysicalTask, entity: str) -> bool:
-    """Return whether a held object is known to have no support: some facts deny one, and none states one."""
+    """Return whether a held object is known to have no support: some fact denies one, and none states one."""
     supports = [fact for fact in physical.initial if fact.predicate.supports and fact.arguments[0] == entity]
     return bool(supports) and not any(fact.value for fact in supports)
 
 
 def _bring(search: Search, snapshot: Snapshot, physical: PhysicalTask) -> Snapshot:
-    """Move the acting arm to where the facts of the initial state have it.
+    """Move the acting arm to where the facts of the initial state require it.
 
     Raises:
         Failure: the arm cannot get there without a collision.
@@ -92,11 +92,11 @@ def _bring(search: Search, snapshot: Snapshot, physical: PhysicalTask) -> Snapsh
 def _arrange(search: Search, physical: PhysicalTask, still: Situation) -> Situation:
     """Return a situation with all objects at poses that the facts allow, placed one after the other.
 
-    If there is no pose for one, backtrack to an earlier object to which it has a relation: to the last one first, the
-    next time to the one before that. A search that `packs` places them tightly instead.
+    If there is no pose for an object, backtrack to an earlier object related to it: to the last one first, the next
+    time to the one before that. A search that `packs` places the objects tightly instead.
 
     Raises:
-        Failure: there is no such object, or `BACKTRACKS` steps have been made.
+        Failure: there is no earlier object to backtrack to, or the search has backtracked `BACKTRACKS` times.
     """
     order = [entity for entity in order_of(physical, search.scene) if entity not in still.poses]
     if search.packs:
@@ -125,7 +125,7 @@ def _arrange(search: Search, physical: PhysicalTask, still: Situation) -> Situat
 def order_of(physical: PhysicalTask, scene: Scene) -> list[str]:
     """Return the objects in the order in which they are placed, large ones before small ones.
 
-    Supports come before what stands on them. Unless there is a cycle, the other arguments of a relation come before its
+    Supports come before the objects on them. Unless there is a cycle, the other arguments of a relation come before its
     subject, whose volume depends on them; for a predicate with an inverse the order does not matter.
     """
     below: dict[str, set[str]] = {entity: set() for entity in physical.objects}

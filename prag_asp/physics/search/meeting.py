@@ -1,4 +1,4 @@
-"""Move a gripper over a place, and hand over an object from one gripper to another in the air."""
+"""Move a gripper over a place, and hand an object over from one gripper to another in the air."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ LOWEST, HIGHEST = 0.18, 0.28
 """The range of heights of the tool over a place, in metres above its top."""
 
 SPREAD = 0.5
-"""The largest deviation of the gripper from the best yaw in the first attempts, in radians."""
+"""The maximum deviation of the gripper from the best yaw in the first attempts, in radians."""
 
 HANDY_ATTEMPTS = 6
 OFF_CENTRE = 0.02
 
 
 def move_over(search: Search, snapshot: Snapshot, place: str, attempt: int) -> Snapshot:
-    """Move the gripper over a zone or an object, with what it holds.
+    """Move the gripper, with any held object, over a zone or an object.
 
     Raises:
         Failure: the arm cannot get there in this attempt without a collision.
@@ -40,7 +40,7 @@ def move_over(search: Search, snapshot: Snapshot, place: str, attempt: int) -> S
 
 
 def take_over(search: Search, snapshot: Snapshot, giver: str) -> Snapshot:
-    """Let the giver in a handover open its gripper and retreat upwards, when the receiver has grasped the object.
+    """Let the giver in a handover open its gripper and retreat upwards after the receiver has grasped the object.
 
     Raises:
         Failure: the giver cannot retreat without a collision.
@@ -55,7 +55,7 @@ def take_over(search: Search, snapshot: Snapshot, giver: str) -> Snapshot:
 
 
 def _tool_over(search: Search, snapshot: Snapshot, place: str, attempt: int) -> Pose:
-    """Return a random tool pose over a place, on the robot's side of it, with a held object clear of what is below.
+    """Return a random tool pose over a place, on the robot's side of it, with a held object clear of the place.
 
     Raises:
         Failure: there is no room over the place.

@@ -1,4 +1,4 @@
-"""Move the arm and what it holds from one snapshot to the next, and check the result."""
+"""Move the arm and its load from one snapshot to the next, and check the result."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from prag_asp.scene.robots import Joints
 
 
 def turn_to(search: Search, snapshot: Snapshot, robot: str | None) -> Snapshot:
-    """Make another robot the acting one; None keeps the present one."""
+    """Make another robot the acting one; None keeps the current one."""
     turned = snapshot.turned_to(robot)
     search.simulator.turn_to(turned.acting)
     return turned
 
 
 def raise_arm(search: Search, snapshot: Snapshot) -> Snapshot:
-    """Move a lowered gripper straight up with what it holds; an empty one back along the direction of its fingers.
+    """Move a lowered gripper straight up with its load, or an empty one back along the direction of its fingers.
 
     Raises:
         Failure: the object slips out of the gripper or turns in it, or there is a collision.
@@ -56,7 +56,7 @@ def raise_arm(search: Search, snapshot: Snapshot) -> Snapshot:
     require_free(search, after)
     after = after.with_waypoint("lift" if held else "retreat")
     if held is None and 0.0 < after.arm.width < search.robot.opening:
-        # At a body with a model the fingers open no wider than there is room.
+        # At a body with a model the fingers open only as wide as the room allows.
         after = after.with_arm(replace(after.arm, width=search.robot.opening))
         require_free(search, after)
         after = after.with_waypoint("stay")

@@ -1,8 +1,8 @@
 """Pack objects tightly, side by side from a corner, where random placement leaves no room for all of them.
 
-Objects are placed in order of their size, axis-aligned or along their support, at the first free places from a random
-corner: vertices of the allowed region, places that touch a neighbour with some spacing, and a lattice. If there is no
-place for one, the search backtracks to the object before it. Of several spacings the largest that succeeds is used.
+Objects are placed in order of size, axis-aligned or along their support, at the first free places from a random corner:
+vertices of the allowed region, places next to a neighbour with some spacing, and a lattice. If there is no place for an
+object, the search backtracks to the object before it. Of several spacings, the largest that succeeds is used.
 """
 
 from __future__ import annotations
@@ -38,33 +38,33 @@ from prag_asp.scene.furniture import swept
 from prag_asp.scene.geometry import Pose, Quaternion, extents, multiply, yaw_of, yaw_quaternion
 
 SPACINGS = (FINGER_ROOM, FINGER_ROOM / 2, SPACING, 0.005, 0.002, 0.0)
-"""Metres between objects, the most first: they touch where nothing else leaves room for all."""
+"""The spacings to try between objects in metres, the largest first: they touch if nothing else leaves room for all."""
 
 TIGHT = 0.002
-"""The spacing in metres from which on objects also touch the walls of a container."""
+"""The largest spacing in metres with which objects also touch the walls of a container."""
 
 BRANCHES = 4
-"""The places of an object that are tried before the one before it is moved."""
+"""The number of places to try for an object before the previous object is moved."""
 
 PLACED = 10
-"""The average number of placements per object until a spacing is given up."""
+"""The average number of placements per object before a spacing is abandoned."""
 
 LATTICE = 7
-"""Lines of the lattice in each direction, for regions whose corners are out of reach."""
+"""The number of lattice lines in each direction, for regions whose corners are out of reach."""
 
 ROUNDING = 1e-9
-"""Metres by which a place may violate a bound that it was calculated from."""
+"""The distance in metres by which a place may violate a bound that it was calculated from."""
 
 
 def turned(points: NDArray[np.float64], yaw: float) -> NDArray[np.float64]:
-    """Return points of shape (n, 2), turned about the origin by a yaw in radians."""
+    """Return points of shape (n, 2), rotated about the origin by a yaw in radians."""
     cosine, sine = math.cos(yaw), math.sin(yaw)
     rotated: NDArray[np.float64] = points @ np.array(((cosine, sine), (-sine, cosine)))
     return rotated
 
 
 class Corner(NamedTuple):
-    """The corner from which places are filled: the signs of both axes, and whether rows are along x."""
+    """The corner from which places are filled: its signs on both axes, and whether rows are along x."""
 
     x: int
     y: int
@@ -104,10 +104,10 @@ def pack(
 
 
 def resting_pose(search: Search, situation: Situation, entity: str, facts: Iterable[Fact], state: int) -> Pose:
-    """Return a pose of an object on a support: a random one or, in a search that `packs`, a tight one where that fails.
+    """Return a random pose of an object on a support or, if that fails in a search that `packs`, a tight one.
 
     Raises:
-        Failure: every support is ruled out, or there is no pose on it.
+        Failure: every support is ruled out, or there is no pose on the chosen one.
     """
     facts = list(facts)
     support = choose_support(search, situation, entity, facts)
@@ -115,7 +115,7 @@ def resting_pose(search: Search, situation: Situation, entity: str, facts: Itera
 
 
 def requested_pose(search: Search, situation: Situation, request: PlacementRequest) -> Pose:
-    """Return a random pose for a request or, in a search that `packs`, a tight one where that fails.
+    """Return a random pose for a request or, if that fails in a search that `packs`, a tight one.
 
     Raises:
         Failure: there is no pose.
@@ -149,7 +149,7 @@ def packed_poses(situation: Situation, request: PlacementRequest, filling: tuple
             corners = np.array([point for patch in floor for point in patch.polygon])
             places = _places(turned(corners, -frame), taken, touching, spacing)
             ordered = turned(corner.order(places), frame).tolist()
-            # From the corner, and by turns from the opposite one: an order of the objects may need that.
+            # Alternate between the corner and the opposite one: the order of the objects may require both.
             for x, y in chain.from_iterable(zip(ordered, reversed(ordered), strict=True)):
                 pose = Pose((x, y, z), quaternion)
                 if volume.miss_distance(pose.position) > ROUNDING:
@@ -164,7 +164,7 @@ def packed_poses(situation: Situation, request: PlacementRequest, filling: tuple
 def _frames(situation: Situation, entity: str, support: str, about: Iterable[Fact]) -> Iterator[float]:
     """Yield the yaws in radians along which an object is packed: that of its support or of the workspace first.
 
-    A relation of the domain may want it in a body that is turned, a slot for example: then along that, too.
+    A user-defined relation may require it in a rotated body, for example a slot: then the yaw of that body, too.
     """
     first = 0.0 if support == TABLE else yaw_of(situation.pose(support).quaternion)
     yield first
@@ -185,8 +185,8 @@ def _fill(
     """Return a situation with all objects placed from a corner with a spacing, by backtracking.
 
     Raises:
-        Failure: there is no room for an object, or too many places were tried; the error names the object that was
-            reached last.
+        Failure: there is no room for an object, or too many places were tried; the error names the last object that
+            was reached.
     """
     situations, options, farthest = [still], list[Iterator[Pose]](), 0
     for _ in range(PLACED * len(order)):
@@ -210,9 +210,9 @@ def _fill(
 def _places(
     corners: NDArray[np.float64], taken: NDArray[np.float64], touching: NDArray[np.float64], spacing: float
 ) -> NDArray[np.float64]:
-    """Return the places in the bounding box of some corners, shape (n, 2), that keep a spacing from what is `taken`.
+    """Return the places in the bounding box of some corners, shape (n, 2), that keep a spacing from `taken` places.
 
-    They are on lines through the corners, through places that touch what is `touching`, and of a lattice.
+    They are on lines through the corners, on lines through `touching` places, and on those of a lattice.
     """
     lines = []
     for axis in range(2):
@@ -231,11 +231,11 @@ def _places(
 def _taken(
     situation: Situation, request: PlacementRequest, quaternion: Quaternion, z: float, frame: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], list[Callable[[Vector, float], bool]]]:
-    """Return the places where an object overlaps others at a height, those where it touches them, and further tests.
+    """Return the places where an object at a height overlaps others, those where it touches them, and further tests.
 
-    A row of places (n, 4) has their centre, and how far they reach along x and y, seen from above in a frame that is
-    turned by a yaw: for boxes around bodies in that frame. If one of two bodies has a model, they touch there, and a
-    function returns whether their parts overlap.
+    A row of places (n, 4) has their centre and their half-extents along x and y, seen from above in a frame rotated by
+    a yaw: they apply to the bounding boxes of the bodies in this frame. If one of two bodies has a model, they touch
+    there, and a function returns whether their parts overlap.
     """
     back = yaw_quaternion(-frame)
     entity = situation.shape(request.entity)
@@ -263,14 +263,14 @@ def _taken(
 
 
 def _turned_rows(rows: list[tuple[float, float, float, float]], frame: float) -> NDArray[np.float64]:
-    """Return rows of places with their centres in a frame that is turned by a yaw, shape (n, 4)."""
+    """Return rows of places with their centres in a frame rotated by a yaw, shape (n, 4)."""
     found = np.array(rows).reshape(-1, 4)
     found[:, :2] = turned(found[:, :2], -frame)
     return found
 
 
 def _orientations(situation: Situation, entity: str, about: Iterable[Fact], frame: float) -> Iterator[Quaternion]:
-    """Yield orientations along a frame, or in the middle of the ranges of yaws that facts allow."""
+    """Yield orientations along a frame, or in the middle of the yaw ranges that facts allow."""
     try:
         ranges = yaw_ranges(situation, entity, about)
     except Failure:

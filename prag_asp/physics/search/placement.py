@@ -36,19 +36,19 @@ from prag_asp.scene.geometry import Pose, Quaternion, extents, yaw_of, yaw_quate
 from prag_asp.scene.scene import Shape
 from prag_asp.scene.surfaces import part_boxes, part_outlines
 
-TRIES = 8  # samples with each spacing
-SPACING = 0.01  # metres between objects on the table, which do not touch then
+TRIES = 8  # samples for each spacing
+SPACING = 0.01  # metres between objects on the table, so that they do not touch
 TABLE_ROOM = 0.1  # metres to the border of the volume on the table, for hands and later objects
-NEAR = 0.15  # metres within which people say that an object is beside another
-JITTER = 0.05  # radians by which an object on a support is turned against it, as nothing stands exactly straight
+NEAR = 0.15  # metres within which people call an object beside another
+JITTER = 0.05  # radians by which an object is rotated relative to its support, as nothing stands exactly straight
 EDGE = 0.02  # metres to the edge of the table
 
 
 class Neighbour(NamedTuple):
-    """A body that another can meet: its centre seen from above, the distances along x and y at which boxes touch.
+    """A body that another can meet: its centre seen from above, and the distances along x and y at which boxes touch.
 
     If one of the two has a model, `parts` returns whether their parts are nearer than a spacing with the other at a
-    place, and their boxes alone decide nothing. All in metres.
+    place, because boxes alone do not decide. All lengths are in metres.
     """
 
     x: float
@@ -68,14 +68,14 @@ class PlacementRequest(NamedTuple):
     height: float = 0.0
 
     def isolated(self, situation: Situation) -> tuple[PlacementRequest, Situation]:
-        """Return the request with the facts that matter for its object, and a situation without that object."""
+        """Return the request with the facts relevant to its object, and a situation without that object."""
         entity = self.entity
         others = situation.with_poses({other: pose for other, pose in situation.poses.items() if other != entity})
         return self._replace(facts=relevant_facts(self.facts, entity, others)), others
 
 
 def known_support(situation: Situation, entity: str, facts: Iterable[Fact]) -> str | None:
-    """Return what an object stands on or in by the facts, `TABLE` for the table, None if unknown."""
+    """Return the support on or in which an object stands by the facts, `TABLE` for the table, None if unknown."""
     for fact in facts:
         if fact.value and fact.predicate.places and fact.arguments[0] == entity:
             support = fact.arguments[-1]
@@ -84,10 +84,10 @@ def known_support(situation: Situation, entity: str, facts: Iterable[Fact]) -> s
 
 
 def choose_support(search: Search, situation: Situation, entity: str, facts: Iterable[Fact]) -> str:
-    """Return what an object is to stand on or in: what the facts name, or a random choice of what they allow.
+    """Return the support for an object to stand on or in: the one that the facts name, or a random one that they allow.
 
-    A support that they do not name is the table, unless the object is known not to be on it. If a user-defined
-    relation lets it stand on or in another object, that is an equally likely choice.
+    If they name none, it is the table, unless the object is known not to be on it. If a user-defined relation lets the
+    object stand on or in another one, that is an equally likely choice.
 
     Raises:
         Failure: every support is ruled out.
@@ -120,7 +120,7 @@ def sample_pose(search: Search, situation: Situation, request: PlacementRequest)
     every_fact = request.facts
     request, situation = request.isolated(situation)
     entity, support, about, _, height = request
-    # These go through objects that are not placed yet, too.
+    # These also go through objects that are not placed yet.
     between = spacing_chains(situation, entity, every_fact)
     quaternion, volume, everything = _place(search, situation, request, between)
     half = extents(situation.shape(entity), quaternion)
@@ -133,7 +133,7 @@ def sample_pose(search: Search, situation: Situation, request: PlacementRequest)
     below = _neighbours(situation, others, support, turned, volume.low[2] - height)
     beside = _neighbours(situation, others, support, turned, volume.low[2]) if height > 0.0 else below
     failed = Failure(RELATION, entity)
-    # A held object should be free to come down; if that is impossible it may be held above something.
+    # A held object should be free to come down; if that is impossible, it may be held above another object.
     for floor, spacing, neighbours in (
         *repeat((favourite, FINGER_ROOM, below), TRIES),
         *repeat((favourite, FINGER_ROOM / 2, below), TRIES),
@@ -158,7 +158,7 @@ def sample_pose(search: Search, situation: Situation, request: PlacementRequest)
 
 
 def kept_apart(situation: Situation, about: Iterable[Fact]) -> list[str]:
-    """Return the bodies from which an object is kept apart: all but those that the facts about it require close."""
+    """Return the bodies to keep an object apart from: all except those that the facts require to be close."""
     touched = {
         name for fact in about if fact.value and fact.predicate.apart[1] < SPACING for name in fact.arguments[:2]
     }
@@ -168,10 +168,10 @@ def kept_apart(situation: Situation, about: Iterable[Fact]) -> list[str]:
 def _place(
     search: Search, situation: Situation, request: PlacementRequest, between: Sequence[list[SpacingChain]]
 ) -> tuple[Quaternion, Volume, Floor]:
-    """Return the orientation of an object, its volume with that, and the floor of the volume.
+    """Return the orientation of an object, its volume in that orientation, and the floor of the volume.
 
     The yaw is random. If it leaves no room for the object or for later ones, the object is aligned with the axes
-    instead, which takes the least room. `between` are chains for what comes between it and others, ample room first.
+    instead, which takes the least room. `between` are chains for objects between it and others, ample room first.
 
     Raises:
         Failure: the volume is empty.
@@ -181,7 +181,7 @@ def _place(
     for yaw in _yaws(search, situation, request):
         quaternion = yaw_quaternion(yaw)
         whole = placement_volume(situation, request, quaternion)
-        # Room for what comes between is ample if possible, else just enough.
+        # Room for objects in between is ample if possible, else just enough.
         parts = (
             whole.meet(spacing_volume(situation, request.entity, quaternion, chained)) if chained else whole
             for chained in between or ([],)
@@ -227,16 +227,16 @@ def _ahead(search: Search, situation: Situation, request: PlacementRequest) -> t
 def placement_volume(
     situation: Situation, request: PlacementRequest, quaternion: Quaternion, tight: bool = False
 ) -> Volume:
-    """Return the volume of an object with its orientation on or above a support, as the facts require.
+    """Return the volume of an oriented object on or above a support, as the facts require.
 
     An object on the table has to be in the workspace and within reach. It may be anywhere on the table if it is known
-    to be out of reach, and anywhere in the workspace if several robots share the table. One that is `tight` touches the
+    to be out of reach, and anywhere in the workspace if several robots share the table. A `tight` volume touches the
     walls of a container.
     """
     entity, support, about, _, height = request
     out_of_reach = any(fact.predicate.gripper is Gripper.REACHES and not fact.value for fact in about)
     if support != TABLE:
-        # A body from a file with a cavity can bear others on its rim, too.
+        # A body from a file with a cavity can also bear others on its rim.
         on_it = any(fact.value and fact.predicate is ON_TOP and fact.arguments == (entity, support) for fact in about)
         shape = situation.shape(support)
         rests = INSIDE if shape.traits.hollow or (shape.hollow and not on_it) else ON_TOP
@@ -264,7 +264,7 @@ def placement_volume(
 
 
 def _close(situation: Situation, entity: str, volume: Volume, about: Iterable[Fact]) -> Volume:
-    """Return the part of a volume close to what an object is beside, where people recognise the relation."""
+    """Return the part of a volume close to the objects beside an object, where people recognise the relation."""
     for fact in about:
         if fact.value and fact.predicate.seen_close:
             other = fact.arguments[1] if fact.arguments[0] == entity else fact.arguments[0]
@@ -278,7 +278,7 @@ def _close(situation: Situation, entity: str, volume: Volume, about: Iterable[Fa
 def _neighbours(
     situation: Situation, others: Iterable[str], support: str, turned: tuple[Shape, Quaternion, Vector], z: float
 ) -> list[Neighbour]:
-    """Return the others that an object at a height can meet, without containers it is put into.
+    """Return the other bodies that an object at a height can meet, without containers that it is put into.
 
     `turned` has the shape of the object, its orientation, and the half-extents of its bounding box. Furniture has the
     bounding boxes of its body and of the swept moving part.
@@ -308,7 +308,7 @@ def parts_meet(
 ) -> bool:
     """Return whether the parts of an object, at a place and height, may be nearer than a spacing to those of another.
 
-    Seen from above they are their convex outlines.
+    Their convex outlines seen from above are compared.
     """
     ours, theirs = part_boxes(own, quaternion), part_boxes(other, pose.quaternion)
     offset = np.array((at[0], at[1], z)) - pose.position
@@ -321,7 +321,7 @@ def parts_meet(
 
 
 def _yaws(search: Search, situation: Situation, request: PlacementRequest) -> Iterator[float]:
-    """Yield yaws in radians: in required ranges, else random and then axis-aligned, on a support along it."""
+    """Yield yaws in radians: in required ranges, else random and then axis-aligned; on a support, aligned with it."""
     ranges = yaw_ranges(situation, request.entity, request.facts)
     if ranges is not None:
         yield from sample_yaws(search, ranges)

@@ -1,7 +1,7 @@
-"""Spacing for objects that are not placed yet: one that is left of a second and right of a third keeps those apart.
+"""Spacing for objects that are not placed yet: one that is left of a second and right of a third keeps these two apart.
 
-Objects are placed one after another. An object between two others by its relations needs room there, whichever of the
-three is placed last.
+Objects are placed one after another. An object that its relations put between two others needs room there, whichever of
+the three is placed last.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from prag_asp.scene.geometry import Quaternion, extents
 
 
 class SpacingChain(NamedTuple):
-    """A placed object, the direction of another from it, and the room for what is between them in metres."""
+    """A placed object, the direction of another one from it, and the room in metres for the objects between them."""
 
     end: str
     side: Direction
@@ -27,8 +27,8 @@ class SpacingChain(NamedTuple):
 def spacing_chains(situation: Situation, entity: str, facts: Iterable[Fact]) -> tuple[list[SpacingChain], ...]:
     """Return the chains of relations from an object through unplaced ones to placed ones.
 
-    There are none if all others are placed; otherwise two lists: with the longest sides of what is between, and with
-    the shortest.
+    There are none if all others are placed; otherwise two lists: with the longest and with the shortest sides of the
+    objects in between.
     """
     beside = [fact for fact in facts if fact.value and fact.predicate.direction is not None]
     if all(other in situation.poses or other == entity for fact in beside for other in fact.arguments):
@@ -50,7 +50,7 @@ def spacing_chains(situation: Situation, entity: str, facts: Iterable[Fact]) -> 
 
 
 def spacing_volume(situation: Situation, entity: str, quaternion: Quaternion, chains: Iterable[SpacingChain]) -> Volume:
-    """Return the volume in which an object with its orientation leaves room for what is between it and others."""
+    """Return the volume in which an oriented object leaves room for the objects between it and others."""
     volume = Volume()
     half = extents(situation.shape(entity), quaternion)
     for end, side, between in chains:
@@ -61,9 +61,9 @@ def spacing_volume(situation: Situation, entity: str, quaternion: Quaternion, ch
 def _follow(
     situation: Situation, entity: str, links: Iterable[tuple[str, str]], wide: bool, passed: tuple[str, ...]
 ) -> Iterator[tuple[str, float]]:
-    """Yield the ends of the chains from an object, and the room for what is between in metres.
+    """Yield the ends of the chains from an object, and the room in metres for the objects in between.
 
-    `links` are pairs of objects of which the first lies in the direction of the chains from the second.
+    `links` are pairs of objects; the first lies in the direction of the chains from the second.
     """
     for one, other in links:
         if one != entity or other in passed:

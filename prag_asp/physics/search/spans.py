@@ -1,4 +1,4 @@
-"""Spacing for an object that comes between two others, now or later: the two are placed far enough apart.
+"""Spacing for an object between two others, now or later: the two are placed far enough apart.
 
 This only guides sampling; all checks stay the same.
 """
@@ -16,11 +16,11 @@ FINGER_ROOM = 0.035
 """The distance between two objects that leaves room for a finger, in metres."""
 
 DEPTH = 4
-"""The number of nested objects in between that are considered."""
+"""The maximum nesting depth of objects in between."""
 
 
 class Span(NamedTuple):
-    """The desired distance of another object, centre to centre, in metres: with room for a finger, or just enough."""
+    """The desired distance to another object, centre to centre, in metres: with room for a finger, or just enough."""
 
     other: str
     ample: float
@@ -32,7 +32,7 @@ Spans = Mapping[tuple[int, str], tuple[Span, ...]]
 
 
 def foresee_spans(physical: PhysicalTask, scene: Scene) -> Spans:
-    """Return the desired distances between the objects of a task, for what comes between them."""
+    """Return the desired distances between the objects of a task, for objects that come between them."""
     all_facts = [*physical.initial, *(fact for effect in physical.effects for fact in effect.fresh)]
     if not any(fact.value and fact.predicate.lies_between for fact in all_facts):
         return {}
@@ -63,7 +63,7 @@ def _span(physical: PhysicalTask, scene: Scene, k: int, pair: tuple[str, str], w
 
 
 def _between(physical: PhysicalTask, k: int, pair: tuple[str, str]) -> Iterator[tuple[int, Fact]]:
-    """Yield the facts that put something between two objects while they rest as in state `k`, each with its state."""
+    """Yield the facts that put an object between two others while these rest as in state `k`, each with its state."""
     if k == 0:
         yield from ((0, fact) for fact in physical.initial if _parts(fact, pair))
     for j in range(k, len(physical.effects)):
@@ -74,5 +74,5 @@ def _between(physical: PhysicalTask, k: int, pair: tuple[str, str]) -> Iterator[
 
 
 def _parts(fact: Fact, pair: tuple[str, str]) -> bool:
-    """Return whether a fact puts something between two objects."""
+    """Return whether a fact puts an object between two others."""
     return fact.value and fact.predicate.lies_between and {*fact.arguments[1:]} == {*pair}

@@ -18,19 +18,19 @@ from prag_asp.scene.solids import solids, walls, weight
 PARKING = (20.0, 20.0, 5.0)
 NO_MARGIN = 0.0
 """The collision margin of meshes. By default PyBullet keeps other bodies 1 mm off the hull of a mesh, and rounds the
-edges of other solids by as much; on upright solids only the vertical edges."""
+edges of other solids by 1 mm; on upright solids only the vertical edges."""
 
 PATCH = 0.001
 """The height of the coloured patch of a zone above the table, in metres."""
 
 
 def parking_place(i: int) -> Vector:
-    """Return the parking place of the body number `i`, in metres; all are distinct."""
+    """Return the parking place of body number `i`, in metres; all places are distinct."""
     return (PARKING[0] + 2.0 * i, PARKING[1], PARKING[2])
 
 
 def make_table(client: int, scene: Scene, *, visual: bool = False) -> int:
-    """Make the table, its top at z = 0."""
+    """Make the table, with its top at z = 0."""
     table = scene.table
     top = Solid("box", (*table.size, TABLE_THICKNESS))
     at = (*table.centre, -TABLE_THICKNESS / 2)
@@ -55,11 +55,11 @@ def make_body(
 ) -> int:
     """Make the body of an object; a fixed one has no mass, and a container can be made without its floor.
 
-    `free` makes it a plain rigid body, which is cheaper to simulate. Furniture and bodies with a model, which need
-    joints or exact geometry, never are.
+    `free` makes it a plain rigid body, which is cheaper to simulate, unless it is furniture or a body with a model,
+    which need joints or exact geometry.
 
     Raises:
-        SceneError: PyBullet refuses its shape.
+        SceneError: PyBullet refuses the body's shape.
     """
     color = scene.color(entity) if visual else None
     shape, material = scene.shapes[entity], scene.material(entity)
@@ -76,9 +76,9 @@ def make_body(
 
 
 def mass_frame(scene: Scene, entity: str) -> Pose | None:
-    """Return the frame of the mass of a body in its own frame: centre of mass, principal axes; None if they are equal.
+    """Return the inertial frame of a body (centre of mass, principal axes) in the body's frame; None if they are equal.
 
-    PyBullet's poses of bodies are those of this frame.
+    PyBullet's poses of bodies are those of the inertial frame.
     """
     model = scene.shapes[entity].model
     return None if model is None or entity in scene.fixed else Pose(model.centre, model.axes)
@@ -107,7 +107,7 @@ def set_mass(client: int, scene: Scene, entity: str, body: int, still: bool = Fa
 
 
 def mass(scene: Scene, entity: str) -> float:
-    """Return the mass of an object in kilograms, 0 for one that is fixed."""
+    """Return the mass of an object in kilograms, 0 for a fixed one."""
     return 0.0 if entity in scene.fixed else weight(scene, entity)
 
 
@@ -122,7 +122,7 @@ def _make(
     frame: Pose | None = None,
     looks: Sequence[Look] = (),
 ) -> int:
-    """Make one body of several solids, with a `frame` of its mass; without a colour it is invisible."""
+    """Make one body of several solids, with its inertial `frame`; without a colour it is invisible."""
     own = {} if frame is None else {"baseInertialFramePosition": frame[0], "baseInertialFrameOrientation": frame[1]}
     with open_shapes(made_of, client, color, looks) as (solid, seen):
         body = pybullet.createMultiBody(

@@ -13,13 +13,13 @@ from prag_asp.scene.robots import Joints
 
 BASE_LINK = -1
 ARMS_APART = 0.01
-"""The distance in metres that arms keep from each other: if they barely miss, they press on each other in motion."""
+"""The distance in metres that arms keep from each other: arms that barely miss press on each other in motion."""
 
 
 class ArmCollision(NamedTuple):
-    """The body that the arm collides with, and whether the hand does.
+    """The body that the arm collides with, and whether the hand collides.
 
-    If the hand does, no other configuration for the tool pose helps.
+    If it does, no other configuration for the tool pose helps.
     """
 
     other: str
@@ -42,7 +42,7 @@ def boxes_meet(one: Box, two: Box) -> bool:
 def colliding(
     simulator: Simulator, situation: Situation, changed: Iterable[str], objects: Iterable[str]
 ) -> tuple[str, str] | None:
-    """Return a moved object and the object, or the table, with which it collides; None if there is no collision."""
+    """Return a moved object and the object or table that it collides with; None if there is no collision."""
     boxes, done = {entity: box(situation, entity) for entity in objects}, set[str]()
     for one in changed:
         done.add(one)
@@ -98,7 +98,7 @@ def arm_collision(
 
 
 def _meets_object(simulator: Simulator, situation: Situation, name: str, arm: Arm) -> tuple[str, int] | None:
-    """Return an object and the link of an arm that collide, None if none do; its fingers may touch what it holds."""
+    """Return an object and the link of an arm that collide, None if none do; fingers may touch a held object."""
     simulated = simulator.arms[name]
     robot = simulated.robot
     bodies = situation.bodies
@@ -137,7 +137,7 @@ def _deep(contacts: Iterable[tuple[int, float]]) -> int | None:
 
 
 def _touching(body: Corners, links: Iterable[tuple[int, Corners]]) -> list[int]:
-    """Return the links whose bounding boxes intersect another."""
+    """Return the links whose bounding boxes intersect another box."""
     (ax, ay, az), (bx, by, bz) = body
     return [
         link

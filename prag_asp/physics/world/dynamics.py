@@ -23,10 +23,11 @@ from prag_asp.scene.robots import Joints, Robot, robot_of
 from prag_asp.scene.scene import Scene
 
 TIME_STEP = 1 / 120
-"""Seconds; half of it doubles the cost and does not raise the share of tasks that succeed."""
+"""The time step in seconds; halving it doubles the cost and does not raise the share of tasks that succeed."""
 
 SOLVER_ITERATIONS = 200
-"""With PyBullet's default of 50 a joint sometimes exceeds its acceleration limit; this costs a sixth more."""
+"""The number of solver iterations. With PyBullet's default of 50, a joint sometimes exceeds its acceleration limit; 200
+cost a sixth more."""
 
 POSITION_GAIN = 0.2
 """The share of a joint's position error that its motor corrects in one step."""
@@ -35,13 +36,13 @@ RESTING, RESTING_TURN = 0.005, 0.05
 """Speeds below which a body is at rest, in m/s and rad/s: held objects tremble a little."""
 
 SLEEP_FRAMES = 4
-"""After this number of consecutive frames at rest a body is put to sleep, until something moving comes close to it.
+"""The number of consecutive frames at rest after which a body is put to sleep, until a moving body comes close.
 
 PyBullet itself waits for two seconds.
 """
 
 FORGETTING = 2
-"""The number of steps that bodies have to be far apart until PyBullet has discarded their contacts."""
+"""The number of steps for which bodies have to be far apart until PyBullet has discarded their contacts."""
 
 AWAKE, ASLEEP = pybullet.ACTIVATION_STATE_WAKE_UP, pybullet.ACTIVATION_STATE_SLEEP
 COUPLING_GAIN, COUPLING_FORCE = 0.5, 500.0
@@ -69,7 +70,7 @@ NO_PRESSING = Pressing(0.0, 0.0)
 class LoadedArm:
     """An arm in a simulation: its robot, its body, and the joints of arm and gripper that motors drive.
 
-    `base` is its pose according to PyBullet: that of the centre of mass of its first link.
+    `base` is its pose in PyBullet: that of the centre of mass of its first link.
     """
 
     robot: Robot
@@ -79,7 +80,7 @@ class LoadedArm:
 
 
 class Dynamics:
-    """One PyBullet client, whose world is rebuilt for every task, so that results depend on the task alone."""
+    """A PyBullet client whose world is rebuilt for every task, so that results depend on the task alone."""
 
     def __init__(self, scene: Scene, client: int):
         self.scene = scene
@@ -122,8 +123,8 @@ class Dynamics:
         """Reset the world to a moment, at rest; only held objects are awake.
 
         The simulation from there depends on the moment alone, bit for bit: PyBullet caches contacts and their forces,
-        so all bodies are first moved far apart for `FORGETTING` steps. The moment has to have the objects with which
-        the world was built, and all its arms.
+        so all bodies are first moved far apart for `FORGETTING` steps. The moment must have all objects and arms of the
+        world.
         """
         client = self.client
         apart = [*self._bodies.values(), *(arm.body for arm in self._arms.values())]
@@ -156,8 +157,8 @@ class Dynamics:
     ) -> None:
         """Set the targets of the motors of an arm from now on.
 
-        `speeds` are the target speeds of the joints in rad/s. An opening less than the width of an object between the
-        fingers squeezes it, with the `force` of each in newtons, by default the grip force of the robot.
+        `speeds` are the target speeds of the joints in rad/s. An opening smaller than the width of an object between
+        the fingers squeezes it with the `force` of each finger in newtons, by default the grip force of the robot.
         """
         arm = self._arms[robot]
         squeeze = arm.robot.grip_force if force is None else force
@@ -177,7 +178,7 @@ class Dynamics:
         pybullet.stepSimulation(physicsClientId=self.client)
 
     def arms(self) -> dict[str, Arm]:
-        """Return the state of each arm; what it holds is not known."""
+        """Return the state of each arm; held objects are unknown."""
         arms = {}
         for name, arm in self._arms.items():
             states = pybullet.getJointStates(arm.body, arm.driven, physicsClientId=self.client)
@@ -214,7 +215,7 @@ class Dynamics:
 
     @property
     def parts(self) -> tuple[str, ...]:
-        """The names of the bodies and links in contacts, which come before those of the objects."""
+        """The names of bodies and links in contacts, before those of the objects."""
         grippers = [f"{part} of {name}" for name in self.scene.robots for part in ROBOT_PARTS]
         return (*grippers, "table")
 
@@ -250,7 +251,7 @@ class Dynamics:
     def _load_arm(self, name: str) -> LoadedArm:
         """Load a robot whose links collide only in its `self_pairs`.
 
-        Its fingers have rubber pads, and are coupled as by one motor.
+        Its fingers have rubber pads, and are coupled as if by one motor.
         """
         client, robot = self.client, robot_of(self.scene, name)
         with mute_output(STDOUT):

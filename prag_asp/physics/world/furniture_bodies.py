@@ -14,7 +14,7 @@ from prag_asp.scene.solids import boxes, volume
 JOINT = 0
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 SLIDE_DRAG, HINGE_DRAG = 2.0, 0.2
-"""The friction of a joint, in newtons or newton metres."""
+"""The friction of a joint: of a drawer in newtons, of a door in newton metres."""
 
 LIGHTER = 0.25
 
@@ -23,7 +23,7 @@ def make_furniture(client: int, shape: Shape, material: Material, at: Vector, co
     """Make closed furniture; without a colour it is invisible.
 
     Raises:
-        SceneError: PyBullet refuses its shape.
+        SceneError: PyBullet refuses the furniture's shape.
     """
     parts = mechanism(shape)
     weight = material.density * volume(boxes(parts.part))
@@ -64,7 +64,7 @@ def make_furniture(client: int, shape: Shape, material: Material, at: Vector, co
 
 
 def set_opening(client: int, body: int, opening: float) -> None:
-    """Set how far furniture is open, in metres or radians."""
+    """Set the opening of furniture, in metres or radians."""
     pybullet.resetJointState(body, JOINT, opening, physicsClientId=client)
 
 

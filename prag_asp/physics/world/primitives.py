@@ -1,7 +1,7 @@
 """PyBullet's collision and visual shapes of solids, and the mesh files that it reads for them.
 
 The files are written from the meshes that we have read and measured, so that both agree. PyBullet's own readers include
-points that no face uses, and crash on a face of two corners or on an ASCII .stl.
+points that no face uses, and crash on a face with two corners or on an ASCII .stl file.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ GEOMETRIES: Mapping[str, int] = {
     "sphere": pybullet.GEOM_SPHERE,
     "mesh": pybullet.GEOM_MESH,
 }
-"""PyBullet's types of the solids; for a mesh, it uses the convex hull of each part."""
+"""PyBullet's types of solids; for a mesh, it uses the convex hull of each part."""
 
 NOTHING = -1
 SHADE, BELT, SPOT, STANDING_OUT = 0.45, 0.12, 0.5, 0.02
 """The marks on a ball, as shares of the ball's brightness and diameter: their shade, the height of the belt, the size
-of the spot, and how far both stand out."""
+of the spot, and the height of both above the surface."""
 
 ASIDE = (0.6, 0.0, 0.8)
 STRAIGHT = (0.0, 0.0, 0.0)
@@ -41,13 +41,13 @@ STRAIGHT = (0.0, 0.0, 0.0)
 def open_shapes(
     solids: Sequence[Solid], client: int, color: str | None, looks: Sequence[Look] = ()
 ) -> Iterator[tuple[int, int]]:
-    """Give the ids of the collision and visual shapes of several solids; without a colour they are invisible.
+    """Yield the ids of the collision and visual shapes of several solids; without a colour they are invisible.
 
     The visual shapes are the `looks`, if there are any. PyBullet reads the files of visual shapes only when it makes a
-    body, so that this has to be done before they are closed. Calls with meshes must not be nested.
+    body, so make the body within the context. Calls with meshes must not be nested.
 
     Raises:
-        SceneError: PyBullet refuses one, or a mesh cannot be read.
+        SceneError: PyBullet refuses a shape, or a mesh cannot be read.
     """
     meshes = {solid: mesh_file(solid) for solid in solids if solid.mesh}
     seen = [] if color is None else visible_pieces(solids, looks, color)
@@ -78,7 +78,7 @@ def open_shapes(
 
 
 def visible_pieces(solids: Sequence[Solid], looks: Sequence[Look], color: str) -> list[VisiblePiece]:
-    """Return the visual shape of a body in PyBullet, in a colour by which those of the looks are multiplied.
+    """Return the visual shape of a body in PyBullet, in a colour that multiplies those of the looks.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -94,7 +94,7 @@ def visible_pieces(solids: Sequence[Solid], looks: Sequence[Look], color: str) -
 
 
 def _own_file(solid: Solid) -> tuple[str, dict[str, bytes]]:
-    """Return the name of the file of a mesh as it collides, and the file; nothing for other solids."""
+    """Return the name of the file that a mesh collides with, and the file by name; both empty for other solids."""
     if not solid.mesh:
         return "", {}
     name, content = mesh_file(solid)
@@ -102,7 +102,7 @@ def _own_file(solid: Solid) -> tuple[str, dict[str, bytes]]:
 
 
 def _sizes(solids: Sequence[Solid]) -> dict[str, Any]:
-    """Return PyBullet's arguments for the sizes of solids; each type reads what it needs."""
+    """Return PyBullet's arguments for the sizes of solids; each type reads those that it needs."""
     return {
         "shapeTypes": [GEOMETRIES[solid.kind] for solid in solids],
         "radii": [solid.size[0] / 2 for solid in solids],
@@ -112,7 +112,7 @@ def _sizes(solids: Sequence[Solid]) -> dict[str, Any]:
 
 
 def _marks(ball: Solid) -> list[Solid]:
-    """Return the marks on a ball that make its rotation visible from everywhere: a belt, and a spot beside it."""
+    """Return the marks on a ball that make its rotation visible from all sides: a belt, and a spot beside it."""
     across, (x, y, z) = ball.size[0], ball.at
     belt, spot = BELT * across, SPOT * across
     off = (1 + STANDING_OUT) * across / 2 - spot / 2
@@ -134,7 +134,7 @@ def _turned(what: str, solids: Sequence[Solid], files: Sequence[str]) -> dict[st
 
 
 def mesh_file(solid: Solid) -> tuple[str, bytes]:
-    """Return a unique name and an .obj with a mesh in metres, each object of which collides as its convex hull.
+    """Return a unique name and an .obj file with a mesh in metres; each of its objects collides as its convex hull.
 
     Raises:
         SceneError: the mesh cannot be read.
@@ -144,7 +144,7 @@ def mesh_file(solid: Solid) -> tuple[str, bytes]:
 
 @lru_cache(maxsize=32)
 def _mesh_file(mesh: str, scale: tuple[float, float, float], _state: tuple[int, int]) -> tuple[str, bytes]:
-    """Return a name and an .obj; `_state` is that of the mesh's file, so that a changed file is read again."""
+    """Return a name and an .obj file; `_state` is that of the mesh's file, so that a changed file is read again."""
     parts = mesh_parts(mesh, scale)
     points = dict.fromkeys(chain.from_iterable(chain.from_iterable(parts)))
     numbers = {point: i for i, point in enumerate(points, 1)}

@@ -58,7 +58,7 @@ class SimulatedArm:
         self._at = joints, width
 
     def contacts(self, body: int, links: Iterable[int], within: float = 0.0) -> list[tuple[int, float]]:
-        """Return the links of the arm that are `within` a distance of a body, with the distances in metres."""
+        """Return the links of the arm `within` a distance of a body, with their distances in metres."""
         contacts = []
         for link in links:
             points = pybullet.getClosestPoints(self.body, body, within, linkIndexA=link, physicsClientId=self.client)
@@ -94,7 +94,7 @@ class SimulatedArm:
         return boxes
 
     def self_overlap(self, joints: Joints, width: float) -> float:
-        """Return minus the deepest penetration of two links of the arm in metres, 0 if none touch."""
+        """Return the negated maximum penetration depth of two links of the arm in metres, 0 if none touch."""
         boxes = dict(zip(self.robot.links, self.link_boxes(joints, width), strict=True))
         posture = self._known[joints]
         if posture.overlap is None:
@@ -111,7 +111,7 @@ class SimulatedArm:
         return posture.overlap
 
     def flange(self) -> Pose:
-        """Return the pose of the flange by the simulator's own forward kinematics."""
+        """Return the pose of the flange from the simulator's own forward kinematics."""
         return read_flange(self.client, self.body, self.robot)
 
 
@@ -133,7 +133,7 @@ def load_robot(client: int, path: Path, base: Pose, *, visual: bool = False, sol
 def load_robot_files(
     client: int, files: Mapping[str, bytes], base: Pose, *, visual: bool = False, solid: bool = False
 ) -> int:
-    """Load an arm as `load_robot` does, from the contents of files, the first of which is the URDF.
+    """Load an arm like `load_robot`, from the contents of files, the first of which is the URDF.
 
     Raises:
         SceneError: PyBullet cannot load it.
@@ -149,7 +149,7 @@ def set_joints(client: int, body: int, robot: Robot, joints: Joints, width: floa
 
 
 def read_flange(client: int, arm: int, robot: Robot) -> Pose:
-    """Return the pose of an arm's flange by the simulator's own forward kinematics.
+    """Return the pose of an arm's flange from the simulator's own forward kinematics.
 
     The quaternion is normalized, because the rounded angles of the URDF make it deviate by up to 1e-7.
     """

@@ -1,7 +1,7 @@
 """A kinematic PyBullet world with the robots, the table and one body for each object of the scene.
 
-Bodies are made once and reused, because making and removing them leaks memory. Those that a task does not use are
-parked, each at its own place. PyBullet does not report unknown bodies and poses that are not finite, so both are
+Bodies are made once and reused, because making and removing them leaks memory. Bodies that a task does not use are
+parked, each at a separate place. PyBullet does not report unknown bodies and poses that are not finite, so both are
 checked here.
 """
 
@@ -22,19 +22,19 @@ from prag_asp.scene.robots import Joints, Robot, robot_of
 from prag_asp.scene.scene import Scene
 
 COLLISION = -0.0015
-"""Bodies collide if their distance is below this, in metres: a penetration of more than 1.5 mm."""
+"""The distance in metres below which bodies collide: a penetration of more than 1.5 mm."""
 
 NOTHING_OPEN: Mapping[str, float] = {}
 CONTACT_BREAKING = 0.005
-"""Metres; with PyBullet's default of 20 mm contact points keep normals from before a held object was rotated, and with
-2 mm a standing can sinks by up to 5 mm into its support.
+"""The distance in metres at which contacts break. With PyBullet's default of 20 mm, contact points keep normals from
+before a held object was rotated; with 2 mm, a standing can sinks by up to 5 mm into its support.
 
-It is one number for all worlds of a process.
+All worlds of a process share this number.
 """
 
 
 class Simulator:
-    """One PyBullet client and the bodies in it; use `open_simulator`, which closes it."""
+    """A PyBullet client and its bodies; use `open_simulator`, which closes it."""
 
     def __init__(self, scene: Scene, client: int, visual: bool):
         self.scene = scene
@@ -124,12 +124,12 @@ class Simulator:
             self.arms[name].pose(arm.joints, arm.width)
 
     def overlap(self, one: int, two: int) -> float:
-        """Return minus the penetration depth of two bodies in metres, 0 if they are apart."""
+        """Return the negated penetration depth of two bodies in metres, 0 if they are apart."""
         points = pybullet.getClosestPoints(one, two, 0.0, physicsClientId=self.client)
         return min((point[8] for point in points), default=0.0)
 
     def flange(self) -> Pose:
-        """Return the pose of the flange of the acting arm by the simulator's own forward kinematics."""
+        """Return the pose of the flange of the acting arm from the simulator's own forward kinematics."""
         return self.arm.flange()
 
     def read(self, entity: str) -> Pose:
@@ -157,7 +157,7 @@ class Simulator:
         del self._poses[entity]
 
     def _chosen(self) -> dict[str, int]:
-        """Return the body of each object in its present size."""
+        """Return the body of each object in its current size."""
         shapes, objects = self.scene.shapes, dict.fromkeys(entity for entity, _ in self._pool)
         missing = [entity for entity in objects if (entity, shapes[entity]) not in self._pool]
         if missing:
@@ -175,12 +175,12 @@ def start_world(client: int) -> None:
 
 
 def move(client: int, body: int, pose: Pose) -> None:
-    """Move a body; the pose is that of its mass."""
+    """Move a body; the pose is that of its inertial frame."""
     pybullet.resetBasePositionAndOrientation(body, pose.position, pose.quaternion, physicsClientId=client)
 
 
 def read_pose(client: int, body: int) -> Pose:
-    """Return the pose of a body: that of its mass."""
+    """Return the pose of a body: that of its inertial frame."""
     position, quaternion = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
     return Pose(tuple(position), tuple(quaternion))
 
@@ -190,7 +190,7 @@ def open_client() -> Iterator[int]:
     """Connect to PyBullet without a window, and disconnect afterwards.
 
     Raises:
-        SceneError: too many are open in this process.
+        SceneError: this process has too many open clients.
     """
     with mute_output(STDOUT):
         client = pybullet.connect(pybullet.DIRECT)
@@ -204,7 +204,7 @@ def open_client() -> Iterator[int]:
 
 @contextmanager
 def open_simulator(scene: Scene, *, visual: bool = False) -> Iterator[Simulator]:
-    """Open a simulator without a window, and close it afterwards; `visual` loads what pictures need."""
+    """Open a simulator without a window, and close it afterwards; `visual` loads the visual shapes for pictures."""
     with open_client() as client:
         with mute_output(STDOUT):
             simulator = Simulator(scene, client, visual)

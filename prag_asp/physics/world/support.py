@@ -1,4 +1,4 @@
-"""Static stability: the contacts from below, and the centre of mass of a body with what rests on it.
+"""Static stability: the contacts from below, and the centre of mass of a body with all bodies that rest on it.
 
 Bodies stand upright. In a stack, the centre of mass includes everything that rests on a body.
 """
@@ -17,8 +17,8 @@ from prag_asp.scene.solids import weight
 CONTACT = 0.002
 BALANCE = 1e-6
 LEAST_MARGIN, TENTH = 0.005, 0.1
-"""The margin of the centre of mass of a placed object within what it stands on that is always worth having, in metres,
-and the share of its base that is enough."""
+"""The smallest desired margin of a placed object's centre of mass within its support, in metres, and the share of its
+base that is enough."""
 TABLE = ""
 
 
@@ -67,9 +67,9 @@ def resting_height(situation: Situation, entity: str, others: Iterable[str]) -> 
 def unsupported(situation: Situation, entities: Iterable[str], needs_margin: bool = False) -> str | None:
     """Return a body that would fall or tip over, None if all are stable; held bodies are stable, and bear others.
 
-    The centre of mass has to be over what the body touches below. If it `needs_margin`, it has to be as far from the
-    edge as the scene says, or by a tenth of the width of its base, at least `LEAST_MARGIN`, if that is less; on a small
-    contact half of its radius is enough.
+    The centre of mass has to be over the contacts below the body. If it `needs_margin`, its distance from their edge
+    has to be that of the scene or, if that is less, a tenth of the width of the body's base, at least `LEAST_MARGIN`;
+    on a small contact half of its radius is enough.
     """
     bodies = list(entities)
     still = {*(arm.held for arm in situation.arms.values()), *situation.scene.fixed}
@@ -77,8 +77,8 @@ def unsupported(situation: Situation, entities: Iterable[str], needs_margin: boo
     (at_x, at_y), (half_x, half_y) = _table(situation)
     high = []
     for body in loose:
-        # The usual case is checked first: a body that stands on the table, with its centre over it, is stable. One with
-        # a model, whose base may be at its side, has to be over the table as a whole.
+        # The usual case is checked first: a body that stands on the table, with its centre over it, is stable. A body
+        # with a model, whose base may be at its side, has to be entirely over the table.
         measured = situation.body(body)
         x, y, _ = measured.pose.position
         dx, dy = (0.0, 0.0) if situation.scene.shapes[body].model is None else measured.half[:2]
@@ -100,7 +100,7 @@ def unsupported(situation: Situation, entities: Iterable[str], needs_margin: boo
 
 
 def _margin(situation: Situation, body: str) -> float:
-    """Return the desired margin of the centre of mass of a body within what it stands on, in metres."""
+    """Return the desired margin of the centre of mass of a body within its support, in metres."""
     below = base(situation.shape(body), situation.pose(body))
     width = 2 * inside_by(below, _middle(below))
     return min(situation.scene.balance, max(LEAST_MARGIN, TENTH * width))
@@ -131,7 +131,7 @@ def _tops(situation: Situation, others: Iterable[str]) -> Iterable[tuple[str, fl
 def _surfaces(situation: Situation, support: str) -> list[float]:
     """Return the heights in metres of a body's top and of a container's floor; a ball has neither.
 
-    A body from a file with a cavity has both: things can stand in it, or on its rim.
+    A body from a file with a cavity has both: objects can stand in it, or on its rim.
     """
     shape = situation.shape(support)
     floors = [floor_height(situation, support)] if shape.hollow else []
@@ -158,10 +158,10 @@ def _table(situation: Situation) -> tuple[Point, Point]:
 
 
 def _load(situation: Situation, body: str, resting: Mapping[str, list[Contact]]) -> tuple[float, Point]:
-    """Return the mass of a body with all that it bears, and the point where this load acts, seen from above.
+    """Return the mass of a body with all bodies on it, and the point where this load acts, seen from above.
 
-    A body that rests on one support loads it at its centre of mass; one that bridges several loads each with an equal
-    share, at the centre of the contact.
+    A body that rests on one support loads it at its centre of mass; one that bridges several supports loads each with
+    an equal share, at the centre of the contact.
     """
     total = weight(situation.scene, body)
     centre = centre_of_mass(situation.shape(body), situation.pose(body))

@@ -1,7 +1,7 @@
 """The visual shapes of bodies in PyBullet: solids in a colour, and meshes with textures.
 
-PyBullet draws one texture for each mesh, multiplied by the colour of the shape. It finds the texture in the library of
-materials that the .obj names, and computes flat normals where the file has none. A mesh is therefore divided by
+PyBullet draws one texture for each mesh, multiplied by the colour of the shape. It finds the texture in the material
+library that the .obj file names, and computes flat normals if the file has none. A mesh is therefore divided by
 material, and rewritten in metres with all files that it names.
 """
 
@@ -27,7 +27,7 @@ UNIT = (1.0, 1.0, 1.0)
 
 
 class VisiblePiece(NamedTuple):
-    """A solid in a colour, red, green, blue and opacity from 0 to 1; for a mesh, its file name and all files."""
+    """A solid in a colour (red, green, blue and opacity from 0 to 1); for a mesh, its file name and all files."""
 
     solid: Solid
     rgba: Rgba
@@ -36,13 +36,13 @@ class VisiblePiece(NamedTuple):
 
 
 def paint(color: str) -> Rgba:
-    """Return an opaque colour of one like ``#e4572e``."""
+    """Return an opaque colour from a code like ``#e4572e``."""
     red, green, blue = rgb(color)
     return red / 255, green / 255, blue / 255, 1.0
 
 
 def look_pieces(look: Look, tint: Rgba) -> list[VisiblePiece]:
-    """Return the pieces of a look, their colours multiplied by another one.
+    """Return the pieces of a look, with their colours multiplied by another colour.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -62,14 +62,14 @@ def _tinted(color: str, tint: Rgba) -> Rgba:
 
 @lru_cache(maxsize=64)
 def _written(look: Look, _state: tuple[int, int]) -> tuple[tuple[str, str, Mapping[str, bytes]], ...]:
-    """Return colour, name and files of each surface of a mesh; `_state` is that of its file."""
+    """Return the colour, name and files of each surface of a mesh; `_state` is that of its file."""
     return tuple(_files(surface, look.solid.size) for surface in look_surfaces(look))
 
 
 def _files(surface: Surface, scale: tuple[float, float, float]) -> tuple[str, str, Mapping[str, bytes]]:
-    """Return the colour of a surface, the name of its .obj, and this file with those that it names.
+    """Return the colour of a surface, the name of its .obj file, and this file with those that it names.
 
-    Their names depend on their contents, because PyBullet caches files by their paths.
+    File names depend on the contents, because PyBullet caches files by path.
     """
     files: dict[str, bytes] = {}
     lines: list[str] = []
@@ -92,7 +92,7 @@ def _files(surface: Surface, scale: tuple[float, float, float]) -> tuple[str, st
 
 
 def _table(lines: list[str], word: str, values: Floats) -> Integers:
-    """Append the distinct rows of values to the lines of an .obj, and return the number of each, from 1."""
+    """Append the distinct rows of values to the lines of an .obj file, and return the number of each row, from 1."""
     rows, numbers = np.unique(values.reshape(-1, values.shape[-1]), axis=0, return_inverse=True)
     lines += [" ".join((word, *(f"{each:.6g}" for each in row))) for row in rows.tolist()]
     return numbers.ravel() + 1

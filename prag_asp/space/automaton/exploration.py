@@ -40,7 +40,7 @@ ROOM = 2**26
 
 @dataclass(frozen=True)
 class Extent:
-    """The extent of an exploration; `nbytes` is its memory, including that for concatenating the edges.
+    """The extent of an exploration; `nbytes` is its memory, including memory for concatenating the edges.
 
     `expanded` is the number of states whose edges are known, `by_letter` the number of edges of each letter.
     """
@@ -152,7 +152,7 @@ class _BreadthFirst:
 
     @property
     def nbytes(self) -> int:
-        """The memory in bytes, including that for concatenating the edges."""
+        """The memory in bytes, including memory for concatenating the edges."""
         return self.states.nbytes + 2 * self._bytes
 
     def take(self, rows: Rows, left: int) -> None:

@@ -239,7 +239,7 @@ def count_along(layers: Layers, length: int, prefix: Sequence[Collection[int]], 
     """Return a lower bound on the number of words of a given length, computed until `check` reports a limit.
 
     A beam search keeps the states with the most prefixes at each step: one in the first round, then four, and so on.
-    Where completions are known, they are used. Partial diagrams are sound, and each counted path is a word.
+    Known completions are used. Partial diagrams are sound, and each counted path is a word.
     """
     rows = layers.rows_so_far(length)
     left = min(len(rows) - 1, length - len(prefix))

@@ -23,7 +23,7 @@ from prag_asp.space.automaton.exploration import Renamings
 from prag_asp.space.automaton.walks import Choice, owner_of, words_along
 
 Names = NDArray[np.int64]
-"""For each entity of a merged state, the entity that it stands for, and a final -1 for none."""
+"""For each entity of a merged state, the entity that it stands for, followed by -1 for none."""
 
 
 @dataclass(frozen=True)
@@ -156,7 +156,7 @@ def count_merged(
 
 
 def _distinguished(actions: Patterns, prefix: Sequence[frozenset[int]]) -> list[int]:
-    """Return the entities that some of these sets of letters distinguish from others of their groups."""
+    """Return the entities that any of these sets of letters distinguishes from others of their groups."""
     entities: set[int] = set()
     for allowed in prefix:
         letters = np.array(sorted(allowed), dtype=np.intp)

@@ -51,7 +51,7 @@ class Numbering:
             occupants = self._table[slots]
             empty = np.flatnonzero(occupants == EMPTY)
             if len(empty):
-                # The first of several rows gets a slot, because the last of equal assignments counts.
+                # The first of several rows gets a slot, because NumPy keeps the last assignment to a slot.
                 last_first = empty[::-1]
                 self._table[slots[last_first]] = size + waiting[last_first]
                 occupants[empty] = self._table[slots[empty]]

@@ -13,12 +13,12 @@ FAR = 1e18
 """Number of states at which a forecast stops."""
 
 WORK, TIMES = 50_000_000, 5
-"""The work, in 64-bit words of the states that edges reach, after which an exploration is worth a note if it will take
-`TIMES` as much: some seconds."""
+"""The work, in 64-bit words of the states that edges reach, after which an exploration gets a note if it will take
+`TIMES` times as much; this work takes some seconds."""
 
 
 def forecast_states(sizes: Sequence[int], further: int) -> float:
-    """Return the number of states after some further steps, given those within each number of steps from one on.
+    """Return the number of states after some further steps, given the numbers within one, two, ... steps.
 
     The ratio of the new states of successive steps is assumed to keep falling at the same rate, because growth slows
     down as a space fills up.
@@ -39,9 +39,9 @@ def forecast_states(sizes: Sequence[int], further: int) -> float:
 
 @dataclass
 class Outlook:
-    """Notes once that the exploration of some steps will take long.
+    """A forecast that notes once if the exploration of some steps will take long.
 
-    `names` are those of the actions by letter, `width` is the number of 64-bit words of a state.
+    `names` has the action name of each letter; `width` is the number of 64-bit words of a state.
     """
 
     tell: Callable[[str], None]
@@ -52,7 +52,7 @@ class Outlook:
     noted: bool = False
 
     def watch(self, extent: Extent) -> None:
-        """Take note of the extent of the exploration."""
+        """Record the extent of the exploration, and send the note if it is due."""
         self.sizes[extent.depth] = extent.states
         if self.noted or extent.edges * self.width < WORK:
             return

@@ -169,7 +169,7 @@ class ShuffledWords:
 def _beside_each(ways: Sequence[Ways], left: int) -> dict[Ways, list[int]]:
     """Return the factor of each part in the completions of the product, by the length of the word of this part.
 
-    The factor is the weight of the shuffles of one word of each other part, times the number of ways to shuffle them
+    The factor is the weight of the shuffles of one word from each other part, times the number of ways to shuffle them
     with the word of the part into `left` letters. Parts with equal completions have equal factors.
     """
     before = list(accumulate(ways[:-1], partial(_shuffle, length=left), initial=NOTHING))

@@ -24,8 +24,8 @@ def skeleton_automaton(
 ) -> tuple[Automaton, StopReason | None]:
     """Return the deterministic automaton of the words of `automaton` with each letter replaced by its name.
 
-    `names` maps letters to numbers of names, shape (number of letters,). A limit that is reached
-    is returned as well; then some states lack edges, so that words are missing but none is wrong.
+    `names` maps letters to numbers of names, shape (number of letters,). Any limit that was reached is also returned;
+    then some states lack edges, so that words are missing but none is wrong.
     """
     if not automaton.states:
         return automaton, None
@@ -59,7 +59,7 @@ def _distinct(*columns: NDArray[np.int64]) -> tuple[NDArray[np.int64], ...]:
     """Return the distinct rows of some columns, sorted."""
     sizes = [int(column.max(initial=0)) + 1 for column in columns]
     if prod(sizes) < 2**62:
-        # np.unique would import numpy.ma, which takes a tenth of the time of a small count.
+        # np.unique would import numpy.ma, which costs a tenth of the time of a small count.
         codes = np.sort(np.ravel_multi_index(columns, sizes))
         codes = codes[np.append(True, codes[1:] != codes[:-1])[: len(codes)]]
         return tuple(np.asarray(column, dtype=np.int64) for column in np.unravel_index(codes, sizes))

@@ -19,7 +19,7 @@ from prag_asp.wording import not_too_deep
 
 
 class Clause(Protocol):
-    """One clause of a condition; its text is what a user writes."""
+    """One clause of a condition; its text is the user's notation."""
 
     @property
     def file(self) -> str:
@@ -276,7 +276,7 @@ class KeywordClause:
 
 
 NONTRIVIAL = KeywordClause("nontrivial")
-"""The known part of the final state differs from that of the initial state."""
+"""The known parts of the final and the initial state differ."""
 
 LOOP_FREE = KeywordClause("loop-free")
 """No two states of a task have the same known part."""

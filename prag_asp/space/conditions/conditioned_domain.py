@@ -17,7 +17,7 @@ from prag_asp.space.conditions.state_formula import Conjunction
 
 
 def conditioned(domain: Domain, condition: Condition) -> Domain:
-    """Return a domain whose plans are those of `domain` that satisfy a condition.
+    """Return a domain whose plans are the plans of `domain` that satisfy a condition.
 
     The condition becomes part of the program, so every engine treats it like any rule, and entities that it
     distinguishes are no longer interchangeable.
@@ -61,8 +61,8 @@ def conditioned(domain: Domain, condition: Condition) -> Domain:
 def _last_state(ends: Sequence[Ends], facts: Facts) -> tuple[Assignment, Sequence[Conjunction] | None]:
     """Return the requirements on the final state: a goal, and any conjunctions of which one must hold as well.
 
-    All disjunctive clauses are combined, because one state has to satisfy them all. Literals that all conjunctions
-    share are part of the goal.
+    All disjunctive clauses are combined, because one state must satisfy them all. Literals that all conjunctions share
+    are part of the goal.
     """
     cases = [(clause, clause.conjunctions(facts)) for clause in ends]
     goal = [value for _, conjunctions in cases if len(conjunctions) == 1 for value in _assigned(conjunctions[0], facts)]

@@ -41,7 +41,7 @@ class OneOf:
 class Chain:
     """A word of `first`, then a word of `rest`.
 
-    Its hash is cached because that of a long chain would be recomputed link by link.
+    Its hash is cached, because a long chain would recompute its hash link by link.
     """
 
     first: Expression

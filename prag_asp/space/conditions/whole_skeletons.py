@@ -16,7 +16,7 @@ from prag_asp.space.parts.choice import NEAR, choose_parts, farthest
 from prag_asp.space.parts.shares import divided
 
 FEWEST_CLASSES = 20
-"""Minimum number of classes of skeletons; where there are many skeletons, parts are unions of whole classes."""
+"""Minimum number of classes of skeletons; if there are many skeletons, parts are unions of whole classes."""
 
 MANY_CLASSES, MOST_CLASSES = 200, 1000
 """Maximum number of classes that give shares exactly, and maximum number of classes for the smallest share.

@@ -49,7 +49,7 @@ class Growth:
     def hopeless(self, extent: Extent, length: int) -> bool:
         """Return whether exploration is forecast to exceed the memory within `length` steps.
 
-        The forecast assumes that memory is proportional to the number of states, see `forecast_states`.
+        The forecast assumes that memory is proportional to the number of states; see `forecast_states`.
         """
         if self.states and extent.depth < max(self.states):
             self.states.clear()
@@ -103,7 +103,7 @@ class AutoEngine:
                 raise
             _, level, _, limits = self._request
             counted, listed = reached.at_least, self._exceeded[1].completions
-            if not prefix and level != "skeleton":  # the listed states are those of plans
+            if not prefix and level != "skeleton":  # the listed states are states of plans
                 counted = max(counted, count_within(listed, length, limits.begin().to_close().reached_limit)[0])
             raise limit_error(reached.reason, counted, level, length) from None
 
@@ -134,7 +134,7 @@ class AutoEngine:
         return self._answer(length, lambda engine: engine.weighed(length, weights, goals=goals, plain=plain))
 
     def _answer(self, length: int, ask: Callable[[Engine], Answer]) -> Answer:
-        """Return the answer of the automaton engine, or of diagrams where it has too many states."""
+        """Return the answer of the automaton engine, or of diagrams if the automaton has too many states."""
         if self._exceeded is None or length < self._exceeded[0]:
             try:
                 return ask(self._listing)

@@ -122,7 +122,7 @@ class AutomatonEngine:
                 if not apart.stop:
                     return apart.found
                 least = apart.found
-                if self._level != "skeleton":  # the partial exploration is that of plans
+                if self._level != "skeleton":  # the partial exploration is of plans
                     least = max(least, count_within(reach.completions, length, clock.to_close().reached_limit)[0])
                 raise limit_error(apart.stop, least, self._level, length, apart.states)
             reach = self._reach(length, clock)

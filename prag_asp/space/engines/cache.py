@@ -37,7 +37,7 @@ class CacheEntry:
 
 
 def read_entry(folder: Path, key: str, names: Collection[str]) -> CacheEntry | None:
-    """Return the entry of a key with the arrays of some names, or None if there is no valid one."""
+    """Return the entry of a key with the arrays of some names, or None if there is no valid entry."""
     content = read_cached(folder / f"{key}{SUFFIX}", LARGEST_FILE)
     if content is None:
         return None

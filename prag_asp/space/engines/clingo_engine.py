@@ -29,7 +29,7 @@ POLL = 0.2
 
 
 MOST_LISTED, REPORTED = 300_000, 10_000
-"""Maximum number of words that are listed to sample from them, at about 4,000 a second, and words between reports."""
+"""Maximum number of words listed for sampling, at about 4,000 per second, and number of words between reports."""
 
 Ask = Callable[[], "int | None"]
 """Return the count of another process, or None until it is finished."""

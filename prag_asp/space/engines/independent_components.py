@@ -44,7 +44,7 @@ class PartCount:
 
 
 class IndependentParts:
-    """The independent parts of one level of a domain, and queries that they answer.
+    """The independent parts of one level of a domain, and the queries that they answer.
 
     `explorer` explores the whole domain, and `transition` returns its step function. Parts are searched only once the
     whole domain is large.

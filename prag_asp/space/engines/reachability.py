@@ -145,7 +145,7 @@ class Explorer:
     hopeless: Forecast | None = None
 
     def transition(self, weights: Weights | None = None, read: Sequence[clingo.Symbol] = ()) -> Transition:
-        """Return the step function to explore; its labels are those of the weights, then the atoms `read`.
+        """Return the step function to explore; its labels are the labels of the weights, then the atoms `read`.
 
         Skeletons need no canonical names because a skeleton has a plan exactly if it has a task.
 

@@ -112,7 +112,7 @@ class SatEngine:
 
 
 class _WordSearch:
-    """A solver of the words of one level and length."""
+    """A solver for the words of one level and length."""
 
     def __init__(self, formula: WordFormula) -> None:
         self.formula = formula

@@ -27,7 +27,7 @@ ROOMS = ("program", "domain", "logic", "space")
 
 RENAMINGS = {"multiplicities": ("i", 1), "order_of": ("i", 1), "orders": ("i", 2), "twins": ("b", 2)}
 ARRAYS = {"offsets": ("i", 1), "letters": ("i", 1), "targets": ("i", 1), "accepting": ("b", 1), **RENAMINGS}
-"""The dtype kind and the number of dimensions of each array; those of `RENAMINGS` belong to merged states."""
+"""The dtype kind and the number of dimensions of each array; the arrays `RENAMINGS` belong to merged states."""
 
 
 @dataclass(frozen=True)
@@ -72,8 +72,8 @@ OF_TASKS = ("canonical_names", "joint_names", "closed_invariants")
 def automaton_slot(folder: Path, model: DomainLogic, level: str, merge: bool | None) -> AutomatonSlot | None:
     """Return the slot of a level of a domain in the cache folder, or None if the encodings cannot be read.
 
-    The key covers all inputs of the arrays except the code: the program and its unreachable actions, those of the model
-    without conditions and of the models that contain it as a part, and the rules of tasks. The entry itself has the
+    The key covers all inputs of the arrays except the code: the program and its unreachable actions, also for the model
+    without conditions and for the models that contain it as a part, and the rules of tasks. The entry itself has the
     digest of the code, which is computed only if there is an entry.
     """
     domain = model.domain

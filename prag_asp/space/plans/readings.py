@@ -39,7 +39,7 @@ Reading = tuple[Atom | Composite, ...]
 
 @dataclass(frozen=True)
 class Hierarchy:
-    """The units of readings: `units` maps a sequence of actions to the free action or composites that consist of it.
+    """The units of readings: `units` maps a sequence of actions to its free action and its composites.
 
     The action comes first, then the composites in clingo's order of terms. `units` is None if the domain has no
     composites: every action is free.
@@ -49,7 +49,7 @@ class Hierarchy:
 
     @cached_property
     def lengths(self) -> tuple[int, ...]:
-        """The numbers of actions that a free action or a composite may have, in increasing order."""
+        """The possible numbers of actions of a unit, in increasing order."""
         return (1,) if self.units is None else tuple(sorted({len(actions) for actions in self.units}))
 
     def at(self, actions: tuple[Atom, ...]) -> tuple[Atom | Composite, ...]:
@@ -65,7 +65,7 @@ def hierarchy_of(facts: Facts) -> Hierarchy:
     whole: dict[Atom, Composite] = {}
     units: dict[tuple[Atom, ...], tuple[Atom | Composite, ...]] = {(atoms[a],): (atoms[a],) for a in facts.free}
     words = composite_actions(facts)
-    for composite in words:  # composites follow those that they contain
+    for composite in words:  # composites follow the composites that they contain
         parts = (atoms[part] for _, part in facts.stages[composite])
         whole[atoms[composite]] = Composite(atoms[composite], tuple(whole.get(part, part) for part in parts))
     for composite in facts.composites:
@@ -79,7 +79,7 @@ class Readings:
     """The readings of one plan, enumerated lazily, and their exact number.
 
     They are in lexicographic order of their units. Units that begin at the same action are ordered by their number of
-    actions; among those of equal length, a free action precedes the composites, which are in clingo's order of terms.
+    actions; among units of equal length, a free action precedes the composites, which are in clingo's order of terms.
     """
 
     actions: tuple[Atom, ...]
@@ -87,7 +87,7 @@ class Readings:
 
     @cached_property
     def _counts(self) -> Sequence[int]:
-        """For each place, the number of readings of the actions from there on."""
+        """For each place, the number of readings of the actions from that place on."""
         counts = [0] * len(self.actions) + [1]
         for place in range(len(self.actions) - 1, -1, -1):
             counts[place] = sum(len(units) * counts[end] for end, units in self._units(place))
@@ -123,7 +123,7 @@ class Readings:
                 waiting.append(iter(self._branches(end)))
 
     def _branches(self, place: int) -> Iterator[tuple[int, Atom | Composite]]:
-        """Yield the units that continue to a reading, and where they end."""
+        """Yield the units that lead to a reading, and the places where they end."""
         if self._counts[place]:
             for end, units in self._units(place):
                 if self._counts[end]:

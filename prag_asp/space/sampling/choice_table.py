@@ -2,8 +2,8 @@
 
 An edge is chosen with a probability exactly proportional to its weight, an integer of any size. A uniform real number U
 in [0, 1) chooses the first edge whose cumulative share of the weights exceeds U. The first 64 bits of U decide, unless
-they equal those of some cumulative share; then further bits of U are drawn. For most U, a guide table (Chen and Asau
-1974) gives the edge from the leading bits; for the others, binary search does.
+they equal the first 64 bits of some cumulative share; then further bits of U are drawn. For most U, a guide table (Chen
+and Asau 1974) gives the edge from the leading bits; for the others, binary search does.
 """
 
 from __future__ import annotations
@@ -111,7 +111,7 @@ def _guide(thresholds: Words, first: Integers, bits: int) -> NDArray[np.int32]:
 def exact_choice(running: Sequence[int], word: int, further: Callable[[], Iterator[int]]) -> int:
     """Return the index of the first running total whose ratio to the last total exceeds a uniform number.
 
-    The number is 0.word further... in base 2^64, of which only the deciding digits are read.
+    The number is 0.word further... in base 2^64; only the digits that decide are read.
     """
     total, number, size = running[-1], word, WORD
     digits: Iterator[int] | None = None

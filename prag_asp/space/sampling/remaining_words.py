@@ -57,7 +57,7 @@ class RemainingWords:
 
         word, weight = self._walks.walk(choose)
         # The total of an edge is its own weight times the total of its target, so the weight of each suffix of the
-        # word follows from that of the next shorter suffix.
+        # word follows from the weight of the next shorter one.
         rest, behind = 1, 1
         for prefix, edge, over, total in reversed(path):
             rest, remainder = divmod(over * rest, behind)

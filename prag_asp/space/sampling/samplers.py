@@ -109,7 +109,7 @@ class GoalSampler:
         self._paths = PathSampler(completions, length, self._starts)
 
     def sample(self, bits: Bits, first: int, count: int, *, with_probabilities: bool) -> DrawArray:
-        """Return the draws from number `first` on; the first random word of each chooses its goal."""
+        """Return the draws from number `first` on; the first random word of each draw chooses its goal."""
         running = list(range(1, len(self._starts) + 1))
         edges = np.empty((self._length, count), dtype=np.int64)
         goals = np.empty(count, dtype=np.int64)
@@ -181,7 +181,7 @@ class SkeletonSampler:
         return moves
 
     def sample(self, bits: Bits, first: int, count: int, *, with_probabilities: bool) -> DrawArray:
-        """Return the draws from number `first` on; the first half of the words of each chooses its skeleton."""
+        """Return the draws from number `first` on; the first half of each draw's random words chooses its skeleton."""
         edges = np.empty((self._length, count), dtype=np.int64)
         totals: list[int] = []
         for begin, end in chunks(count, 2 * self._length):

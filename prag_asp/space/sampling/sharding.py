@@ -40,7 +40,7 @@ class Deal:
 
     @classmethod
     def holding(cls, whole: int, of: int) -> Deal:
-        """Return the shard, out `of` several shards, of a draw by its overall number."""
+        """Return which of `of` shards holds a draw, given its overall number."""
         return cls(whole % of + 1, of)
 
     def __str__(self) -> str:

@@ -1,7 +1,7 @@
 """Exact statistics of the words of a level that are sampled by weight.
 
-No word is enumerated: the weight of all words through an edge is the weight of all paths to it times that of all paths
-from it (forward-backward algorithm, Baum et al. 1970), here in integers of any size.
+No word is enumerated: the weight of all words through an edge is the weight of all paths to it times the weight of all
+paths from it (forward-backward algorithm, Baum et al. 1970), here in integers of any size.
 """
 
 from __future__ import annotations
@@ -121,7 +121,7 @@ def weight_of_words_without(
     for name in (name for pattern in patterns for name in pattern):
         if name not in declared:
             raise QueryError(unknown(name, sorted(declared), "action"))
-    patterns = [pattern for pattern in patterns if numbers.keys() >= {*pattern}]  # others never occur
+    patterns = [pattern for pattern in patterns if numbers.keys() >= {*pattern}]  # other patterns never occur
     single = {numbers[pattern[0]] for pattern in patterns if len(pattern) == 1}
     pairs = {(numbers[pattern[0]], numbers[pattern[1]]) for pattern in patterns if len(pattern) == 2}
     places = np.array([numbers[name] for name in name_of], dtype=np.int64)
@@ -134,7 +134,7 @@ def _names(facts: Facts, letters: Sequence[str]) -> Iterator[str]:
 
 
 def _mentions(facts: Facts, letters: Sequence[str]) -> tuple[dict[str, set[int]], dict[str, set[int]]]:
-    """Return the letters that use each entity, and those that use an entity of each class."""
+    """Return the letters that use each entity, and the letters that use an entity of each class."""
     symbols = {str(action): action for action in facts.actions}
     by_entity: dict[str, set[int]] = {str(entity): set() for entity in facts.entities}
     by_class: dict[str, set[int]] = {str(name): set() for _, name in sorted(facts.memberships, key=str)}

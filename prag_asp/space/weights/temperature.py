@@ -17,7 +17,7 @@ DIGITS = 40
 """Digits after the decimal point: far more than needed to distinguish fractions with such denominators."""
 
 LARGEST_EXPONENT = 1000
-"""Largest power of ten of a weight."""
+"""Largest decimal exponent of a weight."""
 
 MOST_BITS = 40_000
 """Maximum number of bits, about 12,000 digits, of the numerator and of the denominator of an exact power.

@@ -1,7 +1,7 @@
 """Sampling weights of tasks, as exact fractions.
 
 The weight of a plan is the product of the weights of its actions, of its pairs of consecutive actions, and of each
-distinct entity that it uses; the weight of an entity includes those of its classes.
+distinct entity that it uses; the weight of an entity includes the weights of its classes.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from prag_asp.space.automaton.walks import Choice
 from prag_asp.wording import unknown
 
 MOST_BITS, FEW_BITS = 1 << 19, 64
-"""Maximum number of bits of an exact total, about 158,000 digits, unless weights take at most 64 bits a step.
+"""Maximum number of bits of an exact total, about 158,000 digits, unless weights take at most 64 bits per step.
 
 Each state has a total for each number of remaining steps. In the domain `prag`, totals of this size take minutes.
 """
@@ -152,7 +152,7 @@ def parse_number(what: str, number: Number) -> Fraction:
 
 
 def _exponent(number: Number) -> int:
-    """Return an upper bound on the digits before and after the decimal point, without expanding the number."""
+    """Return an upper bound on the number of digits before and after the decimal point, without expanding it."""
     if isinstance(number, Decimal):
         return abs(number.adjusted()) if number.is_finite() else 0
     if isinstance(number, str):
@@ -214,7 +214,7 @@ def refuse_unequal(weights: Weights, groups: Sequence[Sequence[clingo.Symbol]]) 
 
 
 def weighing_facts(weights: Weights) -> tuple[list[str], list[clingo.Symbol]]:
-    """Return the facts for ``rules/weights.lp``, and the atoms that it derives to weigh an edge."""
+    """Return the facts for ``rules/weights.lp``, and the atoms that this file derives to weigh an edge."""
     pairs = [clingo.Function("weighed", list(map(clingo.Function, pair))) for pair in sorted(weights.pairs)]
     entities = [clingo.Function("weighed", [entity]) for entity in sorted(weights.entities)]
     findings = [clingo.Function("follows", pair.arguments) for pair in pairs]
