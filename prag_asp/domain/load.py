@@ -194,7 +194,7 @@ def _whole_program(core: tuple[Source, ...], own: tuple[Source, ...], rules: Ite
     """Return the program of the core encodings, those that a domain's `own` files need, the own files, and `rules`.
 
     Raises:
-        DomainError: there is no such rule, or the rule takes another number of arguments.
+        DomainError: the rule does not exist, or takes another number of arguments.
     """
     core_paths = {each.path.resolve() for each in core}
     selected = (each for rule in rules for each in _rule_sources(rule, encodings))
@@ -222,7 +222,7 @@ def _rule_sources(rule: str, encodings: Path) -> tuple[Source, ...]:
     """Return the files of a rule; a rule with arguments is also stated as a fact, in an additional source.
 
     Raises:
-        DomainError: there is no such rule, or the rule takes another number of arguments.
+        DomainError: the rule does not exist, or takes another number of arguments.
     """
     atom = parse_atom(rule)
     folder = encodings / "rules"

@@ -52,7 +52,7 @@ from prag_asp.tables.toml_text import parse_toml
 STEP_PART = re.compile(r"(#program\s+)(step|check)\b")
 
 MANY = 250_000
-"""The number of fluents or actions from which a note warns: preparing so many actions took 48 s and 1.3 GB."""
+"""The number of fluents or actions from which a note warns: preparing this many actions took 48 s and 1.3 GB."""
 
 
 @dataclass(frozen=True)
@@ -137,7 +137,7 @@ def check(
 
 
 def _note_size(facts: Facts, statements: Sequence[Statement]) -> None:
-    """Tell the user of so many fluents or actions that preparing them takes long."""
+    """Warn the user of fluents or actions so numerous that preparing them takes long."""
     for predicate, terms in (("fluent", facts.fluents), ("action", facts.actions)):
         declaring = [each for each in statements if any(atom.signature == (predicate, 1) for atom in each.heads)]
         if len(terms) > MANY and declaring:
